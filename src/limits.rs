@@ -29,6 +29,9 @@ pub const MAX_EVALUATION_EPISODES: usize = 100_000;
 /// Maximum number of episodes in one `--eval`, over all rounds.
 pub const MAX_EVAL_EPISODES: u64 = 1_000_000;
 
+/// Maximum width and height of a picture, in pixels.
+pub const MAX_PICTURE_SIDE: u16 = 8192;
+
 /// Maximum number of characters in a preset's `about`.
 pub const MAX_ABOUT_CHARS: usize = 20_000;
 

@@ -478,7 +478,10 @@ const OVER_STEPS: &str = r#"(
             name: "curves",
             title: "Curves",
             draw: LearningCurves(series: [Return, SuccessRate], smoothing: 10),
-            claims: [(statement: "Sixteen is better", measure: Return, better: "sixteen", than: "one", after: EnvSteps(1500))],
+            claims: [
+                (statement: "Sixteen is better", measure: Return, better: "sixteen", than: "one", after: EnvSteps(1500)),
+                (statement: "It succeeds", measure: Success, better: "sixteen", than: "one", after: EnvSteps(1500)),
+            ],
         ),
         (name: "dots", title: "Dots", draw: DotPlot(measures: [Success, Return])),
     ],
@@ -533,6 +536,11 @@ fn arms_are_compared_over_env_steps_and_with_runs_that_were_trained_elsewhere() 
     ] {
         assert!(page.contains(text), "`{text}` is not in the page:\n{page}");
     }
+    let saved = |run: &Path| run.join("policy-after-1500-env-steps.safetensors").exists();
+    let runs = fs::read_dir(workspace.path("report/runs"))
+        .unwrap()
+        .filter(|run| saved(&run.as_ref().unwrap().path()));
+    assert_eq!(runs.count(), 4, "two arms with two seeds are tested after 1,500 env steps");
     let curves = workspace.text("report/figures/curves.svg");
     assert!(curves.contains("Success in evaluations during training") && curves.contains("env steps"));
 

@@ -171,7 +171,8 @@ fn the_gallery_shows_every_scenario_as_it_is_drawn_today() {
     let page = std::fs::read_to_string(project("docs/worlds.md")).expect("the file exists");
     let folder = tempfile::tempdir().expect("a folder");
     for (name, scenario) in shipped::scenarios() {
-        let help = format!("help: renew it with wayfield --scenario {name} --draw docs/worlds/{name}.png");
+        let help =
+            format!("help: renew it with wayfield --scenario {name} --plain --draw docs/worlds/{name}.png");
         assert!(page.contains(&format!("worlds/{name}.png")), "docs/worlds.md shows {name}");
         assert!(page.contains(&format!("scenarios/{name}.ron")), "docs/worlds.md names {name}");
         let drawn = folder.path().join(format!("{name}.png"));

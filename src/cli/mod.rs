@@ -45,13 +45,14 @@ use crate::simulation::{Extensions, use_one_task_thread};
 const MODES_HEADING: &str =
     if cfg!(feature = "gui") { "Modes (without one, the app opens)" } else { "Modes" };
 
-const AFTER_HELP: &str = "\
-  wayfield --train                                   train in Scenario I, in seconds, into runs/
+const EXAMPLES: &str =
+    "  wayfield --train                                   train in Scenario I, in seconds, into runs/
   wayfield --eval runs/scenario-1-fast-0/policy.safetensors --course
   wayfield --train --scenario scenario-2 --init POLICY --epsilon 0.5
   wayfield --resume runs/scenario-1-fast-0 --steps 900000
   wayfield --reproduce --only fig9,table2 --seeds 3  two of the paper's results, into runs/reproduce/
   wayfield --check scenarios/                        check every scenario in a folder
+  wayfield --draw curves.pdf --run runs/scenario-1-fast-0
   wayfield --export POLICY --onnx policy.onnx        a policy for ONNX Runtime
 
 A file may be `-`, standard input. Whole numbers may be written 600000, 600_000, 6e5 or 600k.
@@ -63,7 +64,7 @@ SIGHUP (129) save a checkpoint and the summary, and --resume continues.";
 fn after_help() -> String {
     let app = "  wayfield                                           open the app and watch a robot learn\n";
     let app = if cfg!(feature = "gui") { app } else { "" };
-    format!("Examples:\n{app}{AFTER_HELP}")
+    format!("Examples:\n{app}{EXAMPLES}")
 }
 
 /// Trains a LIDAR robot to navigate, in seconds, with prioritized-replay double dueling DQN
@@ -82,6 +83,8 @@ struct Arguments {
     export: export::ExportArgs,
     #[command(flatten)]
     reproduce: reproduce::ReproduceArgs,
+    #[command(flatten)]
+    draw: draw::DrawArgs,
     #[cfg(feature = "gui")]
     #[command(flatten)]
     window: window::WindowArgs,
@@ -206,7 +209,7 @@ fn run(arguments: Arguments, began: Instant) -> Result<(), RunError> {
     } else if !mode.check.is_empty() {
         check::run(&mode.check, shared.json)
     } else if let Some(file) = mode.draw {
-        draw::run(&file, &shared)
+        draw::run(&file, &arguments.draw, &shared)
     } else {
         #[cfg(feature = "gui")]
         return match mode.replay {

@@ -35,7 +35,7 @@ pub struct ModeArgs {
     #[arg(long, value_name = "PATH", num_args = 1..)]
     pub check: Vec<PathBuf>,
 
-    /// Draw a scenario from above into an SVG or PNG file
+    /// Draw a scenario from above, or with --run the learning curves of a run, into an SVG, PNG or PDF file
     #[arg(long, value_name = "FILE")]
     pub draw: Option<PathBuf>,
 
@@ -54,14 +54,14 @@ const MODES: &[(&str, &[&str])] = &[
     ("export", &["ExportArgs"]),
     ("reproduce", &["set", "out", "json", "ReproduceArgs"]),
     ("check", &["json"]),
-    ("draw", &["scenario", "set"]),
+    ("draw", &["scenario", "set", "size", "DrawArgs"]),
     #[cfg(feature = "gui")]
     ("replay", &[]),
 ];
 
 /// The options that the app takes, by clap id.
 #[cfg(feature = "gui")]
-const APP: &[&str] = &["scenario", "preset", "set", "seed", "checkpoint_every", "WindowArgs"];
+const APP: &[&str] = &["scenario", "preset", "set", "seed", "checkpoint_every", "size", "WindowArgs"];
 #[cfg(not(feature = "gui"))]
 const APP: &[&str] = &[];
 

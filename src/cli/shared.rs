@@ -43,6 +43,12 @@ pub struct SharedArgs {
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 
+    /// The size of the picture of --draw in pixels (96 per inch in PDF), such as 1600x1200 [default: the figure's, which
+    /// is 640 wide; in PNG four times that].
+    #[cfg_attr(feature = "gui", doc = "In the app: the size of the window in points")]
+    #[arg(long, value_name = "WxH", value_parser = values::size)]
+    pub size: Option<(u16, u16)>,
+
     /// Print one JSON object instead of text
     #[arg(long)]
     pub json: bool,

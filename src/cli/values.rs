@@ -3,10 +3,17 @@
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
+<<<<<<< HEAD
 use crate::limits::MAX_STEPS;
 use crate::limits::experiment::MAX_SEEDS;
 use crate::reproduce::Seeds;
+=======
+use crate::limits::{MAX_PICTURE_SIDE, MAX_STEPS};
+>>>>>>> main
 use crate::scenario::whole_number;
+
+/// The least width and height of a picture, in pixels.
+const MIN_PICTURE_SIDE: u16 = 16;
 
 /// A parser of whole numbers in `range`. They may be written 600000, 600_000, 6e5 or 600k.
 pub fn whole<N: TryFrom<u64>>(
@@ -55,6 +62,17 @@ pub fn seeds(text: &str) -> Result<Seeds, String> {
 pub fn share(text: &str) -> Result<f32, String> {
     let value = text.parse().ok().filter(|x| (0.0..=1.0).contains(x));
     value.ok_or_else(|| format!("give a number from 0 to 1{}", decimal_point(text)))
+}
+
+/// Parses a width and a height, such as 1600x1200.
+pub fn size(text: &str) -> Result<(u16, u16), String> {
+    let sides =
+        text.split_once('x').and_then(|(width, height)| Some((width.parse().ok()?, height.parse().ok()?)));
+    let valid = MIN_PICTURE_SIDE..=MAX_PICTURE_SIDE;
+    sides.filter(|(width, height)| valid.contains(width) && valid.contains(height)).ok_or_else(|| {
+        let (least, most) = (MIN_PICTURE_SIDE, MAX_PICTURE_SIDE);
+        format!("give width and height, {least}x{least} to {most}x{most}")
+    })
 }
 
 /// Parses a time in s.

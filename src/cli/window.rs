@@ -44,10 +44,6 @@ pub struct WindowArgs {
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_enum)]
     show: Vec<OverlayArg>,
 
-    /// Window size in points, such as 1280x800
-    #[arg(long, value_name = "WxH", value_parser = size)]
-    size: Option<(f32, f32)>,
-
     /// Save a screenshot of the app to a PNG file, then quit
     #[arg(long, value_name = "FILE")]
     screenshot: Option<PathBuf>,
@@ -81,6 +77,7 @@ enum OverlayArg {
 /// # Errors
 /// The scenario or preset is invalid, the window cannot be opened, or a signal or a failure has closed it.
 pub fn run(args: WindowArgs, shared: SharedArgs, save_every: Option<Duration>) -> Result<(), RunError> {
+    let size = shared.size.map(window_size).transpose()?;
     let defaults = StartOptions::default();
     let autosave = AutosaveOptions::in_data_folder(save_every.unwrap_or(AUTOSAVE_INTERVAL));
     let start = StartOptions {
@@ -105,7 +102,7 @@ pub fn run(args: WindowArgs, shared: SharedArgs, save_every: Option<Duration>) -
             .screenshot
             .map(|file| ScreenshotRequest { file, after_steps: args.screenshot_after }),
         theme: args.theme.map(ThemeChoice::from),
-        size: args.size,
+        size,
     })
 }
 
@@ -164,11 +161,13 @@ fn pace(text: &str) -> Result<Pace, String> {
     text.parse()
 }
 
-fn size(text: &str) -> Result<(f32, f32), String> {
-    let sides: Option<(u16, u16)> =
-        text.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
-    match sides {
-        Some((w, h)) if (800..=8000).contains(&w) && (500..=8000).contains(&h) => Ok((w.into(), h.into())),
-        _ => Err("give width and height, 800x500 to 8000x8000".into()),
+/// The window's size in points.
+fn window_size((width, height): (u16, u16)) -> Result<(f32, f32), RunError> {
+    if (800..=8000).contains(&width) && (500..=8000).contains(&height) {
+        return Ok((width.into(), height.into()));
     }
+    let what = format!("--size {width}x{height} is no size for the window");
+    Err(RunError::InvalidInput(format!(
+        "{what}; help: give width and height in points, 800x500 to 8000x8000"
+    )))
 }

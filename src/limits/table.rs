@@ -5,8 +5,8 @@ use std::ops::RangeInclusive;
 
 use super::{
     MAX_ABOUT_CHARS, MAX_ARENAS, MAX_BODIES, MAX_CONFIG_BYTES, MAX_EVAL_EPISODES, MAX_EVALUATION_EPISODES,
-    MAX_HEAD_BYTES, MAX_JOURNAL_BYTES, MAX_OBSERVED_FLOATS, MAX_POLICY_BYTES, MAX_RECENT_RETURNS,
-    MAX_REWARD_PARAMETER, MAX_STEPS, MAX_TIME_S, experiment,
+    MAX_HEAD_BYTES, MAX_JOURNAL_BYTES, MAX_OBSERVED_FLOATS, MAX_PICTURE_SIDE, MAX_POLICY_BYTES,
+    MAX_RECENT_RETURNS, MAX_REWARD_PARAMETER, MAX_STEPS, MAX_TIME_S, experiment,
 };
 use crate::learning::limits as learning;
 use crate::policy::limits as policy;
@@ -214,8 +214,15 @@ const TRAINING: &[Limit] = &[
     Limit("environments of a learner", count(learning::MAX_ENVS), "", "memory"),
 ];
 
-const COMMAND_LINE: &[Limit] =
-    &[Limit("episodes of one `--eval`, over all rounds", Max(MAX_EVAL_EPISODES), "", "memory")];
+const COMMAND_LINE: &[Limit] = &[
+    Limit("episodes of one `--eval`, over all rounds", Max(MAX_EVAL_EPISODES), "", "memory"),
+    Limit(
+        "width and height of a picture (`--size`)",
+        Max(MAX_PICTURE_SIDE as u64),
+        "pixels",
+        "memory: 256 MiB",
+    ),
+];
 
 const EXPERIMENTS: &[Limit] = &[
     Limit("training runs", Max(experiment::MAX_TRAININGS), "", "a larger plan would not finish"),

@@ -62,10 +62,9 @@ impl RunPlan {
         let mut plan = Self::default();
         for (index, selected) in selected.iter().enumerate() {
             let experiment = &selected.source.experiment;
-            let needed = selected.needed_length();
-            let points = selected.points();
             for condition in 0..experiment.conditions.len().max(1) {
                 for (arm_index, arm) in experiment.arms.iter().enumerate() {
+                    let (needed, points) = (selected.needed_length(&arm.name), selected.points(&arm.name));
                     for (seed, arm_run) in plan.arm(&selected.source, condition, arm, needed)? {
                         plan.add_tests(&arm_run, arm, &points, &selected.source)?;
                         plan.arm_runs.insert((index, condition, arm_index, seed), arm_run);

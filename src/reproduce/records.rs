@@ -172,7 +172,8 @@ impl Records {
 
 fn mean_of_last(values: &[f64], window: usize) -> MeasuredValue {
     let last = &values[values.len().saturating_sub(window)..];
-    MeasuredValue::exact(last.iter().sum::<f64>() / last.len().max(1) as f64)
+    // Without episodes there is no value.
+    MeasuredValue::exact(last.iter().sum::<f64>() / last.len() as f64)
 }
 
 fn rows<Row: DeserializeOwned>(path: &Path) -> Result<Vec<Row>, RunError> {

@@ -40,23 +40,23 @@ pub struct SelectedExperiment {
 }
 
 impl SelectedExperiment {
-    /// The length that is needed of each arm; `None` for all of it.
+    /// The length that is needed of `arm`; `None` for all of it.
     #[must_use]
-    pub fn needed_length(&self) -> Option<Budget> {
+    pub fn needed_length(&self, arm: &str) -> Option<Budget> {
         let mut figures = self.figures.iter().map(|&i| &self.source.experiment.figures[i].draw);
         if figures.any(|figure| matches!(figure, FigureKind::LearningCurves { .. })) {
             return None;
         }
         // The last stage starts when all stages before it are complete.
         let length = |point: &TestPoint| point.after.filter(|_| !point.of_last_stage);
-        let lengths: Vec<Budget> = self.points().keys().map(length).collect::<Option<_>>()?;
+        let lengths: Vec<Budget> = self.points(arm).keys().map(length).collect::<Option<_>>()?;
         let longest = lengths.iter().copied().max()?;
         lengths.iter().all(|&length| shorter(length, longest).is_some()).then_some(longest)
     }
 
-    /// The points that the selected figures, tables and claims are about, and whether a policy is needed there.
+    /// The points of `arm` that the selected figures, tables and claims are about, and whether a policy is needed there.
     #[must_use]
-    pub fn points(&self) -> BTreeMap<TestPoint, bool> {
+    pub fn points(&self, arm: &str) -> BTreeMap<TestPoint, bool> {
         let experiment = &self.source.experiment;
         let mut points = BTreeMap::new();
         let mut add =
@@ -78,6 +78,7 @@ impl SelectedExperiment {
                 }
                 TableKind::Rounds { after, .. } => add(TestPoint::overall(*after), true),
                 TableKind::Measures { measures, after } => add(TestPoint::overall(*after), tested(measures)),
+                TableKind::Contrast { better, than, .. } if better != arm && than != arm => {}
                 TableKind::Contrast { measures, after, of_last_stage, .. } => {
                     for point in contrast_points(after, *of_last_stage) {
                         add(point, tested(measures));
@@ -86,7 +87,7 @@ impl SelectedExperiment {
             }
             claims.extend(&table.claims);
         }
-        for claim in claims {
+        for claim in claims.into_iter().filter(|claim| claim.better == arm || claim.than == arm) {
             add(claim.point(), claim.measure.needs_test());
         }
         points

@@ -28,7 +28,7 @@ const BODY: u64 = 2048;
 const PARAMETER_COPIES: u64 = 12;
 
 /// The memory that the program takes to start and to read a file, in bytes.
-const START: usize = 48 << 20;
+const START: usize = 16 << 20;
 
 /// Ends the process with a message and exit status 1 if its limits leave too little memory to start. Call it first: it
 /// allocates nothing that must not fail.

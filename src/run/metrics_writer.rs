@@ -7,16 +7,15 @@ use std::io::Write;
 use std::time::{Duration, Instant};
 
 use super::RunError;
-use super::checkpoint::{BestPolicy, TrainerState};
+use super::checkpoint::TrainerState;
 use super::folder::{RunConfig, RunFolder};
 use super::metric_rows::{EpisodeRow, EvaluationRow};
-use super::shipped;
+use super::run_image;
 use super::tensorboard::{EventWriter, cut_back};
 use super::write_points::write_point;
-use crate::report::run_figure::{RunFigure, best_evaluation};
 
-const EPISODES: &str = "episodes.csv";
-const EVALUATIONS: &str = "evaluations.csv";
+pub(super) const EPISODES: &str = "episodes.csv";
+pub(super) const EVALUATIONS: &str = "evaluations.csv";
 
 /// The tags of an evaluation's scalars start with this.
 const EVALUATION_TAGS: &str = "evaluation/";
@@ -150,27 +149,8 @@ impl MetricsWriter {
     /// # Errors
     /// The rows cannot be read, or the SVG file cannot be written.
     pub fn draw(&self, config: &RunConfig) -> Result<(), RunError> {
-        let evaluations = self.rows(EVALUATIONS, |row: EvaluationRow| row.point())?;
-        let figure = RunFigure {
-            title: config.description(),
-            episodes: self.rows(EPISODES, |row: EpisodeRow| row.point())?,
-            best: best_evaluation(&evaluations, BestPolicy::COST_TOLERANCE),
-            evaluations,
-            is_paper_scenario_1: shipped::is_paper_scenario_1(&config.scenario),
-            ..RunFigure::default()
-        };
-        let svg = figure
-            .svg()
-            .map_err(|error| RunError::failed(&self.folder.path().join("learning-curve.svg"), error))?;
+        let svg = run_image::figure(&self.folder, config)?;
         self.folder.write("learning-curve.svg", |file| file.write_all(svg.as_bytes()))
-    }
-
-    fn rows<Row: serde::de::DeserializeOwned, Point>(
-        &self,
-        name: &str,
-        point: impl Fn(Row) -> Point,
-    ) -> Result<Vec<Point>, RunError> {
-        Ok(self.folder.rows(name)?.into_iter().map(point).collect())
     }
 
     fn scalars(&mut self, env_steps: u64, values: &[(&str, Option<f64>)]) -> Result<(), RunError> {

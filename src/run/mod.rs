@@ -16,7 +16,7 @@
 //! | `background_evaluator.rs` | evaluation during training |
 //! | `folder/` | run folders: configuration, CSV files |
 //! | `output_file/` | output files, written whole or not at all |
-//! | `image_file.rs` | the format of an image file |
+//! | `image_file.rs` | image files: SVG, PNG, PDF |
 //! | `lock.rs` | the lock that keeps a second process out of a folder |
 //! | `write_points.rs` | named places between writes, where a test can abort the process |
 //! | `metric_rows.rs`, `metrics_writer.rs` | the rows of `episodes.csv` and `evaluations.csv`, and their writer |
@@ -24,7 +24,7 @@
 //! | `export.rs` | a policy for other programs, as an ONNX file with a model card |
 //! | `checkpoint/` | checkpoints, from which a run resumes bit-identically |
 //! | `fingerprint.rs` | checksums that show whether two builds simulate bit-identically |
-//! | `scenario_image.rs` | a scenario from above, as SVG or PNG |
+//! | `scenario_image.rs`, `run_image.rs` | the figure of a scenario from above; that of a run, its learning curves |
 //! | `tensorboard/`, `progress/` | TensorBoard events; progress on stderr |
 //! | `signals.rs` | the signals that ask the program to stop |
 
@@ -52,6 +52,8 @@ pub mod policy_card;
 pub mod preset;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod progress;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod run_image;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod scenario_image;
 pub mod settings;

@@ -1,15 +1,13 @@
 //! Images of scenarios, seen from above.
 //!
-//! In: a scenario. Out: a map for the figures of reports, or a thumbnail as an SVG or PNG file.
+//! In: a scenario. Out: a map for the figures of reports, or a figure of its own.
 
-use std::io::Write;
 use std::path::Path;
 
 use bevy::math::{DVec2, Vec2, vec2};
 
 use super::RunError;
-use super::image_file::ImageFormat;
-use super::output_file::write_atomic;
+use super::image_file::{self, ImageSize};
 use crate::report::DrawError;
 use crate::report::chart::{MapObstacle, MapObstacleKind, MapShape, MapTrack, ScenarioMap};
 use crate::scenario::{Obstacle, Outline, Scenario, Track, pose_at};
@@ -50,17 +48,29 @@ pub fn map(scenario: &Scenario, layout_seed: u64, clock: u64) -> ScenarioMap {
     }
 }
 
-/// Writes a thumbnail of `scenario` at control step 0 to `path`, 480 x 360 pixels, as SVG or PNG by the
-/// file's extension.
+/// The figure of `scenario` at control step 0, as SVG: with its name, a legend, and axes in m.
 ///
 /// # Errors
-/// The extension is neither `svg` nor `png`, drawing fails, or the file cannot be written.
+/// The drawing library failed. No input is known to cause this.
+pub fn figure(scenario: &Scenario) -> Result<String, DrawError> {
+    ScenarioMap { title: scenario.name.clone(), ..map(scenario, LAYOUT_SEED, 0) }.svg()
+}
+
+/// The thumbnail of `scenario` at control step 0, 480 x 360 pixels, as SVG: without name, legend and axes.
+///
+/// # Errors
+/// The drawing library failed. No input is known to cause this.
+pub fn thumbnail(scenario: &Scenario) -> Result<String, DrawError> {
+    map(scenario, LAYOUT_SEED, 0).thumbnail_svg()
+}
+
+/// Writes the thumbnail of `scenario` to `path`, in the format that its extension names.
+///
+/// # Errors
+/// The extension names no format, drawing fails, or the file cannot be written.
 pub fn draw(scenario: &Scenario, path: &Path) -> Result<(), RunError> {
-    let format = ImageFormat::of(path)?;
-    let failed = |error: DrawError| RunError::failed(path, error);
-    let svg = map(scenario, LAYOUT_SEED, 0).thumbnail_svg().map_err(failed)?;
-    let bytes = format.encode(svg, 1.0).map_err(failed)?;
-    write_atomic(path, |file| file.write_all(&bytes)).map_err(|error| RunError::not_written(path, error))
+    let svg = thumbnail(scenario).map_err(|error| RunError::failed(path, error))?;
+    image_file::write(svg, ImageSize::Screen, path)
 }
 
 /// An obstacle's direction of motion in rad from the x axis; `None` if it stands still.
@@ -187,27 +197,5 @@ mod tests {
         let walk = ObstacleMotion::RandomWalk { radius_m: 0.5, speed_m_s: 0.1, seed: 0 };
         assert_eq!(track(&obstacle(disc(), walk)), Some(MapTrack::Ring(1.0, 0.0, 0.5)));
         assert_eq!(track(&obstacle(disc(), ObstacleMotion::Static)), None);
-    }
-
-    #[test]
-    fn the_extension_decides_between_svg_and_png() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let file = |name: &str| folder.path().join(name);
-        for (name, first) in [("a.svg", &b"<svg"[..]), ("b.PNG", b"\x89PNG")] {
-            draw(&Scenario::default(), &file(name)).expect("is drawn");
-            let bytes = std::fs::read(file(name)).expect("is there");
-            assert!(bytes.starts_with(first), "{name}");
-        }
-        let error = draw(&Scenario::default(), &file("c.gif")).expect_err("no such picture");
-        assert_eq!(error.exit_status(), 2);
-        assert!(
-            error
-                .to_string()
-                .ends_with("c.gif: unknown image format; help: give a file name that ends in .svg or .png"),
-            "{error}"
-        );
-        assert!(!file("c.gif").exists());
-        let error = draw(&Scenario::default(), &file("no/d.svg")).expect_err("the folder is missing");
-        assert!(error.to_string().contains("can't be written"), "{error}");
     }
 }

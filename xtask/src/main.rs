@@ -79,7 +79,10 @@ fn pictures() -> Vec<Step<'static>> {
         .collect();
     names.sort();
     let draw = |name: &String| {
-        cargo(&format!("run --release -p wayfield -- --scenario {name} --draw docs/worlds/{name}.png"), &[])
+        cargo(
+            &format!("run --release -p wayfield -- --scenario {name} --plain --draw docs/worlds/{name}.png"),
+            &[],
+        )
     };
     names.iter().map(draw).collect()
 }

@@ -8,7 +8,8 @@
 //! |---|---|
 //! | [`chart`] | figures as SVG: [curves with 95 % bands](chart::CurveChart), [dot plots](chart::DotPlot), [scenario maps](chart::ScenarioMap) |
 //! | [`run_figure`] | the figure of a single training run |
-//! | [`raster`] | the conversion of SVG to PNG |
+//! | [`raster`], [`pdf`](mod@pdf) | the conversion of SVG to PNG and PDF |
+//! | [`resized`] | figures of another size |
 //! | [`fonts`] | the system's fonts, for characters that the embedded one lacks |
 //! | [`statistics`] | means over seeds and differences of arms, with 95 % confidence intervals |
 //! | [`curves`] | the mean of curves whose points have different x |
@@ -76,7 +77,11 @@ pub mod page;
 #[cfg(not(target_arch = "wasm32"))]
 mod page_text;
 #[cfg(not(target_arch = "wasm32"))]
+pub mod pdf;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod raster;
+#[cfg(not(target_arch = "wasm32"))]
+mod resized;
 pub mod run_figure;
 #[cfg(all(test, not(target_arch = "wasm32")))]
 mod samples;
@@ -89,6 +94,10 @@ pub mod statistics;
 )]
 mod style;
 #[cfg(not(target_arch = "wasm32"))]
+mod svg_tree;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod table;
 
+#[cfg(not(target_arch = "wasm32"))]
+pub use resized::resized;
 pub use style::DrawError;

@@ -3,26 +3,17 @@
 //! A figure whose text the embedded font covers has the same bytes on every machine. Other characters, say of a scenario's
 //! name in Japanese, are drawn with a font of the system, if it has one.
 
-use std::sync::Arc;
-
 use resvg::tiny_skia::{Color, Pixmap, Transform};
-use resvg::usvg::{Options, Tree};
 
-use crate::fonts;
 use crate::style::DrawError;
+use crate::svg_tree::svg_tree;
 
 /// The PNG file of an SVG figure on a white background, with `scale` pixels per SVG pixel.
 ///
 /// # Errors
 /// `svg` is not valid SVG, or the image would have no pixels or be too large for memory.
 pub fn png(svg: &str, scale: f32) -> Result<Vec<u8>, DrawError> {
-    let options = Options {
-        font_family: fonts::FAMILY.to_owned(),
-        fontdb: Arc::clone(&fonts::FONTS),
-        font_resolver: fonts::resolver(),
-        ..Options::default()
-    };
-    let tree = Tree::from_str(svg, &options).map_err(DrawError::new)?;
+    let tree = svg_tree(svg)?;
     let size = tree.size();
     let pixels = |length: f32| (length * scale).round() as u32;
     let (width, height) = (pixels(size.width()), pixels(size.height()));
@@ -36,6 +27,7 @@ pub fn png(svg: &str, scale: f32) -> Result<Vec<u8>, DrawError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fonts;
 
     const FIGURE: &str = r##"<svg width="120" height="40" viewBox="0 0 240 80" xmlns="http://www.w3.org/2000/svg">
         <text x="10" y="40" font-family="Helvetica, Arial, sans-serif" font-size="32" fill="#222">−±εαβ≥</text></svg>"##;

@@ -2,6 +2,7 @@
 //!
 //! In: the history, and what only the session knows. Out: a [`RunFigure`], and its PNG or SVG file.
 
+#[cfg(target_arch = "wasm32")]
 use std::io::Write;
 use std::path::Path;
 
@@ -11,12 +12,9 @@ use super::History;
 use crate::report::run_figure::{EarlierRun, EpisodePoint, EvaluationPoint, RunFigure, RunMark};
 use crate::run::RunError;
 #[cfg(not(target_arch = "wasm32"))]
-use crate::run::image_file::ImageFormat;
+use crate::run::image_file::{self, ImageSize};
+#[cfg(target_arch = "wasm32")]
 use crate::run::output_file::write_atomic;
-
-/// Pixels of the PNG per pixel of the SVG: large enough for print.
-#[cfg(not(target_arch = "wasm32"))]
-const PNG_SCALE: f32 = 4.0;
 
 /// The maximum number of episodes in a figure. If there are more, every n-th is drawn.
 const MAX_EPISODES: u64 = 1_000_000;
@@ -84,18 +82,15 @@ impl History {
     }
 }
 
-/// Writes `figure` to `to`, as SVG or as a PNG 2560 pixels wide, by the file's extension. In a browser it is always SVG.
+/// Writes `figure` to `to`: as SVG, as PDF or as a PNG 2560 pixels wide, by the file's extension. In a browser it is always
+/// SVG.
 ///
 /// # Errors
 /// The figure cannot be drawn, or `to` cannot be written.
 pub fn write_figure(figure: &RunFigure, to: &Path) -> Result<(), RunError> {
+    let svg = figure.svg().map_err(|error| RunError::failed(to, error))?;
     #[cfg(not(target_arch = "wasm32"))]
-    let format = ImageFormat::of(to)?;
-    let svg = figure.svg();
-    #[cfg(not(target_arch = "wasm32"))]
-    let bytes = svg.and_then(|svg| format.encode(svg, PNG_SCALE));
+    return image_file::write(svg, ImageSize::Print, to);
     #[cfg(target_arch = "wasm32")]
-    let bytes = svg.map(String::into_bytes);
-    let bytes = bytes.map_err(|error| RunError::failed(to, error))?;
-    write_atomic(to, |file| file.write_all(&bytes)).map_err(|error| RunError::failed(to, error))
+    write_atomic(to, |file| file.write_all(svg.as_bytes())).map_err(|error| RunError::not_written(to, error))
 }

@@ -1,6 +1,6 @@
 //! The CSV files of a run folder.
 
-use std::fs::{File, OpenOptions};
+use std::fs::{self, File, OpenOptions};
 use std::io::{self, Seek, SeekFrom, Write};
 
 use serde::Serialize;
@@ -11,14 +11,17 @@ use crate::run::RunError;
 use crate::run::write_points::write_point;
 
 impl RunFolder {
-    /// The rows of the CSV file `name`.
+    /// The rows of the CSV file `name`. A last row without its line break is left out: a run in progress writes it.
     ///
     /// # Errors
     /// The file cannot be read, or a row cannot be parsed as `Row`.
     pub fn rows<Row: DeserializeOwned>(&self, name: &str) -> Result<Vec<Row>, RunError> {
         let path = self.path.join(name);
-        let rows = csv::Reader::from_path(&path).map(|mut reader| reader.deserialize().collect());
-        rows.flatten().map_err(|error| RunError::failed(&path, error))
+        let bytes = fs::read(&path).map_err(|error| RunError::failed(&path, error))?;
+        let end = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |last| last + 1);
+        let rows: Result<Vec<Row>, csv::Error> =
+            csv::Reader::from_reader(&bytes[..end]).into_deserialize().collect();
+        rows.map_err(|error| RunError::failed(&path, error))
     }
 
     /// A writer that appends rows to the CSV file `name` after truncating it to `bytes` bytes. A new file

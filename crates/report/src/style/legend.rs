@@ -9,7 +9,7 @@ use super::palette::{SOFT_INK, colour};
 use super::text::{ellipsized, text_width};
 
 /// Draws a symbol centred on a point, at most `SYMBOL_WIDTH` wide.
-type Symbol = fn(&Canvas, Pixel) -> DrawResult;
+pub(crate) type Symbol = fn(&Canvas, Pixel) -> DrawResult;
 
 /// A symbol and its name.
 pub(crate) enum LegendEntry {

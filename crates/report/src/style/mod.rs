@@ -18,7 +18,7 @@ pub(crate) use canvas::{
     write,
 };
 pub(crate) use labels::{draw_title, spread, title_height};
-pub(crate) use legend::{Legend, LegendEntry};
+pub(crate) use legend::{Legend, LegendEntry, Symbol};
 pub(crate) use markers::{draw_marker, pixels_along};
 pub(crate) use palette::{BLUE, GREEN, GRID, INK, SOFT_INK, VERMILION, colour};
 pub(crate) use text::{ellipsized, text_width, wrapped};

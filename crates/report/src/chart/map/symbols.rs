@@ -3,8 +3,9 @@
 use plotters::prelude::*;
 
 use super::model::{MapObstacleKind, ScenarioMap};
+use super::tracks::draw_dots;
 use crate::style::{
-    Canvas, DrawResult, GREEN, HAIRLINE, INK, LegendEntry, Pixel, SOFT_INK, STROKE, area, line,
+    Canvas, DrawResult, GREEN, HAIRLINE, INK, LegendEntry, Pixel, SOFT_INK, STROKE, Symbol, area, line,
 };
 
 const STATIC: RGBColor = RGBColor(190, 190, 190);
@@ -22,30 +23,44 @@ pub(super) fn obstacle_colours(kind: MapObstacleKind) -> (RGBColor, RGBColor) {
     }
 }
 
+/// Whether an obstacle is of some kind.
+type IsKind = fn(MapObstacleKind) -> bool;
+
 /// The legend's entries: start, goal, the kinds of obstacles on the map, and the trajectories.
 pub(super) fn legend_entries(map: &ScenarioMap) -> Vec<LegendEntry> {
     let mut entries = vec![
         LegendEntry::Symbol(|root, at| draw_robot(root, at, 0.0), "start".into()),
         LegendEntry::Symbol(draw_goal, "goal".into()),
     ];
-    let any = |is: fn(MapObstacleKind) -> bool| map.obstacles.iter().any(|obstacle| is(obstacle.kind));
-    if any(|kind| kind == MapObstacleKind::Obstacle) {
-        entries.push(LegendEntry::Symbol(
+    let kinds: [(IsKind, Symbol, &str); 4] = [
+        (
+            |kind| kind == MapObstacleKind::Wall,
+            |root, at| draw_block(root, at, MapObstacleKind::Wall),
+            "wall",
+        ),
+        (
+            |kind| kind == MapObstacleKind::Obstacle,
             |root, at| draw_block(root, at, MapObstacleKind::Obstacle),
-            "obstacle".into(),
-        ));
-    }
-    if any(|kind| kind == MapObstacleKind::Generated) {
-        entries.push(LegendEntry::Symbol(
+            "obstacle",
+        ),
+        (
+            |kind| kind == MapObstacleKind::Generated,
             |root, at| draw_block(root, at, MapObstacleKind::Generated),
-            "generated obstacle".into(),
-        ));
-    }
-    if any(|kind| matches!(kind, MapObstacleKind::Moving(_))) {
-        entries.push(LegendEntry::Symbol(
+            "generated obstacle",
+        ),
+        (
+            |kind| matches!(kind, MapObstacleKind::Moving(_)),
             |root, at| draw_block(root, at, MapObstacleKind::Moving(0.0)),
-            "moving obstacle".into(),
-        ));
+            "moving obstacle",
+        ),
+    ];
+    for (is_kind, symbol, name) in kinds {
+        if map.obstacles.iter().any(|obstacle| is_kind(obstacle.kind)) {
+            entries.push(LegendEntry::Symbol(symbol, name.into()));
+        }
+    }
+    if !map.tracks.is_empty() {
+        entries.push(LegendEntry::Symbol(draw_track, "its path".into()));
     }
     entries.extend(map.trajectories.iter().map(|path| LegendEntry::Line(path.colour, path.name.clone())));
     entries
@@ -65,6 +80,11 @@ pub(super) fn draw_robot(root: &Canvas, (x, y): Pixel, heading: f64) -> DrawResu
 pub(super) fn draw_cross(root: &Canvas, (x, y): Pixel) -> DrawResult {
     line(root, vec![(x - 9, y), (x + 9, y)], INK.stroke_width(STROKE))?;
     line(root, vec![(x, y - 9), (x, y + 9)], INK.stroke_width(STROKE))
+}
+
+/// Draws a part of a track in the legend.
+fn draw_track(root: &Canvas, (x, y): Pixel) -> DrawResult {
+    draw_dots(root, &[(x - 28, y), (x + 28, y)])
 }
 
 /// Draws the goal in the legend.
