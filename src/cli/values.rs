@@ -3,13 +3,9 @@
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
-<<<<<<< HEAD
-use crate::limits::MAX_STEPS;
 use crate::limits::experiment::MAX_SEEDS;
-use crate::reproduce::Seeds;
-=======
 use crate::limits::{MAX_PICTURE_SIDE, MAX_STEPS};
->>>>>>> main
+use crate::reproduce::Seeds;
 use crate::scenario::whole_number;
 
 /// The least width and height of a picture, in pixels.

@@ -140,14 +140,12 @@ pub fn check_scenarios(plan: &RunPlan, index: usize, source: &ExperimentSource) 
     };
     let has_runs = |name: &str| arms.iter().any(|arm| arm.name == name && !arm.runs.is_empty());
     for (better, than) in source.experiment.compared_arms() {
-        let (first, second) = (scenario(better), scenario(than));
+        let (Some(first), Some(second)) = (scenario(better), scenario(than)) else { continue };
         if (has_runs(better) || has_runs(than)) && first != second {
             return Err(RunError::InvalidInput(format!(
-                "{}: arm \"{better}\" is compared with \"{than}\", but their runs are in different scenarios: \"{}\" and \
-                 \"{}\"; help: give both arms runs in the same scenario",
+                "{}: arm \"{better}\" is compared with \"{than}\", but their runs are in different scenarios: \"{first}\" \
+                 and \"{second}\"; help: give both arms runs in the same scenario",
                 source.from,
-                first.map_or("", String::as_str),
-                second.map_or("", String::as_str),
             )));
         }
     }

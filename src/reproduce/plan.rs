@@ -64,8 +64,8 @@ impl RunPlan {
             let experiment = &selected.source.experiment;
             for condition in 0..experiment.conditions.len().max(1) {
                 for (arm_index, arm) in experiment.arms.iter().enumerate() {
-                    let (needed, points) = (selected.needed_length(&arm.name), selected.points(&arm.name));
-                    for (seed, arm_run) in plan.arm(&selected.source, condition, arm, needed)? {
+                    let points = selected.points(&arm.name);
+                    for (seed, arm_run) in plan.arm(selected, condition, arm)? {
                         plan.add_tests(&arm_run, arm, &points, &selected.source)?;
                         plan.arm_runs.insert((index, condition, arm_index, seed), arm_run);
                     }
@@ -76,16 +76,20 @@ impl RunPlan {
         Ok(plan)
     }
 
-    /// The runs of an arm, by seed.
+    /// The runs of an arm, by seed; without stages if the arm is not needed.
     fn arm(
         &mut self,
-        source: &ExperimentSource,
+        selected: &SelectedExperiment,
         condition: usize,
         arm: &Arm,
-        needed: Option<Budget>,
     ) -> Result<Vec<(u64, ArmRun)>, RunError> {
+        let source = &selected.source;
+        let seeds = source.experiment.seeds.list().into_iter();
+        if !selected.needs(&arm.name) {
+            return Ok(seeds.map(|seed| (seed, ArmRun { stages: Vec::new() })).collect());
+        }
+        let needed = selected.needed_length(&arm.name);
         if arm.runs.is_empty() {
-            let seeds = source.experiment.seeds.list().into_iter();
             return seeds
                 .map(|seed| Ok((seed, self.arm_run(source, condition, arm, seed, needed)?)))
                 .collect();

@@ -40,11 +40,21 @@ pub struct SelectedExperiment {
 }
 
 impl SelectedExperiment {
+    /// Whether a selected figure, table or claim is about `arm`.
+    #[must_use]
+    pub fn needs(&self, arm: &str) -> bool {
+        self.has_curves() || !self.points(arm).is_empty()
+    }
+
+    fn has_curves(&self) -> bool {
+        let mut figures = self.figures.iter().map(|&i| &self.source.experiment.figures[i].draw);
+        figures.any(|figure| matches!(figure, FigureKind::LearningCurves { .. }))
+    }
+
     /// The length that is needed of `arm`; `None` for all of it.
     #[must_use]
     pub fn needed_length(&self, arm: &str) -> Option<Budget> {
-        let mut figures = self.figures.iter().map(|&i| &self.source.experiment.figures[i].draw);
-        if figures.any(|figure| matches!(figure, FigureKind::LearningCurves { .. })) {
+        if self.has_curves() {
             return None;
         }
         // The last stage starts when all stages before it are complete.
