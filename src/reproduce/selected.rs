@@ -51,6 +51,34 @@ impl SelectedExperiment {
         figures.any(|figure| matches!(figure, FigureKind::LearningCurves { .. }))
     }
 
+    /// Whether a selected figure, table or claim is about the benchmark route.
+    #[must_use]
+    pub fn needs_benchmark_route(&self) -> bool {
+        let is_route = |&measure: &Measure| measure == Measure::BenchmarkRouteTime;
+        let of_claims = |claims: &[Claim]| claims.iter().any(|claim| is_route(&claim.measure));
+        let mut figures = self.figures.iter().map(|&i| &self.source.experiment.figures[i]);
+        let mut tables = self.tables.iter().map(|&i| &self.source.experiment.tables[i]);
+        let in_figures = figures.any(|figure| {
+            of_claims(&figure.claims)
+                || match &figure.draw {
+                    FigureKind::LearningCurves { .. } => false,
+                    FigureKind::DotPlot { measures, .. } => measures.iter().any(is_route),
+                    FigureKind::BenchmarkRoute { .. } => true,
+                }
+        });
+        in_figures
+            || tables.any(|table| {
+                of_claims(&table.claims)
+                    || match &table.show {
+                        TableKind::Seeds { measure, .. } => is_route(measure),
+                        TableKind::Rounds { .. } => false,
+                        TableKind::Measures { measures, .. } | TableKind::Contrast { measures, .. } => {
+                            measures.iter().any(is_route)
+                        }
+                    }
+            })
+    }
+
     /// The length that is needed of `arm`; `None` for all of it.
     #[must_use]
     pub fn needed_length(&self, arm: &str) -> Option<Budget> {
