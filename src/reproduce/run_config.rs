@@ -30,6 +30,8 @@ pub fn run_config(
     let mut preset = shipped::preset(&resolve(from, &stage.preset))?;
     preset.budget = stage.budget.unwrap_or(preset.budget);
     preset.evaluation = experiment.evaluation.unwrap_or(preset.evaluation);
+    // The experiment tests its policies itself.
+    preset.evaluation.final_episodes = 0;
     let of_stage = (format!("arm \"{}\"", arm.name), &stage.overrides);
     let of_condition =
         condition.map(|condition| (format!("condition \"{}\"", condition.name), &condition.overrides));
