@@ -627,7 +627,7 @@ fn runs_from_elsewhere_that_do_not_fit_are_rejected_with_a_fix() {
     );
     rejected(
         ("figures: [", "conditions: [(name: \"x\")],\n    figures: ["),
-        &["mine/broken.ron:", "are finished, so the conditions cannot change \"elsewhere\""],
+        &["mine/broken.ron:", "are finished, so conditions and overrides cannot change \"elsewhere\""],
     );
     rejected(("[3, 17]", "[3, 17, 3]"), &["mine/broken.ron:", "has 3 twice"]);
     rejected(("[3, 17]", "\"3\""), &["mine/broken.ron:", "a number of seeds, such as 5, or a list"]);

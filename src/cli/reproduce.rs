@@ -13,6 +13,7 @@ use super::train::SAVING;
 use super::values;
 use crate::reproduce::{ReproduceOptions, Reproduction, Seeds, reproduce};
 use crate::run::RunError;
+use crate::run::settings::Settings;
 use crate::run::signals::stop_on_signal;
 
 /// The options of `--reproduce`.
@@ -65,10 +66,10 @@ struct ClaimReport {
 /// An option or a file is invalid, a run failed, or a signal stopped it.
 pub fn run(args: ReproduceArgs, shared: SharedArgs, began: Instant) -> Result<(), RunError> {
     let options = ReproduceOptions {
-        settings: shared.settings(),
         experiments: args.experiment,
         only: args.only,
         seeds: args.seeds,
+        settings: Settings(shared.set),
         quick: args.quick,
         out: shared.out,
         jobs: args.jobs.map(usize::from),

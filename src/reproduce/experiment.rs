@@ -34,6 +34,9 @@ pub struct Experiment {
     /// The test after training.
     #[serde(default)]
     pub test: TestRule,
+    /// Changes to every stage under every condition, after all other changes. `--set` adds to them.
+    #[serde(default, skip_serializing_if = "Settings::is_empty")]
+    pub overrides: Settings,
     /// The arms to compare, at least one.
     pub arms: Vec<Arm>,
     /// The conditions under which all arms are trained. If empty, they are trained once, without changes.

@@ -14,7 +14,7 @@ pub struct ReproduceOptions {
     pub only: Vec<String>,
     /// The seeds, instead of the experiments' own.
     pub seeds: Option<Seeds>,
-    /// Fields of presets and scenarios to set in all trainings, after the stages' own overrides.
+    /// Settings of all stages, after the experiments' own.
     pub settings: Settings,
     /// Whether to run a short version with a tenth of the episodes.
     pub quick: bool,

@@ -32,10 +32,12 @@ pub fn run_config(
     preset.evaluation = experiment.evaluation.unwrap_or(preset.evaluation);
     // The experiment tests its policies itself.
     preset.evaluation.final_episodes = 0;
-    let of_stage = (format!("arm \"{}\"", arm.name), &stage.overrides);
-    let of_condition =
-        condition.map(|condition| (format!("condition \"{}\"", condition.name), &condition.overrides));
-    for (owner, overrides) in std::iter::once(of_stage).chain(of_condition) {
+    let owners = [
+        Some((format!("arm \"{}\"", arm.name), &stage.overrides)),
+        condition.map(|condition| (format!("condition \"{}\"", condition.name), &condition.overrides)),
+        Some(("all stages".into(), &experiment.overrides)),
+    ];
+    for (owner, overrides) in owners.into_iter().flatten() {
         let in_arm = format!("{owner}, {scenario_from} with {}", stage.preset);
         overrides.apply(&mut scenario, &mut preset).map_err(|errors| {
             let lines =

@@ -28,9 +28,7 @@ pub fn select(options: &ReproduceOptions) -> Result<Vec<SelectedExperiment>, Run
         let experiment = &mut source.experiment;
         if !options.settings.is_empty() {
             check_trains(&source.from, experiment, "--set changes")?;
-            for stage in experiment.arms.iter_mut().flat_map(|arm| &mut arm.stages) {
-                stage.overrides.0.extend(options.settings.0.iter().cloned());
-            }
+            experiment.overrides.0.extend(options.settings.0.iter().cloned());
         }
         if options.quick {
             check_trains(&source.from, experiment, "--quick shortens")?;

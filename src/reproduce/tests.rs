@@ -22,6 +22,7 @@ use crate::learning::Sampling;
 use crate::run::folder::RunFolder;
 use crate::run::metric_rows::{EpisodeRow, EvaluationRow};
 use crate::run::preset::Budget;
+use crate::run::settings::Settings;
 use crate::task::RewardKind;
 
 fn only(names: &[&str]) -> ReproduceOptions {
@@ -285,4 +286,18 @@ fn overrides_and_conditions_change_the_fields_that_they_name_in_the_arms_that_th
     let ron = crate::scenario::to_ron(&faster.scenario).expect("RON");
     assert_eq!(ron.matches("speed_rad_s: 0.3,").count(), 4, "all four cylinders: {ron}");
     assert_eq!(config(2, 0).preset, config(0, 0).preset, "the condition is only for the other arm");
+}
+
+#[test]
+fn settings_from_the_command_line_change_all_trainings() {
+    let (_, plan) = planned(&only(&["fig8"]));
+    let settings = ["learning.gamma=0.97", "scenario.lidar.noise_std_m=0.02"];
+    let settings = Settings(settings.iter().map(|text| text.parse().expect("a setting")).collect());
+    let (_, changed) = planned(&ReproduceOptions { settings, ..only(&["fig8"]) });
+    assert_eq!(changed.trainings.len(), plan.trainings.len());
+    for (training, before) in changed.trainings.iter().zip(&plan.trainings) {
+        assert_eq!(training.config.preset.learning.gamma, 0.97);
+        assert_eq!(training.config.scenario.lidar.noise_std_m, 0.02);
+        assert_ne!(training.name, before.name, "a run without the settings is another run");
+    }
 }

@@ -98,12 +98,12 @@ impl Check<'_> {
             condition.only_arms.iter().for_each(|name| self.arm(&format!("conditions[{i}].only_arms"), name));
             self.only_scenarios(&format!("conditions[{i}].only_scenarios"), &condition.only_scenarios);
         }
-        if experiment.conditions.is_empty() {
+        if experiment.conditions.is_empty() && experiment.overrides.is_empty() {
             return;
         }
         for (i, arm) in self.arms.iter().enumerate().filter(|(_, arm)| !arm.runs.is_empty()) {
             let message = format!(
-                "are finished, so the conditions cannot change \"{}\"; help: leave the conditions out, or give the arm stages",
+                "are finished, so conditions and overrides cannot change \"{}\"; help: leave them out, or give the arm stages",
                 arm.name
             );
             self.found.add(&format!("arms[{i}].runs"), message);

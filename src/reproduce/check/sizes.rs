@@ -16,6 +16,7 @@ pub(super) fn check(found: &mut Collector, experiment: &Experiment) {
     for (i, arm) in arms.iter().enumerate().take(MAX_ENTRIES) {
         check_arm(found, &format!("arms[{i}]"), arm);
     }
+    found.count("overrides", experiment.overrides.0.len(), MAX_ENTRIES);
     found.count("conditions", conditions.len(), MAX_ENTRIES);
     for (i, condition) in conditions.iter().enumerate().take(MAX_ENTRIES) {
         found.text(&format!("conditions[{i}].name"), &condition.name, MAX_NAME_CHARS);
