@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::limits::MAX_CONFIG_BYTES;
 use crate::run::RunError;
-use crate::run::preset::Preset;
+use crate::run::preset::{Budget, Preset};
 use crate::run::settings::{SettingError, Settings};
 use crate::run::shipped;
 use crate::scenario::{
@@ -31,10 +31,10 @@ pub struct RunConfig {
     /// The policy that training starts from; `None` for random weights.
     #[serde(default)]
     pub transfer: Option<Transfer>,
-    /// The numbers of finished episodes after which the current policy is saved, in addition to the best and
-    /// the last policy ([`RunFolder::policy_after_file`](super::RunFolder::policy_after_file)).
+    /// The numbers of finished episodes or env steps after which the current policy is saved, in addition to the
+    /// best and the last policy ([`RunFolder::policy_after_file`](super::RunFolder::policy_after_file)).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub save_policy_after_episodes: Vec<u64>,
+    pub save_policy_after: Vec<Budget>,
     /// The observation slices of plugin sensors.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sensors: Vec<ObservationSlice>,
@@ -72,7 +72,7 @@ impl RunConfig {
             scenario_from,
             preset_from,
             transfer: None,
-            save_policy_after_episodes: Vec::new(),
+            save_policy_after: Vec::new(),
             sensors: Vec::new(),
             reward_terms: Vec::new(),
             extensions: Extensions::default(),
