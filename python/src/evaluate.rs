@@ -8,7 +8,10 @@ use serde::Serialize;
 use wayfield::limits::MAX_EVAL_EPISODES;
 use wayfield::planner::StepBounds;
 use wayfield::policy::Policy;
-use wayfield::run::evaluate::{self, EpisodeRecord, EpisodeResult, Evaluation, Evaluator, OptimumComparison};
+use wayfield::run::evaluate::{
+    EpisodeRecord, EpisodeResult, Evaluation, Evaluator, OptimumComparison, bounds as step_bounds,
+    shortest_paths_m,
+};
 use wayfield::run::policy_card;
 use wayfield::scenario::Scenario;
 use wayfield::task::EpisodeSetup;
@@ -120,9 +123,9 @@ fn plan(
     let (mut shortest_m, mut bounds) = (Vec::new(), Vec::new());
     for some in results.chunks(PLANNED_AT_ONCE) {
         look_for_ctrl_c()?;
-        shortest_m.extend(evaluate::shortest_paths_m(scenario, some, 0));
+        shortest_m.extend(shortest_paths_m(scenario, some, 0));
         if optimum {
-            bounds.extend(evaluate::bounds(scenario, some, 0));
+            bounds.extend(step_bounds(scenario, some, 0));
         }
     }
     Ok((shortest_m, bounds))
