@@ -4,15 +4,15 @@ use pyo3::prelude::*;
 use wayfield::env::{VecEnv, VecEnvConfig};
 use wayfield::random::{stream, uniform_index};
 
-use crate::env_options::scenario;
+use crate::env_options::{autoreset_mode, scenario};
 use crate::errors::{detached, env_error};
 
 /// Takes `steps` control steps with random actions in `num_envs` environments of Scenario I.
 #[pyfunction]
-pub fn benchmark(py: Python<'_>, num_envs: usize, steps: u32) -> PyResult<()> {
-    let scenario = scenario("scenario-1")?;
+pub fn benchmark(py: Python<'_>, num_envs: usize, steps: u32, autoreset: &str) -> PyResult<()> {
+    let (scenario, autoreset) = (scenario("scenario-1")?, autoreset_mode(autoreset)?);
     detached(py, || {
-        let config = VecEnvConfig { num_envs, ..VecEnvConfig::default() };
+        let config = VecEnvConfig { num_envs, autoreset, ..VecEnvConfig::default() };
         let mut env = VecEnv::new(&scenario, config).map_err(env_error)?;
         let (mut random, num_actions) = (stream(1, "actions", 0), env.num_actions());
         for _ in 0..steps {

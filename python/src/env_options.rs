@@ -84,15 +84,7 @@ impl EnvOptions {
                 &self.task,
                 &[("navigation", TaskMode::Episodic), ("continuing", TaskMode::Continuing)],
             )?,
-            autoreset: choice(
-                "autoreset_mode",
-                &self.autoreset,
-                &[
-                    ("next_step", Autoreset::NextStep),
-                    ("same_step", Autoreset::SameStep),
-                    ("disabled", Autoreset::Disabled),
-                ],
-            )?,
+            autoreset: autoreset_mode(&self.autoreset)?,
             ..VecEnvConfig::default()
         })
     }
@@ -101,6 +93,16 @@ impl EnvOptions {
         let encodings = [("scaled", Encoding::Scaled), ("raw", Encoding::Raw)];
         self.observation.as_deref().map(|name| choice("observation", name, &encodings)).transpose()
     }
+}
+
+/// The autoreset mode that is called `name`.
+pub fn autoreset_mode(name: &str) -> PyResult<Autoreset> {
+    let modes = [
+        ("next_step", Autoreset::NextStep),
+        ("same_step", Autoreset::SameStep),
+        ("disabled", Autoreset::Disabled),
+    ];
+    choice("autoreset_mode", name, &modes)
 }
 
 /// The value of `option` that is called `name`.
