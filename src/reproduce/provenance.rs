@@ -4,6 +4,7 @@ use super::plan::RunPlan;
 use super::results::Results;
 use crate::report::format::number;
 use crate::run::preset::Budget;
+use crate::run::provenance::{COMMIT, VERSION};
 use crate::scenario::quoted;
 
 /// The provenance of a report, as names and values.
@@ -15,7 +16,7 @@ pub fn provenance(results: &Results<'_>, plan: &RunPlan, jobs: usize, wall_s: f6
     });
     let command: Vec<String> = std::env::args_os().skip(1).map(quoted).collect();
     let entries = [
-        ("Version", format!("wayfield {}", env!("CARGO_PKG_VERSION"))),
+        ("Version", version()),
         ("Command", format!("wayfield {}", command.join(" "))),
         ("Seeds", if seeds == 1 { "1".into() } else { format!("1 to {seeds}") }),
         (
@@ -38,6 +39,12 @@ pub fn provenance(results: &Results<'_>, plan: &RunPlan, jobs: usize, wall_s: f6
         ),
     ];
     entries.into_iter().map(|(name, value)| (name.to_string(), value)).collect()
+}
+
+/// The program with its version and commit.
+fn version() -> String {
+    let commit = COMMIT.map_or(String::new(), |commit| format!(", commit {commit}"));
+    format!("wayfield {VERSION}{commit}")
 }
 
 /// Processor, cores, memory and operating system, as far as they are known.

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use super::experiment::{Experiment, Stage, TestedPolicy};
 use crate::run::folder::RunConfig;
 use crate::run::preset::Budget;
+use crate::run::provenance::{COMMIT, VERSION};
 use crate::run::{RunError, shipped};
 use crate::scenario::{self, FileError, to_ron};
 use crate::simulation::Extensions;
@@ -43,7 +44,8 @@ pub fn run_config(
         return Err(FileError::for_file(Path::new(from), why).into());
     }
     Ok(RunConfig {
-        version: env!("CARGO_PKG_VERSION").into(),
+        version: VERSION.into(),
+        commit: COMMIT.map(String::from),
         seed,
         scenario_from,
         preset_from: stage.preset.clone(),
@@ -60,7 +62,8 @@ pub fn run_config(
 /// The name of a run's folder: equal configurations have equal names. The number of episodes is not part of it, unless
 /// the best policy is tested, because a longer run contains the shorter one.
 pub fn run_name(config: &RunConfig, tested: TestedPolicy) -> Result<String, RunError> {
-    let mut identity = config.clone();
+    // A new commit of the same version continues the report of the last one.
+    let mut identity = RunConfig { commit: None, ..config.clone() };
     identity.save_policy_after_episodes.clear();
     if tested == TestedPolicy::AtEpisode && matches!(identity.preset.budget, Budget::Episodes(_)) {
         identity.preset.budget = Budget::Episodes(1);

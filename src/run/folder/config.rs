@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::run::RunError;
 use crate::run::preset::Preset;
+use crate::run::provenance::{COMMIT, VERSION};
 use crate::run::settings::{SettingError, Settings};
 use crate::run::shipped;
 use crate::scenario::{Diagnostic, FileError, Scenario, diagnostics, is_unprintable, parse_checked};
@@ -18,6 +19,9 @@ use crate::task::{ObservationLayout, ObservationSlice};
 pub struct RunConfig {
     /// The version of wayfield that started the run.
     pub version: String,
+    /// The Git commit of that program; `None` if it is unknown.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub commit: Option<String>,
     /// The seed from which all random streams are derived.
     pub seed: u64,
     /// The scenario's file or the name of a shipped scenario, as given by the user.
@@ -54,7 +58,8 @@ impl RunConfig {
     /// A file cannot be read or is invalid. The message gives line, column and a fix.
     pub fn resolve(scenario_from: &str, preset_from: &str, seed: u64) -> Result<Self, FileError> {
         Ok(Self {
-            version: env!("CARGO_PKG_VERSION").into(),
+            version: VERSION.into(),
+            commit: COMMIT.map(String::from),
             seed,
             scenario_from: scenario_from.into(),
             preset_from: preset_from.into(),
