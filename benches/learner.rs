@@ -21,7 +21,7 @@ fn main() {
 
 fn config(dueling: bool, batch_size: usize) -> LearningConfig {
     LearningConfig {
-        network: NetworkConfig { hidden: vec![64, 64], dueling },
+        network: NetworkConfig { hidden: vec![64, 64], dueling, ..NetworkConfig::default() },
         double: true,
         gamma: 0.99,
         n_step: 1,
@@ -44,6 +44,7 @@ fn config(dueling: bool, batch_size: usize) -> LearningConfig {
         gradient_steps: 1,
         target_update: TargetUpdate::Hard { every: 2000 },
         exploration: Exploration::PerEpisode { start: 1.0, decay: 0.99, end: 0.05 },
+        ..LearningConfig::default()
     }
 }
 

@@ -15,7 +15,7 @@ use divan::counter::ItemsCount;
 use wayfield::agent::{ActionSelection, GreedyPolicy};
 use wayfield::control_step::ControlStep;
 use wayfield::env::{VecEnv, VecEnvConfig};
-use wayfield::learning::{NetworkShape, QNetwork};
+use wayfield::learning::{Activation, NetworkShape, QNetwork};
 use wayfield::random;
 use wayfield::scenario::Scenario;
 use wayfield::simulation::SimulationBuilder;
@@ -47,6 +47,8 @@ fn with_greedy_agent(bencher: Bencher, arenas: usize) {
         hidden: vec![64, 64],
         actions: scenario.robot.motions.len(),
         dueling: true,
+        layer_norm: false,
+        activation: Activation::Relu,
     };
     let network = QNetwork::new(shape, &mut random::stream(1, "weights", 0)).expect("a valid shape");
     let mut simulation =

@@ -18,7 +18,7 @@ fn observation(cell: usize) -> [f32; CELLS] {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let config = LearningConfig {
-        network: NetworkConfig { hidden: vec![32], dueling: true },
+        network: NetworkConfig { hidden: vec![32], ..NetworkConfig::default() },
         gamma: 0.9,
         optimizer: Optimizer::Adam { beta1: 0.9, beta2: 0.999, epsilon: 1e-8 },
         learning_rate: Schedule::Constant(3e-3),

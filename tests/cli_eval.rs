@@ -107,8 +107,9 @@ fn the_papers_results_are_named_in_its_scenario_only() {
 }
 
 #[test]
-fn a_blocked_route_that_nobody_asked_for_is_refused_only_when_it_is_to_be_driven() {
+fn a_scenario_without_a_benchmark_route_needs_one_only_for_course() {
     let workspace = Workspace::new();
+    // The pillar is where the paper's route starts.
     let office = "(name: \"Office\", obstacles: [(shape: Circle(radius_m: 0.3), position_m: (0.0, 0.0))])";
     workspace.write("office.ron", office);
     workspace.write("policy.safetensors", trained().read("trained/policy.safetensors"));
@@ -117,8 +118,9 @@ fn a_blocked_route_that_nobody_asked_for_is_refused_only_when_it_is_to_be_driven
     workspace.run_ok(eval);
     let done = workspace.run(&format!("{eval} --course"));
     assert_eq!((done.status, done.stdout.as_str()), (Some(2), ""), "{}", done.stderr);
-    let message = "error: Office: `benchmark_route.start_m` is 0.300 m inside an obstacle or wall: ";
-    assert!(done.stderr.starts_with(message) && done.stderr.contains("; help: "), "{}", done.stderr);
+    let message = "error: Office has no benchmark route; help: write one into the scenario, such as \
+                   `benchmark_route: (start_m: (0.0, 0.0), goal_m: (1.2, 1.2))`, or leave out --course";
+    assert_eq!(done.stderr.trim_end(), message);
 }
 
 #[test]

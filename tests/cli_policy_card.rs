@@ -9,11 +9,12 @@ use std::process::Command;
 use std::sync::OnceLock;
 
 use cli_support::messages::{Messages, rejection};
-use cli_support::{SCENARIO_1, Workspace, edited, quick_fast};
+use cli_support::{FAST, SCENARIO_1, Workspace, edited, quick_fast};
 use requirements::Requirement;
 use serde_json::json;
+use wayfield::learning::NetworkConfig;
+use wayfield::policy::Policy;
 use wayfield::policy::card::RawJson;
-use wayfield::policy::{NetworkShape, Policy};
 use wayfield::run::folder::RunConfig;
 use wayfield::run::policy_card;
 use wayfield::scenario::{PlacementRule, Scenario};
@@ -261,7 +262,8 @@ fn text_on_a_card_reaches_no_terminal_as_an_escape_sequence() {
     // A plugin sensor with such a name.
     let mut config = RunConfig::resolve("scenario-1", "fast", 0).expect("shipped");
     config.sensors = vec![ObservationSlice { name: escape.into(), width: 1 }];
-    let shape = NetworkShape { inputs: 29, hidden: vec![], actions: 5, dueling: false };
+    let network = NetworkConfig { hidden: vec![], dueling: false, ..NetworkConfig::default() };
+    let shape = network.shape(29, 5).expect("a valid shape");
     let mut policy = Policy::new(shape, vec![0.5; 30 * 5]).expect("a valid shape");
     policy_card::attach(&mut policy, &config, (1, 1), None);
     workspace.write("sensor.safetensors", policy.to_bytes().expect("a consistent file"));
@@ -305,7 +307,15 @@ fn the_python_program_in_the_documentation_takes_as_long_on_the_benchmark_route(
     workspace.run_ok("--train --steps 30000 --seed 1 --out plain");
     workspace.write("narrow.ron", with("lidar: (field_of_view_rad: 4.712)"));
     workspace.run_ok("--train --scenario narrow.ron --steps 60000 --seed 1 --out narrow");
-    for policy in ["shipped.safetensors", "plain/policy.safetensors", "narrow/policy.safetensors"] {
+    let network = "dueling: true, layer_norm: true, activation: Silu";
+    workspace.write("silu.ron", edited(FAST, &[("dueling: true", network)]));
+    workspace.run_ok("--train --preset silu.ron --steps 60000 --seed 1 --out silu");
+    for policy in [
+        "shipped.safetensors",
+        "plain/policy.safetensors",
+        "narrow/policy.safetensors",
+        "silu/policy.safetensors",
+    ] {
         let report =
             workspace.run_ok(&format!("--eval {policy} --rounds 1 --episodes 1 --course --json")).json();
         let time_s = report["course_time_s"].as_f64().unwrap_or_else(|| panic!("{policy} arrives: {report}"));

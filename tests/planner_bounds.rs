@@ -24,7 +24,8 @@ fn scenario(name: &str) -> Scenario {
 
 /// An episode on the benchmark route, with the given initial heading and clock.
 fn benchmark_route(scenario: &Scenario, heading_rad: f32, clock: u64) -> EpisodeResult {
-    let (Vec2 { x: x_m, y: y_m }, goal) = (scenario.benchmark_route.start_m, scenario.benchmark_route.goal_m);
+    let route = scenario.benchmark_route.expect("a benchmark route");
+    let (Vec2 { x: x_m, y: y_m }, goal) = (route.start_m, route.goal_m);
     EpisodeResult {
         end: EpisodeEnd::TimedOut,
         steps: 0,

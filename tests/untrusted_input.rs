@@ -8,7 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use wayfield::learning::{NetworkShape, QNetwork};
+use wayfield::learning::{Activation, NetworkConfig, QNetwork};
 use wayfield::random::{Stream, stream, uniform_index};
 use wayfield::run::checkpoint::TrainerState;
 use wayfield::run::folder::RunConfig;
@@ -75,7 +75,9 @@ fn files(folder: &str) -> Vec<(String, Vec<u8>)> {
 
 /// A policy file with a small network, of format version 1.
 fn small_policy(dueling: bool) -> Vec<u8> {
-    let shape = NetworkShape { inputs: 2, hidden: vec![2], actions: 2, dueling };
+    let network =
+        NetworkConfig { hidden: vec![2], dueling, layer_norm: !dueling, activation: Activation::Silu };
+    let shape = network.shape(2, 2).expect("a valid shape");
     let network = QNetwork::new(shape, &mut stream(1, "weights", 0)).expect("a valid shape");
     let mut policy = network.to_policy();
     policy.metadata =
@@ -88,7 +90,8 @@ fn policy_with_card() -> Vec<u8> {
     let mut config = RunConfig::resolve("empty", "fast", 1).expect("shipped");
     config.scenario.lidar.beams = 2;
     config.scenario.robot.motions.truncate(2);
-    let shape = NetworkShape { inputs: 6, hidden: vec![2], actions: 2, dueling: true };
+    let network = NetworkConfig { hidden: vec![2], ..NetworkConfig::default() };
+    let shape = network.shape(6, 2).expect("a valid shape");
     let network = QNetwork::new(shape, &mut stream(1, "weights", 0)).expect("a valid shape");
     let mut policy = network.to_policy();
     policy_card::attach(&mut policy, &config, (1, 2), Some(0.5));

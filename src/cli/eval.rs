@@ -17,7 +17,7 @@ use crate::planner::unsupported_reason;
 use crate::run::evaluate::{self, EpisodeResult, Evaluation, Evaluator};
 use crate::run::progress::print_stderr;
 use crate::run::{RunError, policy_card, shipped};
-use crate::scenario::{Scenario, benchmark_route_problem, printable};
+use crate::scenario::{BenchmarkRoute, Scenario, printable};
 use crate::simulation::Extensions;
 use crate::task::EpisodeSetup;
 
@@ -85,9 +85,7 @@ pub fn run(path: &Path, args: &EvalArgs, shared: &SharedArgs) -> Result<(), RunE
     let mut scenario = scenario_for(path, &policy, shared)?;
     shared.settings().apply_to_scenario(&mut scenario)?;
     let scenario = Arc::new(scenario);
-    if args.course {
-        check_benchmark_route(&scenario)?;
-    }
+    let route = args.course.then(|| benchmark_route(&scenario)).transpose()?;
     policy::check(path, &policy, &scenario, &shared.extensions)?;
     if let Some(note) = policy_card::note(&policy, &scenario) {
         print_stderr(&format!("note: {note}"));
@@ -101,8 +99,9 @@ pub fn run(path: &Path, args: &EvalArgs, shared: &SharedArgs) -> Result<(), RunE
         EpisodeSetup::Random,
     )?;
     let evaluation = Evaluation::from_episodes(&episodes, per_round, &scenario.task, seed);
-    let course =
-        args.course.then(|| CourseReport::new(&scenario, &policy, seed, &shared.extensions)).transpose()?;
+    let course = route
+        .map(|route| CourseReport::new(&scenario, route, &policy, seed, &shared.extensions))
+        .transpose()?;
     let optimum = args.optimum.then(|| OptimumReport::new(&scenario, &episodes));
     let report = EvaluationReport {
         policy: path.display().to_string(),
@@ -114,13 +113,15 @@ pub fn run(path: &Path, args: &EvalArgs, shared: &SharedArgs) -> Result<(), RunE
     if shared.json { print_json(&report) } else { print_stdout(&report.text()) }
 }
 
-/// Checks that the benchmark route can be driven. A scenario without one of its own has the paper's, unchecked.
-fn check_benchmark_route(scenario: &Scenario) -> Result<(), RunError> {
-    let Some(found) = benchmark_route_problem(scenario) else { return Ok(()) };
-    Err(RunError::InvalidInput(format!(
-        "{}: {found}; help: this is the paper's route: write a `benchmark_route` into the scenario, or leave out --course",
-        printable(&scenario.name)
-    )))
+/// The scenario's benchmark route.
+fn benchmark_route(scenario: &Scenario) -> Result<BenchmarkRoute, RunError> {
+    scenario.benchmark_route.ok_or_else(|| {
+        RunError::InvalidInput(format!(
+            "{} has no benchmark route; help: write one into the scenario, such as \
+             `benchmark_route: (start_m: (0.0, 0.0), goal_m: (1.2, 1.2))`, or leave out --course",
+            printable(&scenario.name)
+        ))
+    })
 }
 
 /// The scenario of the test: the one that the user names, or else the policy's own, or else Scenario I.
@@ -148,12 +149,13 @@ fn episode_counts(rounds: u32, episodes: u64) -> Result<(usize, usize), RunError
 impl CourseReport {
     fn new(
         scenario: &Arc<Scenario>,
+        route: BenchmarkRoute,
         policy: &Policy,
         seed: u64,
         extensions: &Extensions,
     ) -> Result<Self, RunError> {
         let mut evaluator = Evaluator::with_extensions(scenario, ROUTE_EPISODES, extensions);
-        let episodes = evaluator.run(policy, seed, ROUTE_EPISODES, EpisodeSetup::BenchmarkRoute)?;
+        let episodes = evaluator.run(policy, seed, ROUTE_EPISODES, EpisodeSetup::Route(route))?;
         let evaluation = Evaluation::from_episodes(&episodes, ROUTE_EPISODES_PER_ROUND, &scenario.task, seed);
         Ok(Self {
             course_success_rate: evaluation.success_rate,

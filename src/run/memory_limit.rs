@@ -10,7 +10,6 @@ use rustix::process::{Resource, getrlimit};
 use super::RunError;
 use super::folder::RunConfig;
 use super::memory::bodies_per_arena;
-use crate::policy::NetworkShape;
 
 /// Address space of a thread, in bytes. The allocator reserves 32 MiB or more at a time, most of which is never used.
 const THREAD_ADDRESS_SPACE: u64 = 64 << 20;
@@ -88,11 +87,12 @@ fn training_bytes(config: &RunConfig) -> u64 {
     let learning = &preset.learning;
     let inputs = config.observation_layout().width(scenario.lidar.beams);
     let states = preset.stored_states();
-    let (hidden, actions) = (learning.network.hidden.clone(), scenario.robot.motions.len());
-    let shape = NetworkShape { inputs, hidden, actions, dueling: learning.network.dueling };
+    // A network that is too large is refused by the learner.
+    let shape = learning.network.shape(inputs, scenario.robot.motions.len());
+    let parameters = shape.map_or(0, |shape| shape.parameter_count());
     let bodies = bodies_per_arena(scenario) * (preset.arenas + preset.evaluation.episodes);
     // A state has its numbers and a reference; a transition 18 bytes; the sum tree two nodes or up to four per transition.
     (states * (4 * inputs + 8) + learning.replay.capacity * (24 + 32)) as u64
-        + shape.parameter_count() as u64 * 4 * PARAMETER_COPIES
+        + parameters as u64 * 4 * PARAMETER_COPIES
         + bodies as u64 * BODY
 }

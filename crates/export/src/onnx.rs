@@ -5,7 +5,7 @@
 //! LIDAR's range.
 
 use wayfield_policy::card::Quantity;
-use wayfield_policy::{Card, NetworkShape, Policy};
+use wayfield_policy::{Activation, Card, NetworkShape, Policy};
 use wayfield_protobuf::Message;
 
 use crate::graph::{Attribute, Element, Graph};
@@ -110,10 +110,34 @@ fn add_network(graph: &mut Graph, policy: &Policy, observation: &str) {
     for layer in (0..shape.hidden.len()).map(|k| format!("hidden.{k}")) {
         let linear = format!("{layer}.linear");
         add_dense(graph, &layer, &units, &linear);
-        graph.node("Relu", &[&linear], &layer, &[]);
+        let normalized = if shape.layer_norm { add_layer_norm(graph, &layer, &linear) } else { linear };
+        add_activation(graph, shape.activation, &normalized, &layer);
         units = layer;
     }
     add_head(graph, shape, &units);
+}
+
+/// Adds the layer normalization of `units`, and returns its name. ONNX's default axis is the last one; its default epsilon is
+/// 1e-5, that of a policy.
+fn add_layer_norm(graph: &mut Graph, layer: &str, units: &str) -> String {
+    let (norm, scale, shift) =
+        (format!("{layer}.norm"), format!("{layer}.norm.weight"), format!("{layer}.norm.bias"));
+    graph.node("LayerNormalization", &[units, &scale, &shift], &norm, &[]);
+    norm
+}
+
+fn add_activation(graph: &mut Graph, activation: Activation, units: &str, output: &str) {
+    match activation {
+        Activation::Relu => graph.node("Relu", &[units], output, &[]),
+        // ONNX's default alpha is 1, that of a policy.
+        Activation::Elu => graph.node("Elu", &[units], output, &[]),
+        Activation::Silu => {
+            let sigmoid = format!("{output}.sigmoid");
+            graph.node("Sigmoid", &[units], &sigmoid, &[]);
+            graph.node("Mul", &[units, &sigmoid], output, &[]);
+        }
+        Activation::Tanh => graph.node("Tanh", &[units], output, &[]),
+    }
 }
 
 fn add_head(graph: &mut Graph, shape: &NetworkShape, units: &str) {

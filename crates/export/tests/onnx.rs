@@ -6,10 +6,8 @@ use std::fs;
 use std::path::Path;
 
 use wayfield_export::{ExportError, MODEL_CARD_MARK, model_card, to_onnx};
-use wayfield_policy::card::{
-    ACTIVATION, Action, Card, Example, Program, RawJson, Training, inputs, q_value_formula,
-};
-use wayfield_policy::{Encoding, NetworkShape, Policy, Scratch};
+use wayfield_policy::card::{Action, Card, Example, Program, RawJson, Training, inputs, q_value_formula};
+use wayfield_policy::{Activation, Encoding, NetworkShape, Policy, Scratch};
 use wayfield_random::uniform;
 
 use python::Measurements;
@@ -43,7 +41,7 @@ fn random(shape: NetworkShape, encoding: Encoding, sensors: &[(&str, usize)]) ->
             success_rate: None,
         },
         inputs: inputs(encoding, &angles, sensors),
-        activation: ACTIVATION.into(),
+        activation: shape.activation.name().into(),
         q_values: q_value_formula(shape.dueling).into(),
         actions: (0..shape.actions).map(|k| Action { v_m_s: 0.1, w_rad_s: k as f32 - 1.0 }).collect(),
         control_period_s: 0.2,
@@ -76,11 +74,19 @@ fn onnx_runtime_decides_as_every_kind_of_network_does() {
         hidden: hidden.to_vec(),
         actions,
         dueling,
+        layer_norm: false,
+        activation: Activation::Relu,
     };
+    let switched =
+        |layer_norm, activation| NetworkShape { layer_norm, activation, ..shape(0, &[32, 16], 5, true) };
     for (name, shape, encoding, sensors) in [
         ("raw, dueling", shape(0, &[32, 16], 5, true), Encoding::Raw, &[][..]),
         ("scaled, plain", shape(0, &[32], 3, false), Encoding::Scaled, &[]),
         ("scaled, dueling, sensors", shape(3, &[16, 16, 8], 4, true), Encoding::Scaled, &SENSORS),
+        ("layer norm", switched(true, Activation::Relu), Encoding::Scaled, &[]),
+        ("layer norm, SiLU", switched(true, Activation::Silu), Encoding::Raw, &[]),
+        ("ELU", switched(false, Activation::Elu), Encoding::Scaled, &[]),
+        ("tanh", switched(false, Activation::Tanh), Encoding::Raw, &[]),
         ("raw, without hidden layers, one action", shape(3, &[], 1, false), Encoding::Raw, &SENSORS),
     ] {
         assert_parity(name, &random(shape, encoding, sensors), 2.5);
@@ -120,7 +126,14 @@ fn the_model_card_gives_the_cards_numbers_and_no_others() {
     assert!(page.contains(&format!("| env steps | {} |", card.training.env_steps)), "{page}");
     assert!(page.contains("| 4 | 0.15 | -1.5 |"), "{page}");
 
-    let shape = NetworkShape { inputs: 16, hidden: vec![4], actions: 3, dueling: true };
+    let shape = NetworkShape {
+        inputs: 16,
+        hidden: vec![4],
+        actions: 3,
+        dueling: true,
+        layer_norm: false,
+        activation: Activation::Relu,
+    };
     let page = model_card(&random(shape, Encoding::Raw, &SENSORS), "my.onnx").expect("a page");
     assert!(!page.contains("model-index") && page.contains("was not measured"), "{page}");
     assert!(page.contains("# LIDAR navigation in A \\<b\\>\"room\"\\</b\\> \\| 迷路\n"), "{page}");

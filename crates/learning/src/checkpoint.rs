@@ -2,30 +2,36 @@
 //!
 //! In: a learner and a writer, or a reader and the config of the saved learner. Out: bytes, or a learner.
 //!
-//! Layout, little-endian: a header ([`HeaderFormat`] without checksum: config, counters, streams, weights, moments,
-//! trajectories), the arrays of the replay buffer (states, transitions, leaves of the sum tree), and the CRC-32C of
-//! everything before it.
+//! Layout, little-endian: a header ([`HeaderFormat`] without checksum: config (`checkpoint/config.rs`), counters, streams,
+//! weights, moments, trajectories), the arrays of the replay buffer (states, transitions, leaves of the sum tree), and the
+//! CRC-32C of everything before it.
 //!
 //! The lengths of the arrays follow from the config and the counters, and are checked before memory is allocated. The
 //! checksum detects accidental damage only, so every value is also checked before the learner uses it.
 
 mod arrays;
 mod checksum;
+mod config;
 mod header;
 
 use std::io::{self, Read, Write};
+use std::ops::RangeInclusive;
 
 use self::arrays::write_array;
 use self::checksum::ChecksummedStream;
 use self::header::Header;
 use super::config::{ConfigError, LearningConfig};
-use super::framing::{HeaderError, HeaderFormat, read_array};
+use super::framing::{HeaderError, HeaderFormat, decode, encode, read_array};
 use super::learner::Learner;
 use super::limits::MAX_HEADER_BYTES;
 
+/// The versions of the file.
+const VERSIONS: RangeInclusive<u32> = 1..=2;
+
 /// The header of the file. A network has at most 2^24 parameters, and the header has four arrays of that length.
-const FORMAT: HeaderFormat =
-    HeaderFormat { magic: b"wayfield", version: 1, max_bytes: MAX_HEADER_BYTES, checksum: false };
+const fn format(version: u32) -> HeaderFormat {
+    HeaderFormat { magic: b"wayfield", version, max_bytes: MAX_HEADER_BYTES, checksum: false }
+}
 
 /// An error when a checkpoint is written or read.
 #[derive(Debug, thiserror::Error)]
@@ -38,7 +44,11 @@ pub enum CheckpointError {
     #[error("not a wayfield checkpoint")]
     NotCheckpoint,
     /// The file was written by another version of wayfield.
-    #[error("checkpoint version {found} is not supported; this wayfield reads version {}", FORMAT.version)]
+    #[error(
+        "checkpoint version {found} is not supported; this wayfield reads versions {} and {}",
+        VERSIONS.start(),
+        VERSIONS.end()
+    )]
     Version {
         /// The file's version.
         found: u32,
@@ -62,6 +72,10 @@ impl From<HeaderError> for CheckpointError {
         match error {
             HeaderError::Io(error) => Self::Io(error),
             HeaderError::WrongMagic => Self::NotCheckpoint,
+            // The config determines the version.
+            HeaderError::Version { found } if VERSIONS.contains(&found) => {
+                Self::ConfigMismatch { field: "learning" }
+            }
             HeaderError::Version { found } => Self::Version { found },
             HeaderError::Corrupt(what) => Self::Corrupt(what),
         }
@@ -77,7 +91,9 @@ impl Learner {
     pub fn save(&self, writer: impl Write) -> Result<(), CheckpointError> {
         let replay = &self.replay;
         let mut out = ChecksummedStream::new(writer);
-        FORMAT.write(&mut out, &Header::of(self))?;
+        let (version, mut content) = config::encoded(&self.config)?;
+        content.extend(encode(&Header::of(self))?);
+        format(version).write_content(&mut out, &content)?;
         let states = &replay.states.values[..replay.states.used() * self.online.shape().inputs];
         write_array(&mut out, states.iter().map(|v| v.to_le_bytes()))?;
         write_array(&mut out, replay.transitions.iter().map(|t| t.to_bytes()))?;
@@ -102,7 +118,11 @@ impl Learner {
     ) -> Result<Self, CheckpointError> {
         let mut learner = Self::new(config, inputs, actions, num_envs, 0)?;
         let mut file = ChecksummedStream::new(reader);
-        let header: Header = FORMAT.read(&mut file)?;
+        let (version, config) = config::encoded(config)?;
+        let content = format(version).read_content(&mut file)?;
+        let content = content.strip_prefix(&config[..]);
+        let content = content.ok_or(CheckpointError::ConfigMismatch { field: "learning" })?;
+        let header: Header = decode(content)?;
         header.check(&learner)?;
         learner.replay.read(&header, inputs, actions, &mut file)?;
         let (reader, crc) = file.into_parts();

@@ -5,9 +5,11 @@
 
 mod check;
 
+use std::f64::consts::PI;
+
 use serde::{Deserialize, Serialize};
 pub use wayfield_policy::ConfigError;
-use wayfield_policy::NetworkShape;
+use wayfield_policy::{Activation, NetworkShape};
 
 /// All options of the learning algorithm.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -30,6 +32,15 @@ pub struct LearningConfig {
     pub optimizer: Optimizer,
     /// The optimizer's step size, as a function of env steps. Table 1: 0.00025.
     pub learning_rate: Schedule,
+    /// The largest norm of the gradient of all parameters together, above 0; a longer gradient is scaled down to it, as by
+    /// PyTorch's `clip_grad_norm_`. The loss is in units of scaled reward; with rewards of the order of one, 10 is usual. The
+    /// paper: `None`, no limit.
+    #[serde(default)]
+    pub max_gradient_norm: Option<f32>,
+    /// The decoupled weight decay, 0 to 1: before each gradient step, all parameters are multiplied by 1 - learning rate x
+    /// `weight_decay` (AdamW, Loshchilov and Hutter 2019; here also with RMSProp). PyTorch's AdamW: 0.01. The paper: 0.
+    #[serde(default)]
+    pub weight_decay: f32,
     /// The number of transitions per gradient step, 1 to 65536. Table 1: 64.
     pub batch_size: usize,
     /// The replay buffer.
@@ -48,10 +59,17 @@ pub struct LearningConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NetworkConfig {
-    /// The widths of the hidden layers, at most 8 of 1 to 4096 units, each followed by a ReLU. Fig. 5: [64, 64].
+    /// The widths of the hidden layers, at most 8 of 1 to 4096 units. Fig. 5: [64, 64].
     pub hidden: Vec<usize>,
     /// Dueling head: a value and one advantage per action (Wang et al. 2016). `false`: the last layer outputs Q-values.
     pub dueling: bool,
+    /// Layer normalization of each hidden layer before its activation (Ba et al. 2016), with a learned scale and shift per
+    /// unit. The paper: `false`.
+    #[serde(default)]
+    pub layer_norm: bool,
+    /// The activation function of the hidden layers: `Relu` (fig. 5), `Elu`, `Silu` or `Tanh`.
+    #[serde(default)]
+    pub activation: Activation,
 }
 
 /// The loss of a TD error d = Q(s, a) - y. The loss of a batch is the mean over its transitions, with importance weights.
@@ -89,14 +107,14 @@ pub enum Optimizer {
     },
 }
 
-/// A value as a function of env steps. It does not depend on the total number of steps, so a run that is resumed with a
-/// larger budget continues unchanged.
+/// A value as a function of the env steps n, of all environments together. It does not depend on the total number of steps,
+/// so a run that is resumed with a larger budget continues unchanged.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Schedule {
     /// A constant value.
     Constant(f32),
-    /// Linear up to `env_steps`, then constant.
+    /// Linear up to `env_steps`, then constant: from + (to - from) n / env_steps.
     Linear {
         /// The value at env step 0.
         from: f32,
@@ -104,6 +122,35 @@ pub enum Schedule {
         to: f32,
         /// The env step at which `to` is reached, at least 1.
         env_steps: u64,
+    },
+    /// Exponential up to `env_steps`, then constant: from (to / from)^(n / env_steps), the same factor in every env step (as
+    /// PyTorch's `ExponentialLR` in every epoch).
+    Exponential {
+        /// The value at env step 0, above 0.
+        from: f32,
+        /// The value from `env_steps` on, above 0.
+        to: f32,
+        /// The env step at which `to` is reached, at least 1.
+        env_steps: u64,
+    },
+    /// Half a cosine wave up to `env_steps`, then constant: to + (from - to) (1 + cos(pi n / env_steps)) / 2 (Loshchilov and
+    /// Hutter 2017, without restarts; PyTorch's `CosineAnnealingLR`).
+    Cosine {
+        /// The value at env step 0.
+        from: f32,
+        /// The value from `env_steps` on.
+        to: f32,
+        /// The env step at which `to` is reached, at least 1.
+        env_steps: u64,
+    },
+    /// Steps down: from x factor^k after k times `every_env_steps` (PyTorch's `StepLR`).
+    Step {
+        /// The value before the first step down.
+        from: f32,
+        /// The factor of each step down, above 0, at most 1.
+        factor: f32,
+        /// The number of env steps between steps down, at least 1.
+        every_env_steps: u64,
     },
 }
 
@@ -184,7 +231,7 @@ impl Default for LearningConfig {
     /// starts with the first full batch.
     fn default() -> Self {
         Self {
-            network: NetworkConfig { hidden: vec![64, 64], dueling: true },
+            network: NetworkConfig::default(),
             double: true,
             gamma: 0.99,
             n_step: 1,
@@ -192,6 +239,8 @@ impl Default for LearningConfig {
             loss: Loss::MeanSquared,
             optimizer: Optimizer::RmsProp { smoothing: 0.99, epsilon: 1e-8 },
             learning_rate: Schedule::Constant(0.000_25),
+            max_gradient_norm: None,
+            weight_decay: 0.0,
             batch_size: 64,
             replay: ReplayConfig {
                 capacity: 1_000_000,
@@ -211,15 +260,39 @@ impl Default for LearningConfig {
     }
 }
 
+impl Default for NetworkConfig {
+    /// The network of PER-D3QN, fig. 5 of the paper.
+    fn default() -> Self {
+        Self { hidden: vec![64, 64], dueling: true, layer_norm: false, activation: Activation::Relu }
+    }
+}
+
 impl Schedule {
     /// The value at `env_steps`.
     #[must_use]
     pub fn at(&self, env_steps: u64) -> f32 {
+        let share = |end: u64| env_steps as f64 / end as f64;
         match *self {
             Self::Constant(value) => value,
-            Self::Linear { to, env_steps: end, .. } if env_steps >= end => to,
-            Self::Linear { from, to, env_steps: end } => {
-                from + (to - from) * (env_steps as f64 / end as f64) as f32
+            Self::Linear { to, env_steps: end, .. }
+            | Self::Exponential { to, env_steps: end, .. }
+            | Self::Cosine { to, env_steps: end, .. }
+                if env_steps >= end =>
+            {
+                to
+            }
+            Self::Linear { from, to, env_steps: end } => from + (to - from) * share(end) as f32,
+            Self::Exponential { from, to, env_steps: end } => {
+                let [from, to] = [from, to].map(f64::from);
+                (from * libm::pow(to / from, share(end))) as f32
+            }
+            Self::Cosine { from, to, env_steps: end } => {
+                let [from, to] = [from, to].map(f64::from);
+                (to + (from - to) * (1.0 + libm::cos(PI * share(end))) / 2.0) as f32
+            }
+            Self::Step { from, factor, every_env_steps } => {
+                let steps = env_steps / every_env_steps.max(1);
+                (f64::from(from) * libm::pow(f64::from(factor), steps as f64)) as f32
             }
         }
     }
@@ -231,7 +304,8 @@ impl NetworkConfig {
     /// # Errors
     /// A size is out of range; see [`NetworkShape::check`].
     pub fn shape(&self, inputs: usize, actions: usize) -> Result<NetworkShape, ConfigError> {
-        let shape = NetworkShape { inputs, hidden: self.hidden.clone(), actions, dueling: self.dueling };
+        let Self { hidden, dueling, layer_norm, activation } = self.clone();
+        let shape = NetworkShape { inputs, hidden, actions, dueling, layer_norm, activation };
         shape.check()?;
         Ok(shape)
     }

@@ -47,22 +47,31 @@ impl HeaderFormat {
     ///
     /// # Errors
     /// The writer failed.
-    pub fn write(&self, mut out: impl Write, content: &impl Serialize) -> io::Result<()> {
-        let content = postcard::to_allocvec(content).map_err(io::Error::other)?;
+    pub fn write(&self, out: impl Write, content: &impl Serialize) -> io::Result<()> {
+        self.write_content(out, &encode(content)?)
+    }
+
+    /// Writes the header with `content`, which is encoded already.
+    pub(crate) fn write_content(&self, mut out: impl Write, content: &[u8]) -> io::Result<()> {
         out.write_all(self.magic)?;
         out.write_all(&self.version.to_le_bytes())?;
         out.write_all(&(content.len() as u64).to_le_bytes())?;
         if self.checksum {
-            out.write_all(&crc32c::crc32c(&content).to_le_bytes())?;
+            out.write_all(&crc32c::crc32c(content).to_le_bytes())?;
         }
-        out.write_all(&content)
+        out.write_all(content)
     }
 
     /// Reads the header, and returns its content.
     ///
     /// # Errors
     /// See [`HeaderError`].
-    pub fn read<T: DeserializeOwned>(&self, mut file: impl Read) -> Result<T, HeaderError> {
+    pub fn read<T: DeserializeOwned>(&self, file: impl Read) -> Result<T, HeaderError> {
+        decode(&self.read_content(file)?)
+    }
+
+    /// Reads the header, and returns its content as it is encoded.
+    pub(crate) fn read_content(&self, mut file: impl Read) -> Result<Vec<u8>, HeaderError> {
         if &read_array(&mut file)? != self.magic {
             return Err(HeaderError::WrongMagic);
         }
@@ -84,8 +93,18 @@ impl HeaderFormat {
         if crc.is_some_and(|crc| crc != crc32c::crc32c(&content)) {
             return Err(HeaderError::Corrupt("the checksum of its header does not match"));
         }
-        postcard::from_bytes(&content).map_err(|_| HeaderError::Corrupt("its header cannot be decoded"))
+        Ok(content)
     }
+}
+
+/// The content of a header as bytes.
+pub(crate) fn encode(content: &impl Serialize) -> io::Result<Vec<u8>> {
+    postcard::to_allocvec(content).map_err(io::Error::other)
+}
+
+/// The content of a header from its bytes.
+pub(crate) fn decode<T: DeserializeOwned>(content: &[u8]) -> Result<T, HeaderError> {
+    postcard::from_bytes(content).map_err(|_| HeaderError::Corrupt("its header cannot be decoded"))
 }
 
 /// The next `N` bytes.

@@ -34,7 +34,7 @@
 //! }
 //!
 //! let config = LearningConfig {
-//!     network: NetworkConfig { hidden: vec![32], dueling: true },
+//!     network: NetworkConfig { hidden: vec![32], ..NetworkConfig::default() },
 //!     gamma: 0.9,
 //!     optimizer: Optimizer::Adam { beta1: 0.9, beta2: 0.999, epsilon: 1e-8 },
 //!     learning_rate: Schedule::Constant(3e-3),
@@ -127,5 +127,5 @@ pub use divergence::{DivergenceError, Overestimate};
 pub use exploration::epsilon_greedy;
 pub use learner::{Experience, Learner, LoadWeightsError, UpdateStats};
 pub use network::QNetwork;
-pub use wayfield_policy::{NetworkShape, ParameterView, Policy, PolicyError, greedy};
+pub use wayfield_policy::{Activation, NetworkShape, ParameterView, Policy, PolicyError, greedy};
 pub use wayfield_random::{Stream, stream};

@@ -1,15 +1,15 @@
-//! The Q-network: fully connected layers with ReLU and a plain or dueling head (fig. 5 of the paper).
+//! The Q-network: fully connected layers and a plain or dueling head (fig. 5 of the paper).
 //!
 //! In: observations, row-major. Out: Q-values, or V and A; in training, the gradient of the TD loss with respect to all
 //! parameters. All parameters are stored in one flat vector, and copied to the dfdx tensors after each change. Optimizer,
 //! target network, policy files and checkpoints use only the flat vector.
 
 use dfdx::prelude::*;
-use wayfield_policy::{NetworkShape, Policy};
+use wayfield_policy::{Activation, NetworkShape, Policy};
 
 use super::config::ConfigError;
 pub(crate) use super::ops::Regression;
-use super::ops::{Dense, Rows, dueling, rows, td_loss, values};
+use super::ops::{Dense, LayerNorm, Rows, activate, dueling, rows, td_loss, values};
 use wayfield_policy::range::within;
 use wayfield_random::{Stream, uniform};
 
@@ -22,8 +22,44 @@ const CHUNK_ROWS: usize = 128;
 pub struct QNetwork {
     shape: NetworkShape,
     parameters: Vec<f32>,
-    layers: Vec<Dense>,
+    layers: Vec<Layer>,
     device: Cpu,
+}
+
+/// A hidden layer or the head.
+#[derive(Debug, Clone)]
+struct Layer {
+    dense: Dense,
+    norm: Option<LayerNorm>,
+    /// `None` for the head.
+    activation: Option<Activation>,
+}
+
+impl Layer {
+    /// Layer number `i` of a network of `shape`, with all parameters 0.
+    fn zeros(shape: &NetworkShape, i: usize, (inputs, outputs): (usize, usize), device: &Cpu) -> Self {
+        let units = || device.zeros_like(&(outputs,));
+        let is_hidden = i < shape.hidden.len();
+        Self {
+            dense: Dense { weight: device.zeros_like(&(outputs, inputs)), bias: units() },
+            norm: (is_hidden && shape.layer_norm).then(|| LayerNorm { scale: units(), shift: units() }),
+            activation: is_hidden.then_some(shape.activation),
+        }
+    }
+
+    /// The layer's output. `input_gradient`: see [`Dense::forward`].
+    fn forward<T: Tape<f32, Cpu>>(&self, x: Rows<T>, input_gradient: bool) -> Rows<T> {
+        // The default network has its ReLU inside the dense layer, which saves a pass over the units.
+        let relu = self.norm.is_none() && self.activation == Some(Activation::Relu);
+        let mut y = self.dense.forward(x, relu, input_gradient);
+        if let Some(norm) = &self.norm {
+            y = norm.forward(y);
+        }
+        match self.activation.filter(|_| !relu) {
+            Some(activation) => activate(activation, y),
+            None => y,
+        }
+    }
 }
 
 /// The result of one gradient computation. Its buffers are reused.
@@ -41,16 +77,20 @@ pub(crate) struct Gradient {
 
 impl QNetwork {
     /// A network with weights and biases drawn uniformly from [-b, b], where b = 1/sqrt(inputs of the layer), like PyTorch's
-    /// `Linear`.
+    /// `Linear`. Layer normalizations start with scale 1 and shift 0.
     ///
     /// # Errors
     /// See [`NetworkShape::check`].
     pub fn new(shape: NetworkShape, stream: &mut Stream) -> Result<Self, ConfigError> {
         shape.check()?;
         let mut parameters = Vec::with_capacity(shape.parameter_count());
-        for (inputs, outputs) in shape.layers() {
+        for (i, (inputs, outputs)) in shape.layers().enumerate() {
             let bound = 1.0 / (inputs as f32).sqrt();
             parameters.extend((0..(inputs + 1) * outputs).map(|_| uniform(stream, -bound, bound)));
+            if shape.layer_norm && i < shape.hidden.len() {
+                parameters.extend(std::iter::repeat_n(1.0, outputs));
+                parameters.extend(std::iter::repeat_n(0.0, outputs));
+            }
         }
         Self::from_parameters(shape, parameters)
     }
@@ -64,11 +104,8 @@ impl QNetwork {
         let count = shape.parameter_count();
         within("network.parameters", parameters.len(), count..=count)?;
         let device = Cpu::default();
-        let layers = shape.layers().map(|(inputs, outputs)| Dense {
-            weight: device.zeros_like(&(outputs, inputs)),
-            bias: device.zeros_like(&(outputs,)),
-        });
-        let layers = layers.collect();
+        let layers = shape.layers().enumerate();
+        let layers = layers.map(|(i, sizes)| Layer::zeros(&shape, i, sizes, &device)).collect();
         let mut network = Self { shape, parameters, layers, device };
         network.refresh();
         Ok(network)
@@ -110,13 +147,15 @@ impl QNetwork {
     /// Copies the flat parameters into the tensors.
     fn refresh(&mut self) {
         let mut rest = self.parameters.as_slice();
-        for Dense { weight, bias } in &mut self.layers {
+        let mut take = |length| rest.split_off(..length).unwrap_or_default();
+        for Layer { dense: Dense { weight, bias }, norm, .. } in &mut self.layers {
             let (outputs, inputs) = *weight.shape();
-            let (head, tail) = rest.split_at(outputs * inputs);
-            weight.copy_from(head);
-            let (head, tail) = tail.split_at(outputs);
-            bias.copy_from(head);
-            rest = tail;
+            weight.copy_from(take(outputs * inputs));
+            bias.copy_from(take(outputs));
+            if let Some(LayerNorm { scale, shift }) = norm {
+                scale.copy_from(take(outputs));
+                shift.copy_from(take(outputs));
+            }
         }
     }
 
@@ -163,8 +202,7 @@ impl QNetwork {
 
     /// The output of the last layer, before the dueling combination.
     fn head<T: Tape<f32, Cpu>>(&self, x: Rows<T>) -> Rows<T> {
-        let last = self.layers.len() - 1;
-        self.layers.iter().enumerate().fold(x, |x, (i, layer)| layer.forward(x, i < last, i > 0))
+        self.layers.iter().enumerate().fold(x, |x, (i, layer)| layer.forward(x, i > 0))
     }
 
     /// Writes the loss of the regression of Q(s, a) on the TD targets, and the gradient of that loss, into `out`. The
@@ -178,13 +216,15 @@ impl QNetwork {
         let grads = loss.backward();
         out.values.resize(self.parameters.len(), 0.0);
         let mut rest = out.values.as_mut_slice();
-        for Dense { weight, bias } in &self.layers {
+        let mut take = |length| rest.split_off_mut(..length).unwrap_or_default();
+        for Layer { dense: Dense { weight, bias }, norm, .. } in &self.layers {
             let (outputs, inputs) = *weight.shape();
-            let (head, tail) = rest.split_at_mut(outputs * inputs);
-            grads.get(weight).copy_into(head);
-            let (head, tail) = tail.split_at_mut(outputs);
-            grads.get(bias).copy_into(head);
-            rest = tail;
+            grads.get(weight).copy_into(take(outputs * inputs));
+            grads.get(bias).copy_into(take(outputs));
+            if let Some(LayerNorm { scale, shift }) = norm {
+                grads.get(scale).copy_into(take(outputs));
+                grads.get(shift).copy_into(take(outputs));
+            }
         }
     }
 }

@@ -1,4 +1,5 @@
-//! The network's operations with their backward passes: dense layer, dueling combination, TD loss.
+//! The network's operations with their backward passes: dense layer, layer normalization, activation functions, dueling
+//! combination, TD loss.
 //!
 //! In: tensors of batch x units, with or without a gradient tape. Out: tensors; on a tape, each operation records its
 //! backward pass.
@@ -6,11 +7,16 @@
 //! dfdx's own bias broadcast, ReLU and row selection iterate over general strides and cost more than the matrix products.
 //! Here dfdx computes only the matrix products and holds the tape; plain loops do the rest.
 
+mod activation;
+mod layer_norm;
+
 use dfdx::prelude::*;
 
 use super::config::Loss;
 #[cfg(target_arch = "wasm32")]
 use super::matmul::{LeftMatrix, multiply, transposed};
+pub(crate) use activation::activate;
+pub(crate) use layer_norm::{LayerNorm, Units};
 
 /// A batch of rows, with or without a tape.
 pub(crate) type Rows<T = NoneTape> = Tensor<(usize, usize), f32, Cpu, T>;
@@ -76,7 +82,7 @@ fn times(a: &Rows, b: &Rows, out: &mut [f32]) {
 #[derive(Debug, Clone)]
 pub(crate) struct Dense {
     pub(crate) weight: Rows,
-    pub(crate) bias: Tensor<(usize,), f32, Cpu>,
+    pub(crate) bias: Units,
 }
 
 impl Dense {

@@ -1,7 +1,7 @@
-//! RMSProp and Adam over flat slices.
+//! RMSProp and Adam over flat slices, with decoupled weight decay, and the clipping of gradients.
 //!
 //! In: parameters, their gradient, a learning rate. Out: updated parameters and moments. The formulas are those of PyTorch
-//! (`torch.optim.RMSprop`, `torch.optim.Adam`, without weight decay).
+//! (`torch.optim.RMSprop`, `torch.optim.AdamW`, `torch.nn.utils.clip_grad_norm_`); RMSProp's weight decay is AdamW's.
 
 use serde::{Deserialize, Serialize};
 
@@ -32,15 +32,19 @@ impl OptimizerState {
         Self { first: vec![0.0; first], second: vec![0.0; parameters], steps: 0 }
     }
 
-    /// Moves `parameters` by one step against `gradient`, which has the same length.
+    /// Shrinks `parameters` by the weight decay, then moves them by one step against `gradient`, which has the same length.
     pub fn step(
         &mut self,
         optimizer: &Optimizer,
-        learning_rate: f32,
+        (learning_rate, weight_decay): (f32, f32),
         parameters: &mut [f32],
         gradient: &[f32],
     ) {
         self.steps += 1;
+        if weight_decay > 0.0 {
+            let factor = 1.0 - learning_rate * weight_decay;
+            parameters.iter_mut().for_each(|p| *p *= factor);
+        }
         match *optimizer {
             Optimizer::RmsProp { smoothing, epsilon } => {
                 for ((p, &g), v) in parameters.iter_mut().zip(gradient).zip(&mut self.second) {
@@ -61,6 +65,15 @@ impl OptimizerState {
                 }
             }
         }
+    }
+}
+
+/// Scales `gradient` down to the norm `max_norm` if its own is larger. A gradient that is not finite stays as it is.
+pub(crate) fn clip(gradient: &mut [f32], max_norm: f32) {
+    let norm = gradient.iter().map(|&g| f64::from(g) * f64::from(g)).sum::<f64>().sqrt();
+    let factor = (f64::from(max_norm) / (norm + 1e-6)) as f32;
+    if norm.is_finite() && factor < 1.0 {
+        gradient.iter_mut().for_each(|g| *g *= factor);
     }
 }
 
@@ -87,9 +100,9 @@ mod tests {
         // v2 = 0.9 x 0.4 + 0.1 x 1 = 0.46  p2 = p1 + 0.5 / (sqrt 0.46 + 0.1) = p1 + 0.5 / 0.7782330 = 0.2772105
         let rmsprop = Optimizer::RmsProp { smoothing: 0.9, epsilon: 0.1 };
         let (mut state, mut p) = (OptimizerState::new(&rmsprop, 1), [1.0]);
-        state.step(&rmsprop, 0.5, &mut p, &[2.0]);
+        state.step(&rmsprop, (0.5, 0.0), &mut p, &[2.0]);
         close(p[0], -0.365_270_6, "after one step");
-        state.step(&rmsprop, 0.5, &mut p, &[-1.0]);
+        state.step(&rmsprop, (0.5, 0.0), &mut p, &[-1.0]);
         close(state.second[0], 0.46, "the mean square");
         close(p[0], 0.277_210_5, "after two steps");
     }
@@ -105,12 +118,46 @@ mod tests {
         //                        p2 = p1 - 0.5 x 0.4210526 / 1.6787534 = 0.3984032
         let adam = Optimizer::Adam { beta1: 0.9, beta2: 0.99, epsilon: 0.1 };
         let (mut state, mut p) = (OptimizerState::new(&adam, 1), [1.0]);
-        state.step(&adam, 0.5, &mut p, &[2.0]);
+        state.step(&adam, (0.5, 0.0), &mut p, &[2.0]);
         close(p[0], 0.523_809_5, "after one step");
-        state.step(&adam, 0.5, &mut p, &[-1.0]);
+        state.step(&adam, (0.5, 0.0), &mut p, &[-1.0]);
         close(state.first[0], 0.08, "the mean");
         close(state.second[0], 0.0496, "the mean square");
         close(p[0], 0.398_403_2, "after two steps");
+    }
+
+    #[test]
+    fn weight_decay_shrinks_the_weights_before_the_step_whatever_the_gradient() {
+        // The steps of the two tests above, from p = 1, with decay 0.1: each step first multiplies p by 1 - 0.5 x 0.1.
+        // RMSProp: 0.95 - 1.3652706 = -0.4152706, then 0.95 x -0.4152706 + 0.6424811 = 0.2479740.
+        // Adam:    0.95 - 0.4761905 = 0.4738095, then 0.95 x 0.4738095 - 0.1254063 = 0.3247127.
+        let rmsprop = Optimizer::RmsProp { smoothing: 0.9, epsilon: 0.1 };
+        let adam = Optimizer::Adam { beta1: 0.9, beta2: 0.99, epsilon: 0.1 };
+        for (optimizer, expected) in [(rmsprop, 0.247_974), (adam, 0.324_712_7)] {
+            let (mut state, mut p) = (OptimizerState::new(&optimizer, 1), [1.0]);
+            state.step(&optimizer, (0.5, 0.1), &mut p, &[2.0]);
+            state.step(&optimizer, (0.5, 0.1), &mut p, &[-1.0]);
+            close(p[0], expected, "after two steps");
+            let (mut state, mut p) = (OptimizerState::new(&optimizer, 1), [1.0]);
+            state.step(&optimizer, (0.5, 0.1), &mut p, &[0.0]);
+            close(p[0], 0.95, "a weight without gradient decays as well");
+        }
+    }
+
+    #[test]
+    fn a_gradient_is_scaled_down_to_the_maximum_norm_and_a_shorter_one_stays() {
+        let mut gradient = [3.0, 0.0, -4.0];
+        clip(&mut gradient, 5.1);
+        assert_eq!(gradient, [3.0, 0.0, -4.0], "its norm is 5");
+        clip(&mut gradient, 1.0);
+        close(gradient[0], 0.6, "a fifth");
+        close(gradient[2], -0.8, "a fifth");
+        let mut large = [3e30, -4e30];
+        clip(&mut large, 1.0);
+        close(large[1], -0.8, "squares that f32 cannot hold");
+        let mut infinite = [f32::INFINITY, 1.0];
+        clip(&mut infinite, 1.0);
+        assert_eq!(infinite, [f32::INFINITY, 1.0], "a divergence is reported as it happened");
     }
 
     #[test]
@@ -120,9 +167,9 @@ mod tests {
             Optimizer::Adam { beta1: 0.5, beta2: 0.5, epsilon: 1e-8 },
         ] {
             let (mut state, mut p) = (OptimizerState::new(&optimizer, 1), [1.0]);
-            state.step(&optimizer, 0.1, &mut p, &[1.0]);
+            state.step(&optimizer, (0.1, 0.0), &mut p, &[1.0]);
             for _ in 0..200 {
-                state.step(&optimizer, 0.1, &mut p, &[0.0]);
+                state.step(&optimizer, (0.1, 0.0), &mut p, &[0.0]);
                 let moments = state.first.iter().chain(&state.second);
                 assert!(moments.into_iter().all(|m| *m == 0.0 || m.is_normal()), "{state:?}");
             }

@@ -1,8 +1,8 @@
 //! A restored learner continues exactly as the saved one would have. A damaged file is an error.
 
 use wayfield_learning::{
-    CheckpointError, Experience, Exploration, Learner, LearningConfig, NetworkConfig, Optimizer, QNetwork,
-    ReplayConfig, Sampling, Schedule, TargetUpdate, epsilon_greedy,
+    Activation, CheckpointError, Experience, Exploration, Learner, LearningConfig, NetworkConfig, Optimizer,
+    QNetwork, ReplayConfig, Sampling, Schedule, TargetUpdate, epsilon_greedy,
 };
 use wayfield_random::{Stream, normal, stream, uniform_01};
 
@@ -12,7 +12,7 @@ const NUM_ENVS: usize = 3;
 
 fn config(sampling: Sampling, n_step: usize) -> LearningConfig {
     LearningConfig {
-        network: NetworkConfig { hidden: vec![8, 8], dueling: n_step == 1 },
+        network: NetworkConfig { hidden: vec![8, 8], dueling: n_step == 1, ..NetworkConfig::default() },
         n_step,
         batch_size: 16,
         optimizer: if n_step == 1 {
@@ -159,6 +159,43 @@ fn a_damaged_file_is_an_error_and_never_a_panic() {
         }
     }
     assert!(matches!(restored(config, b"{ some: json }  "), Err(CheckpointError::NotCheckpoint)));
+}
+
+#[test]
+fn a_checkpoint_from_before_the_switches_is_read_and_written_to_the_bit() {
+    // Saved by wayfield before a config had switches for layer normalization, activation and the like.
+    let bytes = include_bytes!("fixtures/checkpoint-version-1.bin");
+    let config = &configs()[2];
+    let mut learner = restored(config, bytes).expect("a valid checkpoint");
+    assert!(learner.env_steps() == 60 && learner.gradient_steps() > 0);
+    assert!(saved(&learner) == bytes, "saving again gives the same file");
+    NoiseEnv::new().run(&mut learner, 20);
+}
+
+#[test]
+fn a_checkpoint_of_a_config_with_switches_is_exact_and_belongs_to_its_config() {
+    for plain in configs() {
+        let mut config = plain.clone();
+        (config.network.layer_norm, config.network.activation) = (true, Activation::Elu);
+        (config.max_gradient_norm, config.weight_decay) = (Some(0.5), 0.01);
+        config.learning_rate = Schedule::Step { from: 1e-3, factor: 0.5, every_env_steps: 100 };
+        let mut one = Learner::new(&config, INPUTS, ACTIONS, NUM_ENVS, 5).expect("a valid config");
+        let mut env = NoiseEnv::new();
+        env.run(&mut one, 60);
+        let bytes = saved(&one);
+        let mut two = restored(&config, &bytes).expect("a valid checkpoint");
+        env.clone().run(&mut one, 100);
+        env.run(&mut two, 100);
+        assert_eq!(saved(&one), saved(&two));
+        let mut tanh = config.clone();
+        tanh.network.activation = Activation::Tanh;
+        let mut unclipped = config.clone();
+        unclipped.max_gradient_norm = None;
+        for other in [&plain, &tanh, &unclipped] {
+            let error = restored(other, &bytes).expect_err("another config");
+            assert!(matches!(error, CheckpointError::ConfigMismatch { field: "learning" }), "{error}");
+        }
+    }
 }
 
 #[test]

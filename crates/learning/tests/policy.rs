@@ -5,13 +5,13 @@ use std::collections::HashMap;
 use proptest::prelude::*;
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use wayfield_learning::{
-    Learner, LearningConfig, LoadWeightsError, NetworkConfig, Policy, PolicyError, QNetwork,
+    Activation, Learner, LearningConfig, LoadWeightsError, NetworkConfig, Policy, PolicyError, QNetwork,
 };
 use wayfield_policy::Scratch;
-use wayfield_random::{normal, stream};
+use wayfield_random::{Stream, normal, stream};
 
 fn learner(hidden: &[usize], dueling: bool) -> Learner {
-    let network = NetworkConfig { hidden: hidden.to_vec(), dueling };
+    let network = NetworkConfig { hidden: hidden.to_vec(), dueling, ..NetworkConfig::default() };
     Learner::new(&LearningConfig { network, ..LearningConfig::default() }, 6, 3, 1, 1)
         .expect("a valid config")
 }
@@ -141,6 +141,14 @@ fn a_transfer_requires_the_same_network_shape() {
         error.contains("6-5-4-dueling 3") && error.contains("6-5-dueling 3"),
         "both shapes are in: {error}"
     );
+    let network = NetworkConfig { hidden: vec![5], layer_norm: true, ..NetworkConfig::default() };
+    let normalized = Learner::new(&LearningConfig { network, ..LearningConfig::default() }, 6, 3, 1, 1);
+    let normalized = normalized.expect("a valid config").policy();
+    let error = learner.load_weights(&normalized, None).expect_err("another network").to_string();
+    assert!(
+        error.contains("use a config with the network 6-5-dueling 3 with layer norm and relu"),
+        "{error}"
+    );
     let same = learner.policy();
     assert_eq!(learner.load_weights(&same, Some(1.5)), Err(LoadWeightsError::InvalidEpsilon(1.5)));
 }
@@ -148,21 +156,37 @@ fn a_transfer_requires_the_same_network_shape() {
 #[test]
 fn the_policy_crate_and_the_learner_compute_the_same_q_values() {
     let mut noise = stream(4, "policy core", 0);
-    for (hidden, dueling) in [(vec![], false), (vec![], true), (vec![64, 64], true), (vec![7, 3, 5], false)] {
-        let shape = NetworkConfig { hidden, dueling }.shape(28, 5).expect("a valid shape");
-        let network = QNetwork::new(shape.clone(), &mut noise).expect("a valid shape");
-        let policy = network.to_policy();
-        let rows = 300;
-        let observations: Vec<f32> = (0..rows * shape.inputs).map(|_| normal(&mut noise)).collect();
-        let (mut expected, mut scratch) = (Vec::new(), Scratch::default());
-        network.q_values(&observations, rows, &mut expected);
-        for (observation, expected) in observations.chunks(shape.inputs).zip(expected.chunks(shape.actions)) {
-            let q = policy.q_values(observation, &mut scratch);
-            for (q, expected) in q.iter().zip(expected) {
-                assert!((q - expected).abs() < 1e-5, "{shape}: {q} instead of {expected}");
+    for activation in Activation::ALL {
+        for layer_norm in [false, true] {
+            for (hidden, dueling) in
+                [(vec![], false), (vec![], true), (vec![64, 64], true), (vec![7, 3, 5], false)]
+            {
+                compare(&NetworkConfig { hidden, dueling, layer_norm, activation }, &mut noise);
             }
         }
     }
+}
+
+/// Compares the forward passes of the policy crate and of the learner over random weights and observations.
+fn compare(config: &NetworkConfig, noise: &mut Stream) {
+    let shape = config.shape(28, 5).expect("a valid shape");
+    let mut network = QNetwork::new(shape.clone(), noise).expect("a valid shape");
+    // Scales and shifts other than those of a new network.
+    network.update(|parameters| parameters.iter_mut().for_each(|p| *p += 0.1 * normal(noise)));
+    let policy = network.to_policy();
+    let rows = 300;
+    let observations: Vec<f32> = (0..rows * shape.inputs).map(|_| normal(noise)).collect();
+    let (mut expected, mut scratch) = (Vec::new(), Scratch::default());
+    network.q_values(&observations, rows, &mut expected);
+    for (observation, expected) in observations.chunks(shape.inputs).zip(expected.chunks(shape.actions)) {
+        let q = policy.q_values(observation, &mut scratch);
+        for (q, expected) in q.iter().zip(expected) {
+            let error = (q - expected).abs();
+            assert!(error < 2e-5 * (1.0 + expected.abs()), "{shape}: {q} instead of {expected}");
+        }
+    }
+    let bytes = policy.to_bytes().expect("finite weights");
+    assert_eq!(Policy::from_bytes(&bytes), Ok(policy), "{shape} is read as it was written");
 }
 
 proptest! {

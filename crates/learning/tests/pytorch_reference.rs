@@ -3,11 +3,14 @@
 //! `reference/learning_step.py` trains on nine env steps with float64 PyTorch and writes `learning_step.json`. Here the
 //! learner gets the same steps, weights and options. All parts are tested together: n-step returns, termination and
 //! truncation, reward scale, (double) TD targets, (dueling) network, MSE or Huber loss, RMSProp or Adam, both target updates.
+//! `reference/switches.py` does the same for layer normalization, activations, gradient clipping and weight decay, in plain
+//! Python that reproduces PyTorch's numbers.
 
+use serde::Deserialize;
 use serde_json::Value;
 use wayfield_learning::{
-    Experience, Exploration, Learner, LearningConfig, Loss, NetworkConfig, Optimizer, QNetwork, ReplayConfig,
-    Sampling, Schedule, TargetUpdate,
+    Activation, Experience, Exploration, Learner, LearningConfig, Loss, NetworkConfig, Optimizer, QNetwork,
+    ReplayConfig, Sampling, Schedule, TargetUpdate,
 };
 
 const INPUTS: usize = 3;
@@ -32,7 +35,14 @@ fn observation(state: usize) -> [f32; INPUTS] {
 
 fn config(case: &Value) -> LearningConfig {
     LearningConfig {
-        network: NetworkConfig { hidden: vec![4, 3], dueling: case["dueling"] == true },
+        network: NetworkConfig {
+            hidden: vec![4, 3],
+            dueling: case["dueling"] == true,
+            layer_norm: case["layer_norm"] == true,
+            activation: case
+                .get("activation")
+                .map_or(Activation::Relu, |name| Activation::deserialize(name).expect("an activation")),
+        },
         double: case["double"] == true,
         gamma: 0.9,
         n_step: 2,
@@ -44,6 +54,8 @@ fn config(case: &Value) -> LearningConfig {
             Optimizer::Adam { beta1: 0.9, beta2: 0.999, epsilon: 1e-8 }
         },
         learning_rate: Schedule::Constant(0.01),
+        max_gradient_norm: case["max_gradient_norm"].as_f64().map(|norm| norm as f32),
+        weight_decay: case["weight_decay"].as_f64().unwrap_or_default() as f32,
         batch_size: 8,
         replay: ReplayConfig {
             capacity: 8,
@@ -75,7 +87,16 @@ fn close(found: f32, expected: &Value, what: &str) {
 
 #[test]
 fn three_gradient_steps_match_pytorch() {
-    let reference: Value = serde_json::from_str(include_str!("reference/learning_step.json")).expect("JSON");
+    check(include_str!("reference/learning_step.json"));
+}
+
+#[test]
+fn three_gradient_steps_with_the_switches_of_network_and_update_match_pytorchs_formulas() {
+    check(include_str!("reference/switches.json"));
+}
+
+fn check(reference: &str) {
+    let reference: Value = serde_json::from_str(reference).expect("JSON");
     let cases = reference["cases"].as_array().expect("a list");
     assert_eq!(cases.len(), 4);
     for (number, case) in cases.iter().enumerate() {

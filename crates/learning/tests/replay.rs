@@ -113,7 +113,7 @@ proptest! {
         always_truncated in any::<bool>(),
     ) {
         let config = LearningConfig {
-            network: NetworkConfig { hidden: vec![], dueling: false },
+            network: NetworkConfig { hidden: vec![], dueling: false, ..NetworkConfig::default() },
             n_step,
             gamma: 1.0,
             batch_size: 8,

@@ -12,7 +12,7 @@ use wayfield_random::{normal, stream, uniform_index};
 fn print_checksum() {
     let config = LearningConfig {
         // Matrix products of this size use several threads.
-        network: NetworkConfig { hidden: vec![256, 256], dueling: true },
+        network: NetworkConfig { hidden: vec![256, 256], ..NetworkConfig::default() },
         batch_size: 512,
         replay: ReplayConfig { capacity: 1000, ..LearningConfig::default().replay },
         ..LearningConfig::default()

@@ -2,8 +2,8 @@
 //! limit. Each task depends on one part of the algorithm.
 
 use wayfield_learning::{
-    Experience, Exploration, Learner, LearningConfig, Loss, NetworkConfig, Optimizer, ReplayConfig, Sampling,
-    Schedule, TargetUpdate, epsilon_greedy,
+    Activation, Experience, Exploration, Learner, LearningConfig, Loss, NetworkConfig, Optimizer,
+    ReplayConfig, Sampling, Schedule, TargetUpdate, epsilon_greedy,
 };
 use wayfield_random::{Stream, stream, uniform_01};
 
@@ -17,7 +17,7 @@ const PRIORITIZED: Sampling = Sampling::Prioritized {
 /// Random actions (Q-learning is off-policy), a small network and fast target updates.
 fn config(gamma: f32, sampling: Sampling) -> LearningConfig {
     LearningConfig {
-        network: NetworkConfig { hidden: vec![32], dueling: true },
+        network: NetworkConfig { hidden: vec![32], ..NetworkConfig::default() },
         gamma,
         loss: Loss::MeanSquared,
         optimizer: Optimizer::Adam { beta1: 0.9, beta2: 0.999, epsilon: 1e-8 },
@@ -42,6 +42,35 @@ fn variants(gamma: f32) -> Vec<LearningConfig> {
         }
     }
     all
+}
+
+/// A config for each switch of the network, of the update and of the learning rate.
+fn switched(gamma: f32) -> Vec<LearningConfig> {
+    let (from, to, env_steps) = (3e-3, 1e-5, 6000);
+    let changes: [fn(&mut LearningConfig); 7] = [
+        |c| c.network.layer_norm = true,
+        |c| c.network.activation = Activation::Elu,
+        |c| c.network.activation = Activation::Silu,
+        |c| c.network.activation = Activation::Tanh,
+        |c| c.max_gradient_norm = Some(0.1),
+        |c| c.weight_decay = 1e-3,
+        |c| {
+            (c.network.layer_norm, c.network.activation) = (true, Activation::Silu);
+            (c.max_gradient_norm, c.weight_decay) = (Some(1.0), 1e-4);
+        },
+    ];
+    let schedules = [
+        Schedule::Exponential { from, to, env_steps },
+        Schedule::Cosine { from, to, env_steps },
+        Schedule::Step { from, factor: 0.3, every_env_steps: 2000 },
+    ];
+    let base = || config(gamma, PRIORITIZED);
+    let changed = changes.into_iter().map(|change| {
+        let mut config = base();
+        change(&mut config);
+        config
+    });
+    changed.chain(schedules.map(|learning_rate| LearningConfig { learning_rate, ..base() })).collect()
 }
 
 /// The result of a step: reward, next state, terminated, truncated.
@@ -99,7 +128,7 @@ fn bandit_values_are_the_rewards() {
 fn chain_values_are_the_discounted_final_reward() {
     // States 0 to 4. Action 1 moves right, action 0 moves left. Moving right from 4 gives reward 1 and terminates.
     // Q(s, right) = 0.9^(4 - s), Q(s, left) = 0.9 V(s - 1).
-    for config in variants(0.9) {
+    for config in variants(0.9).into_iter().chain(switched(0.9)) {
         let q = learn(&config, 5, 2, 8000, |state, action, _| match (state, action) {
             (4, 1) => (1.0, 4, true, false),
             (_, 1) => (0.0, state + 1, false, false),

@@ -7,6 +7,7 @@
 //! |---|---|
 //! | [`observation`] | the network's inputs, from a LIDAR scan and a goal |
 //! | [`network`] | the shape of a Q-network, and its forward pass |
+//! | [`activation`] | the activation functions of the hidden layers |
 //! | [`card`] | the policy card: what the inputs and actions mean, and what the policy was trained with |
 //! | [`file`](mod@file) | the policy file: safetensors with a card |
 //! | [`range`] | range checks of numbers |
@@ -16,10 +17,17 @@
 //! Choose an action for a scan of 24 ranges and a goal 2 m away, 90 degrees to the left:
 //!
 //! ```
-//! use wayfield_policy::{Encoding, NetworkShape, Policy, Scratch, observation};
+//! use wayfield_policy::{Activation, Encoding, NetworkShape, Policy, Scratch, observation};
 //!
 //! // `Policy::from_bytes(&std::fs::read("policy.safetensors")?)` reads a trained policy.
-//! let shape = NetworkShape { inputs: observation::width(24), hidden: vec![8], actions: 5, dueling: true };
+//! let shape = NetworkShape {
+//!     inputs: observation::width(24),
+//!     hidden: vec![8],
+//!     actions: 5,
+//!     dueling: true,
+//!     layer_norm: false,
+//!     activation: Activation::Relu,
+//! };
 //! let parameters = vec![0.01; shape.parameter_count()];
 //! let policy = Policy::new(shape, parameters)?;
 //!
@@ -31,6 +39,7 @@
 //! # Ok::<(), wayfield_policy::PolicyError>(())
 //! ```
 
+pub mod activation;
 pub mod card;
 pub mod file;
 pub mod limits;
@@ -38,6 +47,7 @@ pub mod network;
 pub mod observation;
 pub mod range;
 
+pub use activation::Activation;
 pub use card::Card;
 pub use file::{Policy, PolicyError};
 pub use network::{NetworkShape, ParameterView, Scratch, greedy};

@@ -1,17 +1,18 @@
 //! The shape of a Q-network (fig. 5 of the paper), and its forward pass in plain loops.
 //!
-//! Fully connected layers with ReLU, then Q-values, plain or dueling. The learner computes the same function with
-//! dfdx; `crates/learning/tests/policy.rs` compares the two.
+//! Fully connected layers, each with an optional layer normalization and an activation function, then Q-values, plain or
+//! dueling. The learner computes the same function with dfdx; `crates/learning/tests/policy.rs` compares the two.
 
 use std::fmt;
 use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
+use crate::activation::{self, Activation};
 use crate::limits::{MAX_ACTIONS, MAX_LAYERS, MAX_PARAMETERS, MAX_UNITS};
 use crate::range::{ConfigError, within};
 
-/// The sizes of a Q-network.
+/// The layers of a Q-network.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NetworkShape {
@@ -23,14 +24,30 @@ pub struct NetworkShape {
     pub actions: usize,
     /// Whether the head is dueling (state value and advantages) or plain Q-values.
     pub dueling: bool,
+    /// Whether each hidden layer is normalized before its activation (Ba et al. 2016): y = (x - mean) / sqrt(variance +
+    /// [`LAYER_NORM_EPSILON`]) * scale + shift, with the mean and the biased variance over the units of the layer.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub layer_norm: bool,
+    /// The activation function of the hidden layers.
+    #[serde(default, skip_serializing_if = "is_default", with = "activation::by_name")]
+    pub activation: Activation,
+}
+
+/// The constant that a layer normalization adds to the variance; that of PyTorch's `LayerNorm`.
+pub const LAYER_NORM_EPSILON: f32 = 1e-5;
+
+/// Whether `value` is the one that a header without the field stands for.
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 
 /// The name and shape of one parameter tensor, and its range in the flat parameter vector.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ParameterView {
-    /// The tensor's name, such as "hidden.0.weight", "value.bias" or "output.weight".
+    /// The tensor's name, such as "hidden.0.weight", "hidden.0.norm.weight", "value.bias" or "output.weight".
     pub name: String,
-    /// `[outputs, inputs]` for a weight (row-major, as in PyTorch), `[outputs]` for a bias.
+    /// `[outputs, inputs]` for a weight (row-major, as in PyTorch); `[outputs]` for a bias, and for the scale
+    /// (`norm.weight`) and the shift (`norm.bias`) of a layer normalization.
     pub shape: Vec<usize>,
     /// The tensor's range in the flat parameter vector.
     pub range: Range<usize>,
@@ -72,7 +89,9 @@ impl NetworkShape {
     /// The number of parameters in all layers.
     #[must_use]
     pub fn parameter_count(&self) -> usize {
-        self.layers().fold(0_usize, |sum, (inputs, outputs)| {
+        let normalized = if self.layer_norm { &self.hidden[..] } else { &[] };
+        let norms = normalized.iter().fold(0_usize, |sum, width| sum.saturating_add(width.saturating_mul(2)));
+        self.layers().fold(norms, |sum, (inputs, outputs)| {
             sum.saturating_add(inputs.saturating_add(1).saturating_mul(outputs))
         })
     }
@@ -102,17 +121,28 @@ impl NetworkShape {
             for (part, outputs) in &parts {
                 push(format!("{part}.bias"), vec![*outputs]);
             }
+            if self.layer_norm && i < self.hidden.len() {
+                for tensor in ["weight", "bias"] {
+                    push(format!("hidden.{i}.norm.{tensor}"), vec![outputs]);
+                }
+            }
         }
         views
     }
 }
 
 impl fmt::Display for NetworkShape {
-    /// The sizes from inputs to actions, such as "28-64-64-dueling 5".
+    /// The sizes from inputs to actions, such as "28-64-64-dueling 5", then what differs from a network with ReLU and
+    /// without layer normalization, such as " with layer norm and tanh".
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}-", self.inputs)?;
         self.hidden.iter().try_for_each(|width| write!(f, "{width}-"))?;
-        write!(f, "{}{}", if self.dueling { "dueling " } else { "" }, self.actions)
+        write!(f, "{}{}", if self.dueling { "dueling " } else { "" }, self.actions)?;
+        match (self.layer_norm, self.activation.name()) {
+            (false, "relu") => Ok(()),
+            (false, name) => write!(f, " with {name}"),
+            (true, name) => write!(f, " with layer norm and {name}"),
+        }
     }
 }
 
@@ -136,15 +166,23 @@ pub(crate) fn forward<'a>(
     units.clear();
     units.extend_from_slice(observation);
     let mut rest = parameters;
-    for (i, (inputs, outputs)) in shape.layers().enumerate() {
-        let (weight, tail) = rest.split_at(inputs * outputs);
-        let (bias, tail) = tail.split_at(outputs);
+    let mut take = |length| {
+        let (tensor, tail) = rest.split_at(length);
         rest = tail;
+        tensor
+    };
+    for (i, (inputs, outputs)) in shape.layers().enumerate() {
+        let (weight, bias) = (take(inputs * outputs), take(outputs));
         next.clear();
         next.extend(weight.chunks_exact(inputs).zip(bias).map(|(row, bias)| {
-            let sum = row.iter().zip(units.iter()).fold(*bias, |sum, (weight, unit)| sum + weight * unit);
-            if i < shape.hidden.len() { sum.max(0.0) } else { sum }
+            row.iter().zip(units.iter()).fold(*bias, |sum, (weight, unit)| sum + weight * unit)
         }));
+        if i < shape.hidden.len() {
+            if shape.layer_norm {
+                normalize(next, take(outputs), take(outputs));
+            }
+            shape.activation.apply(next);
+        }
         std::mem::swap(units, next);
     }
     if !shape.dueling {
@@ -155,6 +193,17 @@ pub(crate) fn forward<'a>(
     let mean = advantages.iter().sum::<f32>() / shape.actions as f32;
     advantages.iter_mut().for_each(|advantage| *advantage += value - mean);
     &units[1..]
+}
+
+/// Normalizes the units of a layer: see [`NetworkShape::layer_norm`].
+fn normalize(units: &mut [f32], scale: &[f32], shift: &[f32]) {
+    let n = units.len() as f32;
+    let mean = units.iter().sum::<f32>() / n;
+    let variance = units.iter().map(|x| (x - mean) * (x - mean)).sum::<f32>() / n;
+    let factor = 1.0 / (variance + LAYER_NORM_EPSILON).sqrt();
+    for ((x, scale), shift) in units.iter_mut().zip(scale).zip(shift) {
+        *x = (*x - mean) * factor * scale + shift;
+    }
 }
 
 /// The greedy action: the index of the largest Q-value in `q_row`, the lowest index among equals. An empty row gives 0.
@@ -174,16 +223,26 @@ mod tests {
     use super::*;
 
     fn shape(hidden: &[usize], dueling: bool) -> NetworkShape {
-        NetworkShape { inputs: 2, hidden: hidden.to_vec(), actions: 2, dueling }
+        NetworkShape {
+            inputs: 2,
+            hidden: hidden.to_vec(),
+            actions: 2,
+            dueling,
+            layer_norm: false,
+            activation: Activation::Relu,
+        }
     }
 
     #[test]
     fn parameters_have_stable_names_and_fill_the_flat_vector() {
-        let views = shape(&[3], true).parameters();
+        let shape = NetworkShape { layer_norm: true, ..shape(&[3], true) };
+        let views = shape.parameters();
         let names: Vec<&str> = views.iter().map(|view| view.name.as_str()).collect();
         let expected = [
             "hidden.0.weight",
             "hidden.0.bias",
+            "hidden.0.norm.weight",
+            "hidden.0.norm.bias",
             "value.weight",
             "advantage.weight",
             "value.bias",
@@ -195,7 +254,7 @@ mod tests {
             assert_eq!(view.range.start, end, "{} directly follows the previous tensor", view.name);
             end = view.range.end;
         }
-        assert_eq!(end, shape(&[3], true).parameter_count());
+        assert_eq!(end, shape.parameter_count());
     }
 
     #[test]
@@ -206,6 +265,20 @@ mod tests {
         assert_eq!(forward(&shape(&[1], false), &parameters, &[3.0, 1.0], &mut scratch), [4.0, -1.5]);
         // relu(1*0 - 2*1 + 0.5) = 0: the outputs are their biases.
         assert_eq!(forward(&shape(&[1], false), &parameters, &[0.0, 1.0], &mut scratch), [1.0, 0.0]);
+    }
+
+    #[test]
+    fn a_normalized_layer_matches_a_calculation_by_hand() {
+        // x = (3, 1) + (1, 1) = (4, 2): mean 3, variance 1, so (1, -1) up to epsilon. Scale (2, 1), shift (0, 4): (2, 3).
+        // Q_0 = ELU(2) + ELU(3) = 5. Q_1 = -1.
+        let hidden = [1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 2.0, 1.0, 0.0, 4.0];
+        let parameters = [&hidden[..], &[1.0, 1.0, 0.0, 0.0, 0.0, -1.0]].concat();
+        let shape = NetworkShape { layer_norm: true, activation: Activation::Elu, ..shape(&[2], false) };
+        assert_eq!(shape.parameter_count(), parameters.len());
+        let mut scratch = Scratch::default();
+        let q = forward(&shape, &parameters, &[3.0, 1.0], &mut scratch);
+        assert!((q[0] - 5.0).abs() < 1e-4 && q[1] == -1.0, "{q:?}");
+        assert_eq!(shape.to_string(), "2-2-2 with layer norm and elu");
     }
 
     #[test]

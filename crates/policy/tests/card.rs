@@ -1,17 +1,30 @@
 //! The card of a policy file: it is read as it was written, and a card that contradicts the network or itself is refused.
 
 use serde_json::{Value, json};
-use wayfield_policy::card::{
-    ACTIVATION, Action, Example, Program, RawJson, Training, inputs, q_value_formula,
-};
-use wayfield_policy::{Card, Encoding, NetworkShape, Policy, PolicyError, Scratch};
+use wayfield_policy::card::{Action, Example, Program, RawJson, Training, inputs, q_value_formula};
+use wayfield_policy::{Activation, Card, Encoding, NetworkShape, Policy, PolicyError, Scratch};
 
 const BEAMS: usize = 3;
 const SENSORS: [(&str, usize); 2] = [("odometry", 2), ("bumper", 1)];
 
-/// A policy with 3 beams, two plugin sensors and two actions.
+/// The shape of a network for 3 beams, two plugin sensors and two actions.
+fn shape() -> NetworkShape {
+    NetworkShape {
+        inputs: BEAMS + 4 + 3,
+        hidden: vec![4],
+        actions: 2,
+        dueling: true,
+        layer_norm: false,
+        activation: Activation::Relu,
+    }
+}
+
 fn policy(encoding: Encoding) -> Policy {
-    let shape = NetworkShape { inputs: BEAMS + 4 + 3, hidden: vec![4], actions: 2, dueling: true };
+    policy_of(shape(), encoding)
+}
+
+/// A policy with a network of `shape`, one of [`shape`] with another activation or normalization.
+fn policy_of(shape: NetworkShape, encoding: Encoding) -> Policy {
     let parameters: Vec<f32> =
         (0..shape.parameter_count()).map(|k| (k * 37 % 19) as f32 * 0.1 - 0.9).collect();
     let mut policy = Policy::new(shape, parameters).expect("a valid shape");
@@ -29,7 +42,7 @@ fn policy(encoding: Encoding) -> Policy {
             success_rate: Some(0.1),
         },
         inputs: inputs(encoding, &[-0.7, 0.0, 0.7], &SENSORS),
-        activation: ACTIVATION.into(),
+        activation: policy.shape().activation.name().into(),
         q_values: q_value_formula(true).into(),
         actions: [1.5, -0.1].map(|w_rad_s| Action { v_m_s: 0.15, w_rad_s }).into(),
         control_period_s: 0.2,
@@ -70,6 +83,26 @@ fn the_json_of_a_card_lists_every_input_with_unit_divisor_and_angle() {
     assert_eq!(header["network"]["hidden"], json!([4]));
 }
 
+#[test]
+fn a_header_names_activation_and_layer_norm_only_where_they_differ_from_older_files() {
+    let plain = policy(Encoding::Scaled).header().expect("a card");
+    assert!(!plain.contains("layer_norm") && plain.contains("\"dueling\":true},"), "{plain}");
+    for activation in Activation::ALL {
+        let shape = NetworkShape { layer_norm: true, activation, ..shape() };
+        let written = policy_of(shape, Encoding::Scaled);
+        let bytes = written.to_bytes().expect("a valid card");
+        assert!(
+            Policy::from_bytes(&bytes).as_ref() == Ok(&written),
+            "{activation:?} is read as it was written"
+        );
+        let header: Value = serde_json::from_str(&written.header().expect("a card")).expect("JSON");
+        assert_eq!(header["network"]["layer_norm"], true);
+        assert_eq!(header["card"]["activation"], activation.name());
+        let in_network = header["network"].get("activation").and_then(Value::as_str);
+        assert_eq!(in_network.unwrap_or("relu"), activation.name());
+    }
+}
+
 /// The error for the file of a policy whose header has been changed.
 fn error(change: impl FnOnce(&str) -> String) -> String {
     let bytes = policy(Encoding::Scaled).to_bytes().expect("a valid card");
@@ -89,6 +122,13 @@ fn error(change: impl FnOnce(&str) -> String) -> String {
 fn a_card_that_contradicts_the_network_or_itself_is_refused() {
     for (from, to, expected) in [
         ("\"activation\":\"relu\"", "\"activation\":\"tanh\"", "the activation is \"relu\""),
+        ("\"dueling\":true", "\"dueling\":true,\"activation\":\"tanh\"", "the activation is \"tanh\""),
+        ("\"dueling\":true", "\"dueling\":true,\"activation\":\"gelu\"", "unknown variant `gelu`"),
+        (
+            "\"dueling\":true",
+            "\"dueling\":true,\"layer_norm\":true",
+            "lacks the tensor `hidden.0.norm.weight`",
+        ),
         ("value + advantage - mean(advantage)", "output", "the Q-values are"),
         (",{\"v_m_s\":0.15,\"w_rad_s\":-0.1}", "", "lists 1 actions, but the network has 2"),
         ("\"v_m_s\":0.15", "\"v_m_s\":1e39", "not finite in action 0"),

@@ -31,7 +31,7 @@ mod track;
 pub mod virtual_files;
 mod write;
 
-pub use check::{benchmark_route_problem, diagnostics, notes, value_diagnostics};
+pub use check::{diagnostics, notes, value_diagnostics};
 pub use explain::{choose, closest_name, whole_number};
 pub use fields::{Field, FieldValue, Quantity};
 pub use file_error::{Diagnostic, FileError, LocatedDiagnostic, locate, utf8};

@@ -1,5 +1,5 @@
-//! The notes on the learner: whether gradient steps are taken and change anything, the learning rate, the discount, the
-//! target network.
+//! The notes on the learner: whether gradient steps are taken and change anything, the learning rate, weight decay, the
+//! discount, the target network.
 
 use super::RunLength;
 use crate::learning::{LearningConfig, Schedule, TargetUpdate};
@@ -8,7 +8,9 @@ use crate::scenario::{Note, NoteLevel};
 /// Learning rates from here on diverge.
 const HIGH_LEARNING_RATE: f32 = 0.1;
 /// Learning rates below change no weight of the order of one.
-const LOW_LEARNING_RATE: f32 = 1e-8;
+pub(super) const LOW_LEARNING_RATE: f32 = 1e-8;
+/// The share of a weight that decays per gradient step, from which on nothing learned lasts.
+const STRONG_DECAY: f32 = 1e-3;
 
 pub(super) fn check(learning: &LearningConfig, length: RunLength, notes: &mut Vec<Note>) {
     let mut add = |level, field: &str, message: String| {
@@ -29,6 +31,16 @@ pub(super) fn check(learning: &LearningConfig, length: RunLength, notes: &mut Ve
         let problem =
             format!("is up to {rate}, with which learning diverges; help: give a lower one, such as 0.0005");
         add(NoteLevel::Warning, "learning_rate", problem);
+    }
+    let decay = rate * learning.weight_decay;
+    if decay >= STRONG_DECAY {
+        let half = (std::f32::consts::LN_2 / decay).ceil();
+        let problem = format!(
+            "is {}: at a learning rate of {rate}, weights lose half of their value in {half} gradient steps; help: give a \
+             smaller one, such as 0.01",
+            learning.weight_decay
+        );
+        add(NoteLevel::Note, "weight_decay", problem);
     }
     let gamma = learning.gamma;
     if gamma <= 0.0 {
@@ -87,6 +99,9 @@ fn target_never_updated(learning: &LearningConfig, length: RunLength) -> Option<
 fn largest(schedule: &Schedule) -> f32 {
     match *schedule {
         Schedule::Constant(value) => value,
-        Schedule::Linear { from, to, .. } => from.max(to),
+        Schedule::Linear { from, to, .. }
+        | Schedule::Exponential { from, to, .. }
+        | Schedule::Cosine { from, to, .. } => from.max(to),
+        Schedule::Step { from, .. } => from,
     }
 }

@@ -1,6 +1,7 @@
 //! The notes on schedules that end long before or after the budget, on exploration, and on evaluations.
 
 use super::RunLength;
+use super::learning::LOW_LEARNING_RATE;
 use crate::learning::{Exploration, LearningConfig, Sampling, Schedule};
 use crate::run::preset::{Budget, Preset};
 use crate::scenario::{Note, NoteLevel};
@@ -17,25 +18,12 @@ fn rounded(value: f32) -> f32 {
 
 pub(super) fn check(preset: &Preset, length: RunLength, notes: &mut Vec<Note>) {
     let mut add = |field: &str, message: String| notes.push(Note::new(NoteLevel::Note, field, message));
-    for (field, from, to, env_steps) in linear_schedules(&preset.learning) {
-        if let Some(most) = length.most.filter(|most| env_steps / 2 > *most && from != to) {
-            let end = rounded(Schedule::Linear { from, to, env_steps }.at(most));
-            let message = format!(
-                "ends at env step {env_steps}, but the budget is {most}, at which it has come from {from} to {end} instead of \
-                 {to}; help: end it at {most}, or give a larger budget"
-            );
+    for (field, schedule) in schedules(&preset.learning) {
+        if let Some(message) = length.most.and_then(|most| too_slow(&schedule, most)) {
             add(field, message);
         }
     }
-    if let Schedule::Linear { from, to, env_steps } = preset.learning.learning_rate
-        && to < from * SMALL_SHARE
-        && length.least / LONG_RUN > env_steps
-    {
-        let least = length.least;
-        let message = format!(
-            "ends at env step {env_steps}, but the budget is {least}, most of which has a learning rate of {to}; help: end \
-             it at {least}, or give a smaller budget"
-        );
+    if let Some(message) = too_fast(&preset.learning.learning_rate, length.least) {
         add("learning.learning_rate", message);
     }
     let starts = preset.learning.replay.learning_starts;
@@ -62,22 +50,66 @@ pub(super) fn check(preset: &Preset, length: RunLength, notes: &mut Vec<Note>) {
     }
 }
 
-/// The linear schedules over env steps: field, first value, last value, env step of the last value.
-fn linear_schedules(learning: &LearningConfig) -> Vec<(&'static str, f32, f32, u64)> {
-    let mut found = Vec::new();
-    let mut add = |field, schedule: &Schedule| {
-        if let Schedule::Linear { from, to, env_steps } = *schedule {
-            found.push((field, from, to, env_steps));
-        }
-    };
-    add("learning.learning_rate", &learning.learning_rate);
-    if let Sampling::Prioritized { beta, importance_weights: true, .. } = &learning.replay.sampling {
-        add("learning.replay.sampling.beta", beta);
+/// The schedules over env steps, by field.
+fn schedules(learning: &LearningConfig) -> Vec<(&'static str, Schedule)> {
+    let mut found = vec![("learning.learning_rate", learning.learning_rate)];
+    if let Sampling::Prioritized { beta, importance_weights: true, .. } = learning.replay.sampling {
+        found.push(("learning.replay.sampling.beta", beta));
     }
-    if let Exploration::Linear { start, end, env_steps } = learning.exploration {
-        found.push(("learning.exploration", start, end, env_steps));
+    if let Exploration::Linear { start: from, end: to, env_steps } = learning.exploration {
+        found.push(("learning.exploration", Schedule::Linear { from, to, env_steps }));
     }
     found
+}
+
+/// The first value of `schedule`, its last value, and the env step of the last value; `None` if it has no end.
+fn ends(schedule: &Schedule) -> Option<(f32, f32, u64)> {
+    match *schedule {
+        Schedule::Constant(_) | Schedule::Step { .. } => None,
+        Schedule::Linear { from, to, env_steps }
+        | Schedule::Exponential { from, to, env_steps }
+        | Schedule::Cosine { from, to, env_steps } => Some((from, to, env_steps)),
+    }
+}
+
+/// The problem of a schedule of which a run of at most `most` env steps sees little.
+fn too_slow(schedule: &Schedule, most: u64) -> Option<String> {
+    if let Schedule::Step { factor, every_env_steps, .. } = *schedule {
+        return (every_env_steps > most && factor < 1.0).then(|| {
+            format!(
+                "takes its first step at env step {every_env_steps}, but the budget is {most}; help: give a smaller \
+                 `every_env_steps`, or a larger budget"
+            )
+        });
+    }
+    let (from, to, env_steps) = ends(schedule).filter(|(from, to, _)| from != to)?;
+    (env_steps / 2 > most).then(|| {
+        let end = rounded(schedule.at(most));
+        format!(
+            "ends at env step {env_steps}, but the budget is {most}, at which it has come from {from} to {end} instead of \
+             {to}; help: end it at {most}, or give a larger budget"
+        )
+    })
+}
+
+/// The problem of a learning rate that is small for most of a run of at least `least` env steps.
+fn too_fast(learning_rate: &Schedule, least: u64) -> Option<String> {
+    if let Schedule::Step { from, .. } = *learning_rate {
+        let half = learning_rate.at(least / 2);
+        return (from >= LOW_LEARNING_RATE && half < LOW_LEARNING_RATE).then(|| {
+            format!(
+                "has fallen from {from} to {half:e} when half of the budget of {least} is over, so nothing more is learned; \
+                 help: give a `factor` nearer to 1, or a larger `every_env_steps`"
+            )
+        });
+    }
+    let (from, to, env_steps) = ends(learning_rate)?;
+    (to < from * SMALL_SHARE && least / LONG_RUN > env_steps).then(|| {
+        format!(
+            "ends at env step {env_steps}, but the budget is {least}, most of which has a learning rate of {to}; help: end \
+             it at {least}, or give a smaller budget"
+        )
+    })
 }
 
 /// What is doubtful about the values of epsilon.

@@ -146,6 +146,38 @@ fn schedules_that_end_long_before_or_after_the_budget_are_noted() {
 }
 
 #[test]
+fn schedules_of_every_kind_are_compared_with_the_budget() {
+    let rate = |learning_rate, budget| {
+        noted(move |p| {
+            (p.learning.learning_rate, p.budget) = (learning_rate, Budget::EnvSteps(budget));
+            p.learning.replay.sampling = Sampling::Uniform;
+            p.learning.exploration = PER_EPISODE;
+        })
+    };
+    let (from, to, env_steps) = (1e-3, 1e-5, 600_000);
+    for schedule in [Schedule::Exponential { from, to, env_steps }, Schedule::Cosine { from, to, env_steps }]
+    {
+        let short = rate(schedule, 60_000);
+        assert!(short.len() == 1 && short[0].contains("the budget is 60000, at which"), "{short:?}");
+        let long = rate(schedule, 6_000_000);
+        assert!(long.len() == 1 && long[0].contains("most of which has a learning rate of"), "{long:?}");
+        assert_eq!(rate(schedule, 600_000), [""; 0]);
+    }
+    let step = |factor, every_env_steps| Schedule::Step { from, factor, every_env_steps };
+    let late = rate(step(0.5, 600_001), 600_000);
+    assert!(
+        late.len() == 1 && late[0].contains("first step at env step 600001, but the budget is 600000"),
+        "{late:?}"
+    );
+    // 1e-3 x 0.5^17 = 7.6e-9 is below 1e-8.
+    let low = rate(step(0.5, 10_000), 350_000);
+    assert!(low.len() == 1 && low[0].contains("has fallen from 0.001 to 7.6"), "{low:?}");
+    assert_eq!(rate(step(0.5, 100_000), 600_000), [""; 0]);
+    let high = rate(Schedule::Step { from: 0.5, factor: 0.1, every_env_steps: 100_000 }, 600_000);
+    assert!(high.len() == 1 && high[0].contains("is up to 0.5, with which learning diverges"), "{high:?}");
+}
+
+#[test]
 fn doubtful_exploration_is_noted() {
     let exploration = |exploration| move |p: &mut Preset| p.learning.exploration = exploration;
     let per_episode = |start, decay, end| exploration(Exploration::PerEpisode { start, decay, end });
@@ -171,6 +203,13 @@ fn doubtful_exploration_is_noted() {
 fn doubtful_values_of_the_learner_and_the_evaluation_are_noted() {
     assert_noted(|p| p.learning.gamma = 0.0, "note: `learning.gamma` is 0: ", "only the next reward counts");
     assert_noted(|p| p.learning.gamma = 1.0, "note: `learning.gamma` is 1: ", "no bound");
+    // At the rate of 0.0015: 0.0015 x 0.7 = 0.00105, ln 2 / 0.00105 = 660.1.
+    assert_noted(
+        |p| p.learning.weight_decay = 0.7,
+        "note: `learning.weight_decay` is 0.7: ",
+        "lose half of their value in 661 gradient steps",
+    );
+    assert_eq!(noted(|p| p.learning.weight_decay = 0.1), [""; 0]);
     // 600,000 env steps have 37,500 updates of 2 gradient steps.
     assert_noted(
         |p| p.learning.target_update = TargetUpdate::Hard { every: 75_001 },

@@ -1,7 +1,7 @@
 //! The card of a policy that is about to be saved.
 
 use super::{angles_rad, sensor};
-use crate::policy::card::{ACTIVATION, Action, Card, Example, Program, Training, inputs, q_value_formula};
+use crate::policy::card::{Action, Card, Example, Program, Training, inputs, q_value_formula};
 use crate::policy::{Policy, Scratch};
 use crate::run::folder::RunConfig;
 use crate::run::provenance::{COMMIT, VERSION, scenario_json};
@@ -39,7 +39,7 @@ fn card(policy: &Policy, config: &RunConfig, training: Training) -> Result<Card,
         program: this_program(),
         training,
         inputs: inputs(preset.observation, &angles_rad(lidar), &sensors),
-        activation: ACTIVATION.into(),
+        activation: policy.shape().activation.name().into(),
         q_values: q_value_formula(policy.shape().dueling).into(),
         actions: actions(scenario),
         control_period_s: task.control_period_s,

@@ -1,10 +1,9 @@
-//! The header of a checkpoint: everything except the arrays of the replay buffer.
+//! The header of a checkpoint: everything except the config before it, and the arrays of the replay buffer after it.
 
 use serde::{Deserialize, Serialize};
 
 use super::CheckpointError;
 use super::arrays::is_priority;
-use crate::config::LearningConfig;
 use crate::learner::{Counters, Learner, Trajectory};
 use crate::limits::MAX_COUNT;
 use crate::optimizer::OptimizerState;
@@ -13,7 +12,6 @@ use crate::state_ring::StateId;
 /// The header's content.
 #[derive(Serialize, Deserialize)]
 pub(super) struct Header {
-    config: LearningConfig,
     inputs: usize,
     actions: usize,
     counters: Counters,
@@ -34,7 +32,6 @@ impl Header {
     pub(super) fn of(learner: &Learner) -> Self {
         let (replay, shape) = (&learner.replay, learner.online.shape());
         Self {
-            config: learner.config.clone(),
             inputs: shape.inputs,
             actions: shape.actions,
             counters: learner.counters.clone(),
@@ -60,9 +57,9 @@ impl Header {
             learner.replay.transitions.iter().fold(0.0, |largest, t| largest.max(t.reward.abs()));
     }
 
-    /// Checks that the config is that of `learner`, a new learner, and that all values are valid.
+    /// Checks that the sizes are those of `learner`, a new learner, and that all values are valid.
     pub(super) fn check(&self, learner: &Learner) -> Result<(), CheckpointError> {
-        self.check_config(learner)?;
+        self.check_sizes(learner)?;
         let parameters = learner.online.parameters().len();
         let finite = |values: &[f32]| values.iter().all(|value| value.is_finite());
         let Counters { env_steps, episodes, gradient_steps, epsilon_start, sampling, .. } = &self.counters;
@@ -88,7 +85,10 @@ impl Header {
             ),
             ("the state of its random stream is invalid", wayfield_random::is_valid(sampling)),
             ("its largest priority is invalid", is_priority(self.largest_priority)),
-            ("a trajectory is invalid", self.trajectories.iter().all(|t| self.is_valid_trajectory(t))),
+            (
+                "a trajectory is invalid",
+                self.trajectories.iter().all(|t| self.is_valid_trajectory(t, learner)),
+            ),
         ] {
             if !valid {
                 return Err(CheckpointError::Corrupt(problem));
@@ -97,10 +97,9 @@ impl Header {
         Ok(())
     }
 
-    fn check_config(&self, learner: &Learner) -> Result<(), CheckpointError> {
+    fn check_sizes(&self, learner: &Learner) -> Result<(), CheckpointError> {
         let shape = learner.online.shape();
         for (field, same) in [
-            ("learning", self.config == learner.config),
             ("observation", self.inputs == shape.inputs),
             ("actions", self.actions == shape.actions),
             ("num_envs", self.trajectories.len() == learner.trajectories.len()),
@@ -123,15 +122,15 @@ impl Header {
     fn has_valid_pending_updates(&self, learner: &Learner) -> bool {
         let stored = self.stored_transitions(learner);
         let env_steps = stored.unwrap_or_default().max(learner.trajectories.len() as u64);
-        let max_pending = env_steps * u64::from(self.config.gradient_steps);
+        let max_pending = env_steps * u64::from(learner.config.gradient_steps);
         let pending = self.counters.pending_updates;
         u64::from(pending) <= max_pending && (pending == 0 || stored.is_some_and(|n| n > 0))
     }
 
-    fn is_valid_trajectory(&self, trajectory: &Trajectory) -> bool {
+    fn is_valid_trajectory(&self, trajectory: &Trajectory, learner: &Learner) -> bool {
         let pending = trajectory.n_step.pending();
         let exists = |id: StateId| id.0 < self.states;
-        pending.len() < self.config.n_step
+        pending.len() < learner.config.n_step
             && trajectory.last.is_none_or(exists)
             && pending.iter().all(|step| {
                 usize::from(step.action) < self.actions && exists(step.state) && step.reward.is_finite()

@@ -12,7 +12,7 @@ fn learner() -> (LearningConfig, Learner) {
     let beta = Schedule::Constant(0.4);
     let sampling = Sampling::Prioritized { alpha: 0.6, beta, importance_weights: true, epsilon: 0.01 };
     let config = LearningConfig {
-        network: NetworkConfig { hidden: vec![3], dueling: true },
+        network: NetworkConfig { hidden: vec![3], ..NetworkConfig::default() },
         n_step: 3,
         batch_size: 2,
         optimizer: Optimizer::Adam { beta1: 0.9, beta2: 0.999, epsilon: 1e-8 },

@@ -35,6 +35,10 @@ impl LearningConfig {
             }
         }
         self.learning_rate.check("learning_rate", 0.0..=MAX_LEARNING_RATE)?;
+        if let Some(norm) = self.max_gradient_norm {
+            above_zero("max_gradient_norm", norm)?;
+        }
+        within("weight_decay", self.weight_decay, 0.0..=1.0)?;
         within("batch_size", self.batch_size, 1..=MAX_BATCH_SIZE)?;
         self.replay.check(self.batch_size)?;
         within("train_freq", self.train_freq, 1..)?;
@@ -93,10 +97,23 @@ impl Schedule {
     fn check(&self, field: &str, range: RangeInclusive<f32>) -> Result<(), ConfigError> {
         match *self {
             Self::Constant(value) => within(field, value, range),
-            Self::Linear { from, to, env_steps } => {
-                within(&format!("{field}.from"), from, range.clone())?;
-                within(&format!("{field}.to"), to, range)?;
+            Self::Linear { from, to, env_steps }
+            | Self::Exponential { from, to, env_steps }
+            | Self::Cosine { from, to, env_steps } => {
+                for (end, value) in [("from", from), ("to", to)] {
+                    let field = format!("{field}.{end}");
+                    if matches!(self, Self::Exponential { .. }) {
+                        above_zero(&field, value)?;
+                    }
+                    within(&field, value, range.clone())?;
+                }
                 within(&format!("{field}.env_steps"), env_steps, 1..)
+            }
+            Self::Step { from, factor, every_env_steps } => {
+                within(&format!("{field}.from"), from, range)?;
+                above_zero(&format!("{field}.factor"), factor)?;
+                within(&format!("{field}.factor"), factor, 0.0..=1.0)?;
+                within(&format!("{field}.every_env_steps"), every_env_steps, 1..)
             }
         }
     }

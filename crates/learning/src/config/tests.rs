@@ -43,6 +43,25 @@ fn every_value_out_of_range_is_reported_with_its_field() {
         ("learning_rate.env_steps", |c| {
             c.learning_rate = Schedule::Linear { from: 1e-3, to: 1e-4, env_steps: 0 };
         }),
+        ("learning_rate.to", |c| {
+            c.learning_rate = Schedule::Cosine { from: 1e-3, to: f32::NAN, env_steps: 1 };
+        }),
+        ("learning_rate.to", |c| {
+            c.learning_rate = Schedule::Exponential { from: 1e-3, to: 0.0, env_steps: 1 };
+        }),
+        ("learning_rate.env_steps", |c| {
+            c.learning_rate = Schedule::Exponential { from: 1e-3, to: 1e-5, env_steps: 0 };
+        }),
+        ("learning_rate.factor", |c| {
+            c.learning_rate = Schedule::Step { from: 1e-3, factor: 2.0, every_env_steps: 1 };
+        }),
+        ("learning_rate.every_env_steps", |c| {
+            c.learning_rate = Schedule::Step { from: 1e-3, factor: 0.5, every_env_steps: 0 };
+        }),
+        ("max_gradient_norm", |c| c.max_gradient_norm = Some(0.0)),
+        ("max_gradient_norm", |c| c.max_gradient_norm = Some(f32::INFINITY)),
+        ("weight_decay", |c| c.weight_decay = -0.1),
+        ("weight_decay", |c| c.weight_decay = 1.5),
         ("batch_size", |c| c.batch_size = 0),
         ("replay.capacity", |c| c.replay.capacity = 63),
         ("replay.capacity", |c| c.replay.capacity = usize::MAX),
@@ -75,9 +94,37 @@ fn every_value_out_of_range_is_reported_with_its_field() {
 }
 
 #[test]
-fn a_linear_schedule_becomes_constant_at_its_end() {
-    let schedule = Schedule::Linear { from: 1.0, to: 0.5, env_steps: 100 };
-    for (step, value) in [(0, 1.0), (50, 0.75), (99, 0.505), (100, 0.5), (1_000_000, 0.5)] {
-        assert!((schedule.at(step) - value).abs() < 1e-6, "at {step}: {}", schedule.at(step));
+fn a_config_without_the_switches_of_later_versions_has_them_off() {
+    let text = ron::to_string(&LearningConfig::default()).expect("a config is RON");
+    let older = ["max_gradient_norm:None,", "weight_decay:0.0,", ",layer_norm:false,activation:Relu"]
+        .iter()
+        .fold(text.clone(), |text, field| {
+            assert!(text.contains(field), "{field} in {text}");
+            text.replace(field, "")
+        });
+    assert_eq!(ron::from_str(&older), Ok(LearningConfig::default()), "{older}");
+}
+
+#[test]
+fn schedules_follow_their_formulas_and_become_constant_at_their_end() {
+    let (from, env_steps) = (1.0, 100);
+    // 0.25^(1/2) = 0.5, 0.25^0.99 = 0.2534898. (1 + cos(pi / 4)) / 2 = 0.8535534, (1 + cos(0.99 pi)) / 2 = 0.0002467.
+    let exponential = Schedule::Exponential { from, to: 0.25, env_steps };
+    let cosine = Schedule::Cosine { from, to: 0.5, env_steps };
+    let growing = Schedule::Exponential { from: 0.01, to: 1.0, env_steps };
+    let step = Schedule::Step { from: 0.8, factor: 0.5, every_env_steps: 100 };
+    for (schedule, values) in [
+        (Schedule::Linear { from, to: 0.5, env_steps }, [1.0, 0.875, 0.75, 0.505, 0.5, 0.5]),
+        (exponential, [1.0, std::f32::consts::FRAC_1_SQRT_2, 0.5, 0.253_489_8, 0.25, 0.25]),
+        (cosine, [1.0, 0.926_776_7, 0.75, 0.500_123_4, 0.5, 0.5]),
+        (growing, [0.01, 0.031_622_8, 0.1, 0.954_992_6, 1.0, 1.0]),
+        (step, [0.8, 0.8, 0.8, 0.8, 0.4, 0.2]),
+        (Schedule::Constant(0.3), [0.3; 6]),
+    ] {
+        for (n, value) in [0, 25, 50, 99, 100, 200].into_iter().zip(values) {
+            let found = schedule.at(n);
+            assert!((found - value).abs() < 1e-6, "{schedule:?} at {n}: {found}, not {value}");
+        }
+        assert!((0.0..=1.0).contains(&schedule.at(u64::MAX)), "{schedule:?} has no end");
     }
 }

@@ -6,6 +6,7 @@ use crate::divergence::{
     DivergenceError, Overestimate, advice, non_finite_loss_cause, non_finite_weight_cause,
 };
 use crate::network::{Gradient, QNetwork, Regression};
+use crate::optimizer::clip;
 use crate::replay::Batch;
 use wayfield_policy::greedy;
 
@@ -94,18 +95,22 @@ impl Learner {
         online.gradient(&batch.states, regression, gradient);
     }
 
-    /// Moves the weights along the gradient.
+    /// Clips the gradient, and moves the weights against it.
     fn apply_gradient(&mut self) -> Result<(), DivergenceError> {
         let Self { config, online, optimizer, counters, scratch, .. } = self;
-        let Scratch { batch, gradient, target_q, .. } = &*scratch;
+        let Scratch { batch, gradient, target_q, .. } = scratch;
         let (gradient_step, env_step) = (counters.gradient_steps, counters.env_steps);
         let diverged = |what| DivergenceError { gradient_step, env_step, what, advice: advice(config) };
         if !gradient.loss.is_finite() {
             let what = non_finite_loss_cause(&batch.rewards, target_q, &gradient.q, &gradient.td_errors);
             return Err(diverged(what));
         }
+        if let Some(max_norm) = config.max_gradient_norm {
+            clip(&mut gradient.values, max_norm);
+        }
         let learning_rate = config.learning_rate.at(env_step);
-        online.update(|weights| optimizer.step(&config.optimizer, learning_rate, weights, &gradient.values));
+        let rates = (learning_rate, config.weight_decay);
+        online.update(|weights| optimizer.step(&config.optimizer, rates, weights, &gradient.values));
         if !all_finite(online.parameters()) {
             return Err(diverged(non_finite_weight_cause(online, &gradient.values, learning_rate)));
         }

@@ -2,6 +2,7 @@
 
 use super::{Gradient, QNetwork, Regression};
 use crate::config::{Loss, NetworkConfig};
+use wayfield_policy::Activation;
 use wayfield_random::{normal, stream};
 
 const BATCH: usize = 12;
@@ -11,14 +12,28 @@ fn the_gradient_is_the_derivative_of_the_weighted_loss() {
     for dueling in [false, true] {
         // The TD errors are of order 1, so that delta 0.8 tests both branches of the Huber loss.
         for loss in [Loss::MeanSquared, Loss::Huber { delta: 0.8 }] {
-            check(dueling, loss);
+            check(&network(dueling, false, Activation::Relu), loss);
         }
     }
 }
 
-fn check(dueling: bool, loss: Loss) {
+#[test]
+fn the_gradient_is_right_with_every_activation_and_with_layer_normalization() {
+    for activation in Activation::ALL {
+        for layer_norm in [false, true] {
+            check(&network(layer_norm, layer_norm, activation), Loss::MeanSquared);
+        }
+    }
+}
+
+fn network(dueling: bool, layer_norm: bool, activation: Activation) -> NetworkConfig {
+    NetworkConfig { hidden: vec![7, 6], dueling, layer_norm, activation }
+}
+
+fn check(config: &NetworkConfig, loss: Loss) {
+    let dueling = config.dueling;
     let mut noise = stream(11, "test", u64::from(dueling));
-    let shape = NetworkConfig { hidden: vec![7, 6], dueling }.shape(5, 3).expect("a valid shape");
+    let shape = config.shape(5, 3).expect("a valid shape");
     let mut network = QNetwork::new(shape.clone(), &mut noise).expect("a valid shape");
     let observations: Vec<f32> = (0..BATCH * 5).map(|_| normal(&mut noise)).collect();
     let targets: Vec<f32> = (0..BATCH).map(|_| normal(&mut noise)).collect();
@@ -52,7 +67,8 @@ fn check(dueling: bool, loss: Loss) {
     assert!((gradient.loss - expected / BATCH as f32).abs() < 1e-5, "the loss is the weighted mean");
 
     // Central differences. The step is small compared with the weights (about 0.4), and large compared with f32 rounding.
-    let step = 2e-3;
+    // Layer normalization amplifies it, so that a ReLU would be pushed over its kink.
+    let step = if config.layer_norm { 5e-4 } else { 2e-3 };
     let mut other = Gradient::default();
     let mut moved = |network: &mut QNetwork, i: usize, by: f32| {
         network.update(|parameters| parameters[i] += by);
@@ -68,7 +84,7 @@ fn check(dueling: bool, loss: Loss) {
         nonzero += usize::from(found.abs() > 1e-3);
         assert!(
             (slope - found).abs() < 1e-3 + 0.01 * slope.abs(),
-            "{} ({i}), dueling {dueling}, {loss:?}: gradient {found} instead of {slope}",
+            "{} ({i}), {config:?}, {loss:?}: gradient {found} instead of {slope}",
             view.name
         );
     }

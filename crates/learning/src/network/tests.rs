@@ -5,7 +5,7 @@ use crate::config::NetworkConfig;
 use wayfield_random::stream;
 
 fn shape(hidden: &[usize], actions: usize, dueling: bool) -> NetworkShape {
-    let config = NetworkConfig { hidden: hidden.to_vec(), dueling };
+    let config = NetworkConfig { hidden: hidden.to_vec(), dueling, ..NetworkConfig::default() };
     config.shape(2, actions).expect("a valid shape")
 }
 
@@ -36,7 +36,7 @@ fn a_hidden_layer_applies_weights_bias_and_relu() {
 
 #[test]
 fn initial_weights_are_uniform_within_one_over_the_root_of_the_inputs() {
-    let config = NetworkConfig { hidden: vec![64, 64], dueling: true };
+    let config = NetworkConfig { hidden: vec![64, 64], ..NetworkConfig::default() };
     let shape = config.shape(28, 5).expect("the paper's shape");
     let network = QNetwork::new(shape.clone(), &mut stream(1, "test", 0)).expect("a valid shape");
     for (name, inputs) in [("hidden.0.weight", 28.0_f32), ("hidden.1.weight", 64.0)] {
@@ -49,6 +49,19 @@ fn initial_weights_are_uniform_within_one_over_the_root_of_the_inputs() {
             (variance * 3.0 * inputs - 1.0).abs() < 0.1,
             "{name}: the variance of a uniform distribution is bound^2 / 3"
         );
+    }
+    let normalized = NetworkConfig { layer_norm: true, ..config };
+    let normalized =
+        QNetwork::new(normalized.shape(28, 5).expect("a valid shape"), &mut stream(1, "test", 0))
+            .expect("a valid shape");
+    for view in normalized.shape().parameters() {
+        let found = &normalized.parameters()[view.range];
+        let plain = shape.parameters().into_iter().find(|plain| plain.name == view.name);
+        match plain {
+            Some(plain) => assert_eq!(found, &network.parameters()[plain.range], "the same draws"),
+            None if view.name.ends_with("weight") => assert!(found.iter().all(|scale| *scale == 1.0)),
+            None => assert!(found.iter().all(|shift| *shift == 0.0), "{}", view.name),
+        }
     }
     let other = QNetwork::new(shape, &mut stream(2, "test", 0)).expect("a valid shape");
     assert_ne!(network, other, "another stream gives other weights");
@@ -77,7 +90,7 @@ fn shapes_out_of_range_are_rejected() {
     for (hidden, inputs, actions) in
         [(vec![64], 0, 5), (vec![64], 28, 0), (vec![64], 28, 256), (vec![4096; 8], 28, 5)]
     {
-        let config = NetworkConfig { hidden, dueling: true };
+        let config = NetworkConfig { hidden, ..NetworkConfig::default() };
         assert!(config.shape(inputs, actions).is_err(), "{config:?} {inputs} {actions}");
     }
     assert!(QNetwork::from_parameters(shape(&[3], 2, true), vec![0.0; 3]).is_err(), "too few parameters");

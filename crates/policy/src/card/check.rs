@@ -1,6 +1,6 @@
 //! The checks of a card: its numbers, and whether it agrees with itself and with the network.
 
-use super::{ACTIVATION, Card, Input, Quantity, inputs, q_value_formula};
+use super::{Card, Input, Quantity, inputs, q_value_formula};
 use crate::greedy;
 use crate::network::{NetworkShape, Scratch, forward};
 use crate::observation::{self, Encoding};
@@ -49,9 +49,9 @@ impl Card {
         ensure(self.actions.len() == shape.actions, || {
             format!("lists {} actions, but the network has {}", self.actions.len(), shape.actions)
         })?;
-        let formula = q_value_formula(shape.dueling);
-        ensure((self.activation.as_str(), self.q_values.as_str()) == (ACTIVATION, formula), || {
-            format!("must say that the activation is \"{ACTIVATION}\" and the Q-values are \"{formula}\"")
+        let (activation, formula) = (shape.activation.name(), q_value_formula(shape.dueling));
+        ensure((self.activation.as_str(), self.q_values.as_str()) == (activation, formula), || {
+            format!("must say that the activation is \"{activation}\" and the Q-values are \"{formula}\"")
         })?;
         self.check_numbers()?;
         ensure(self.scenario_crc32c == self.scenario.crc32c(), || {

@@ -14,9 +14,6 @@ pub use inputs::{Input, Quantity, inputs};
 
 use crate::observation::{self, Encoding};
 
-/// The activation of the hidden layers, as the card names it.
-pub const ACTIVATION: &str = "relu";
-
 /// The Q-values as a formula of the output tensors, as the card gives it.
 #[must_use]
 pub fn q_value_formula(dueling: bool) -> &'static str {
@@ -32,7 +29,7 @@ pub struct Card {
     pub training: Training,
     /// The network's inputs, in their order.
     pub inputs: Vec<Input>,
-    /// The activation of the hidden layers: [`ACTIVATION`].
+    /// The activation of the hidden layers: [`Activation::name`](crate::Activation::name).
     pub activation: String,
     /// The Q-values as a formula of the output tensors: [`q_value_formula`].
     pub q_values: String,
