@@ -183,10 +183,12 @@ fn every_record_names_the_program_and_the_scenario() {
     let card = workspace.run_ok("--card run/policy.safetensors").json()["card"].clone();
     let config: RunConfig = read_ron(workspace.path("run/config.ron")).unwrap();
     assert_eq!(config.commit.as_deref(), card["program"]["commit"].as_str());
-    let summary = workspace.json("run/summary.json");
-    assert_eq!(summary["version"], card["program"]["version"], "{summary}");
-    assert_eq!(summary["commit"], card["program"]["commit"], "{summary}");
-    assert_eq!(summary["scenario_crc32c"], card["scenario_crc32c"], "{summary}");
+    let tested = workspace.run_ok("--eval run/policy.safetensors --rounds 1 --episodes 2 --json").json();
+    for record in [workspace.json("run/summary.json"), tested] {
+        assert_eq!(record["version"], card["program"]["version"], "{record}");
+        assert_eq!(record["commit"], card["program"]["commit"], "{record}");
+        assert_eq!(record["scenario_crc32c"], card["scenario_crc32c"], "{record}");
+    }
 }
 
 #[test]

@@ -28,10 +28,13 @@ type IsKind = fn(MapObstacleKind) -> bool;
 
 /// The legend's entries: start, goal, the kinds of obstacles on the map, and the trajectories.
 pub(super) fn legend_entries(map: &ScenarioMap) -> Vec<LegendEntry> {
-    let mut entries = vec![
-        LegendEntry::Symbol(|root, at| draw_robot(root, at, 0.0), "start".into()),
-        LegendEntry::Symbol(draw_goal, "goal".into()),
-    ];
+    let mut entries = Vec::new();
+    if map.start.is_some() {
+        entries.push(LegendEntry::Symbol(|root, at| draw_robot(root, at, 0.0), "start".into()));
+    }
+    if map.goal.is_some() {
+        entries.push(LegendEntry::Symbol(draw_goal, "goal".into()));
+    }
     let kinds: [(IsKind, Symbol, &str); 4] = [
         (
             |kind| kind == MapObstacleKind::Wall,
