@@ -140,8 +140,6 @@ fn not_utf8(command: &mut Command, words: &[OsString]) -> Option<clap::Error> {
 /// }
 /// ```
 pub fn main(began: Instant, extensions: Extensions) -> ExitCode {
-    #[cfg(unix)]
-    memory_limit::exit_without_memory();
     signals::survive_limits();
     let mut arguments = Arguments::parse_words(std::env::args_os()).unwrap_or_else(|error| exit(&error));
     arguments.shared.extensions = extensions;
