@@ -201,7 +201,7 @@ fn a_picture_has_the_format_of_its_name_and_the_size_that_is_asked_for() {
 fn a_picture_of_a_scenario_has_its_name_a_legend_and_a_scale() {
     let workspace = Workspace::new();
     workspace.run_ok("--draw map.svg --scenario hall");
-    let labels = ["Hall", "start", "goal", "moving obstacle", "its path", "x and y in m"];
+    let labels = ["Hall", "start", "goal", "moving obstacle on its path", "x and y in m"];
     let svg = workspace.text("map.svg");
     for label in labels {
         assert!(svg.lines().any(|line| line == label), "`{label}` is not in\n{svg}");
