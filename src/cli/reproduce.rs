@@ -13,6 +13,7 @@ use super::train::SAVING;
 use super::values;
 use crate::reproduce::{ReproduceOptions, Reproduction, reproduce};
 use crate::run::RunError;
+use crate::run::settings::Settings;
 use crate::run::signals::stop_on_signal;
 
 /// The options of `--reproduce`.
@@ -66,6 +67,7 @@ pub fn run(args: ReproduceArgs, shared: SharedArgs, began: Instant) -> Result<()
         experiments: args.experiment,
         only: args.only,
         seeds: args.seeds,
+        settings: Settings(shared.set),
         quick: args.quick,
         out: shared.out,
         jobs: args.jobs.map(usize::from),

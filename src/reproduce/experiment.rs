@@ -12,6 +12,7 @@ use super::figure_spec::FigureSpec;
 use super::overrides::Override;
 use super::table_spec::TableSpec;
 use crate::run::preset::{Budget, EvaluationConfig};
+use crate::run::settings::Settings;
 
 /// An experiment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -31,6 +32,9 @@ pub struct Experiment {
     /// The test after training.
     #[serde(default)]
     pub test: TestRule,
+    /// Changes to every stage under every condition, after all other changes. `--set` adds to them.
+    #[serde(default, skip_serializing_if = "Settings::is_empty")]
+    pub overrides: Settings,
     /// The arms to compare, at least one.
     pub arms: Vec<Arm>,
     /// The conditions under which all arms are trained. If empty, they are trained once, without changes.

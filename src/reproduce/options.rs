@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::run::settings::Settings;
+
 /// The options of a reproduction.
 #[derive(Clone, Debug, Default)]
 pub struct ReproduceOptions {
@@ -11,6 +13,8 @@ pub struct ReproduceOptions {
     pub only: Vec<String>,
     /// The number of seeds, instead of the experiments' own.
     pub seeds: Option<u64>,
+    /// Settings of all stages, after the experiments' own.
+    pub settings: Settings,
     /// Whether to run a short version with a tenth of the episodes.
     pub quick: bool,
     /// The report's folder, instead of the default one.

@@ -39,6 +39,11 @@ pub fn run_config(
     if let Some(condition) = condition {
         condition.apply(&mut scenario, &mut preset);
     }
+    experiment.overrides.apply(&mut scenario, &mut preset).map_err(|errors| {
+        let why =
+            format!("the overrides of all stages, in {scenario_from} with {}: {}", stage.preset, errors[0]);
+        FileError::for_file(Path::new(from), why)
+    })?;
     let diagnostics = scenario::diagnostics(&scenario).into_iter().chain(preset.diagnostics());
     if let Some(diagnostic) = diagnostics.into_iter().next() {
         let why = format!("the overrides of {scenario_from} or {}: {diagnostic}", stage.preset);

@@ -28,6 +28,7 @@ pub fn select(options: &ReproduceOptions) -> Result<Vec<SelectedExperiment>, Run
         if options.quick {
             make_quick(experiment, |preset| shipped::preset(preset).ok().map(|preset| preset.budget));
         }
+        experiment.overrides.0.extend(options.settings.0.iter().cloned());
         experiment.seeds = options.seeds.unwrap_or(experiment.seeds);
         let figures = indices(&experiment.figures, |figure| all || asked(&figure.name));
         let tables = indices(&experiment.tables, |table| {

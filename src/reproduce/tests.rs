@@ -19,6 +19,7 @@ use super::table_spec::TableKind;
 use crate::run::folder::RunFolder;
 use crate::run::metric_rows::{EpisodeRow, EvaluationRow};
 use crate::run::preset::Budget;
+use crate::run::settings::Settings;
 
 fn only(names: &[&str]) -> ReproduceOptions {
     ReproduceOptions { only: names.iter().map(|&name| name.into()).collect(), ..ReproduceOptions::default() }
@@ -234,4 +235,18 @@ fn overrides_change_every_field_they_name() {
     }
     assert_eq!(text.matches("speed_rad_s: 0.3").count(), 4, "all four cylinders");
     assert!(matches!(experiment.tables[0].show, TableKind::Seeds { after: 300, .. }));
+}
+
+#[test]
+fn settings_from_the_command_line_change_all_trainings() {
+    let (_, plan) = planned(&only(&["fig8"]));
+    let settings = ["learning.gamma=0.97", "scenario.lidar.noise_std_m=0.02"];
+    let settings = Settings(settings.iter().map(|text| text.parse().expect("a setting")).collect());
+    let (_, changed) = planned(&ReproduceOptions { settings, ..only(&["fig8"]) });
+    assert_eq!(changed.trainings.len(), plan.trainings.len());
+    for (training, before) in changed.trainings.iter().zip(&plan.trainings) {
+        assert_eq!(training.config.preset.learning.gamma, 0.97);
+        assert_eq!(training.config.scenario.lidar.noise_std_m, 0.02);
+        assert_ne!(training.name, before.name, "a run without the settings is another run");
+    }
 }

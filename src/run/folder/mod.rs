@@ -27,8 +27,7 @@ use super::output_file::{Sink, is_temporary, replace};
 #[cfg(not(target_arch = "wasm32"))]
 use super::output_file::{check_entry, remove_temporary_files};
 use super::write_points::write_point;
-use crate::limits::MAX_CONFIG_BYTES;
-use crate::scenario::{FileError, read_ron_with_limit, read_text_with_limit, to_ron};
+use crate::scenario::to_ron;
 
 pub use config::{RunConfig, Transfer};
 pub use csv_file::header;
@@ -154,19 +153,10 @@ impl RunFolder {
             return Err(RunError::invalid_input(path, why));
         }
         folder.check_files_are_regular()?;
-        let config: RunConfig = read_ron_with_limit(folder.config(), MAX_CONFIG_BYTES)?;
-        folder.check_config(&config)?;
-        Ok((folder, config))
-    }
-
-    fn check_config(&self, config: &RunConfig) -> Result<(), RunError> {
-        let diagnostics = config.diagnostics();
-        if !diagnostics.is_empty() {
-            let text = read_text_with_limit(self.config(), MAX_CONFIG_BYTES)?;
-            return Err(FileError::from_diagnostics(&self.config(), &text, &diagnostics).into());
-        }
+        let config = RunConfig::load(&folder.config())?;
         let memory = config.preset.check_memory(&config.scenario, &config.observation_layout());
-        memory.map_err(|error| RunError::invalid_input(&self.config(), error))
+        memory.map_err(|error| RunError::invalid_input(&folder.config(), error))?;
+        Ok((folder, config))
     }
 
     /// Checks that the run's files are regular files. A link in a folder from an untrusted source could make the
