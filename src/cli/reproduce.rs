@@ -11,7 +11,7 @@ use super::output::{print_json, print_stdout};
 use super::shared::SharedArgs;
 use super::train::SAVING;
 use super::values;
-use crate::reproduce::{ReproduceOptions, Reproduction, reproduce};
+use crate::reproduce::{ReproduceOptions, Reproduction, Seeds, reproduce};
 use crate::run::RunError;
 use crate::run::settings::Settings;
 use crate::run::signals::stop_on_signal;
@@ -24,11 +24,13 @@ pub struct ReproduceArgs {
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     only: Vec<String>,
 
-    /// Number of seeds [default: the experiment's, 5 for the paper's]
-    #[arg(long, value_name = "N", value_parser = values::whole::<u64>(1..=1000), allow_negative_numbers = true)]
-    seeds: Option<u64>,
+    /// Number of seeds, such as 5, or a list of them, such as 3,17,42 (a single one: 17,) [default: the experiment's, 5
+    /// for the paper's]
+    #[arg(long, value_name = "SEEDS", value_parser = values::seeds, allow_negative_numbers = true)]
+    seeds: Option<Seeds>,
 
-    /// Make a rough report in a minute: two seeds, a tenth of the episodes
+    /// Make a rough report in a minute: two seeds, a tenth of the episodes [default folder: runs/reproduce-quick]; a
+    /// full report is never overwritten
     #[arg(long)]
     quick: bool,
 

@@ -41,7 +41,7 @@ pub struct Preset {
 }
 
 /// The length of a run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Budget {
     /// Number of finished episodes over all arenas, 1 to 10^15.
     Episodes(u64),

@@ -7,7 +7,7 @@
 //! | `events.out.tfevents.*` | the same metrics for TensorBoard |
 //! | `policy.safetensors`, `policy-last.safetensors` | the best policy by evaluation, the last policy |
 //! | `policy-init.safetensors` | the policy that training started from, if any |
-//! | `policy-after-N-episodes.safetensors` | the policy after N episodes, if the configuration asks for it |
+//! | `policy-after-N-episodes.safetensors`, `policy-after-N-env-steps.safetensors` | the policy after N episodes or env steps, if the configuration asks for it |
 //! | `checkpoint/` | the last three checkpoints ([`checkpoint`](super::checkpoint)) and a lock |
 //! | `summary.json`, `learning-curve.svg` | the summary, and the learning curves |
 
@@ -26,6 +26,7 @@ use super::lock::Lock;
 use super::output_file::{Sink, is_temporary, replace};
 #[cfg(not(target_arch = "wasm32"))]
 use super::output_file::{check_entry, remove_temporary_files};
+use super::preset::Budget;
 use super::write_points::write_point;
 use crate::scenario::to_ron;
 
@@ -199,10 +200,13 @@ impl RunFolder {
         replace(&path, write).map_err(|error| RunError::not_written(&path, error))
     }
 
-    /// The name of the file with the policy after `episodes` episodes.
+    /// The name of the file with the policy after a number of episodes or env steps.
     #[must_use]
-    pub fn policy_after_file(episodes: u64) -> String {
-        format!("policy-after-{episodes}-episodes.safetensors")
+    pub fn policy_after_file(after: Budget) -> String {
+        match after {
+            Budget::Episodes(n) => format!("policy-after-{n}-episodes.safetensors"),
+            Budget::EnvSteps(n) => format!("policy-after-{n}-env-steps.safetensors"),
+        }
     }
 
     /// The folder's path.
