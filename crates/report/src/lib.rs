@@ -12,6 +12,7 @@
 //! | [`resized`] | figures of another size |
 //! | [`fonts`] | the system's fonts, for characters that the embedded one lacks |
 //! | [`statistics`] | means over seeds with 95 % confidence intervals |
+//! | [`rate`] | rates with 95 % confidence intervals |
 //! | [`smoothing`] | the moving mean |
 //! | [`table`] | tables, as CSV and Markdown |
 //! | [`claim`] | whether the data support a claim: held, not shown or reversed |
@@ -54,8 +55,8 @@
 //!
 //! # In the browser
 //!
-//! On `wasm32` only the curves are compiled: [`chart::CurveChart`], [`run_figure`], [`smoothing`] and
-//! [`format`](mod@format).
+//! On `wasm32` only the curves are compiled: [`chart::CurveChart`], [`run_figure`], [`rate`],
+//! [`smoothing`] and [`format`](mod@format).
 
 pub mod chart;
 #[cfg(not(target_arch = "wasm32"))]
@@ -77,6 +78,7 @@ mod page_text;
 pub mod pdf;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod raster;
+pub mod rate;
 #[cfg(not(target_arch = "wasm32"))]
 mod resized;
 pub mod run_figure;
