@@ -33,6 +33,7 @@ fn benchmark_route(scenario: &Scenario, heading_rad: f32, clock: u64) -> Episode
         goal: Goal { x_m: goal.x, y_m: goal.y },
         clock: Clock(clock),
         layout_seed: 0,
+        path: None,
     }
 }
 
@@ -52,6 +53,7 @@ fn random_episodes(scenario: &Scenario, count: u64) -> Vec<EpisodeResult> {
             goal,
             clock: Clock(clock),
             layout_seed: 0,
+            path: None,
         }
     };
     (0..count).map(episode).collect()

@@ -314,6 +314,7 @@ fn status() -> AppSnapshot {
         notices: Vec::new(),
         restart_loses_training: false,
         last_session: None,
+        unsaved_edits: None,
         quit_question: false,
         expert: Some(ExpertChoice { name: "Scenario I expert".into(), is_new_here: false }),
         tested: PolicySource::Current,
