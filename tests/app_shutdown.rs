@@ -29,8 +29,12 @@ impl App {
     }
 
     fn start(display: &Display, home: TempDir, seconds: &str) -> Self {
-        let arguments = ["--pace", "full", "--size", "1280x800", "--checkpoint-every", seconds];
-        let mut command = command(Some(&display.name), home.path(), &arguments);
+        Self::start_with(display, home, &["--pace", "full", "--checkpoint-every", seconds])
+    }
+
+    fn start_with(display: &Display, home: TempDir, arguments: &[&str]) -> Self {
+        let mut command =
+            command(Some(&display.name), home.path(), &[arguments, &["--size", "1280x800"]].concat());
         command.env("WAYFIELD_CONTROLS", home.path().join("controls")).stderr(Stdio::piped());
         Self { process: Some(command.spawn().expect("the binary starts")), home }
     }
@@ -192,4 +196,23 @@ fn a_killed_window_is_offered_at_the_next_start() {
     app.end();
     let next = App::start(&display, app.take_home(), "1000");
     next.controls().centre("Continue");
+}
+
+#[test]
+fn a_signal_saves_what_is_unsaved_in_the_editor_and_the_next_start_restores_it() {
+    let Some(display) = Display::new() else { return };
+    let arguments = ["--scenario", "empty", "--edit"];
+    let mut app = App::start_with(&display, tempfile::tempdir().expect("temporary folder"), &arguments);
+    app.click(&display, "Add a circle");
+    app.controls().centre("Obstacle 1");
+    app.signal("TERM");
+    let (ended, stderr) = app.end();
+    assert_eq!(ended.code(), Some(143), "{stderr}");
+    let file = app.home.path().join("data/wayfield/autosave/editor/1.ron");
+    assert!(stderr.contains(file.to_str().expect("UTF-8")), "stderr says where: {stderr}");
+    let mut next = App::start(&display, app.take_home(), "1000");
+    next.click(&display, "Restore");
+    next.controls().centre("Obstacle 1");
+    next.signal("TERM");
+    next.end();
 }

@@ -90,6 +90,41 @@ fn a_name_in_japanese_is_shown_with_a_font_of_the_system() {
 }
 
 #[test]
+fn at_every_scale_factor_the_controls_are_in_the_window() {
+    // The smallest and the largest scale factor, on a screen that has the space; the largest one on a screen that has not.
+    for (scale, pixels, points) in [
+        ("0.5", "1280x800", (1280.0, 800.0)),
+        ("4", "3200x2000", (800.0, 500.0)),
+        ("4", "1280x800", (320.0, 200.0)),
+    ] {
+        let Some(display) = Display::with_size(pixels) else { return };
+        let home = tempfile::tempdir().expect("temporary folder");
+        let controls = Controls(home.path().join("controls"));
+        let mut app = command(Some(&display.name), home.path(), &[])
+            .env("WINIT_X11_SCALE_FACTOR", scale)
+            .env("WAYFIELD_CONTROLS", &controls.0)
+            .spawn()
+            .expect("the binary starts");
+        for name in ["Pause", "Test", "Edit"] {
+            let (x, y) = controls.centre(name);
+            assert!(
+                x > 0.0 && x < points.0 && y > 0.0 && y < points.1,
+                "{name} at {x}, {y} of {points:?}, scale {scale}"
+            );
+        }
+        let (x, y) = controls.centre("Pause");
+        let factor: f64 = scale.parse().expect("a number");
+        xdotool(&display, &format!("mousemove {} {}", (x * factor) as i64, (y * factor) as i64));
+        xdotool(&display, "click 1");
+        assert!(
+            wait_until(20, || controls.rect("Run").is_some()),
+            "a click hits what is shown, scale {scale}"
+        );
+        app.kill().and_then(|()| app.wait()).expect("it ends");
+    }
+}
+
+#[test]
 fn without_a_display_the_error_names_the_way_out() {
     let home = tempfile::tempdir().expect("temporary folder");
     for display in [None, Some(":54321")] {

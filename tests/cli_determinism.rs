@@ -138,6 +138,8 @@ fn a_run_stopped_by_a_signal_resumes_to_the_uninterrupted_result() {
         assert_eq!(stopped.status, Some(status), "{}", stopped.stderr);
         assert!(stopped.stderr.contains(&format!("SIG{name}: saving a checkpoint")), "{}", stopped.stderr);
         assert!(stopped.stderr.ends_with(&format!("--resume {name}` continues\n")), "{}", stopped.stderr);
+        assert!(stopped.stdout.contains("none: it follows at the end of the training"), "{}", stopped.stdout);
+        assert!(workspace.json(&format!("{name}/summary.json"))["final_test"].is_null());
         assert!(stopped.stdout.contains("last policy"), "a stopped run has a summary: {}", stopped.stdout);
         let summary = workspace.json(&format!("{name}/summary.json"));
         assert_eq!(summary["finished"], false, "the run was stopped in the middle");

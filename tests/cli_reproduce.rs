@@ -416,6 +416,15 @@ fn invalid_options_and_files_are_rejected_with_a_fix() {
         ("after: [8, 12]", "after: [8, 13]"),
         &["k.ron:LINE:", "is 13, but arm \"transferred\" is trained for 12 episodes"],
     );
+    workspace.write("office.ron", "(name: \"Office\")");
+    broken(
+        "l.ron",
+        (
+            "(scenario: \"scenario-1\", preset: \"per.ron\", budget: Episodes(24)",
+            "(scenario: \"office.ron\", preset: \"per.ron\", budget: Episodes(24)",
+        ),
+        &["l.ron: ", "Office, the scenario of arm \"plain\", has none", "help: write a `benchmark_route`"],
+    );
     workspace.write("settings.ron", OWN.replace("per.ron", "mine/per.ron"));
     rejected("--reproduce --experiment settings.ron --out no", &["settings.ron", "rename the file"]);
 }

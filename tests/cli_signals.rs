@@ -116,7 +116,7 @@ fn a_later_second_ctrl_c_in_the_terminal_ends_at_once() {
     let workspace = workspace();
     // The evaluation after the last checkpoint takes much longer than the test.
     let slow = quick_fast()
-        .replace("every_env_steps: 1500, episodes: 20", "every_env_steps: 100000000, episodes: 100000");
+        .replace("every_env_steps: 1500, episodes: 20,", "every_env_steps: 100000000, episodes: 100000,");
     workspace.write("fast.ron", slow);
     let command = format!("script -qefc \"$WAYFIELD {ENDLESS}\" /dev/null");
     let mut child = workspace.start_shell(&command);

@@ -20,11 +20,12 @@ fn policy(scenario: &Scenario, seed: u64) -> Policy {
 fn a_trace_is_the_first_episode_of_the_evaluation() {
     for name in ["scenario-1", "scenario-2"] {
         let scenario = Arc::new(shipped::scenario(name).expect("shipped"));
+        let route = scenario.benchmark_route.expect("a benchmark route");
         let mut evaluator = Evaluator::new(&scenario, 3);
         let mut alone = Evaluator::new(&scenario, 1);
         let mut ends = Vec::new();
         for seed in 0..12 {
-            for setup in [EpisodeSetup::Random, EpisodeSetup::BenchmarkRoute] {
+            for setup in [EpisodeSetup::Random, EpisodeSetup::Route(route)] {
                 let policy = policy(&scenario, seed);
                 let episodes = evaluator.run(&policy, seed, 3, setup).expect("no error");
                 let (episode, poses) = evaluator.trace(&policy, seed, setup).expect("no error");

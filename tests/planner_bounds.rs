@@ -24,7 +24,8 @@ fn scenario(name: &str) -> Scenario {
 
 /// An episode on the benchmark route, with the given initial heading and clock.
 fn benchmark_route(scenario: &Scenario, heading_rad: f32, clock: u64) -> EpisodeResult {
-    let (Vec2 { x: x_m, y: y_m }, goal) = (scenario.benchmark_route.start_m, scenario.benchmark_route.goal_m);
+    let route = scenario.benchmark_route.expect("a benchmark route");
+    let (Vec2 { x: x_m, y: y_m }, goal) = (route.start_m, route.goal_m);
     EpisodeResult {
         end: EpisodeEnd::TimedOut,
         steps: 0,
@@ -32,6 +33,7 @@ fn benchmark_route(scenario: &Scenario, heading_rad: f32, clock: u64) -> Episode
         goal: Goal { x_m: goal.x, y_m: goal.y },
         clock: Clock(clock),
         layout_seed: 0,
+        path: None,
     }
 }
 
@@ -51,6 +53,7 @@ fn random_episodes(scenario: &Scenario, count: u64) -> Vec<EpisodeResult> {
             goal,
             clock: Clock(clock),
             layout_seed: 0,
+            path: None,
         }
     };
     (0..count).map(episode).collect()

@@ -130,7 +130,8 @@ fn route_is_open(scenario: &Scenario) -> bool {
     let cell =
         |Vec2 { x, y }: Vec2| (((x - low.x) / side).round() as usize, ((y - low.y) / side).round() as usize);
     let free = |column, row| clearance(&scenario, position(column, row), 0) > scenario.task.collision_range_m;
-    let (start, goal) = (cell(scenario.benchmark_route.start_m), cell(scenario.benchmark_route.goal_m));
+    let route = scenario.benchmark_route.expect("every shipped scenario has a benchmark route");
+    let (start, goal) = (cell(route.start_m), cell(route.goal_m));
     let mut seen = vec![false; columns * rows];
     let mut open = VecDeque::from([start]);
     while let Some((column, row)) = open.pop_front() {

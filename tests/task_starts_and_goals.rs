@@ -4,7 +4,7 @@ mod common;
 
 use bevy::math::{Vec2, vec2};
 use common::{Lab, closed_form};
-use wayfield::scenario::{PlacementRule, Scenario, Shape};
+use wayfield::scenario::{BenchmarkRoute, PlacementRule, Scenario, Shape};
 use wayfield::sim;
 use wayfield::task::{Arena, ArenaState, EpisodeSetup, RewardConfig, TaskFault, TaskMode};
 
@@ -73,8 +73,9 @@ fn a_thousand_starts_and_goals_are_clear_of_moving_obstacles() {
 #[test]
 fn the_benchmark_route_always_has_the_same_start_and_goal() {
     let scenario = common::four_cylinders();
+    let route = BenchmarkRoute::default();
     let mut lab = Lab::with(&scenario, 2, 1, RewardConfig::default(), TaskMode::SingleGoal);
-    lab.simulation.world_mut().insert_resource(EpisodeSetup::BenchmarkRoute);
+    lab.simulation.world_mut().insert_resource(EpisodeSetup::Route(route));
     lab.spawn_arenas(&scenario, 2, 1);
     for state in lab.states() {
         assert_eq!((state.pose.x_m, state.pose.y_m, state.pose.heading_rad), (0.0, 0.0, 0.0), "the start");

@@ -26,18 +26,23 @@ function withResolvers() {
     return parts;
 }
 
+export function newKey() {
+    return Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, '0')).join('');
+}
+
 function newSession() {
-    const key = Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, '0')).join('');
+    const key = newKey();
     lock(key);
     return { key, policy: undefined, storedAt: undefined };
 }
 
-/// Marks a session as in use while this tab is open. (Without this feature, on a host without HTTPS, all sessions are offered.)
-function lock(key) {
+/// Marks what is stored under a key as in use while this tab is open. (Without this feature, on a host without HTTPS, everything
+/// is offered.)
+export function lock(key) {
     navigator.locks?.request(`wayfield ${key}`, () => new Promise(() => {}));
 }
 
-async function keysInUse() {
+export async function keysInUse() {
     const { held } = await navigator.locks?.query() ?? { held: [] };
     return new Set(held.map(({ name }) => name.replace('wayfield ', '')));
 }

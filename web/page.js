@@ -3,6 +3,9 @@
 // app is src/app/browser.rs.
 
 import * as autosaves from './autosave.js';
+import * as backups from './editor_backup.js';
+import { fontWith } from './font.js';
+import { connect } from './text_input.js';
 
 const byId = (id) => document.getElementById(id);
 const cover = byId('cover');
@@ -11,7 +14,8 @@ const PREFERENCES_KEY = 'wayfield: preferences';
 /// Reports that the app cannot run or continue. `detail` is for bug reports. If the training was saved, offers to continue it.
 function stop(text, detail = '') {
     const saved = autosaves.describe();
-    if (saved !== undefined) text += ` ${saved}`;
+    const unsaved = backups.describe();
+    text = [text, saved, unsaved].filter((part) => part !== undefined).join(' ');
     byId('rescue').hidden = saved === undefined;
     cover.hidden = false;
     byId('bar').hidden = true;
@@ -139,6 +143,10 @@ globalThis.wayfieldPage = {
         for (const [name, bytes] of Object.entries(files)) app.receive_session_file(name, bytes);
         app.session_received();
     }).catch((error) => app.session_received(`The last session cannot be read: ${error}`)),
+    last_backup: backups.offered,
+    adopt_backup: backups.adopt,
+    store_backup: backups.store,
+    delete_backup: backups.remove,
     open_file_picker: () => byId('file').click(),
     save(name, bytes) {
         // Copied, because the memory of the module may move or change.
@@ -158,6 +166,8 @@ globalThis.wayfieldPage = {
             `Scenario ${status.scenario}, preset ${status.preset}: ${status.episodes} episodes, ${rate}.`
             + (status.notice === null ? '' : ` ${status.notice}`);
     },
+    font_with: fontWith,
+    edit_text: connect(byId('egui_text_agent'), canvas, () => app),
     embedded_scenario: () => embeddedScenario,
     async set_share_link(scenario, preset, seed, embedded) {
         const query = new URLSearchParams(location.search);
@@ -227,7 +237,7 @@ async function start() {
     addEventListener('resize', () => fitStage(maxSide));
     const encoded = new URLSearchParams(location.hash.slice(1)).get('scenario');
     if (encoded !== null) embeddedScenario = await decompress(encoded).catch(() => 'not a scenario: the address is damaged');
-    await autosaves.find();
+    await Promise.all([autosaves.find(), backups.find()]);
     try {
         // The build id in the URLs prevents a cache from combining files of two builds.
         const { bytes, build_id } = await fetch('build.json', { cache: 'no-cache' }).then((response) => response.json());

@@ -40,6 +40,15 @@ pub struct LastSession {
     pub age_s: u64,
 }
 
+/// Unsaved changes in the editor of an earlier session.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UnsavedEdits {
+    /// The scenario's name.
+    pub scenario: String,
+    /// Time since they were backed up, in s.
+    pub age_s: u64,
+}
+
 /// Severity of a notice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Severity {
@@ -133,6 +142,8 @@ pub struct AppSnapshot {
     pub restart_loses_training: bool,
     /// The last session, if the user has not decided yet whether to continue it.
     pub last_session: Option<LastSession>,
+    /// Unsaved changes of an earlier session, if the user has not decided yet whether to restore them.
+    pub unsaved_edits: Option<UnsavedEdits>,
     /// Whether the question before quitting is open.
     pub quit_question: bool,
     /// A shipped policy that can drive here, with the observations of the preset.

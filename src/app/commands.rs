@@ -119,6 +119,10 @@ pub enum Command {
     ContinueLastSession,
     /// Withdraws the offer to continue the last session.
     DismissLastSession,
+    /// Opens the editor with the unsaved changes of an earlier session.
+    RestoreEdits,
+    /// Withdraws the offer to restore them.
+    DismissEdits,
     /// Closes the app; asks first if an unsaved training would be lost.
     Close,
     /// Closes the app after that question.

@@ -8,6 +8,7 @@ use bevy::prelude::*;
 use super::CurrentViewState;
 use super::app_snapshot::{AppSnapshot, BestSoFar, Choice, ExpertChoice};
 use super::commands::SessionMode;
+use super::editor_backup::EditorBackup;
 use super::scalar_fields::ScalarFields;
 use super::scene::{ArenaScene, Scene};
 use super::session::trails::ArenaTrails;
@@ -58,6 +59,7 @@ pub(super) struct SessionView<'w> {
     source: Res<'w, ScenarioSource>,
     notices: Res<'w, Notices>,
     autosave: Res<'w, Autosave>,
+    backup: Res<'w, EditorBackup>,
     quit_question: Res<'w, QuitQuestion>,
     evaluations: Res<'w, Evaluations>,
     learner: Res<'w, ActiveLearner>,
@@ -214,6 +216,7 @@ fn app_snapshot(session: &SessionView, scenarios: Vec<Choice>, presets: Vec<Choi
         notices: session.notices.list(),
         restart_loses_training: session.run.would_lose_training(learner.env_steps()),
         last_session: session.autosave.last_session(),
+        unsaved_edits: session.backup.offer(),
         quit_question: session.quit_question.0,
         expert: comparison::expert(config).map(|expert| ExpertChoice {
             is_new_here: expert.trained_in != config.scenario.name,

@@ -1,26 +1,31 @@
 //! Fonts for characters that the app's typeface lacks, such as a scenario's name in Japanese.
 //!
-//! In: the text that egui has drawn. Out: fonts of the system, added to egui's behind the app's typeface.
+//! In: the text that egui has drawn. Out: fonts of the system, in a page of the browser, added to egui's behind the app's
+//! typeface.
+
+#[cfg_attr(target_arch = "wasm32", path = "fallback_fonts/browser_search.rs")]
+mod search;
 
 use std::collections::HashSet;
 
 use bevy::prelude::*;
-use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, poll_once};
 use bevy_egui::{EguiContext, EguiFullOutput};
 use egui::epaint::text::{FontInsert, FontPriority, InsertFontFamily};
 use egui::{FontData, FontFamily, FontId, Shape};
 
-use crate::report::fonts::{SystemFont, system_fonts_with};
+use search::FontSearch;
 
 /// The characters that were checked, and the search in progress.
 #[derive(Resource, Default)]
 pub struct FallbackFonts {
     checked: HashSet<char>,
-    search: Option<Task<Vec<SystemFont>>>,
+    missing: Vec<char>,
+    search: Option<FontSearch>,
 }
 
 impl FallbackFonts {
     /// Whether text is displayed whose font is still being looked for.
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn is_searching(&self) -> bool {
         self.search.is_some()
     }
@@ -31,21 +36,23 @@ pub fn add_fallback_fonts(
     mut contexts: Query<(&mut EguiContext, &EguiFullOutput)>,
     mut fallback: ResMut<FallbackFonts>,
 ) {
+    let FallbackFonts { checked, missing, search } = &mut *fallback;
     for (mut context, output) in &mut contexts {
         let Some(output) = &output.0 else { continue };
         let context = context.get_mut();
-        if let Some(search) = &mut fallback.search {
-            let Some(found) = block_on(poll_once(search)) else { continue };
-            fallback.search = None;
-            found.into_iter().for_each(|font| add_font(context, font));
+        match search.take().map(FontSearch::poll) {
+            Some(Ok(found)) => found.into_iter().for_each(|(name, data)| add_font(context, &name, data)),
+            Some(Err(unfinished)) => *search = Some(unfinished),
+            None => {}
         }
-        let mut missing = Vec::new();
         for clipped in &output.shapes {
-            collect_missing(context, &clipped.shape, &mut fallback.checked, &mut missing);
+            collect_missing(context, &clipped.shape, checked, missing);
         }
-        if !missing.is_empty() {
-            fallback.search =
-                Some(AsyncComputeTaskPool::get().spawn(async move { system_fonts_with(&missing) }));
+        if search.is_none() && !missing.is_empty() {
+            *search = Some(FontSearch::start(missing));
+        }
+        if search.is_some() {
+            context.request_repaint();
         }
     }
 }
@@ -70,9 +77,8 @@ fn collect_missing(
     }
 }
 
-fn add_font(context: &egui::Context, font: SystemFont) {
-    let data = FontData { index: font.index, ..FontData::from_owned(font.data) };
+fn add_font(context: &egui::Context, name: &str, data: FontData) {
     let families = [FontFamily::Proportional, FontFamily::Monospace];
     let behind = |family| InsertFontFamily { family, priority: FontPriority::Lowest };
-    context.add_font(FontInsert::new(&font.name, data, families.map(behind).to_vec()));
+    context.add_font(FontInsert::new(name, data, families.map(behind).to_vec()));
 }

@@ -16,6 +16,7 @@
 //! | `history/` | the learning curves, in bounded memory |
 //! | `screen/` | everything that is drawn, with egui: the arenas, the plots, the panels |
 //! | `editor/` | the scenario editor: the document, its operations, undo and redo |
+//! | `editor_backup/` | a copy of unsaved changes, for the next start |
 //! | `view_state.rs` | what the user has chosen to see; `preferences.rs` stores it |
 //! | `window.rs`, `window_input.rs`, `blending.rs` | the window, its input and its colours |
 //! | `shutdown.rs` | ends that the user does not ask for: signals, a lost display or GPU, a panic |
@@ -24,6 +25,7 @@
 //! | `screenshot.rs` | screenshots |
 //! | `file_dialogs.rs` | file dialogs |
 //! | `browser.rs`, `page.rs` | the web page, in place of dialogs, a disk and a command line |
+//! | `text_input.rs` | input methods in the page |
 //! | `controls.rs` | the positions of named controls, for tests of the window and the page |
 
 pub mod app_snapshot;
@@ -33,8 +35,8 @@ pub mod browser;
 pub mod commands;
 mod controls;
 pub mod editor;
+mod editor_backup;
 mod extract;
-#[cfg(not(target_arch = "wasm32"))]
 mod fallback_fonts;
 #[cfg(not(target_arch = "wasm32"))]
 mod file_dialogs;
@@ -53,6 +55,8 @@ pub mod session;
 pub mod setup_form;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod shutdown;
+#[cfg(target_arch = "wasm32")]
+mod text_input;
 pub mod view_state;
 pub mod window;
 #[cfg(not(target_arch = "wasm32"))]
@@ -65,6 +69,7 @@ pub use extract::Snapshot;
 pub use session::SessionPlugin;
 
 use commands::{Command, EditorReply};
+use editor_backup::EditorBackup;
 use session::TrainingRun;
 use view_state::ViewState;
 
@@ -87,13 +92,15 @@ impl Plugin for AppCorePlugin {
         app.init_resource::<CurrentViewState>()
             .init_resource::<Snapshot>()
             .init_resource::<scalar_fields::ScalarFields>()
+            .insert_resource(EditorBackup::new(self.start.autosave.as_ref()))
             .add_plugins(SessionPlugin { start: self.start.clone() })
             .add_systems(
                 PostUpdate,
                 (deliver_replies, scalar_fields::compute_scalar_fields, extract::extract)
                     .chain()
                     .run_if(resource_exists::<TrainingRun>),
-            );
+            )
+            .add_systems(Last, editor_backup::run);
     }
 }
 

@@ -56,6 +56,24 @@ extern "C" {
     /// Makes that autosave the training's own.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn adopt_last_session();
+    /// The backup of the editor to offer, as JSON, if there is one.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    pub(super) fn last_backup() -> Option<String>;
+    /// Makes that backup this tab's own.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    pub(super) fn adopt_backup();
+    /// Stores the backup of the editor. Returns an error message if that has failed.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    pub(super) fn store_backup(text: &str) -> Option<String>;
+    /// Deletes the backup of the editor.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    pub(super) fn delete_backup();
+    /// A font file with these characters; `None` if the browser does not let pages read what they draw.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    pub(super) fn font_with(characters: &str) -> Option<Vec<u8>>;
+    /// Offers input methods where the app edits text: at left, top and height of the cursor, in points; `None` without text.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    pub(super) fn edit_text(cursor: Option<Vec<f32>>);
     /// Stores the preferences for the next visit.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn save_preferences(text: &str);

@@ -7,6 +7,7 @@ use std::sync::Once;
 use bevy::prelude::*;
 use bevy::render::error_handler::{RenderError, RenderErrorHandler, RenderErrorPolicy};
 
+use super::editor_backup;
 use super::session::autosave::{latest, save_now};
 use crate::run::RunError;
 use crate::run::progress::print_stderr;
@@ -48,6 +49,14 @@ pub fn save_after_render_error(error: &RenderError, world: &mut World, _: &mut W
 fn save_or_warn(world: &mut World) {
     if let Err(error) = save_now(world) {
         print_stderr(&format!("warning: autosave failed: {error}"));
+    }
+    match editor_backup::save_now(world) {
+        Ok(Some(path)) => print_stderr(&format!(
+            "the unsaved scenario is in {}; help: start wayfield again, which offers to restore it",
+            path.display()
+        )),
+        Ok(None) => {}
+        Err(error) => print_stderr(&format!("warning: the unsaved scenario is lost: {error}")),
     }
 }
 

@@ -67,12 +67,14 @@ impl Default for ViewCamera {
 pub enum EditorSource {
     /// The scenario of the training.
     RunningScenario,
-    /// A scenario that could not be run, perhaps because it is invalid.
+    /// A scenario that is not running: it may be invalid, or have unsaved changes.
     Draft {
         /// The scenario's file.
         from: String,
         /// The scenario.
         scenario: Arc<Scenario>,
+        /// The scenario in its file; `None` if it was never saved.
+        in_file: Option<Arc<Scenario>>,
     },
 }
 
@@ -138,7 +140,8 @@ impl ViewState {
             (EditorReply::Saved { file, scenario }, Some(editor), _) => editor.mark_saved(file, scenario),
             (EditorReply::Opened { from, scenario }, Some(editor), _) => editor.open_other(from, scenario),
             (EditorReply::Opened { from, scenario }, None, Some(source)) => {
-                *source = EditorSource::Draft { from: from.clone(), scenario: scenario.clone() };
+                let (scenario, in_file) = (scenario.clone(), Some(scenario.clone()));
+                *source = EditorSource::Draft { from: from.clone(), scenario, in_file };
             }
             _ => {}
         }

@@ -112,7 +112,6 @@ impl Plugin for WindowedPlugin {
                 fix_input.after(EguiPreUpdateSet::ProcessInput).before(EguiPreUpdateSet::BeginPass),
             )
             .add_systems(Update, draw_less_when_idle);
-        #[cfg(not(target_arch = "wasm32"))]
         app.init_resource::<super::fallback_fonts::FallbackFonts>().add_systems(
             PostUpdate,
             super::fallback_fonts::add_fallback_fonts
@@ -136,7 +135,7 @@ impl Plugin for WindowedPlugin {
             app.insert_resource(file).add_systems(Last, super::controls::write_controls);
         }
         #[cfg(target_arch = "wasm32")]
-        app.add_systems(
+        app.add_plugins(super::text_input::TextInputPlugin).add_systems(
             Last,
             (
                 super::browser::report_to_page.run_if(resource_exists::<TrainingRun>),

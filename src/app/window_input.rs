@@ -47,7 +47,8 @@ pub(super) fn draw_less_when_idle(
     }
 }
 
-/// Shrinks a window that was stored larger than every monitor, once the monitors are known.
+/// Shrinks a window that was stored larger than every monitor, and its smallest size if no monitor has that, once the monitors
+/// are known.
 pub(super) fn fit_to_monitor(
     mut windows: Query<&mut Window, With<PrimaryWindow>>,
     monitors: Query<&Monitor>,
@@ -61,6 +62,13 @@ pub(super) fn fit_to_monitor(
         (width.max(monitor.physical_width), height.max(monitor.physical_height))
     });
     for mut window in &mut windows {
+        let points = |pixels: u32| pixels as f32 / window.scale_factor();
+        let (max_width, max_height) = (points(width), points(height));
+        let limits = &mut window.resize_constraints;
+        if width > 0 && height > 0 && (max_width < limits.min_width || max_height < limits.min_height) {
+            limits.min_width = limits.min_width.min(max_width);
+            limits.min_height = limits.min_height.min(max_height);
+        }
         let now = window.physical_size();
         let fitting = UVec2::new(now.x.min(width), now.y.min(height));
         if width > 0 && height > 0 && fitting != now {

@@ -3,14 +3,15 @@
 use std::path::Path;
 
 use super::output::print_json_text;
-use crate::run::{RunError, policy_card};
+use super::policy;
+use crate::run::RunError;
 
 /// Prints the network and the card of the policy in the file at `path`, as one line of JSON: what the file itself contains.
 ///
 /// # Errors
 /// The file is not a policy, or has no card.
 pub fn run(path: &Path) -> Result<(), RunError> {
-    let policy = policy_card::read(path)?;
+    let policy = policy::load(path)?;
     if policy.card.is_none() {
         let why = "has no card (wayfield 0.1.0 wrote none); help: train the policy again";
         return Err(RunError::invalid_input(path, why));

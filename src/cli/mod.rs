@@ -183,7 +183,7 @@ fn exit(error: &clap::Error) -> ! {
 fn run(arguments: Arguments, began: Instant) -> Result<(), RunError> {
     let Arguments { mode, shared, .. } = arguments;
     let trains = mode.train || arguments.train.resume.is_some();
-    let is_headless = trains || mode.eval.is_some() || mode.reproduce;
+    let is_headless = trains || !mode.eval.is_empty() || mode.reproduce;
     #[cfg(unix)]
     if is_headless {
         memory_limit::check_start()?;
@@ -197,9 +197,8 @@ fn run(arguments: Arguments, began: Instant) -> Result<(), RunError> {
     }
     if trains {
         train::run(arguments.train, shared, began)
-    } else if let Some(policy) = mode.eval {
-        signals::exit_on_signal();
-        eval::run(&policy, &arguments.eval, &shared)
+    } else if !mode.eval.is_empty() {
+        eval::run(&mode.eval, &arguments.eval, &shared)
     } else if let Some(policy) = mode.card {
         card::run(&policy)
     } else if let Some(policy) = mode.export {

@@ -15,9 +15,10 @@ pub struct ModeArgs {
     #[arg(long)]
     pub train: bool,
 
-    /// Test a policy over rounds of episodes that it has not been trained on; it acts greedily
-    #[arg(long, value_name = "POLICY")]
-    pub eval: Option<PathBuf>,
+    /// Test policies (files, or shipped ones by name) over rounds of episodes that they have not been trained on; all
+    /// drive the same episodes and act greedily
+    #[arg(long, value_name = "POLICY", num_args = 1..)]
+    pub eval: Vec<PathBuf>,
 
     /// Print a policy's card as JSON: inputs, actions, scenario, training, and an example to check a program with
     #[arg(long, value_name = "POLICY")]
@@ -148,7 +149,7 @@ mod tests {
         for (words, expected) in [
             (
                 "--rounds 3 --train",
-                "error: the argument '--rounds <N>' cannot be used with '--train'; help: use it with '--eval <POLICY>'\n",
+                "error: the argument '--rounds <N>' cannot be used with '--train'; help: use it with '--eval <POLICY>...'\n",
             ),
             (
                 "--draw map.svg --out here",
@@ -165,7 +166,7 @@ mod tests {
             ),
             (
                 "--resume run --eval policy",
-                "error: the argument '--resume <DIR>' cannot be used with '--eval <POLICY>'; help: use it with '--train'\n",
+                "error: the argument '--resume <DIR>' cannot be used with '--eval <POLICY>...'; help: use it with '--train'\n",
             ),
         ] {
             let message = message(words);

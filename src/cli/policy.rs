@@ -5,18 +5,40 @@ use std::path::Path;
 use crate::learning::Policy;
 use crate::policy::Encoding;
 use crate::run::progress::print_stderr;
-use crate::run::{RunError, evaluate, policy_card};
-use crate::scenario::Scenario;
+use crate::run::{RunError, evaluate, policy_card, shipped};
+use crate::scenario::{Scenario, path_exists};
 use crate::simulation::Extensions;
 use crate::task::ObservationLayout;
 
-/// The policy in the file at `path`, which will be used in `scenario`. Warns on stderr of settings there that differ from
+/// The policy in the file at `path`, or the shipped policy of that name.
+///
+/// # Errors
+/// The file cannot be read, or is not a policy.
+pub fn load(path: &Path) -> Result<Policy, RunError> {
+    let exists = path_exists(path) && !path.is_dir();
+    let shipped = shipped::policies().iter().find(|shipped| path == Path::new(shipped.scenario_from));
+    if let Some(shipped) = shipped.filter(|_| !exists) {
+        return Ok(shipped.policy.clone());
+    }
+    let is_name = path.extension().is_none() && path.components().count() == 1;
+    if is_name && !exists && !path.is_dir() {
+        let names: Vec<&str> = shipped::policies().iter().map(|shipped| shipped.scenario_from).collect();
+        let why = format!(
+            "no such file or shipped policy; help: give the policy.safetensors of a run or a shipped name ({})",
+            names.join(", ")
+        );
+        return Err(RunError::invalid_input(path, why));
+    }
+    policy_card::read(path)
+}
+
+/// The policy in the file at `path` (or of that shipped name), which will be used in `scenario`. Warns on stderr of settings there that differ from
 /// the policy's card.
 ///
 /// # Errors
 /// The file cannot be read, or the policy's inputs or actions do not match `scenario`.
 pub fn read(path: &Path, scenario: &Scenario, extensions: &Extensions) -> Result<Policy, RunError> {
-    let policy = policy_card::read(path)?;
+    let policy = load(path)?;
     check(path, &policy, scenario, extensions)?;
     Ok(policy)
 }

@@ -111,9 +111,24 @@ fn summary_text(folder: &Path, summary: &Summary) -> String {
         Some(m) => format!("{} env steps, {} episodes, {:.1} s", m.env_steps, m.episodes, m.wall_s),
         None => "not reached".into(),
     };
+    let final_test = match &summary.final_test {
+        Some(test) => {
+            let [low, high] = test.success_interval.map(|rate| percent(Some(rate)));
+            format!(
+                "{} success (95% interval {low} to {high}), mean time {}, {} fresh episodes (seed {}): quote this one",
+                percent(Some(test.success_rate)),
+                seconds(test.mean_time_s),
+                test.episodes,
+                test.seed
+            )
+        }
+        None if summary.finished => "none: the preset asks for none".into(),
+        None => "none: it follows at the end of the training".into(),
+    };
     let Summary { episodes, env_steps, gradient_steps, wall_s, .. } = summary;
     format!(
-        "best policy     {} success, mean time {}\n\
+        "best policy     {} success, mean time {}, in the best of {} evaluations (optimistic)\n\
+         final test      {final_test}\n\
          last policy     {} success\n\
          first 96%       {}\n\
          first 99%       {}\n\
@@ -122,6 +137,7 @@ fn summary_text(folder: &Path, summary: &Summary) -> String {
          test it         {}\n",
         percent(summary.best_success_rate),
         seconds(summary.best_mean_time_s),
+        summary.evaluations,
         percent(summary.last_success_rate),
         first(&summary.first_96),
         first(&summary.first_99),

@@ -170,7 +170,7 @@ const PRESETS: &[Limit] = &[
     Limit("arenas", count(MAX_ARENAS), "", "memory"),
     Limit("budget, evaluation interval", Max(MAX_STEPS), "steps or episodes", "sums do not overflow"),
     Limit(
-        "episodes of an evaluation during training",
+        "episodes of an evaluation during training, and of the final test",
         count(MAX_EVALUATION_EPISODES),
         "",
         "time of an evaluation",

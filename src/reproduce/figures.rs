@@ -19,7 +19,7 @@ use crate::report::statistics::{Estimate, band};
 use crate::run::RunError;
 use crate::run::evaluate::Evaluator;
 use crate::run::scenario_image;
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, printable};
 use crate::task::{EpisodeSetup, Pose};
 
 /// Draws a figure of the experiment at `index`.
@@ -165,7 +165,10 @@ fn benchmark_route(
         let policy = read_policy(&results.policy_file(training, policy))?;
         let seed = results.experiment(index).test.seed;
         let mut evaluator = Evaluator::new(&Arc::new(scenario.clone()), 1);
-        let (episode, poses) = evaluator.trace(&policy, seed, EpisodeSetup::BenchmarkRoute)?;
+        let route = scenario.benchmark_route.ok_or_else(|| {
+            RunError::Failed(format!("{} has no benchmark route", printable(&scenario.name)))
+        })?;
+        let (episode, poses) = evaluator.trace(&policy, seed, EpisodeSetup::Route(route))?;
         let time_s = f64::from(episode.steps) * f64::from(scenario.task.control_period_s);
         let arm = row_name(results, index, (condition, arm));
         let name = if episode.succeeded() { format!("{arm} {time_s:.1} s") } else { format!("{arm} failed") };
@@ -180,7 +183,7 @@ fn benchmark_route(
 
 /// The planner's path on the benchmark route, if it finds one.
 fn planned_trajectory(scenario: &Scenario, layout_seed: u64, clock: u64) -> Option<MapTrajectory> {
-    let route = &scenario.benchmark_route;
+    let route = scenario.benchmark_route?;
     let start = (route.start_m.x, route.start_m.y, route.heading_rad);
     let generated = scenario.with_generated_obstacles(layout_seed);
     let plan = plan_path(&generated, start, route.goal_m, clock, Resolution::default())?;

@@ -15,6 +15,7 @@ use super::selected::{ExperimentSource, SelectedExperiment, TestPoint};
 use crate::run::RunError;
 use crate::run::folder::{RunConfig, RunFolder, Transfer};
 use crate::run::preset::Budget;
+use crate::scenario::printable;
 
 /// A training and its tests.
 #[derive(Clone, Debug)]
@@ -90,10 +91,14 @@ impl RunPlan {
             let experiment = &selected.source.experiment;
             let needed = selected.needed_episodes();
             let points = selected.test_points();
+            let needs_route = selected.needs_benchmark_route();
             for condition in 0..experiment.conditions.len().max(1) {
                 for (arm_index, arm) in experiment.arms.iter().enumerate() {
                     for seed in 1..=experiment.seeds {
                         let arm_run = plan.arm_run(&selected.source, condition, arm, seed, needed)?;
+                        if needs_route {
+                            plan.check_benchmark_route(&arm_run, arm, &selected.source)?;
+                        }
                         plan.add_tests(&arm_run, arm, &points, &selected.source)?;
                         plan.arm_runs.insert((index, condition, arm_index, seed), arm_run);
                     }
@@ -166,6 +171,26 @@ impl RunPlan {
         let origin = origin.map(|(training, _)| training);
         self.trainings.push(Training { name, config, origin, tests: BTreeSet::new() });
         Ok(self.trainings.len() - 1)
+    }
+
+    /// Checks that the scenario of every stage of an arm has a benchmark route.
+    fn check_benchmark_route(
+        &self,
+        arm_run: &ArmRun,
+        arm: &Arm,
+        source: &ExperimentSource,
+    ) -> Result<(), RunError> {
+        let scenarios = arm_run.stages.iter().map(|&(training, _)| &self.trainings[training].config.scenario);
+        match scenarios.into_iter().find(|scenario| scenario.benchmark_route.is_none()) {
+            None => Ok(()),
+            Some(scenario) => Err(RunError::InvalidInput(format!(
+                "{}: a figure, table or claim is about the benchmark route, but {}, the scenario of arm \"{}\", has none; \
+                 help: write a `benchmark_route` into the scenario, or remove the figure, table or claim",
+                source.from,
+                printable(&scenario.name),
+                arm.name
+            ))),
+        }
     }
 
     /// Adds the tests of an arm to its trainings.

@@ -34,7 +34,7 @@ pub struct PolicyTestResult {
     pub steps: Vec<Option<u32>>,
     /// The number of episodes that ended in a collision; the other failures ran out of time.
     pub collisions: usize,
-    /// The control steps of each episode on the benchmark route; null for a failure.
+    /// The control steps of each episode on the benchmark route; null for a failure. Empty in a scenario without one.
     pub benchmark_route_steps: Vec<Option<u32>>,
 }
 
@@ -92,7 +92,7 @@ pub fn run(
     })
 }
 
-/// Runs the random episodes and the episodes on the benchmark route. Starts, goals and the obstacles' clocks are the
+/// Runs the random episodes, and the episodes on the benchmark route if there is one. Starts, goals and the obstacles' clocks are the
 /// same for every policy.
 ///
 /// # Errors
@@ -106,9 +106,13 @@ pub fn run_episodes(
     let count = rule.rounds * rule.episodes;
     let mut evaluator = Evaluator::new(&scenario, count);
     let episodes = evaluator.run(policy, rule.seed, count, EpisodeSetup::Random)?;
-    let benchmark_route =
-        evaluator.run(policy, rule.seed, BENCHMARK_ROUTE_EPISODES, EpisodeSetup::BenchmarkRoute)?;
-    Ok((episodes, benchmark_route))
+    let on_route = match scenario.benchmark_route {
+        Some(route) => {
+            evaluator.run(policy, rule.seed, BENCHMARK_ROUTE_EPISODES, EpisodeSetup::Route(route))?
+        }
+        None => Vec::new(),
+    };
+    Ok((episodes, on_route))
 }
 
 /// The results in a run's folder; empty if there are none, or if the file has another version.

@@ -18,7 +18,8 @@ const SEEDS: u64 = 2;
 pub fn make_quick(experiment: &mut Experiment, budget_of: impl Fn(&str) -> Option<Budget>) {
     experiment.seeds = experiment.seeds.min(SEEDS);
     experiment.test.episodes = (experiment.test.episodes / SHORTER as usize).max(1);
-    experiment.evaluation = Some(EvaluationConfig { every_env_steps: 10_000, episodes: 20 });
+    experiment.evaluation =
+        Some(EvaluationConfig { every_env_steps: 10_000, episodes: 20, ..EvaluationConfig::default() });
     for stage in experiment.arms.iter_mut().flat_map(|arm| &mut arm.stages) {
         stage.budget = stage.budget.or_else(|| budget_of(&stage.preset)).map(|budget| match budget {
             Budget::Episodes(n) => Budget::Episodes(shortened(n)),

@@ -33,6 +33,8 @@ pub fn run_config(
     let mut preset = shipped::preset(&resolve(from, &stage.preset))?;
     preset.budget = stage.budget.unwrap_or(preset.budget);
     preset.evaluation = experiment.evaluation.unwrap_or(preset.evaluation);
+    // The experiment tests its policies itself.
+    preset.evaluation.final_episodes = 0;
     stage.overrides.apply(&mut scenario, &mut preset);
     if let Some(condition) = condition {
         condition.apply(&mut scenario, &mut preset);

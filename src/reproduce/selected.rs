@@ -6,6 +6,7 @@ use std::path::Path;
 use super::claim::Claim;
 use super::experiment::Experiment;
 use super::figure_spec::FigureKind;
+use super::measure::Measure;
 use super::table_spec::TableKind;
 
 /// An experiment and its source.
@@ -55,6 +56,34 @@ impl SelectedExperiment {
         // The last stage starts when all stages before it are complete.
         let of_last_stage = points.iter().any(|point| point.of_last_stage);
         if curves || of_last_stage { None } else { points.last().map(|point| point.after) }
+    }
+
+    /// Whether a selected figure, table or claim is about the benchmark route.
+    #[must_use]
+    pub fn needs_benchmark_route(&self) -> bool {
+        let is_route = |&measure: &Measure| measure == Measure::BenchmarkRouteTime;
+        let of_claims = |claims: &[Claim]| claims.iter().any(|claim| is_route(&claim.measure));
+        let mut figures = self.figures.iter().map(|&i| &self.source.experiment.figures[i]);
+        let mut tables = self.tables.iter().map(|&i| &self.source.experiment.tables[i]);
+        let in_figures = figures.any(|figure| {
+            of_claims(&figure.claims)
+                || match &figure.draw {
+                    FigureKind::LearningCurves { .. } => false,
+                    FigureKind::DotPlot { measures, .. } => measures.iter().any(is_route),
+                    FigureKind::BenchmarkRoute { .. } => true,
+                }
+        });
+        in_figures
+            || tables.any(|table| {
+                of_claims(&table.claims)
+                    || match &table.show {
+                        TableKind::Seeds { measure, .. } => is_route(measure),
+                        TableKind::Rounds { .. } => false,
+                        TableKind::Measures { measures, .. } | TableKind::Contrast { measures, .. } => {
+                            measures.iter().any(is_route)
+                        }
+                    }
+            })
     }
 
     /// The points at which the selected figures, tables and claims need a policy.

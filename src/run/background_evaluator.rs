@@ -33,14 +33,14 @@ pub enum BackgroundEvaluator {
 }
 
 impl BackgroundEvaluator {
-    /// An evaluator that tests each policy in the same `count` episodes of `scenario`, drawn from `seed`.
+    /// An evaluator that tests each policy in the same `episodes` of `scenario`.
     #[must_use]
-    pub fn new(scenario: &Arc<Scenario>, count: usize, seed: u64, extensions: &Extensions) -> Self {
+    pub fn new(scenario: &Arc<Scenario>, episodes: EpisodeSet, extensions: &Extensions) -> Self {
         #[cfg(not(target_arch = "wasm32"))]
-        if let Ok(evaluator) = ThreadedEvaluator::start(scenario, count, seed, extensions) {
+        if let Ok(evaluator) = ThreadedEvaluator::start(scenario, episodes, extensions) {
             return Self::Threaded(evaluator);
         }
-        Self::Sliced(Box::new(SlicedEvaluator::new(scenario, count, seed, extensions)))
+        Self::Sliced(Box::new(SlicedEvaluator::new(scenario, episodes, extensions)))
     }
 
     /// Whether [`poll`](Self::poll) does the work itself, on the caller's thread.
@@ -77,6 +77,15 @@ impl BackgroundEvaluator {
     }
 }
 
+/// The episodes of an evaluation: their number, and the seed from which they are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct EpisodeSet {
+    /// Number of episodes.
+    pub count: usize,
+    /// The seed of their starts, goals and obstacles.
+    pub seed: u64,
+}
+
 /// A policy to evaluate, and its position in the run.
 #[derive(Clone, Debug)]
 pub struct Candidate {
@@ -88,6 +97,8 @@ pub struct Candidate {
     pub episodes: u64,
     /// Gradient steps of the run so far.
     pub gradient_steps: u64,
+    /// Other episodes than those of the evaluator, for a test; `None` for an evaluation.
+    pub test: Option<EpisodeSet>,
 }
 
 /// The result of evaluating a candidate.

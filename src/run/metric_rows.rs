@@ -5,6 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::final_test::FinalTest;
 use crate::report::run_figure::{EpisodePoint, EvaluationPoint};
 use crate::scenario::read_text;
 use crate::task::EpisodeEnd;
@@ -132,10 +133,14 @@ pub struct Summary {
     pub env_steps: u64,
     /// Gradient steps taken.
     pub gradient_steps: u64,
-    /// Wall time from the start of the process, including evaluations, in s; summed over all processes of a
-    /// resumed run.
+    /// Wall time from the start of the process, including evaluations but not the final test, in s; summed over all processes
+    /// of a resumed run.
     pub wall_s: f64,
-    /// Success rate of the best policy in its evaluation, 0 to 1; `None` without an evaluation.
+    /// Number of evaluations, with those at env step 0 and at the end.
+    #[serde(default)]
+    pub evaluations: usize,
+    /// Success rate of the best policy in the evaluation that selected it, 0 to 1; `None` without an evaluation. The best of
+    /// many evaluations is optimistic; `final_test` is not.
     pub best_success_rate: Option<f64>,
     /// Mean simulated time of the successful episodes in that evaluation, in s.
     pub best_mean_time_s: Option<f64>,
@@ -145,6 +150,10 @@ pub struct Summary {
     pub first_96: Option<Milestone>,
     /// The first evaluation with a success rate of at least 99 %.
     pub first_99: Option<Milestone>,
+    /// The test of the best policy in fresh episodes, after the training; `None` if the run has not finished or the preset asks
+    /// for no test. These are the numbers to quote.
+    #[serde(default)]
+    pub final_test: Option<FinalTest>,
 }
 
 impl Summary {

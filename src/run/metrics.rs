@@ -5,7 +5,7 @@
 
 use bevy::prelude::*;
 
-use super::background_evaluator::{Candidate, EvalResult};
+use super::background_evaluator::{Candidate, EpisodeSet, EvalResult};
 use super::checkpoint::{BestPolicy, TrainerState};
 use super::folder::RunConfig;
 use super::metric_rows::{EpisodeRow, EvaluationRow, Milestone};
@@ -81,6 +81,7 @@ pub fn candidate(config: &RunConfig, world: &World) -> Candidate {
         env_steps: learner.env_steps(),
         episodes: learner.episodes(),
         gradient_steps: learner.gradient_steps(),
+        test: None,
     }
 }
 
@@ -150,6 +151,12 @@ pub fn record_evaluation(
 /// A weight is not finite.
 pub fn policy_bytes(policy: &Policy) -> Result<Vec<u8>, RunError> {
     policy.to_bytes().map_err(|error| RunError::Failed(format!("the policy cannot be saved: {error}")))
+}
+
+/// The episodes of the evaluations during the training of `config`.
+#[must_use]
+pub fn evaluation_episodes(config: &RunConfig) -> EpisodeSet {
+    EpisodeSet { count: config.preset.evaluation.episodes, seed: evaluation_seed(config.seed) }
 }
 
 /// The seed of the evaluations during training. It is hashed, so that `--eval` with the same seed uses other

@@ -144,6 +144,14 @@ impl MetricsWriter {
         Ok((episodes, evaluations))
     }
 
+    /// The number of evaluations on disk, which include those before a resume.
+    ///
+    /// # Errors
+    /// The rows cannot be read.
+    pub fn evaluations(&self) -> Result<usize, RunError> {
+        Ok(self.folder.rows::<EvaluationRow>(EVALUATIONS)?.len())
+    }
+
     /// Draws `learning-curve.svg` of the run of `config`, from the rows on disk, which include those before a resume.
     ///
     /// # Errors

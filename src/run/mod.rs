@@ -12,8 +12,9 @@
 //! | `training_setup.rs` | the learner and the simulation of a new run |
 //! | `train/` | the training loop |
 //! | `metrics.rs` | metrics of episodes and evaluations, and the best policy |
-//! | `evaluate/` | success over rounds of episodes and on the benchmark route; comparison with optimal times |
+//! | `evaluate/` | success over rounds of episodes and on the benchmark route; records and traces of episodes; comparison with optimal times |
 //! | `background_evaluator.rs` | evaluation during training |
+//! | `final_test.rs` | the test of the best policy after a training |
 //! | `folder/` | run folders: configuration, CSV files |
 //! | `output_file/` | output files, written whole or not at all |
 //! | `image_file.rs` | image files: SVG, PNG, PDF |
@@ -33,6 +34,7 @@ pub mod checkpoint;
 pub mod evaluate;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod export;
+pub mod final_test;
 pub mod fingerprint;
 pub mod folder;
 #[cfg(not(target_arch = "wasm32"))]

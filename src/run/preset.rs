@@ -46,10 +46,10 @@ pub enum Budget {
     EnvSteps(u64),
 }
 
-/// The schedule of the evaluations of the greedy policy during training.
+/// The evaluations of the greedy policy during training, and the test of the best policy after it.
 ///
 /// Evaluations run in a simulation with separate random streams. They do not affect learning, only which
-/// policy is kept as the best.
+/// policy is kept as the best. The first one is made before the first step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct EvaluationConfig {
@@ -57,11 +57,14 @@ pub struct EvaluationConfig {
     pub every_env_steps: u64,
     /// Number of episodes, 1 to 100,000. Every evaluation uses the same episodes.
     pub episodes: usize,
+    /// Number of episodes of the final test, 0 (no test) to 100,000. After the training, the best policy is tested in episodes
+    /// that it was not selected by.
+    pub final_episodes: usize,
 }
 
 impl Default for EvaluationConfig {
     fn default() -> Self {
-        Self { every_env_steps: 10_000, episodes: 200 }
+        Self { every_env_steps: 10_000, episodes: 200, final_episodes: 500 }
     }
 }
 
@@ -91,12 +94,13 @@ impl Preset {
         let mut add =
             |path: &str, message: String| diagnostics.push(Diagnostic { path: path.into(), message });
         let (Budget::Episodes(budget) | Budget::EnvSteps(budget)) = self.budget;
-        let EvaluationConfig { every_env_steps, episodes } = self.evaluation;
+        let EvaluationConfig { every_env_steps, episodes, final_episodes } = self.evaluation;
         let ranges = [
             within("arenas", self.arenas, 1..=MAX_ARENAS),
             within("budget", budget, 1..=MAX_STEPS),
             within("evaluation.every_env_steps", every_env_steps, 1..=MAX_STEPS),
             within("evaluation.episodes", episodes, 1..=MAX_EVALUATION_EPISODES),
+            within("evaluation.final_episodes", final_episodes, 0..=MAX_EVALUATION_EPISODES),
         ];
         for error in ranges.into_iter().filter_map(Result::err) {
             add(&error.field, error.problem);

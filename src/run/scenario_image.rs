@@ -18,7 +18,7 @@ const LAYOUT_SEED: u64 = 1;
 const END_SEGMENTS: u32 = 16;
 
 /// The map of `scenario` with the generated obstacles of `layout_seed`, at control step `clock`. It shows the
-/// benchmark route, and has no title or trajectories.
+/// benchmark route, if there is one, and has no title or trajectories.
 #[must_use]
 pub fn map(scenario: &Scenario, layout_seed: u64, clock: u64) -> ScenarioMap {
     let generated = scenario.with_generated_obstacles(layout_seed);
@@ -35,15 +35,19 @@ pub fn map(scenario: &Scenario, layout_seed: u64, clock: u64) -> ScenarioMap {
         };
         MapObstacle { kind, outline: outline(obstacle, &generated, clock) }
     });
-    let route = &scenario.benchmark_route;
-    let ((start_x, start_y), (goal_x, goal_y)) = (wide(route.start_m), wide(route.goal_m));
     ScenarioMap {
         title: String::new(),
         enclosure: scenario.enclosure.corners_m().into_iter().map(wide).collect(),
         obstacles: walls.chain(obstacles).collect(),
         tracks: scenario.obstacles.iter().filter_map(track).collect(),
-        start: (start_x, start_y, f64::from(route.heading_rad)),
-        goal: (goal_x, goal_y, f64::from(scenario.task.goal_radius_m)),
+        start: scenario.benchmark_route.map(|route| {
+            let (x, y) = wide(route.start_m);
+            (x, y, f64::from(route.heading_rad))
+        }),
+        goal: scenario.benchmark_route.map(|route| {
+            let (x, y) = wide(route.goal_m);
+            (x, y, f64::from(scenario.task.goal_radius_m))
+        }),
         trajectories: Vec::new(),
     }
 }
@@ -186,7 +190,7 @@ mod tests {
         assert!((heading.abs() - PI).abs() < 1e-3, "it moves to the left, not to {heading}");
         let [MapTrack::Lines(loop_m)] = &map.tracks[..] else { panic!("one obstacle moves") };
         assert_near(loop_m, &[(1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (1.0, 0.0)]);
-        assert_eq!((map.start, map.goal.2), ((0.0, 0.0, 0.0), f64::from(0.2_f32)));
+        assert_eq!((map.start, map.goal), (None, None), "it has no benchmark route");
     }
 
     #[test]

@@ -11,16 +11,16 @@ use super::{
 };
 use crate::control_step::Reset;
 use crate::random;
-use crate::scenario::{NoFreeSpace, Scenario, draw_goal, draw_start_and_goal};
+use crate::scenario::{BenchmarkRoute, NoFreeSpace, Scenario, draw_goal, draw_start_and_goal};
 
 /// The choice of starts and goals.
-#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
 pub enum EpisodeSetup {
     /// Random draws by the scenario's placement rules.
     #[default]
     Random,
-    /// The scenario's benchmark route: always the same start, heading and goal.
-    BenchmarkRoute,
+    /// Always the same start, heading and goal.
+    Route(BenchmarkRoute),
 }
 
 /// `Reset`: runs the schedule [`Reset`] if an arena has a pending reset.
@@ -71,7 +71,7 @@ pub(super) fn draw(
                 *layout = ArenaLayout::new(&scenario.0, random::random_u64(&mut streams.places));
             }
             let drawn = match *setup {
-                EpisodeSetup::BenchmarkRoute => Ok(benchmark_route(&layout.scenario)),
+                EpisodeSetup::Route(route) => Ok(ends_of(route)),
                 EpisodeSetup::Random => draw_random(&layout.scenario, clock.0, kept_pose, &mut streams),
             };
             attempts -= 1;
@@ -97,9 +97,8 @@ pub(super) fn draw(
     }
 }
 
-/// The start and goal of the benchmark route.
-fn benchmark_route(scenario: &Scenario) -> StartAndGoalDraw {
-    let route = &scenario.benchmark_route;
+/// The start and goal of a route.
+fn ends_of(route: BenchmarkRoute) -> StartAndGoalDraw {
     let start = Pose { x_m: route.start_m.x, y_m: route.start_m.y, heading_rad: route.heading_rad };
     (Some(start), Goal { x_m: route.goal_m.x, y_m: route.goal_m.y })
 }

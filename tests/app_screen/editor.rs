@@ -515,7 +515,7 @@ fn visiting_a_field_changes_nothing() {
     odd.lidar.field_of_view_rad = 0.4;
     odd.lidar.dropout = 0.012345;
     odd.task.collision_range_m = 0.10004;
-    odd.benchmark_route.heading_rad = 0.4;
+    odd.benchmark_route.get_or_insert_default().heading_rad = 0.4;
     odd.starts = PlacementRule::Fixed { position_m: vec2(0.6127, 0.00004), heading_rad: Some(0.4) };
     odd.obstacles = vec![Obstacle {
         shape: Shape::Rectangle { width_m: 0.61274, height_m: 0.12345 },

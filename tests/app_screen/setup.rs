@@ -2,7 +2,7 @@
 
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
-use wayfield::app::app_snapshot::LastSession;
+use wayfield::app::app_snapshot::{LastSession, UnsavedEdits};
 use wayfield::app::commands::{Command, FigureFormat, PolicySource, SaveKind, SessionMode};
 use wayfield::app::screen;
 
@@ -287,6 +287,17 @@ fn the_last_session_is_offered_with_what_it_is() {
     assert!(window.query_by_label("Maze, fast, seed 4 · 123,456 steps · 3 min ago").is_some());
     assert_eq!(click(&mut window, "Continue"), [Command::ContinueLastSession]);
     assert_eq!(click(&mut window, "Not now"), [Command::DismissLastSession]);
+}
+
+#[test]
+fn unsaved_changes_of_an_earlier_session_are_offered_before_its_training() {
+    let mut window = window(ScreenFixture::default());
+    let status = &mut window.state_mut().status;
+    status.unsaved_edits = Some(UnsavedEdits { scenario: "Maze".into(), age_s: 7_300 });
+    settle(&mut window);
+    assert!(window.query_by_label("Maze · 2 h ago").is_some());
+    assert_eq!(click(&mut window, "Restore"), [Command::RestoreEdits]);
+    assert_eq!(click(&mut window, "Not now"), [Command::DismissEdits]);
 }
 
 #[test]

@@ -301,7 +301,10 @@ pub fn quick_per() -> String {
     edited(
         PER_D3QN,
         &[
-            ("every_env_steps: 20000, episodes: 200", "every_env_steps: 1500, episodes: 20"),
+            (
+                "every_env_steps: 20000, episodes: 200",
+                "every_env_steps: 1500, episodes: 20, final_episodes: 20",
+            ),
             ("hidden: [64, 64]", "hidden: [16]"),
             ("batch_size: 64", "batch_size: 16"),
             ("capacity: 1000000", "capacity: 2000"),
@@ -316,7 +319,10 @@ pub fn quick_fast() -> String {
     edited(
         FAST,
         &[
-            ("every_env_steps: 5000, episodes: 200", "every_env_steps: 1500, episodes: 20"),
+            (
+                "every_env_steps: 5000, episodes: 200",
+                "every_env_steps: 1500, episodes: 20, final_episodes: 20",
+            ),
             ("hidden: [64, 64]", "hidden: [16]"),
             ("batch_size: 64", "batch_size: 32"),
             ("capacity: 400000", "capacity: 3000"),

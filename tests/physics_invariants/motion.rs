@@ -33,7 +33,8 @@ fn empty(period_s: f32, lag_s: f32, max_m_s: f32, stream: &mut Stream) -> Scenar
     scenario.task.control_period_s = period_s;
     scenario.task.goal_radius_m = 25.0;
     scenario.task.min_goal_distance_m = 26.0;
-    (scenario.benchmark_route.start_m, scenario.benchmark_route.goal_m) = (Vec2::ZERO, vec2(60.0, 0.0));
+    let route = scenario.benchmark_route.get_or_insert_default();
+    (route.start_m, route.goal_m) = (Vec2::ZERO, vec2(60.0, 0.0));
     scenario.task.max_episode_steps = 1_000_000;
     assert!(diagnostics(&scenario).is_empty(), "{:?}", diagnostics(&scenario));
     scenario

@@ -206,7 +206,8 @@ fn the_longest_step_ends_at_the_thinnest_obstacle() {
         Scenario { enclosure: Enclosure::Polygon { corners_m: l_shape }, ..longest_step() },
     ];
     for (number, scenario) in scenarios.iter().enumerate() {
-        let found = diagnostics(&Scenario { benchmark_route: long_benchmark_route(), ..scenario.clone() });
+        let found =
+            diagnostics(&Scenario { benchmark_route: Some(long_benchmark_route()), ..scenario.clone() });
         assert!(found.is_empty(), "scenario {number} is invalid: {found:?}");
         let mut batch = ArenaBatch::new(scenario, 16);
         let (mut contacts, mut stream) = (0, stream(9, "longest step", number as u64));
@@ -305,7 +306,8 @@ fn an_obstacle_that_moves_over_a_robot_collides_with_it() {
 fn a_robot_placed_inside_an_obstacle_is_not_ejected() {
     // An edit may put the robot inside an obstacle or a wall.
     let mut scenario = crate::common::moving_obstacles();
-    (scenario.benchmark_route.start_m, scenario.benchmark_route.goal_m) = (vec2(1.7, 0.0), vec2(-1.7, 0.0));
+    let route = scenario.benchmark_route.get_or_insert_default();
+    (route.start_m, route.goal_m) = (vec2(1.7, 0.0), vec2(-1.7, 0.0));
     let scenario = at_max_speed(scenario).expect("a valid scenario");
     let mut batch = ArenaBatch::new(&scenario, 16);
     let mut stream = stream(8, "thrown", 0);

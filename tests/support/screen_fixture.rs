@@ -198,11 +198,11 @@ pub fn mixed_scenario() -> Scenario {
         lidar: Lidar { beams: 12, field_of_view_rad: 2.0, ..Lidar::default() },
         starts: PlacementRule::Within { min_m: vec2(-1.9, -0.2), max_m: vec2(-0.9, 0.6), clearance_m: 0.2 },
         goals: PlacementRule::OneOf { positions_m: vec![vec2(0.0, 0.2), vec2(3.7, -1.2), vec2(1.2, 1.2)] },
-        benchmark_route: BenchmarkRoute {
+        benchmark_route: Some(BenchmarkRoute {
             start_m: vec2(-1.5, 1.9),
             heading_rad: -0.8,
             goal_m: vec2(3.0, 0.2),
-        },
+        }),
         ..Scenario::default()
     }
 }
@@ -314,6 +314,7 @@ fn status() -> AppSnapshot {
         notices: Vec::new(),
         restart_loses_training: false,
         last_session: None,
+        unsaved_edits: None,
         quit_question: false,
         expert: Some(ExpertChoice { name: "Scenario I expert".into(), is_new_here: false }),
         tested: PolicySource::Current,

@@ -22,11 +22,16 @@ pub struct Display {
 impl Display {
     /// None if the tools for it are missing; then the test is skipped.
     pub fn new() -> Option<Self> {
+        Self::with_size("1280x800")
+    }
+
+    /// A display of this size in pixels.
+    pub fn with_size(size: &str) -> Option<Self> {
         if !requirements::DISPLAY.is_met() {
             return None;
         }
         let mut server = Command::new("Xvfb")
-            .args(["-displayfd", "1", "-screen", "0", "1280x800x24", "-nolisten", "tcp"])
+            .args(["-displayfd", "1", "-screen", "0", &format!("{size}x24"), "-nolisten", "tcp"])
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()

@@ -4,7 +4,7 @@
 import assert from 'node:assert/strict';
 import { readFile } from 'node:fs/promises';
 import { test } from 'node:test';
-import { centre, click, closeWithoutErrors, open, pageUnderTest, picture, status, until } from './support.mjs';
+import { centre, click, closeWithoutErrors, crash, isShown, open, pageUnderTest, picture, status, until } from './support.mjs';
 
 const app = pageUnderTest();
 
@@ -35,7 +35,6 @@ async function trainAndSave(page) {
     throw new Error(`not saved within 30 s: ${JSON.stringify(await status(page))}`);
 }
 
-const isShown = (page, name) => page.evaluate((name) => wayfieldPage.app.control(name) !== undefined, name);
 
 test('after a reload, the last session can be continued to the next step', async (t) => {
     const page = await open(app.browser, `${app.address}?pace=full&seed=3`);
@@ -94,10 +93,7 @@ test('after a lost WebGL context, one click reloads the page and continues the t
 test('after a crash of the module, the page offers to continue from the autosave', async () => {
     const page = await open(app.browser, `${app.address}?pace=full&seed=3`);
     const saved = await trainAndSave(page);
-    // A module whose start function is the instruction `unreachable`: what a panic compiles to.
-    await page.evaluate(() => setTimeout(() => new WebAssembly.Instance(new WebAssembly.Module(new Uint8Array([
-        0, 97, 115, 109, 1, 0, 0, 0, 1, 4, 1, 96, 0, 0, 3, 2, 1, 0, 8, 1, 0, 10, 5, 1, 3, 0, 0, 11])))));
-    await page.waitForFunction(() => document.body.dataset.state === 'failed', null, { timeout: 20_000 });
+    await crash(page);
     assert.match(await page.textContent('#message'), /internal error.*saved \d+ s ago/);
     assert.match(await page.textContent('#detail'), /unreachable/);
     await Promise.all([page.waitForEvent('load'), page.click('#continue')]);

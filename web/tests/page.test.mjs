@@ -7,7 +7,8 @@ import { test } from 'node:test';
 import { pathToFileURL } from 'node:url';
 import { brotliCompressSync, constants } from 'node:zlib';
 import {
-    SOFTWARE_GPU, canBeHidden, centre, click, closeWithoutErrors, launch, open, pageUnderTest, picture, press, status, until,
+    SOFTWARE_GPU, canBeHidden, centre, click, closeWithoutErrors, file, launch, open, ownScenario, pageUnderTest, picture, press,
+    status, until,
 } from './support.mjs';
 
 const app = pageUnderTest();
@@ -145,10 +146,6 @@ test('one click compares an expert with the current policy', async () => {
     assert.equal((await status(page)).env_steps, now.env_steps, 'training is suspended during the comparison');
     await closeWithoutErrors(page);
 });
-
-const ownScenario = async (name) => (await readFile(new URL('../../scenarios/scenario-1.ron', import.meta.url), 'utf8'))
-    .replace(/name: "[^"]*"/, `name: "${name}"`);
-const file = (name, text) => ({ name, mimeType: 'application/octet-stream', buffer: Buffer.from(text) });
 
 test('an invalid scenario is reported with line and column; a valid one starts a training that can be shared by link', async () => {
     const page = await open(app.browser, app.address, { options: TALL });
@@ -328,18 +325,25 @@ test('the page survives being hidden and resized, and accepts touch', async () =
     await closeWithoutErrors(page);
 });
 
-test('the canvas has the full resolution of a high-density screen', async (t) => {
-    const dense = await launch([...SOFTWARE_GPU, '--force-device-scale-factor=2']);
-    t.after(() => dense.close());
-    const page = await open(dense, app.address, { options: { viewport: null } });
-    await until(page, (now) => now.frames > 3);
-    const [ratio, width, pixels] = await page.evaluate(() =>
-        [devicePixelRatio, innerWidth, document.querySelector('canvas').width]);
-    assert.equal(ratio, 2);
-    assert.equal(pixels, 2 * width);
-    await picture(page, 'high-density');
-    await closeWithoutErrors(page);
-});
+for (const scale of [0.5, 2, 4]) {
+    test(`at the scale factor ${scale}, the canvas has the resolution of the screen and the controls are in the window`, async (t) => {
+        const flags = [`--force-device-scale-factor=${scale}`, '--window-size=720,540'];
+        const scaled = await launch([...SOFTWARE_GPU, ...flags]);
+        t.after(() => scaled.close());
+        const page = await open(scaled, app.address, { options: { viewport: null } });
+        await until(page, (now) => now.frames > 3);
+        const [ratio, width, height, pixels] = await page.evaluate(() =>
+            [devicePixelRatio, innerWidth, innerHeight, document.querySelector('canvas').width]);
+        assert.equal(ratio, scale);
+        assert.equal(pixels, scale * width);
+        for (const name of ['Pause', 'Edit', 'Plots panel', 'Export']) {
+            const [x, y] = await centre(page, name);
+            assert.ok(x > 0 && x < width && y > 0 && y < height, `${name} at ${x}, ${y} of ${width} x ${height}`);
+        }
+        await picture(page, `scale-${scale}`);
+        await closeWithoutErrors(page);
+    });
+}
 
 test('invalid options in the address are reported, and the defaults are used', async () => {
     const page = await open(app.browser, `${app.address}?scenario=scenario-9&seed=-1&pace=fastest`);

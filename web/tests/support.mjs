@@ -80,6 +80,13 @@ export async function open(browser, address, { options = {}, prepare = async () 
     return page;
 }
 
+/// The text of Scenario I with another name.
+export const ownScenario = async (name) => (await readFile(new URL('../../scenarios/scenario-1.ron', import.meta.url), 'utf8'))
+    .replace(/name: "[^"]*"/, `name: "${name}"`);
+
+/// A file for the page.
+export const file = (name, text) => ({ name, mimeType: 'application/octet-stream', buffer: Buffer.from(text) });
+
 /// The status that the page reported last.
 export const status = (page) => page.evaluate(() => JSON.parse(document.body.dataset.status ?? 'null'));
 
@@ -109,6 +116,17 @@ export async function centre(page, name, seconds = 30) {
         last = found;
         await page.waitForTimeout(300);
     }
+}
+
+/// Whether a control or arena object with this accessible name is displayed.
+export const isShown = (page, name) => page.evaluate((name) => wayfieldPage.app.control(name) !== undefined, name);
+
+/// Stops the app as a panic does, and waits until the page says so.
+export async function crash(page) {
+    // A module whose start function is the instruction `unreachable`: what a panic compiles to.
+    await page.evaluate(() => setTimeout(() => new WebAssembly.Instance(new WebAssembly.Module(new Uint8Array([
+        0, 97, 115, 109, 1, 0, 0, 0, 1, 4, 1, 96, 0, 0, 3, 2, 1, 0, 8, 1, 0, 10, 5, 1, 3, 0, 0, 11])))));
+    await page.waitForFunction(() => document.body.dataset.state === 'failed', null, { timeout: 20_000 });
 }
 
 /// Clicks on the control with this accessible name, slowly enough for a software GPU to draw a frame in between.

@@ -52,7 +52,7 @@ fn steps(command: &str) -> Option<Vec<Step<'static>>> {
     const UPDATE: &[(&str, &str)] = &[("UPDATE_SNAPSHOTS", "1")];
     Some(match command {
         "docs" => vec![
-            cargo("test --release -p wayfield-scenario --test docs the_page_is_what_the_schema_says", RENEW),
+            cargo("test --release -p wayfield-scenario --test docs the_page_matches_the_schema", RENEW),
             cargo("test --release -p wayfield --lib -- flag_tables limits::table", RENEW),
         ],
         "policies" => {

@@ -45,6 +45,12 @@ impl LowerBound {
         ((length - self.goal_region.radius) / self.stride).max(0.0)
     }
 
+    /// The length, in m, of the shortest path from a point around the static obstacles to the edge of the goal region; infinite
+    /// if there is none.
+    pub(super) fn path_m(&self, from: (f64, f64)) -> f64 {
+        (self.geodesic.length(from) - self.goal_region.radius).max(0.0)
+    }
+
     /// The length, in m, of the shortest path to the goal whose curvature stays within the turning radius: an arc, then its
     /// tangent. 0 if the goal region touches a turning circle, because the proof does not cover that case.
     fn turning_length(&self, state: &State) -> f64 {

@@ -133,6 +133,11 @@ pub fn unsupported_reason(scenario: &Scenario) -> Option<String> {
         let field_of_view = lidar.field_of_view_rad;
         return Some(format!("a limited field of view: lidar.field_of_view_rad is {field_of_view}"));
     }
+    polygon(scenario)
+}
+
+/// The first polygon of `scenario`, as text for a message.
+fn polygon(scenario: &Scenario) -> Option<String> {
     if matches!(scenario.enclosure, Enclosure::Polygon { .. }) {
         return Some("polygons: the enclosure is a polygon".into());
     }
@@ -242,6 +247,23 @@ pub fn lower_bound_steps(scenario: &Scenario, start: (f32, f32, f32), goal: Vec2
     }
     let bound = LowerBound::new(scenario, start, goal);
     search_lower_bound(scenario, start, goal, clock, &bound, LOOKAHEAD_STATES, u32::MAX)
+}
+
+/// The length, in m, of the shortest path of the robot's centre from `start` (x in m, y in m, heading in rad) to the edge of
+/// the goal region around the static obstacles and walls. Turning radius and moving obstacles are ignored.
+///
+/// Each inflated obstacle is replaced by a polygon inside it, so the length is a lower bound, for circles 0.5 % or less below
+/// the shortest path. Among very many obstacles, the most distant ones are left out. `None` if there is no path, or if the
+/// scenario has polygons.
+///
+/// Generated obstacles must be added to the scenario first ([`Scenario::with_generated_obstacles`]).
+#[must_use]
+pub fn shortest_path_m(scenario: &Scenario, start: (f32, f32, f32), goal: Vec2) -> Option<f64> {
+    if polygon(scenario).is_some() {
+        return None;
+    }
+    let length = LowerBound::new(scenario, start, goal).path_m((start.0.into(), start.1.into()));
+    length.is_finite().then_some(length)
 }
 
 #[cfg(test)]

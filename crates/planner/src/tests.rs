@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use super::configuration_space::State;
 use super::*;
 use wayfield_random::{stream, uniform};
-use wayfield_scenario::{Obstacle, ObstacleMotion, Shape};
+use wayfield_scenario::{Obstacle, ObstacleMotion, Robot, Shape};
 use wayfield_scenario::{clearance, draw_goal, draw_start};
 
 fn circle(position_m: Vec2, radius_m: f32, motion: ObstacleMotion) -> Obstacle {
@@ -147,6 +147,33 @@ fn the_path_around_a_box_has_the_length_computed_by_hand() {
     let plan = plan_path(&scenario, start, goal, 0, Resolution::default()).expect("a path");
     assert!((76..=77).contains(&lower_bound_steps(&scenario, start, goal, 0)));
     assert!((77..=78).contains(&plan.steps), "{} steps", plan.steps);
+}
+
+/// The box of the test above, without the robot's heading: 2.30874 m. A wall of the same size is no different.
+#[test]
+fn the_shortest_path_goes_round_obstacles_and_walls_to_the_edge_of_the_goal() {
+    let (start, goal) = ((-1.0, 0.0, 2.0), vec2(1.0, 0.0));
+    let boxed = Scenario { obstacles: vec![static_box(vec2(0.0, -0.7), 0.1, 2.6)], ..Scenario::default() };
+    let corners_m = vec![vec2(0.0, -1.95), vec2(0.0, 0.55)];
+    let walled = Scenario {
+        walls: vec![wayfield_scenario::Wall { corners_m, thickness_m: 0.1 }],
+        ..Scenario::default()
+    };
+    for scenario in [&boxed, &walled] {
+        let length = shortest_path_m(scenario, start, goal).expect("a path");
+        assert!((2.30874 * 0.995..=2.30875).contains(&length), "{length}");
+    }
+    let straight = shortest_path_m(&Scenario::default(), start, goal).expect("a path");
+    assert!((straight - 1.8).abs() < 1e-4, "{straight}");
+    assert_eq!(shortest_path_m(&Scenario::default(), start, vec2(-0.9, 0.0)), Some(0.0), "already there");
+
+    let lagging = Scenario { robot: Robot { actuator_lag_s: 0.3, ..Robot::default() }, ..boxed.clone() };
+    assert_eq!(shortest_path_m(&lagging, start, goal), shortest_path_m(&boxed, start, goal));
+    let blocked = Scenario { obstacles: vec![static_box(vec2(0.0, 0.0), 0.1, 4.0)], ..Scenario::default() };
+    assert_eq!(shortest_path_m(&blocked, start, goal), None);
+    let corners_m = vec![vec2(-2.0, -2.0), vec2(2.0, -2.0), vec2(0.0, 2.0)];
+    let triangle = Scenario { enclosure: Enclosure::Polygon { corners_m }, ..Scenario::default() };
+    assert_eq!(shortest_path_m(&triangle, start, goal), None, "polygons are not supported");
 }
 
 #[test]

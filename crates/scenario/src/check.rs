@@ -72,15 +72,6 @@ pub fn notes(scenario: &Scenario) -> Vec<Note> {
     notes
 }
 
-/// The first problem with the ends of the benchmark route of `scenario`, a valid one. [`diagnostics`] reports it only if the
-/// scenario has a route of its own.
-#[must_use]
-pub fn benchmark_route_problem(scenario: &Scenario) -> Option<Diagnostic> {
-    let mut diagnostics = Diagnostics(Vec::new());
-    space::check_benchmark_route(scenario, &mut diagnostics);
-    diagnostics.0.into_iter().next()
-}
-
 /// The invalid numbers of `scenario`. A scenario without them can be drawn and edited, but perhaps not run.
 #[must_use]
 pub fn value_diagnostics(scenario: &Scenario) -> Vec<Diagnostic> {

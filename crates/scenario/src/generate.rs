@@ -38,7 +38,8 @@ impl Scenario {
 
     /// The ends of the benchmark route and the positions that the rules name, in m.
     fn named_places(&self) -> Vec<Vec2> {
-        let mut places = vec![self.benchmark_route.start_m, self.benchmark_route.goal_m];
+        let mut places: Vec<Vec2> =
+            self.benchmark_route.iter().flat_map(|route| [route.start_m, route.goal_m]).collect();
         for rule in [&self.starts, &self.goals] {
             match rule {
                 PlacementRule::Fixed { position_m, .. } => places.push(*position_m),
@@ -81,7 +82,7 @@ fn generated_obstacle(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Region, clearance};
+    use crate::{BenchmarkRoute, Region, clearance};
 
     fn field() -> Scenario {
         let circles = Generator {
@@ -96,7 +97,11 @@ mod tests {
             gap_m: 0.35,
             within: Some(Region { min_m: vec2(-2.0, 0.0), max_m: vec2(2.0, 2.0) }),
         };
-        Scenario { generators: vec![circles, boxes], ..Scenario::default() }
+        Scenario {
+            generators: vec![circles, boxes],
+            benchmark_route: Some(BenchmarkRoute::default()),
+            ..Scenario::default()
+        }
     }
 
     #[test]

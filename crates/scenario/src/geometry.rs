@@ -9,15 +9,35 @@ use super::schema::{Enclosure, Lidar, Obstacle, ObstacleMotion, Scenario, Shape,
 use super::shape::to_local;
 use glam::{Vec2, vec2};
 
+/// A part of a scenario that the robot can collide with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Solid {
+    /// The enclosure.
+    Enclosure,
+    /// The inner wall with this index in [`Scenario::walls`].
+    Wall(usize),
+    /// The obstacle with this index in [`Scenario::obstacles`], where generated obstacles follow those of the file.
+    Obstacle(usize),
+}
+
+/// The part of `scenario` that is nearest to `point_m` (at `step`), and the distance, in m, to its surface: the
+/// [`clearance`]. Of equally near parts, the first in the order of [`Solid`].
+#[must_use]
+pub fn nearest(scenario: &Scenario, point_m: Vec2, step: u64) -> (Solid, f32) {
+    let period = scenario.task.control_period_s;
+    let walls = scenario.walls.iter().map(|wall| inner_wall_distance(wall, point_m));
+    let obstacles = scenario.obstacles.iter().map(|o| obstacle_distance(o, point_m, step, period));
+    let walls = walls.enumerate().map(|(index, distance)| (Solid::Wall(index), distance));
+    let obstacles = obstacles.enumerate().map(|(index, distance)| (Solid::Obstacle(index), distance));
+    let enclosure = (Solid::Enclosure, enclosure_distance(&scenario.enclosure, point_m));
+    walls.chain(obstacles).fold(enclosure, |best, other| if other.1 < best.1 { other } else { best })
+}
+
 /// Distance, in m, from `point_m` to the nearest surface of a wall or an obstacle (at `step`). Negative inside an obstacle or
 /// a wall, and outside the enclosure.
 #[must_use]
 pub fn clearance(scenario: &Scenario, point_m: Vec2, step: u64) -> f32 {
-    let to_wall = enclosure_distance(&scenario.enclosure, point_m);
-    let to_inner = scenario.walls.iter().map(|wall| inner_wall_distance(wall, point_m));
-    let period = scenario.task.control_period_s;
-    let to_obstacle = scenario.obstacles.iter().map(|o| obstacle_distance(o, point_m, step, period));
-    to_inner.chain(to_obstacle).fold(to_wall, f32::min)
+    nearest(scenario, point_m, step).1
 }
 
 /// Whether [`clearance`] is at least `clearance_m`; stops at the first object that is too close.
@@ -175,7 +195,9 @@ mod tests {
         let mut scenario = Scenario::default();
         assert!(near(clearance(&scenario, vec2(1.5, 0.0), 0), 0.5));
         assert!(near(clearance(&scenario, vec2(0.0, 2.5), 0), -0.5), "outside is negative");
+        assert_eq!(nearest(&scenario, vec2(1.5, 0.0), 0).0, Solid::Enclosure);
         scenario.task.control_period_s = 1.0;
+        scenario.walls.push(Wall { corners_m: vec![vec2(-1.0, -1.0), vec2(-1.0, 1.0)], thickness_m: 0.2 });
         scenario.obstacles.push(Obstacle {
             shape: Shape::Circle { radius_m: 0.2 },
             position_m: vec2(1.0, 0.0),
@@ -187,6 +209,13 @@ mod tests {
             near(clearance(&scenario, vec2(0.0, 0.5), 1), 0.3),
             "after a quarter turn it is straight ahead"
         );
+        for (point, step, expected) in [
+            (vec2(0.0, 0.5), 1, Solid::Obstacle(0)),
+            (vec2(-0.7, 0.0), 0, Solid::Wall(0)),
+            (vec2(0.0, 1.9), 0, Solid::Enclosure),
+        ] {
+            assert_eq!(nearest(&scenario, point, step).0, expected, "{point:?}");
+        }
         assert!(
             is_clear(&scenario, vec2(0.0, 0.5), 1, 0.299) && !is_clear(&scenario, vec2(0.0, 0.5), 1, 0.301)
         );

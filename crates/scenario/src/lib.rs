@@ -31,11 +31,11 @@ mod track;
 pub mod virtual_files;
 mod write;
 
-pub use check::{benchmark_route_problem, diagnostics, notes, value_diagnostics};
+pub use check::{diagnostics, notes, value_diagnostics};
 pub use explain::{choose, closest_name, whole_number};
 pub use fields::{Field, FieldValue, Quantity};
 pub use file_error::{Diagnostic, FileError, LocatedDiagnostic, locate, utf8};
-pub use geometry::{clearance, enclosure_distance, inner_wall_distance, shape_distance};
+pub use geometry::{Solid, clearance, enclosure_distance, inner_wall_distance, nearest, shape_distance};
 pub use glam::{Vec2, vec2};
 #[cfg(not(target_arch = "wasm32"))]
 pub use input::{is_special_file, path_exists, read_bytes};

@@ -47,10 +47,9 @@ pub struct Scenario {
     /// Where goals are placed.
     #[serde(default)]
     pub goals: PlacementRule,
-    /// The benchmark route of the paper's tables 3, 4, 6 and 7. The default, the paper's, needs no free space unless it is
-    /// driven (`--course`).
+    /// The benchmark route, an episode that `--course` times (the paper's tables 3, 4, 6 and 7). None by default.
     #[serde(default)]
-    pub benchmark_route: BenchmarkRoute,
+    pub benchmark_route: Option<BenchmarkRoute>,
 }
 
 impl Default for Scenario {
@@ -68,7 +67,7 @@ impl Default for Scenario {
             task: TaskRules::default(),
             starts: PlacementRule::default(),
             goals: PlacementRule::default(),
-            benchmark_route: BenchmarkRoute::default(),
+            benchmark_route: None,
         }
     }
 }
@@ -415,7 +414,7 @@ fn default_clearance_m() -> f32 {
 }
 
 /// The benchmark route: an episode from a fixed start to a fixed goal.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct BenchmarkRoute {
     /// Start of the robot.
@@ -424,14 +423,6 @@ pub struct BenchmarkRoute {
     pub heading_rad: f32,
     /// Goal.
     pub goal_m: Vec2,
-}
-
-impl BenchmarkRoute {
-    /// Whether it is the paper's route, which a scenario has without asking for it.
-    #[must_use]
-    pub fn is_default(&self) -> bool {
-        *self == Self::default()
-    }
 }
 
 impl Default for BenchmarkRoute {

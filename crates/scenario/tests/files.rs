@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use glam::vec2;
 use wayfield_scenario::{
-    Enclosure, Obstacle, ObstacleMotion, PlacementRule, Scenario, Shape, parse_ron, pose_at, to_ron,
+    BenchmarkRoute, Enclosure, Obstacle, ObstacleMotion, PlacementRule, Scenario, Shape, parse_ron, pose_at,
+    to_ron,
 };
 
 fn shipped(name: &str) -> PathBuf {
@@ -48,17 +49,19 @@ fn the_defaults_are_the_papers_numbers() {
     assert_eq!((scenario.task.collision_range_m, scenario.task.max_episode_steps), (0.13, 500), "chosen");
     assert_eq!(scenario.starts, PlacementRule::Random { clearance_m: 0.35 });
     assert_eq!(scenario.goals, scenario.starts);
-    assert_eq!(
-        (scenario.benchmark_route.start_m, scenario.benchmark_route.goal_m),
-        (vec2(0.0, 0.0), vec2(1.2, 1.2)),
-        "tables 3 to 7"
-    );
+    assert_eq!(scenario.benchmark_route, None, "a scenario has one only if its file names it");
+    let BenchmarkRoute { start_m, goal_m, .. } = BenchmarkRoute::default();
+    assert_eq!((start_m, goal_m), (vec2(0.0, 0.0), vec2(1.2, 1.2)), "tables 3 to 7");
+    for name in ["scenario-1.ron", "scenario-2.ron"] {
+        assert_eq!(load(name).benchmark_route, Some(BenchmarkRoute::default()), "{name}");
+    }
 }
 
 #[test]
 fn the_file_with_every_field_contains_the_defaults() {
     let empty = load("empty.ron");
-    assert_eq!(empty, Scenario { about: empty.about.clone(), ..Scenario::default() });
+    let benchmark_route = Some(BenchmarkRoute::default());
+    assert_eq!(empty, Scenario { about: empty.about.clone(), benchmark_route, ..Scenario::default() });
 }
 
 #[test]

@@ -88,10 +88,11 @@ proptest! {
         let noted = notes(&scenario).into_iter().map(|note| note.diagnostic);
         let found: Vec<_> = diagnostics(&scenario).into_iter().chain(noted).collect();
         prop_assert!(found.iter().all(|finding| !finding.path.is_empty() && !finding.message.is_empty()));
-        let _ = clearance(&scenario, scenario.benchmark_route.start_m, step);
+        let route = scenario.benchmark_route.unwrap_or_default();
+        let _ = clearance(&scenario, route.start_m, step);
         for obstacle in &scenario.obstacles {
             let pose = pose_at(obstacle, step, scenario.task.control_period_s);
-            let _ = shape_distance(&obstacle.shape, pose, scenario.benchmark_route.goal_m);
+            let _ = shape_distance(&obstacle.shape, pose, route.goal_m);
         }
     }
 
@@ -156,8 +157,9 @@ proptest! {
             }
         }
         prop_assert!(draw_start(&scenario, 0, &mut s).is_ok());
-        let BenchmarkRoute { start_m, goal_m, .. } = scenario.benchmark_route;
-        prop_assert!(has_way(&scenario, start_m, goal_m, task.collision_range_m - 0.05));
+        if let Some(BenchmarkRoute { start_m, goal_m, .. }) = scenario.benchmark_route {
+            prop_assert!(has_way(&scenario, start_m, goal_m, task.collision_range_m - 0.05));
+        }
     }
 
     #[test]
@@ -232,7 +234,8 @@ proptest! {
             top += 0.001;
         }
         scenario.walls.push(Wall { corners_m: vec![vec2(x, low.y), vec2(x, top - gap_m - 0.01)], thickness_m: 0.02 });
-        let BenchmarkRoute { start_m, goal_m, .. } = scenario.benchmark_route;
+        prop_assume!(scenario.benchmark_route.is_some());
+        let BenchmarkRoute { start_m, goal_m, .. } = scenario.benchmark_route.unwrap_or_default();
         scenario.starts = PlacementRule::Fixed { position_m: start_m, heading_rad: None };
         scenario.goals = PlacementRule::Fixed { position_m: goal_m, heading_rad: None };
         scenario.generators.clear();

@@ -28,7 +28,7 @@ struct Field {
 impl Field {
     /// The potential: 1 per metre to the goal, plus push / 2 (1 / d - 1 / within)^2.
     fn height(&self, scenario: &Scenario, Vec2 { x, y }: Vec2) -> f32 {
-        let goal = scenario.benchmark_route.goal_m;
+        let goal = scenario.benchmark_route.expect("a benchmark route").goal_m;
         let nearest = clearance(scenario, vec2(x, y), 0).max(0.01);
         let pushed = (1.0 / nearest - 1.0 / self.within_m).max(0.0);
         (x - goal.x).hypot(y - goal.y) + self.push / 2.0 * pushed * pushed
@@ -46,7 +46,7 @@ impl Field {
 
     /// A drive on the benchmark route. Each step takes the motion that best turns the robot downhill.
     fn drives(&self, scenario: &Scenario) -> End {
-        let (benchmark_route, task) = (&scenario.benchmark_route, &scenario.task);
+        let (benchmark_route, task) = (scenario.benchmark_route.expect("a benchmark route"), &scenario.task);
         let (Vec2 { mut x, mut y }, mut heading) = (benchmark_route.start_m, benchmark_route.heading_rad);
         for _ in 0..task.max_episode_steps {
             let downhill = self.downhill(scenario, vec2(x, y));

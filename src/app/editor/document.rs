@@ -40,6 +40,13 @@ impl Editor {
     /// An editor of `scenario`. `from` is the scenario's name or file; `saved` is whether that file has the same scenario.
     #[must_use]
     pub fn open(scenario: Arc<Scenario>, from: String, saved: bool) -> Self {
+        let in_file = saved.then(|| scenario.clone());
+        Self::with_changes(scenario, from, in_file)
+    }
+
+    /// An editor of `scenario`, with the scenario in its file, unless it was never saved.
+    #[must_use]
+    pub fn with_changes(scenario: Arc<Scenario>, from: String, in_file: Option<Arc<Scenario>>) -> Self {
         Self {
             snap: Snap::default(),
             selection: Selection::Nothing,
@@ -51,7 +58,7 @@ impl Editor {
             notes: notes(&scenario),
             revision: 0,
             from,
-            saved: saved.then(|| Arc::clone(&scenario)),
+            saved: in_file,
             scenario,
         }
     }

@@ -18,9 +18,9 @@ const RINGS: u8 = 24;
 /// nothing is free.
 pub(super) fn nearest(scenario: &Scenario, wanted_m: Vec2, radius_m: f32, snap: Snap) -> Vec2 {
     let centre = centre_of(scenario);
-    let ends = [scenario.benchmark_route.start_m, scenario.benchmark_route.goal_m];
+    let ends = scenario.benchmark_route.iter().flat_map(|route| [route.start_m, route.goal_m]);
     let rules = [&scenario.starts, &scenario.goals].into_iter().flat_map(PlacementRule::positions_m);
-    let reserved: Vec<Vec2> = ends.into_iter().chain(rules.copied()).collect();
+    let reserved: Vec<Vec2> = ends.chain(rules.copied()).collect();
     let apart_m = radius_m + scenario.task.collision_range_m + MARGIN_M;
     let is_free = |at: &Vec2| {
         clearance(scenario, *at, 0) >= radius_m

@@ -5,7 +5,10 @@ use bevy::math::Vec2;
 use super::document::Editor;
 use super::free_space;
 use super::items::ListItem;
-use crate::scenario::{Generator, Obstacle, ObstacleMotion, RandomShape, Shape};
+use super::selection::Selection;
+use crate::scenario::{
+    BenchmarkRoute, Generator, Obstacle, ObstacleMotion, PlacementRule, RandomShape, Shape,
+};
 
 impl Editor {
     /// Adds an obstacle of this shape at the free position nearest to `near_m`, and selects it.
@@ -20,6 +23,19 @@ impl Editor {
     pub fn add_generator(&mut self) {
         let shape = RandomShape::Circle { radius_m: (0.1, 0.2) };
         self.append(ListItem::Generator(Generator { count: 4, shape, gap_m: 0.4, within: None }));
+    }
+
+    /// Adds a benchmark route between two free positions, unless there is one, and selects its goal.
+    pub fn add_benchmark_route(&mut self) {
+        let snap = self.snap;
+        self.step(|scenario, selection| {
+            let clearance_m = PlacementRule::default().clearance_m().unwrap_or_default();
+            let (low, high) = scenario.enclosure.bounds_m();
+            let free = |share: f32| free_space::nearest(scenario, low.lerp(high, share), clearance_m, snap);
+            let route = BenchmarkRoute { start_m: free(0.2), heading_rad: 0.0, goal_m: free(0.8) };
+            scenario.benchmark_route.get_or_insert(route);
+            *selection = Selection::BenchmarkGoal;
+        });
     }
 
     /// Appends an item to its list, and selects it.

@@ -38,13 +38,13 @@ fn solid(scenario: &Scenario, point_m: Vec2, slack_m: f32) -> Option<Selection> 
 
 /// The nearest start or goal whose centre is within `reach_m`.
 fn mark(scenario: &Scenario, point_m: Vec2, reach_m: impl Fn(Selection) -> f32) -> Option<Selection> {
-    let route = &scenario.benchmark_route;
+    let ends = scenario.benchmark_route.iter().flat_map(|route| {
+        [(route.start_m, Selection::BenchmarkStart), (route.goal_m, Selection::BenchmarkGoal)]
+    });
     let rules = [(&scenario.starts, Selection::Starts), (&scenario.goals, Selection::Goals)];
     let named =
         rules.into_iter().flat_map(|(rule, of)| rule.positions_m().iter().map(move |&place| (place, of)));
-    [(route.start_m, Selection::BenchmarkStart), (route.goal_m, Selection::BenchmarkGoal)]
-        .into_iter()
-        .chain(named)
+    ends.chain(named)
         .map(|(place, of)| (distance(place, point_m), of))
         .filter(|&(away, of)| away <= reach_m(of))
         .min_by(|a, b| a.0.total_cmp(&b.0))
@@ -74,7 +74,9 @@ fn outline_distance(Region { min_m, max_m }: Region, point_m: Vec2) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{Generator, Obstacle, ObstacleMotion, PlacementRule, RandomShape, Shape, Wall};
+    use crate::scenario::{
+        BenchmarkRoute, Generator, Obstacle, ObstacleMotion, PlacementRule, RandomShape, Shape, Wall,
+    };
 
     fn crowded() -> Scenario {
         let disc = |position_m, radius_m| Obstacle {
@@ -93,6 +95,7 @@ mod tests {
                 within: Some(Region { min_m: vec2(0.0, 0.5), max_m: vec2(1.0, 1.0) }),
             }],
             goals: PlacementRule::OneOf { positions_m: vec![vec2(1.5, 0.0), vec2(1.5, -1.0)] },
+            benchmark_route: Some(BenchmarkRoute::default()),
             ..Scenario::default()
         }
     }
@@ -120,7 +123,8 @@ mod tests {
     #[test]
     fn a_mark_inside_an_obstacle_can_be_picked() {
         let mut scenario = crowded();
-        scenario.benchmark_route.start_m = vec2(-1.0, 0.0);
+        scenario.benchmark_route =
+            Some(BenchmarkRoute { start_m: vec2(-1.0, 0.0), ..BenchmarkRoute::default() });
         let pick = |at| super::pick(&scenario, Selection::Obstacle(0), at, 0.03);
         assert_eq!(pick(vec2(-1.0, 0.01)), Selection::BenchmarkStart);
         assert_eq!(pick(vec2(-1.0, 0.05)), Selection::Obstacle(0));

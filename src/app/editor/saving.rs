@@ -52,10 +52,22 @@ impl Editor {
         (path.extension() == Some("ron".as_ref())).then(|| path.into())
     }
 
+    /// The scenario in its file; `None` if it was never saved.
+    #[must_use]
+    pub fn scenario_in_file(&self) -> Option<&Arc<Scenario>> {
+        self.saved.as_ref()
+    }
+
+    /// Whether the scenario differs from its file.
+    #[must_use]
+    pub fn has_unsaved_changes(&self) -> bool {
+        let is_saved = |saved: &Arc<Scenario>| Arc::ptr_eq(saved, &self.scenario) || *saved == self.scenario;
+        !self.saved.as_ref().is_some_and(is_saved)
+    }
+
     /// Whether there are unsaved changes or an unfinished drawing.
     #[must_use]
     pub fn is_modified(&self) -> bool {
-        let is_saved = |saved: &Arc<Scenario>| Arc::ptr_eq(saved, &self.scenario) || *saved == self.scenario;
-        self.is_drafting() || !self.saved.as_ref().is_some_and(is_saved)
+        self.is_drafting() || self.has_unsaved_changes()
     }
 }

@@ -85,11 +85,11 @@ fn converted_rule(
 
 /// The start or goal of the benchmark route if it is free, else a free position near the centre.
 fn free_place(scenario: &Scenario, role: PlacementRole, clearance_m: f32, snap: Snap) -> Vec2 {
-    let end = match role {
-        PlacementRole::Starts => scenario.benchmark_route.start_m,
-        PlacementRole::Goals => scenario.benchmark_route.goal_m,
-    };
-    if clearance(scenario, end, 0) >= scenario.task.collision_range_m {
+    let end = scenario.benchmark_route.map(|route| match role {
+        PlacementRole::Starts => route.start_m,
+        PlacementRole::Goals => route.goal_m,
+    });
+    if let Some(end) = end.filter(|&end| clearance(scenario, end, 0) >= scenario.task.collision_range_m) {
         return end;
     }
     free_space::nearest(scenario, centre_of(scenario), clearance_m, snap)

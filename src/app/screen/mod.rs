@@ -36,7 +36,7 @@ mod widgets;
 
 use egui::{CentralPanel, Frame, Margin, Panel, Rect, ThemePreference, Ui};
 
-use self::panels::{help, last_session, notices, quit_question, toolbar};
+use self::panels::{help, notices, offers, quit_question, toolbar};
 use self::side_panels::{bottom_panel_ui, plots_panel_ui, setup_panel_ui};
 use self::theme::Palette;
 use super::commands::Command;
@@ -74,9 +74,7 @@ pub fn screen_ui(
     if view_state.editor.is_none() {
         arena_view::welcome::welcome_ui(ui, middle, view, commands);
     }
-    if view_state.editor.is_none() {
-        last_session::last_session_ui(ui, middle, view.status, commands);
-    }
+    offers::offers_ui(ui, middle, view.status, view_state.editor.as_deref(), commands);
     editor::confirm_exit::confirm_exit_ui(ui, middle, view.status, view_state, commands);
     quit_question::quit_question_ui(ui, middle, view.status, commands);
     notices::notices_ui(ui, middle, &view.status.notices, commands);
@@ -92,15 +90,14 @@ pub fn request_close(view_state: &mut ViewState, commands: &mut Vec<Command>) {
     }
 }
 
-/// Opens the editor if that was requested since the last frame and it is not open.
+/// Opens the editor if that was requested since the last frame.
 fn open_requested_editor(view: &ScreenInput<'_>, view_state: &mut ViewState, commands: &mut Vec<Command>) {
-    if let Some(source) = view_state.open_editor.take()
-        && view_state.editor.is_none()
-    {
+    let Some(source) = view_state.open_editor.take() else { return };
+    if view_state.editor.is_none() {
         editor::confirm_exit::enter_editor(view, view_state, commands);
-        if let EditorSource::Draft { from, scenario } = source {
-            view_state.editor = Some(Box::new(Editor::open(scenario, from, true)));
-        }
+    }
+    if let EditorSource::Draft { from, scenario, in_file } = source {
+        view_state.editor = Some(Box::new(Editor::with_changes(scenario, from, in_file)));
     }
 }
 

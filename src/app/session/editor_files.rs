@@ -64,7 +64,7 @@ pub(super) fn open_in_editor(world: &mut World, path: &Path) -> Result<(), RunEr
     let from = utf8(path)?.to_owned();
     let scenario = if path_exists(path) { Scenario::load_draft(path) } else { shipped::scenario(&from) }?;
     let scenario = Arc::new(scenario);
-    world.resource_mut::<ScenarioSource>().opened_in_editor = Some((from.clone(), scenario.clone()));
+    world.resource_mut::<ScenarioSource>().opened_in_editor(from.clone(), scenario.clone());
     world.write_message(EditorReply::Opened { from, scenario });
     Ok(())
 }

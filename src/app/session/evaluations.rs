@@ -112,8 +112,7 @@ impl Evaluations {
 }
 
 fn evaluator(config: &RunConfig, scenario: &Arc<Scenario>) -> BackgroundEvaluator {
-    let seed = metrics::evaluation_seed(config.seed);
-    BackgroundEvaluator::new(scenario, config.preset.evaluation.episodes, seed, &config.extensions)
+    BackgroundEvaluator::new(scenario, metrics::evaluation_episodes(config), &config.extensions)
 }
 
 /// Whether the preset asks for an evaluation now.

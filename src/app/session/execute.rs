@@ -26,6 +26,7 @@ use super::training_run::TrainingRun;
 use crate::agent::{ActionSource, ActionSources, ActiveLearner};
 use crate::app::app_snapshot::Severity;
 use crate::app::commands::{Command, SaveKind};
+use crate::app::editor_backup::{self, EditorBackup};
 use crate::app::moves::{Movable, MoveRequest};
 use crate::run::RunError;
 
@@ -80,6 +81,8 @@ fn try_execute(world: &mut World, command: Command) -> Result<(), RunError> {
         }
         Command::ContinueLastSession => autosave::continue_last_session(world)?,
         Command::DismissLastSession => world.resource_mut::<Autosave>().dismiss_last_session(),
+        Command::RestoreEdits => editor_backup::restore(world)?,
+        Command::DismissEdits => world.resource_mut::<EditorBackup>().dismiss(),
         #[cfg(not(target_arch = "wasm32"))]
         Command::Close => quit::request(world),
         #[cfg(not(target_arch = "wasm32"))]

@@ -108,7 +108,7 @@ pub(super) fn expire(mut notices: ResMut<Notices>) {
 }
 
 /// Adds a notice to the world's [`Notices`].
-pub(super) fn notify(world: &mut World, topic: NoticeTopic, severity: Severity, text: impl Into<String>) {
+pub(crate) fn notify(world: &mut World, topic: NoticeTopic, severity: Severity, text: impl Into<String>) {
     world.resource_mut::<Notices>().add(topic, severity, text);
 }
 

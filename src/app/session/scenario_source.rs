@@ -4,6 +4,7 @@
 //! its file, and whether a file may be overwritten.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use bevy::prelude::*;
 
@@ -22,7 +23,7 @@ pub struct ScenarioSource {
     /// The scenario that was saved last; `None` if the training's scenario has changed since.
     pub(super) saved: Option<ScenarioFile>,
     /// The scenario that was opened last in the editor.
-    pub(super) opened_in_editor: Option<ScenarioFile>,
+    opened_in_editor: Option<ScenarioFile>,
     /// A file that another program has changed, and that the user has asked once to overwrite.
     overwrite_requested: Option<PathBuf>,
 }
@@ -55,6 +56,11 @@ impl ScenarioSource {
     #[must_use]
     pub fn saved(&self) -> Option<&ScenarioFile> {
         self.saved.as_ref()
+    }
+
+    /// Records the content of a file that is edited.
+    pub(crate) fn opened_in_editor(&mut self, from: String, scenario: Arc<Scenario>) {
+        self.opened_in_editor = Some((from, scenario));
     }
 
     /// Discards the saved scenario, because the training's scenario is newer.

@@ -51,9 +51,7 @@ pub(super) fn scenario_topic(scenario: &str, is_broken: bool) -> NoticeTopic {
 
 fn prepare(config: RunConfig, initial_policy: Option<Policy>) -> Result<PreparedTraining, RunError> {
     let learner = training_setup::create_learner(&config, initial_policy.as_ref())?;
-    let next_evaluation = config.preset.evaluation.every_env_steps;
-    let trainer_state = TrainerState { next_evaluation, ..TrainerState::default() };
-    Ok(PreparedTraining { config, initial_policy, learner, trainer_state })
+    Ok(PreparedTraining { config, initial_policy, learner, trainer_state: TrainerState::default() })
 }
 
 /// Prepares a training from random weights, with `settings` of the preset.

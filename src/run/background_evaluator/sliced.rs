@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use bevy::platform::time::Instant;
 
-use super::{Candidate, EvalResult};
+use super::{Candidate, EpisodeSet, EvalResult};
 use crate::run::evaluate::{Evaluation, EvaluationRun, Evaluator};
 use crate::scenario::Scenario;
 use crate::simulation::Extensions;
@@ -18,21 +18,20 @@ const SLICE: Duration = Duration::from_millis(3);
 /// The evaluator, with the state of the evaluation in progress.
 pub struct SlicedEvaluator {
     scenario: Arc<Scenario>,
-    count: usize,
-    seed: u64,
+    episodes: EpisodeSet,
     pending: VecDeque<Candidate>,
     evaluator: Evaluator,
     run: Option<EvaluationRun>,
 }
 
 impl SlicedEvaluator {
-    /// An evaluator that tests each policy in the same `count` episodes of `scenario`, drawn from `seed`.
+    /// An evaluator that tests each policy in the same `episodes` of `scenario`.
     #[must_use]
-    pub fn new(scenario: &Arc<Scenario>, count: usize, seed: u64, extensions: &Extensions) -> Self {
+    pub fn new(scenario: &Arc<Scenario>, episodes: EpisodeSet, extensions: &Extensions) -> Self {
         // Built here, because building a simulation takes longer than a slice.
-        let evaluator = Evaluator::with_extensions(scenario, count, extensions);
+        let evaluator = Evaluator::with_extensions(scenario, episodes.count, extensions);
         let scenario = scenario.clone();
-        Self { scenario, count, seed, pending: VecDeque::new(), evaluator, run: None }
+        Self { scenario, episodes, pending: VecDeque::new(), evaluator, run: None }
     }
 
     /// Submits a candidate.
@@ -45,12 +44,13 @@ impl SlicedEvaluator {
     pub fn poll(&mut self, wait: bool) -> Option<EvalResult> {
         let candidate = self.pending.front()?;
         let began = Instant::now();
-        let (scenario, count, evaluator) = (&self.scenario, self.count, &mut self.evaluator);
+        let (scenario, evaluator) = (&self.scenario, &mut self.evaluator);
+        let EpisodeSet { count, seed } = candidate.test.unwrap_or(self.episodes);
         let result = loop {
             let is_done = match &mut self.run {
                 Some(run) => evaluator.step(run),
                 None => evaluator
-                    .start(&candidate.policy, self.seed, count, EpisodeSetup::Random)
+                    .start(&candidate.policy, seed, count, EpisodeSetup::Random)
                     .map(|run| self.run = Some(run))
                     .map(|()| false),
             };
@@ -59,7 +59,7 @@ impl SlicedEvaluator {
                 Ok(false) => return None,
                 Ok(true) => {
                     let episodes = self.run.take().map_or_else(Vec::new, |run| run.episodes);
-                    break Ok(Evaluation::from_episodes(&episodes, count, &scenario.task, self.seed));
+                    break Ok(Evaluation::from_episodes(&episodes, count, &scenario.task, seed));
                 }
                 Err(error) => {
                     self.run = None;
@@ -92,13 +92,15 @@ mod tests {
     fn slices_and_a_thread_give_the_same_evaluation() {
         let scenario = Arc::new(shipped::scenario("scenario-1").expect("shipped"));
         let policy = &shipped::policies()[0].policy;
-        let candidate = || Candidate { policy: policy.clone(), env_steps: 0, episodes: 0, gradient_steps: 0 };
+        let candidate =
+            || Candidate { policy: policy.clone(), env_steps: 0, episodes: 0, gradient_steps: 0, test: None };
+        let episodes = EpisodeSet { count: 40, seed: 3 };
         let mut threaded =
-            ThreadedEvaluator::start(&scenario, 40, 3, &Extensions::default()).expect("a thread");
+            ThreadedEvaluator::start(&scenario, episodes, &Extensions::default()).expect("a thread");
         threaded.submit(candidate()).expect("submitted");
         let expected =
             threaded.poll(true).expect("no panic").expect("a result").result.expect("an evaluation");
-        let mut sliced = SlicedEvaluator::new(&scenario, 40, 3, &Extensions::default());
+        let mut sliced = SlicedEvaluator::new(&scenario, episodes, &Extensions::default());
         sliced.submit(candidate());
         let evaluation = loop {
             if let Some(done) = sliced.poll(false) {
@@ -106,6 +108,17 @@ mod tests {
             }
         };
         assert_eq!(evaluation, expected);
+
+        // A test has its own episodes, and more of them than run in parallel.
+        let test = EpisodeSet { count: 100, seed: 4 };
+        let tested =
+            Evaluator::new(&scenario, 40).run(policy, 4, 100, EpisodeSetup::Random).expect("episodes");
+        threaded.submit(Candidate { test: Some(test), ..candidate() }).expect("submitted");
+        sliced.submit(Candidate { test: Some(test), ..candidate() });
+        for result in [threaded.poll(true).expect("no panic"), sliced.poll(true)] {
+            let evaluation = result.expect("a result").result.expect("an evaluation");
+            assert_eq!(evaluation, Evaluation::from_episodes(&tested, 100, &scenario.task, 4));
+        }
         assert!(sliced.poll(true).is_none(), "no candidate is pending");
     }
 }

@@ -7,7 +7,7 @@ use std::thread;
 
 use bevy::platform::time::Instant;
 
-use super::{Candidate, EvalResult};
+use super::{Candidate, EpisodeSet, EvalResult};
 use crate::run::RunError;
 use crate::run::evaluate::{Evaluation, Evaluator};
 use crate::scenario::Scenario;
@@ -23,23 +23,22 @@ pub struct ThreadedEvaluator {
 }
 
 impl ThreadedEvaluator {
-    /// Starts an evaluator that tests each policy in the same `count` episodes of `scenario`, drawn from
-    /// `seed`.
+    /// Starts an evaluator that tests each policy in the same `episodes` of `scenario`.
     ///
     /// # Errors
     /// The thread cannot be started.
     pub fn start(
         scenario: &Arc<Scenario>,
-        count: usize,
-        seed: u64,
+        episodes: EpisodeSet,
         extensions: &Extensions,
     ) -> io::Result<Self> {
         let (candidates, inbox) = channel::<Candidate>();
         let (outbox, results) = channel();
         let (scenario, extensions) = (scenario.clone(), extensions.clone());
         thread::Builder::new().name("evaluator".into()).spawn(move || {
-            let mut evaluator = Evaluator::with_extensions(&scenario, count, &extensions);
+            let mut evaluator = Evaluator::with_extensions(&scenario, episodes.count, &extensions);
             for candidate in inbox {
+                let EpisodeSet { count, seed } = candidate.test.unwrap_or(episodes);
                 let episodes = evaluator.run(&candidate.policy, seed, count, EpisodeSetup::Random);
                 let result = episodes
                     .map(|episodes| Evaluation::from_episodes(&episodes, count, &scenario.task, seed));

@@ -31,7 +31,7 @@ pub struct TrainerState {
     pub episodes_bytes: u64,
     /// Length of `evaluations.csv` in bytes.
     pub evaluations_bytes: u64,
-    /// Env steps at which the next evaluation is due.
+    /// Env steps at which the next evaluation is due; the first is due before the first step.
     pub next_evaluation: u64,
     /// Env steps at the last evaluation; `None` before the first.
     pub evaluated_at: Option<u64>,

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use bevy::prelude::*;
 
 use super::EpisodeResult;
+use super::path::{PathQuery, PathTracker};
 use crate::agent::{ActionSelection, GreedyPolicy};
 use crate::learning::QNetwork;
 use crate::limits::MAX_BODIES;
@@ -16,8 +17,7 @@ use crate::scenario::Scenario;
 use crate::sim;
 use crate::simulation::{self, Extensions, Simulation, SimulationBuilder};
 use crate::task::{
-    Arena, ArenaState, Clock, EpisodeEnd, EpisodeEnded, EpisodeSetup, ObservationLayout, Pose, Streams,
-    TaskMode,
+    ArenaState, Clock, EpisodeEnd, EpisodeEnded, EpisodeSetup, ObservationLayout, Streams, TaskMode,
 };
 
 /// Maximum number of parallel episodes. In a browser it is smaller, because the simulation is built within a
@@ -34,6 +34,8 @@ pub struct EvaluationRun {
     initial: Vec<ArenaState>,
     /// The reason and number of control steps of each current episode that has ended.
     ends: Vec<Option<(EpisodeEnd, u32)>>,
+    /// The paths of the current episodes, if they are measured.
+    paths: Vec<PathTracker>,
 }
 
 /// A simulation for evaluations. It is built once and can be reused with other policies.
@@ -41,6 +43,8 @@ pub struct Evaluator {
     simulation: Simulation,
     scenario: Arc<Scenario>,
     arenas: usize,
+    /// Set if paths are measured.
+    path_query: Option<PathQuery>,
 }
 
 impl Evaluator {
@@ -61,7 +65,15 @@ impl Evaluator {
             .agent(ActionSelection::Greedy)
             .extensions(extensions)
             .build();
-        Self { simulation, scenario: scenario.clone(), arenas }
+        Self { simulation, scenario: scenario.clone(), arenas, path_query: None }
+    }
+
+    /// This evaluator, but with [measures of the robot's path](EpisodeResult::path) in its results. This takes a little time,
+    /// and changes nothing else.
+    #[must_use]
+    pub fn measuring_paths(mut self) -> Self {
+        self.path_query = Some(PathQuery::new(self.simulation.world_mut()));
+        self
     }
 
     /// Runs `count` episodes with `policy`, whose card sets the encoding of its observations
@@ -101,6 +113,7 @@ impl Evaluator {
             episodes: Vec::with_capacity(count),
             initial: Vec::new(),
             ends: Vec::new(),
+            paths: Vec::new(),
         })
     }
 
@@ -113,63 +126,64 @@ impl Evaluator {
         if run.episodes.len() >= run.count {
             return Ok(true);
         }
-        let world = self.simulation.world_mut();
         if run.ends.is_empty() {
-            let (seed, first) = (run.seed, run.episodes.len());
-            let batch = self.arenas.min(run.count - first);
-            sim::reset_arenas(world, |arena| {
-                (arena < batch).then(|| episode_streams(seed, (first + arena) as u64))
-            });
-            run.initial = sim::snapshot(world);
-            run.ends = vec![None; batch];
+            self.begin(run, self.arenas.min(run.count - run.episodes.len()));
         }
+        self.advance(run)?;
+        Ok(run.episodes.len() >= run.count)
+    }
+
+    /// Starts the next `batch` episodes of `run`, one per arena.
+    pub(super) fn begin(&mut self, run: &mut EvaluationRun, batch: usize) {
+        let (seed, first) = (run.seed, run.episodes.len());
+        let world = self.simulation.world_mut();
+        sim::reset_arenas(world, |arena| {
+            (arena < batch).then(|| episode_streams(seed, (first + arena) as u64))
+        });
+        run.initial = sim::snapshot(world);
+        run.ends = vec![None; batch];
+        if let Some(query) = &mut self.path_query {
+            let mut starts = Vec::new();
+            query.read(world, |arena, pose, clearance| {
+                starts.push((arena, PathTracker::new(pose, clearance)));
+            });
+            starts.sort_by_key(|(arena, _)| *arena);
+            run.paths = starts.into_iter().map(|(_, path)| path).collect();
+        }
+    }
+
+    /// Takes one control step of the current episodes of `run`, and adds their results when all of them have ended.
+    pub(super) fn advance(&mut self, run: &mut EvaluationRun) -> Result<(), RunError> {
+        let world = self.simulation.world_mut();
         simulation::step(world)?;
+        if let Some(query) = &mut self.path_query {
+            query.read(world, |arena, pose, clearance| {
+                if let (Some(None), Some(path)) = (run.ends.get(arena), run.paths.get_mut(arena)) {
+                    path.add(pose, clearance);
+                }
+            });
+        }
         for ended in world.resource_mut::<Messages<EpisodeEnded>>().drain() {
             run.ends[ended.arena] = Some((ended.end, ended.steps));
         }
         // The time limit ends every episode.
         if run.ends.iter().all(Option::is_some) {
-            let ended = run.ends.drain(..).flatten().zip(run.initial.drain(..));
-            run.episodes.extend(ended.map(|((end, steps), state)| EpisodeResult {
+            let ended = run.ends.drain(..).flatten().zip(run.initial.drain(..)).enumerate();
+            run.episodes.extend(ended.map(|(arena, ((end, steps), state))| EpisodeResult {
                 end,
                 steps,
                 start: state.pose,
                 goal: state.goal,
                 clock: state.clock,
                 layout_seed: state.layout_seed,
+                path: run.paths.get(arena).map(|path| path.finish(end)),
             }));
         }
-        Ok(run.episodes.len() >= run.count)
+        Ok(())
     }
 
-    /// Runs only episode 0 of [`Evaluator::run`]. Returns its result and the robot's poses after 0, 1, ...
-    /// control steps.
-    ///
-    /// # Errors
-    /// As for [`Evaluator::run`].
-    pub fn trace(
-        &mut self,
-        policy: &Policy,
-        seed: u64,
-        setup: EpisodeSetup,
-    ) -> Result<(EpisodeResult, Vec<Pose>), RunError> {
-        self.use_policy(policy, setup)?;
-        let world = self.simulation.world_mut();
-        sim::reset_arenas(world, |arena| (arena == 0).then(|| episode_streams(seed, 0)));
-        let initial = sim::snapshot(world).swap_remove(0);
-        let mut robots = world.query::<(&Arena, &Pose)>();
-        let mut poses = vec![initial.pose];
-        // The time limit ends the episode.
-        loop {
-            self.simulation.step()?;
-            let world = self.simulation.world_mut();
-            poses.extend(robots.iter(world).find(|(arena, _)| arena.0 == 0).map(|(_, pose)| *pose));
-            let ended = world.resource_mut::<Messages<EpisodeEnded>>().drain().last();
-            if let Some(EpisodeEnded { end, steps, .. }) = ended {
-                let ArenaState { pose: start, goal, clock, layout_seed, .. } = initial;
-                return Ok((EpisodeResult { end, steps, start, goal, clock, layout_seed }, poses));
-            }
-        }
+    pub(super) fn world_mut(&mut self) -> &mut World {
+        self.simulation.world_mut()
     }
 
     /// Makes `policy` choose the actions and `setup` the starts and goals of the next episodes.

@@ -11,14 +11,23 @@
 
 mod evaluator;
 mod optimum;
+mod path;
+mod per_episode;
+mod record;
+mod trace;
 
 use serde::Serialize;
 
+use crate::report::statistics::rate_interval;
 use crate::scenario::TaskRules;
 use crate::task::{Clock, EpisodeEnd, Goal, Pose};
 
 pub use evaluator::{EvaluationRun, Evaluator, check_compatible, episode_streams};
-pub use optimum::{OptimumComparison, bounds, compare_with_optimum};
+pub use optimum::{OptimumComparison, compare_with_optimum};
+pub use path::PathMeasures;
+pub use per_episode::{bounds, shortest_paths_m};
+pub use record::EpisodeRecord;
+pub use trace::TraceStep;
 
 /// The result of one episode.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,6 +44,8 @@ pub struct EpisodeResult {
     pub clock: Clock,
     /// The seed of the generated obstacles' layout, if the scenario has generators.
     pub layout_seed: u64,
+    /// The measures of the robot's path; `None` unless the evaluator [measures them](Evaluator::measuring_paths).
+    pub path: Option<PathMeasures>,
 }
 
 impl EpisodeResult {
@@ -43,6 +54,33 @@ impl EpisodeResult {
     pub fn succeeded(&self) -> bool {
         self.end == EpisodeEnd::Reached
     }
+
+    /// Success weighted by path length, 0 to 1, where the shortest path to the goal has the length `shortest_path_m`, in m:
+    /// 0 after a failure, otherwise the shortest length divided by the larger of the actual length and the shortest. `None` if
+    /// the path was not measured.
+    ///
+    /// Source: Anderson et al., *On evaluation of embodied navigation agents*, arXiv 1807.06757 (2018).
+    #[must_use]
+    pub fn spl(&self, shortest_path_m: f64) -> Option<f64> {
+        let longer_m = self.path?.length_m.max(shortest_path_m);
+        Some(if !self.succeeded() {
+            0.0
+        } else if longer_m > 0.0 {
+            shortest_path_m / longer_m
+        } else {
+            1.0
+        })
+    }
+}
+
+/// The name of an episode's end in files and tables: `success`, `collision` or `timeout`.
+#[must_use]
+pub fn outcome_name(end: EpisodeEnd) -> &'static str {
+    match end {
+        EpisodeEnd::Reached => "success",
+        EpisodeEnd::Collided => "collision",
+        EpisodeEnd::TimedOut => "timeout",
+    }
 }
 
 /// The rates and mean times of a set of episodes.
@@ -50,12 +88,18 @@ impl EpisodeResult {
 pub struct Evaluation {
     /// Share of episodes that succeeded, 0 to 1.
     pub success_rate: f64,
+    /// The 95 % confidence interval of the success rate ([`rate_interval`]), within 0 to 1.
+    pub success_interval: [f64; 2],
     /// The success rate of each round (tables 2 and 5 of the paper).
     pub rounds: Vec<f64>,
     /// Share of episodes that ended in a collision, 0 to 1.
     pub collision_rate: f64,
+    /// Its 95 % confidence interval, within 0 to 1.
+    pub collision_interval: [f64; 2],
     /// Share of episodes that ended at the time limit, 0 to 1.
     pub timeout_rate: f64,
+    /// Its 95 % confidence interval, within 0 to 1.
+    pub timeout_interval: [f64; 2],
     /// Mean simulated time of the successful episodes, in s; `None` if none succeeded.
     pub mean_time_s: Option<f64>,
     /// Mean cost, in s: the simulated time of an episode, or the whole time limit if it failed. The best
@@ -71,13 +115,17 @@ impl Evaluation {
     /// The evaluation of `episodes`, with `round` episodes per round.
     #[must_use]
     pub fn from_episodes(episodes: &[EpisodeResult], round: usize, rules: &TaskRules, seed: u64) -> Self {
-        let rate =
-            |of: &[EpisodeResult], end| of.iter().filter(|n| n.end == end).count() as f64 / of.len() as f64;
+        let count = |of: &[EpisodeResult], end| of.iter().filter(|n| n.end == end).count();
+        let rate = |of: &[EpisodeResult], end| count(of, end) as f64 / of.len() as f64;
+        let interval = |end| rate_interval(count(episodes, end), episodes.len());
         Self {
             success_rate: rate(episodes, EpisodeEnd::Reached),
+            success_interval: interval(EpisodeEnd::Reached),
             rounds: episodes.chunks(round).map(|chunk| rate(chunk, EpisodeEnd::Reached)).collect(),
             collision_rate: rate(episodes, EpisodeEnd::Collided),
+            collision_interval: interval(EpisodeEnd::Collided),
             timeout_rate: rate(episodes, EpisodeEnd::TimedOut),
+            timeout_interval: interval(EpisodeEnd::TimedOut),
             mean_time_s: mean_time_s(episodes, rules.control_period_s),
             mean_cost_s: mean_cost_s(episodes, rules),
             episodes: episodes.len(),

@@ -1,57 +1,8 @@
 //! The comparison of episodes with optimal times.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::thread::Builder;
-
-use bevy::math::vec2;
-
-use super::{EpisodeResult, period_s, round_to_microsecond};
-use crate::planner::{self, Resolution, StepBounds};
+use super::{EpisodeResult, bounds, period_s, round_to_microsecond};
+use crate::planner::StepBounds;
 use crate::scenario::{Scenario, TaskRules};
-
-/// Bounds on the optimal time of each episode, in the order of `episodes`: those of the planner, which knows
-/// the whole scenario ([`planner::step_bounds`]), at its default resolution. The number of `threads` (0: one
-/// per core) does not change the result.
-#[must_use]
-pub fn bounds(scenario: &Scenario, episodes: &[EpisodeResult], threads: usize) -> Vec<StepBounds> {
-    let of = |n: &EpisodeResult| {
-        let start = (n.start.x_m, n.start.y_m, n.start.heading_rad);
-        let goal = vec2(n.goal.x_m, n.goal.y_m);
-        if scenario.generators.is_empty() {
-            return planner::step_bounds(scenario, start, goal, n.clock.0, Resolution::default());
-        }
-        planner::step_bounds(
-            &scenario.with_generated_obstacles(n.layout_seed),
-            start,
-            goal,
-            n.clock.0,
-            Resolution::default(),
-        )
-    };
-    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-    let threads = if threads == 0 { cores() } else { threads }.min(episodes.len());
-    // Some plans take a hundred times as long as others, so threads take episodes one at a time.
-    let next = AtomicUsize::new(0);
-    let work = || {
-        let next_bounds = || {
-            let index = next.fetch_add(1, Ordering::Relaxed);
-            episodes.get(index).map(|episode| (index, of(episode)))
-        };
-        std::iter::from_fn(next_bounds).collect::<Vec<_>>()
-    };
-    let mut found: Vec<_> = std::thread::scope(|scope| {
-        // This thread works too, so threads that cannot be started only cost time.
-        let start = |_| Builder::new().spawn_scoped(scope, work).ok();
-        let workers: Vec<_> = (1..threads).filter_map(start).collect();
-        let mut found = work();
-        for worker in workers {
-            found.extend(worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
-        }
-        found
-    });
-    found.sort_by_key(|(index, _)| *index);
-    found.into_iter().map(|(_, bounds)| bounds).collect()
-}
 
 /// The comparison of successful episodes with optimal times.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -43,8 +43,7 @@ pub(super) fn check(preset: &Preset, length: RunLength, notes: &mut Vec<Note>) {
     let every = preset.evaluation.every_env_steps;
     if let Some(most) = length.most.filter(|most| every > *most) {
         let message = format!(
-            "is {every}, but the budget is {most} env steps, so the only evaluation is that of the last policy, which is then \
-             the best one; help: give a smaller number"
+            "is {every}, but the budget is {most} env steps, so only the first and the last policy are evaluated; help: give a smaller number"
         );
         add("evaluation.every_env_steps", message);
     }

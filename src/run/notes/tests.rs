@@ -225,7 +225,7 @@ fn doubtful_values_of_the_learner_and_the_evaluation_are_noted() {
     assert_noted(
         |p| p.evaluation.every_env_steps = 600_001,
         "note: `evaluation.every_env_steps` is 600001, ",
-        "the only evaluation",
+        "so only the first and the last policy are evaluated",
     );
 }
 

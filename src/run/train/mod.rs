@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 use super::RunError;
 use super::background_evaluator::{BackgroundEvaluator, EvalResult};
 use super::checkpoint::{self, TrainerState};
+use super::final_test::{self, FinalTest};
 use super::folder::{RunConfig, RunFolder};
 use super::metric_rows::Summary;
 use super::metrics;
@@ -134,6 +135,7 @@ impl Run {
 
     /// Takes control steps until the budget is used up or `stop` is set.
     fn steps(&mut self, every: Duration, stop: &AtomicBool) -> Result<(), RunError> {
+        self.submit_if_due()?;
         while remaining(self.config.preset.budget, self.learner()) > 0 && !stop.load(Ordering::Relaxed) {
             let episodes_before = self.learner().episodes();
             self.simulation.step()?;
@@ -142,10 +144,7 @@ impl Run {
             }
             self.record_episodes()?;
             self.save_policy(episodes_before)?;
-            if self.learner().env_steps() >= self.trainer_state.next_evaluation {
-                self.trainer_state.next_evaluation += self.config.preset.evaluation.every_env_steps;
-                self.submit()?;
-            }
+            self.submit_if_due()?;
             while let Some(eval_result) = self.evaluator.poll(false)? {
                 self.record_evaluation(eval_result)?;
             }
@@ -190,6 +189,15 @@ impl Run {
             self.write_policy(&RunFolder::policy_after_file(*after), &metrics::policy_bytes(&policy)?)?;
         }
         Ok(())
+    }
+
+    /// Submits the current policy for evaluation if one is due: before the first step, and at the preset's interval.
+    fn submit_if_due(&mut self) -> Result<(), RunError> {
+        if self.learner().env_steps() < self.trainer_state.next_evaluation {
+            return Ok(());
+        }
+        self.trainer_state.next_evaluation += self.config.preset.evaluation.every_env_steps;
+        self.submit()
     }
 
     /// Submits the current policy for evaluation, after waiting for the previous evaluation.
@@ -242,6 +250,18 @@ impl Run {
         Ok(())
     }
 
+    /// Tests the best policy of a finished run in episodes that it was not selected by. `None` if there is no such policy, or
+    /// the preset asks for no test.
+    fn final_test(&mut self) -> Result<Option<FinalTest>, RunError> {
+        let began = Instant::now();
+        let Some(candidate) = final_test::candidate(&self.config, &self.trainer_state)? else {
+            return Ok(None);
+        };
+        self.evaluator.submit(candidate)?;
+        let Some(tested) = self.evaluator.poll(true)? else { return Ok(None) };
+        Ok(Some(FinalTest::new(&tested.result?, began.elapsed().as_secs_f64())))
+    }
+
     /// Writes the last checkpoint, evaluation and policy, the learning curves and the summary.
     ///
     /// The last evaluation comes after the checkpoint, because a run with a larger budget would not evaluate at this
@@ -254,7 +274,10 @@ impl Run {
             self.await_evaluations()?;
         }
         self.metrics_writer.sync()?;
+        let wall_s = self.wall_s();
         self.write_policy("policy-last.safetensors", &metrics::policy_bytes(&self.policy())?)?;
+        self.metrics_writer.draw(&self.config)?;
+        let final_test = if finished { self.final_test()? } else { None };
 
         let best = self.trainer_state.best.as_ref();
         let learner = self.learner();
@@ -268,15 +291,16 @@ impl Run {
             episodes: learner.episodes(),
             env_steps: learner.env_steps(),
             gradient_steps: learner.gradient_steps(),
-            wall_s: self.wall_s(),
+            wall_s,
+            evaluations: self.metrics_writer.evaluations()?,
             best_success_rate: best.map(|b| b.success_rate),
             best_mean_time_s: best.and_then(|b| b.mean_time_s),
             last_success_rate: self.trainer_state.last_success_rate,
             first_96: self.trainer_state.first_96,
             first_99: self.trainer_state.first_99,
+            final_test,
         };
         let text = serde_json::to_string_pretty(&summary).map_err(|e| RunError::Failed(e.to_string()))?;
-        self.metrics_writer.draw(&self.config)?;
         // The summary comes last: if it exists, the run folder is complete.
         self.folder.write("summary.json", |file| std::io::Write::write_all(file, text.as_bytes()))?;
         let how = if finished { "done" } else { "stopped" };

@@ -12,7 +12,7 @@ use crate::run::checkpoint::{self, LoadedCheckpoint, TrainerState};
 use crate::run::folder::{INITIAL_POLICY_FILE, RunConfig, RunFolder, header};
 #[cfg(unix)]
 use crate::run::memory_limit;
-use crate::run::metric_rows::EpisodeRow;
+use crate::run::metric_rows::{EpisodeRow, Summary};
 use crate::run::metrics_writer::MetricsWriter;
 use crate::run::preset::Budget;
 use crate::run::progress::{ProgressListener, ProgressReporter, ProgressTotal};
@@ -44,11 +44,7 @@ impl Run {
         began: Instant,
         listener: Option<ProgressListener>,
     ) -> Result<Self, RunError> {
-        let trainer_state = TrainerState {
-            next_evaluation: config.preset.evaluation.every_env_steps,
-            ..TrainerState::default()
-        };
-        let mut run = Self::open(config, folder, learner, trainer_state, began, listener)?;
+        let mut run = Self::open(config, folder, learner, TrainerState::default(), began, listener)?;
         run.save()?;
         Ok(run)
     }
@@ -79,7 +75,7 @@ impl Run {
         }
         let LoadedCheckpoint { trainer_state, learner, skipped } = checkpoint::load(&folder, &config)?;
         let budget = budget.unwrap_or(config.preset.budget);
-        if remaining(budget, &learner) == 0 {
+        if remaining(budget, &learner) == 0 && is_complete(path, &learner) {
             let done = match budget {
                 Budget::Episodes(_) => format!("{} episodes", learner.episodes()),
                 Budget::EnvSteps(_) => format!("{} env steps", learner.env_steps()),
@@ -129,8 +125,7 @@ impl Run {
             simulation: training_setup::training(&scenario, preset, config.seed, learner, &config.extensions),
             evaluator: BackgroundEvaluator::new(
                 &scenario,
-                preset.evaluation.episodes,
-                metrics::evaluation_seed(config.seed),
+                metrics::evaluation_episodes(&config),
                 &config.extensions,
             ),
             metrics_writer: MetricsWriter::open(&folder, &trainer_state, env_steps, &config.reward_terms)?,
@@ -144,6 +139,12 @@ impl Run {
             config,
         })
     }
+}
+
+/// Whether the run in `folder` has its summary. A run that was killed between its last checkpoint and its summary has none, or
+/// that of an earlier process.
+fn is_complete(folder: &Path, learner: &Learner) -> bool {
+    Summary::read(folder).is_some_and(|s| s.finished && s.env_steps == learner.env_steps())
 }
 
 /// Whether `episodes.csv` in `folder` has a row.

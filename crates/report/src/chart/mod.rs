@@ -184,8 +184,8 @@ mod tests {
                 MapTrack::Ring(2.0, 0.0, 1.0),
                 MapTrack::Ring(0.0, 0.0, f64::NAN),
             ],
-            start: (-2.0, -2.0, 0.8),
-            goal: (2.0, 2.0, 0.3),
+            start: Some((-2.0, -2.0, 0.8)),
+            goal: Some((2.0, 2.0, 0.3)),
             trajectories: vec![MapTrajectory {
                 name: "PER-D3QN".to_owned(),
                 colour: 0,
@@ -205,7 +205,11 @@ mod tests {
             ("tall", with_enclosure(2.5, 20.0)),
             (
                 "no start and no goal",
-                ScenarioMap { start: (f64::NAN, 0.0, 0.0), goal: (0.0, f64::NAN, 1.0), ..map.clone() },
+                ScenarioMap {
+                    start: Some((f64::NAN, 0.0, 0.0)),
+                    goal: Some((0.0, f64::NAN, 1.0)),
+                    ..map.clone()
+                },
             ),
         ];
         for (name, figure) in cases {

@@ -19,7 +19,9 @@ pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     check_task(scenario, diagnostics);
     check_rule("starts", &scenario.starts, scenario, diagnostics);
     check_rule("goals", &scenario.goals, scenario, diagnostics);
-    check_benchmark_route(&scenario.benchmark_route, diagnostics);
+    if let Some(route) = &scenario.benchmark_route {
+        check_benchmark_route(route, diagnostics);
+    }
     speeds::check(scenario, diagnostics);
 }
 

@@ -29,11 +29,8 @@ pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     let half = grid.cell_m * std::f64::consts::FRAC_1_SQRT_2;
     let parts = ConnectedRegions::of(&blocked(scenario, &grid, (room - half) * (1.0 - 1e-6)));
     check_rules(scenario, &grid, &parts, diagnostics);
-    if scenario.benchmark_route.is_default() {
-        return;
-    }
-
-    let [start, goal] = [scenario.benchmark_route.start_m, scenario.benchmark_route.goal_m].map(|place| {
+    let Some(route) = &scenario.benchmark_route else { return };
+    let [start, goal] = [route.start_m, route.goal_m].map(|place| {
         let (row, column) = grid.cell_at(place.as_dvec2());
         parts.at(row, column)
     });

@@ -40,8 +40,8 @@ pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     }
     check_regions(scenario, diagnostics);
     check_named_positions(scenario, diagnostics);
-    if !scenario.benchmark_route.is_default() {
-        check_benchmark_route(scenario, diagnostics);
+    if let Some(route) = &scenario.benchmark_route {
+        check_benchmark_route(scenario, route, diagnostics);
     }
     check_free_space(scenario, diagnostics);
 }
@@ -107,16 +107,13 @@ fn check_named_positions(scenario: &Scenario, diagnostics: &mut Diagnostics) {
 }
 
 /// Checks that the robot does not collide at either end of the benchmark route, and that the ends are apart.
-pub(super) fn check_benchmark_route(scenario: &Scenario, diagnostics: &mut Diagnostics) {
-    let (benchmark_route, task) = (&scenario.benchmark_route, &scenario.task);
-    for (name, point) in [("start_m", benchmark_route.start_m), ("goal_m", benchmark_route.goal_m)] {
+fn check_benchmark_route(scenario: &Scenario, route: &BenchmarkRoute, diagnostics: &mut Diagnostics) {
+    let task = &scenario.task;
+    for (name, point) in [("start_m", route.start_m), ("goal_m", route.goal_m)] {
         let clear = clearance(scenario, point, 0);
         check_clearance(format_args!("benchmark_route.{name}"), clear, task.collision_range_m, diagnostics);
     }
-    let apart = length(
-        benchmark_route.start_m.x - benchmark_route.goal_m.x,
-        benchmark_route.start_m.y - benchmark_route.goal_m.y,
-    );
+    let apart = length(route.start_m.x - route.goal_m.x, route.start_m.y - route.goal_m.y);
     diagnostics.check_above(
         format_args!("benchmark_route.goal_m"),
         apart,

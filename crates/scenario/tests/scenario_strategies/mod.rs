@@ -224,6 +224,7 @@ impl ValueRange {
             );
         let benchmark_route = (self.place(2.0), self.within(-TAU, TAU), self.place(2.0))
             .prop_map(|(start_m, heading_rad, goal_m)| BenchmarkRoute { start_m, heading_rad, goal_m });
+        let benchmark_route = proptest::option::of(benchmark_route);
         let texts =
             ("[ -~é]{1,40}", "[ -~é\n\t]{0,60}").prop_filter("a name", |(name, _)| !name.trim().is_empty());
         let things = (vec(self.wall(), 0..4), vec(self.obstacle(), 0..6), vec(self.generator(), 0..3));
@@ -310,7 +311,10 @@ fn put_elsewhere(what: &str, scenario: &mut Scenario, attempt: u64) {
         "starts" => scenario.starts = elsewhere(&scenario.starts, start),
         "goals" => scenario.goals = elsewhere(&scenario.goals, goal),
         "task" => (scenario.task, scenario.robot) = (TaskRules::default(), Robot::default()),
-        _ => (scenario.benchmark_route.start_m, scenario.benchmark_route.goal_m) = (start, goal),
+        _ => {
+            let route = scenario.benchmark_route.get_or_insert_default();
+            (route.start_m, route.goal_m) = (start, goal);
+        }
     }
 }
 

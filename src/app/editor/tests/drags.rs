@@ -340,10 +340,10 @@ fn given_positions_and_the_ends_of_the_benchmark_route_are_dragged() {
     assert!(editor.remove_handle(HandleKind::Position(0)) && !editor.remove_handle(HandleKind::Position(0)));
     editor.select(Selection::BenchmarkGoal);
     drag(&mut editor, HandleKind::Middle, vec2(0.1, -0.2), false);
-    assert_eq!(editor.scenario().benchmark_route.goal_m, vec2(1.3, 1.0));
+    assert_eq!(editor.scenario().benchmark_route.expect("a benchmark route").goal_m, vec2(1.3, 1.0));
     editor.select(Selection::BenchmarkStart);
     drag(&mut editor, HandleKind::Rotate, vec2(-0.3, 0.3), false);
-    assert_eq!(editor.scenario().benchmark_route.heading_rad, 1.5708);
+    assert_eq!(editor.scenario().benchmark_route.expect("a benchmark route").heading_rad, 1.5708);
     editor.edit("fixed", |s| {
         s.starts = PlacementRule::Fixed { position_m: vec2(0.0, -1.0), heading_rad: Some(0.0) }
     });

@@ -7,10 +7,8 @@ fn every_new_motion_fits_the_scenario() {
     for at in [vec2(0.0, -0.6), vec2(-1.7, -1.7), vec2(1.0, 1.8), vec2(0.6, 0.0)] {
         for (kind, ..) in MotionKind::ALL {
             for shape in [Shape::Circle { radius_m: 0.1 }, Shape::Rectangle { width_m: 0.2, height_m: 0.1 }] {
-                let mut scenario =
+                let scenario =
                     Scenario { obstacles: vec![static_obstacle(shape, at)], ..Scenario::default() };
-                scenario.benchmark_route.start_m = vec2(-1.5, 1.5);
-                scenario.benchmark_route.goal_m = vec2(-1.5, 0.5);
                 let mut editor = editor(scenario);
                 editor.select(Selection::Obstacle(0));
                 editor.set_motion(kind);

@@ -80,3 +80,19 @@ fn copies_of_a_random_walk_have_other_seeds() {
     let seeds: Vec<_> = editor.scenario().obstacles.iter().map(seed).collect();
     assert_eq!(seeds, [0, 1, 2, 3, 4]);
 }
+
+#[test]
+fn a_benchmark_route_is_added_in_free_space_and_deleted_with_both_ends() {
+    let pillar = static_obstacle(Shape::Circle { radius_m: 0.3 }, vec2(-1.2, -1.2));
+    let mut editor = editor(Scenario { obstacles: vec![pillar], ..Scenario::default() });
+    editor.select(Selection::BenchmarkStart);
+    assert!(!editor.can_delete() && editor.handles().is_empty(), "there is no route yet");
+    editor.add_benchmark_route();
+    assert_eq!((editor.diagnostics(), editor.selection()), (&[][..], Selection::BenchmarkGoal));
+    let route = editor.scenario().benchmark_route.expect("a route");
+    assert!(route.start_m != vec2(-1.2, -1.2), "the pillar is there");
+    editor.delete();
+    assert_eq!((editor.scenario().benchmark_route, editor.selection()), (None, Selection::Nothing));
+    editor.undo();
+    assert_eq!(editor.scenario().benchmark_route, Some(route));
+}

@@ -9,7 +9,7 @@ use crate::app::editor::{Body, Editor, PlacementRole, Selection};
 use crate::app::screen::arena_view::arena;
 use crate::app::screen::arena_view::canvas::Canvas;
 use crate::app::screen::arena_view::transform::screen_direction;
-use crate::scenario::{PlacementRule, Region, Scenario};
+use crate::scenario::{BenchmarkRoute, PlacementRule, Region, Scenario};
 use crate::task::Pose;
 
 /// Maximum number of positions that are drawn with their names.
@@ -75,15 +75,16 @@ fn shade(canvas: &Canvas, region: Region, color: Color32, strength: f32, label: 
 
 /// Draws the ends of the benchmark route and the given starts and goals.
 pub fn draw_places(canvas: &Canvas, editor: &Editor) {
-    draw_benchmark_goal(canvas, editor);
-    draw_benchmark_start(canvas, editor);
+    if let Some(route) = editor.scenario().benchmark_route {
+        draw_benchmark_goal(canvas, editor, route);
+        draw_benchmark_start(canvas, editor, route);
+    }
     draw_rule(canvas, editor, PlacementRole::Goals, "Goal");
     draw_rule(canvas, editor, PlacementRole::Starts, "Start");
 }
 
-fn draw_benchmark_goal(canvas: &Canvas, editor: &Editor) {
+fn draw_benchmark_goal(canvas: &Canvas, editor: &Editor, BenchmarkRoute { goal_m, .. }: BenchmarkRoute) {
     let (scenario, palette) = (&**editor.scenario(), &canvas.palette);
-    let goal_m = scenario.benchmark_route.goal_m;
     let color = color_or_error(canvas, editor, Selection::BenchmarkGoal, palette.success);
     arena::draw_goal(canvas, scenario, goal_m.into());
     if color == palette.error {
@@ -92,9 +93,8 @@ fn draw_benchmark_goal(canvas: &Canvas, editor: &Editor) {
     draw_name(canvas, goal_m, radius(canvas, scenario, Selection::BenchmarkGoal), "Benchmark goal", color);
 }
 
-fn draw_benchmark_start(canvas: &Canvas, editor: &Editor) {
+fn draw_benchmark_start(canvas: &Canvas, editor: &Editor, route: BenchmarkRoute) {
     let scenario = &**editor.scenario();
-    let route = &scenario.benchmark_route;
     let color = color_or_error(canvas, editor, Selection::BenchmarkStart, canvas.palette.accent);
     let math::Vec2 { x: x_m, y: y_m } = route.start_m;
     arena::draw_robot(canvas, scenario, Pose { x_m, y_m, heading_rad: route.heading_rad }, color);

@@ -88,17 +88,17 @@ pub fn region_rows(rows: &mut FieldRows<'_>, min_m: &mut Vec2, max_m: &mut Vec2)
 
 /// Shows the fields of the benchmark route's start.
 pub fn benchmark_start_ui(ui: &mut Ui, editor: &mut Editor) {
-    let mut route = editor.scenario().benchmark_route.clone();
+    let Some(mut route) = editor.scenario().benchmark_route else { return };
     let mut rows = FieldRows::new(ui);
     rows.position("Start", "Start of the benchmark route", &mut route.start_m);
     rows.number("Heading", HEADING, &mut route.heading_rad, NumberSpec::ANGLE);
-    rows.commit(editor, "benchmark_route", |scenario| scenario.benchmark_route = route);
+    rows.commit(editor, "benchmark_route", |scenario| scenario.benchmark_route = Some(route));
 }
 
 /// Shows the field of the benchmark route's goal.
 pub fn benchmark_goal_ui(ui: &mut Ui, editor: &mut Editor) {
-    let mut route = editor.scenario().benchmark_route.clone();
+    let Some(mut route) = editor.scenario().benchmark_route else { return };
     let mut rows = FieldRows::new(ui);
     rows.position("Goal", "Goal of the benchmark route", &mut route.goal_m);
-    rows.commit(editor, "benchmark_route", |scenario| scenario.benchmark_route = route);
+    rows.commit(editor, "benchmark_route", |scenario| scenario.benchmark_route = Some(route));
 }

@@ -2,7 +2,7 @@
 
 use egui::{CollapsingHeader, RichText, TextEdit, Ui};
 
-use super::controls::{choice_ui, set_accessible_name};
+use super::controls::{button_row_ui, choice_ui, set_accessible_name};
 use super::fields::FieldRows;
 use super::number::NumberSpec;
 use super::placement_fields::{benchmark_goal_ui, benchmark_start_ui, rule_ui};
@@ -86,8 +86,19 @@ pub fn enclosure_ui(ui: &mut Ui, editor: &mut Editor) {
 }
 
 fn benchmark_route_ui(ui: &mut Ui, editor: &mut Editor) {
+    if editor.scenario().benchmark_route.is_none() {
+        let tip = "An episode with a fixed start and goal, which wayfield --eval --course times";
+        if button_row_ui(ui, &[("Add a benchmark route", tip, true)]).is_some() {
+            editor.add_benchmark_route();
+        }
+        return;
+    }
     benchmark_start_ui(ui, editor);
     benchmark_goal_ui(ui, editor);
+    if button_row_ui(ui, &[("Remove the benchmark route", "Episodes don't need one", true)]).is_some() {
+        editor.edit("benchmark_route", |scenario| scenario.benchmark_route = None);
+        editor.close_group();
+    }
 }
 
 /// A list of the generators, which may have no place on the canvas.

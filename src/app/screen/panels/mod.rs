@@ -16,7 +16,7 @@
 //! | `files.rs` | the setup panel's buttons that open and save files |
 //! | `overlays.rs` | the setup panel's switches for the overlays |
 //! | `notices.rs` | notices over the arena |
-//! | `last_session.rs` | the offer to continue the last session |
+//! | `offers.rs` | the offers to continue the last session, and to restore what was unsaved in the editor |
 //! | `quit_question.rs` | the question before quitting |
 //! | `help.rs` | the help window |
 
@@ -24,9 +24,9 @@ mod choices;
 mod discard_question;
 mod files;
 pub mod help;
-pub mod last_session;
 mod mode_switch;
 pub mod notices;
+pub mod offers;
 mod overlays;
 pub mod quit_question;
 mod readouts;

@@ -120,15 +120,16 @@ impl ScenarioMap {
                 plan.draw_arrow(root, &obstacle.outline, heading, edge)?;
             }
         }
-        plan.draw_disc(root, self.goal, GREEN.mix(0.25).filled(), GREEN)?;
-        if is_drawable(self.goal.0) && is_drawable(self.goal.1) {
-            draw_cross(root, plan.pixel((self.goal.0, self.goal.1)))?;
+        let Some((x, y, radius)) = self.goal else { return Ok(()) };
+        plan.draw_disc(root, (x, y, radius), GREEN.mix(0.25).filled(), GREEN)?;
+        if is_drawable(x) && is_drawable(y) {
+            draw_cross(root, plan.pixel((x, y)))?;
         }
         Ok(())
     }
 
     fn draw_start(&self, root: &Canvas, plan: &FloorPlan) -> DrawResult {
-        let (x, y, heading) = self.start;
+        let Some((x, y, heading)) = self.start else { return Ok(()) };
         if is_drawable(x) && is_drawable(y) && is_drawable(heading) {
             draw_robot(root, plan.pixel((x, y)), heading)?;
         }

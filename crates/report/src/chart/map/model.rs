@@ -11,10 +11,10 @@ pub struct ScenarioMap {
     pub obstacles: Vec<MapObstacle>,
     /// The tracks of moving obstacles.
     pub tracks: Vec<MapTrack>,
-    /// The robot's start: x and y in m, heading in rad, anticlockwise from the x axis.
-    pub start: (f64, f64, f64),
+    /// The robot's start: x and y in m, heading in rad, counterclockwise from the x axis.
+    pub start: Option<(f64, f64, f64)>,
     /// The goal: x, y and radius, in m.
-    pub goal: (f64, f64, f64),
+    pub goal: Option<(f64, f64, f64)>,
     /// The robot's trajectories.
     pub trajectories: Vec<MapTrajectory>,
 }

@@ -1,0 +1,65 @@
+//! The editor's backups in a browser: the page stores them, chooses the newest that no other tab uses, and deletes old ones.
+
+use std::path::Path;
+
+use serde::Deserialize;
+
+use super::Backup;
+use crate::app::page;
+use crate::run::RunError;
+
+/// The backup of this tab.
+pub(super) struct Store;
+
+impl Store {
+    /// No backup yet.
+    pub(super) fn new(_: &Path) -> Self {
+        Self
+    }
+
+    /// The backup of an earlier visit, which becomes that of this tab.
+    ///
+    /// # Errors
+    /// None.
+    pub(super) fn of(_: FoundBackup) -> Result<Self, RunError> {
+        page::adopt_backup();
+        Ok(Self)
+    }
+
+    /// Replaces the backup.
+    ///
+    /// # Errors
+    /// The browser does not store it.
+    pub(super) fn write(&mut self, text: &str) -> Result<(), RunError> {
+        page::store_backup(text).map_or(Ok(()), |error| Err(RunError::Failed(error)))
+    }
+
+    /// Deletes the backup.
+    pub(super) fn delete(&mut self) {
+        page::delete_backup();
+    }
+}
+
+/// A backup of an earlier visit.
+pub(super) struct FoundBackup {
+    pub(super) backup: Backup,
+    age_s: u64,
+}
+
+impl FoundBackup {
+    /// Age in s, at the start of this visit.
+    pub(super) fn age_s(&self) -> u64 {
+        self.age_s
+    }
+}
+
+/// The backup that the page offers, if there is one.
+pub(super) fn find(_: &Path) -> Option<FoundBackup> {
+    #[derive(Deserialize)]
+    struct Entry {
+        text: String,
+        age_s: u64,
+    }
+    let Entry { text, age_s } = serde_json::from_str(&page::last_backup()?).ok()?;
+    Some(FoundBackup { backup: Backup::parse(&text, Path::new("backup"))?, age_s })
+}

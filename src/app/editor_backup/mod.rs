@@ -1,0 +1,174 @@
+//! The backup of the scenario editor: a copy of unsaved changes, a few seconds old, in case the app ends in a way that it
+//! cannot control.
+//!
+//! In: the editor. Out: a file (in a browser, an entry in its storage), which is deleted as soon as the changes are saved or
+//! discarded; and the newest backup of an earlier session, which the app offers to restore.
+//!
+//! | file | duty |
+//! |---|---|
+//! | `store.rs` | the files of the backups, locked by the processes that write them |
+//! | `browser_store.rs` | the same in a browser, where the page stores them |
+
+#[cfg_attr(target_arch = "wasm32", path = "browser_store.rs")]
+mod store;
+
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+
+use bevy::platform::time::Instant;
+use bevy::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::CurrentViewState;
+use super::app_snapshot::{Severity, UnsavedEdits};
+use super::editor::Editor;
+use super::session::notices::{NoticeTopic, notify};
+use super::session::{AutosaveOptions, ScenarioSource};
+use super::view_state::EditorSource;
+use crate::run::RunError;
+use crate::scenario::{MAX_FILE_BYTES, Scenario, parse_ron_with_limit, to_ron};
+use store::{FoundBackup, Store};
+
+/// The interval between two backups of the same document.
+const INTERVAL: Duration = Duration::from_secs(10);
+
+/// A backup has the scenario twice: as edited, and as it is in its file.
+const MAX_BACKUP_BYTES: u64 = 3 * MAX_FILE_BYTES;
+
+/// The contents of a backup.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Backup {
+    /// The scenario's name or file.
+    from: String,
+    /// The edited scenario, which may be invalid.
+    edited: Scenario,
+    /// The scenario in its file; `None` if it was never saved.
+    in_file: Option<Scenario>,
+}
+
+impl Backup {
+    fn of(editor: &Editor) -> Self {
+        Self {
+            from: editor.from().into(),
+            edited: Scenario::clone(editor.scenario()),
+            in_file: editor.scenario_in_file().map(|scenario| Scenario::clone(scenario)),
+        }
+    }
+
+    fn parse(text: &str, path: &Path) -> Option<Self> {
+        parse_ron_with_limit(text, path, MAX_BACKUP_BYTES).ok()
+    }
+}
+
+/// The state of the backups.
+#[derive(Resource, Default)]
+pub struct EditorBackup {
+    /// `None` if nothing is backed up.
+    store: Option<Store>,
+    every: Duration,
+    /// The scenario in this session's backup, and when it was written; `None` without a backup.
+    written: Option<(Arc<Scenario>, Instant)>,
+    has_failed: bool,
+    /// The backup to offer.
+    found: Option<FoundBackup>,
+}
+
+impl EditorBackup {
+    /// Backups next to the autosaves of the training; without `options`, none. Deletes the oldest ones of earlier sessions, and
+    /// offers the newest.
+    pub(super) fn new(options: Option<&AutosaveOptions>) -> Self {
+        let Some(options) = options else { return Self::default() };
+        let folder = options.folder.join("editor");
+        Self {
+            found: store::find(&folder),
+            store: Some(Store::new(&folder)),
+            every: options.every.min(INTERVAL),
+            ..Self::default()
+        }
+    }
+
+    /// The unsaved changes to offer, if there are any.
+    pub(super) fn offer(&self) -> Option<UnsavedEdits> {
+        let found = self.found.as_ref()?;
+        Some(UnsavedEdits { scenario: found.backup.edited.name.clone(), age_s: found.age_s() })
+    }
+
+    /// Withdraws the offer. The backup stays until it is among the oldest.
+    pub(super) fn dismiss(&mut self) {
+        self.found = None;
+    }
+
+    fn write(&mut self, editor: &Editor) -> Result<(), RunError> {
+        let Some(store) = &mut self.store else { return Ok(()) };
+        self.written = Some((editor.scenario().clone(), Instant::now()));
+        let text = to_ron(&Backup::of(editor)).map_err(|error| RunError::Failed(error.to_string()))?;
+        store.write(&text)
+    }
+
+    fn delete(&mut self) {
+        if self.written.take().is_some()
+            && let Some(store) = &mut self.store
+        {
+            store.delete();
+        }
+    }
+}
+
+/// Backs up what has changed in the editor, when it is time; deletes the backup once nothing is unsaved.
+pub(super) fn run(world: &mut World) {
+    let every = world.resource::<EditorBackup>().every;
+    if let Err(error) = back_up(world, every)
+        && !std::mem::replace(&mut world.resource_mut::<EditorBackup>().has_failed, true)
+    {
+        let error = error.to_string();
+        let cause = error.split("; help:").next().unwrap_or(&error);
+        let text = format!("Unsaved changes cannot be backed up: {cause}\nhelp: save the scenario often");
+        notify(world, NoticeTopic::General, Severity::Error, text);
+    }
+}
+
+/// Backs up what has changed in the editor, if the last backup is older than `after`.
+fn back_up(world: &mut World, after: Duration) -> Result<(), RunError> {
+    world.resource_scope(|world, mut backup: Mut<EditorBackup>| {
+        let editor = world.resource::<CurrentViewState>().0.editor.as_deref();
+        let Some(editor) = editor.filter(|editor| editor.has_unsaved_changes()) else {
+            backup.delete();
+            return Ok(());
+        };
+        match &backup.written {
+            Some((scenario, _)) if Arc::ptr_eq(scenario, editor.scenario()) => Ok(()),
+            Some((_, since)) if since.elapsed() < after => Ok(()),
+            _ => backup.write(editor),
+        }
+    })
+}
+
+/// Backs up what has changed in the editor, whenever the last backup was. Returns its file, if anything is unsaved.
+///
+/// # Errors
+/// The file cannot be written.
+#[cfg(not(target_arch = "wasm32"))]
+pub(super) fn save_now(world: &mut World) -> Result<Option<std::path::PathBuf>, RunError> {
+    back_up(world, Duration::ZERO)?;
+    Ok(world.resource::<EditorBackup>().store.as_ref().and_then(Store::path))
+}
+
+/// Opens the editor with the backup that was offered, which becomes the one of this session.
+///
+/// # Errors
+/// Another process has restored it.
+pub(super) fn restore(world: &mut World) -> Result<(), RunError> {
+    let mut state = world.resource_mut::<EditorBackup>();
+    let Some(found) = state.found.take() else { return Ok(()) };
+    let Backup { from, edited, in_file } = found.backup.clone();
+    let (edited, in_file) = (Arc::new(edited), in_file.map(Arc::new));
+    state.store = Some(Store::of(found)?);
+    state.written = Some((edited.clone(), Instant::now()));
+    if let Some(in_file) = &in_file {
+        world.resource_mut::<ScenarioSource>().opened_in_editor(from.clone(), in_file.clone());
+    }
+    world.resource_mut::<CurrentViewState>().0.open_editor =
+        Some(EditorSource::Draft { from, scenario: edited, in_file });
+    Ok(())
+}

@@ -1,0 +1,28 @@
+//! A search for fonts among those of the system, in the background.
+
+use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, poll_once};
+use egui::FontData;
+
+use crate::report::fonts::{SystemFont, system_fonts_with};
+
+/// Fonts by name.
+pub(super) type FoundFonts = Vec<(String, FontData)>;
+
+/// A search in progress.
+pub(super) struct FontSearch(Task<Vec<SystemFont>>);
+
+impl FontSearch {
+    /// Begins to look for all of these characters, and removes them.
+    pub(super) fn start(missing: &mut Vec<char>) -> Self {
+        let missing = std::mem::take(missing);
+        Self(AsyncComputeTaskPool::get().spawn(async move { system_fonts_with(&missing) }))
+    }
+
+    /// The fonts, once they are found.
+    pub(super) fn poll(mut self) -> Result<FoundFonts, Self> {
+        let Some(found) = block_on(poll_once(&mut self.0)) else { return Err(self) };
+        let data =
+            |font: SystemFont| (font.name, FontData { index: font.index, ..FontData::from_owned(font.data) });
+        Ok(found.into_iter().map(data).collect())
+    }
+}

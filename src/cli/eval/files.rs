@@ -1,0 +1,139 @@
+//! The files of a test: episodes as CSV, and a trace of every control step as JSON lines.
+//!
+//! A file appears when the whole test is done, or not at all. It is written while the test goes on, so that it may be larger
+//! than memory.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use crate::run::RunError;
+use crate::run::evaluate::{EpisodeRecord, TraceStep};
+use crate::run::output_file::{check_writable, write_atomic};
+
+/// The files that a test writes.
+pub struct TestFiles {
+    csv: Option<PathBuf>,
+    trace: Option<PathBuf>,
+}
+
+/// An open file of a test.
+pub struct TestFile<'a> {
+    path: &'a Path,
+    writer: &'a mut dyn Write,
+}
+
+/// The reason why a test ended early.
+pub enum TestEnd {
+    /// The reader of a pipe has read enough (`| head`).
+    ReaderClosed,
+    /// An error.
+    Error(RunError),
+}
+
+impl From<RunError> for TestEnd {
+    fn from(error: RunError) -> Self {
+        Self::Error(error)
+    }
+}
+
+/// Standard output as a file.
+const STDOUT: &str = "/dev/stdout";
+
+impl TestFiles {
+    /// The files `csv` and `trace`, which can be written. `-` is standard output.
+    ///
+    /// # Errors
+    /// A file cannot be written, both files are the same, or standard output is also needed for JSON.
+    pub fn new(csv: Option<&Path>, trace: Option<&Path>, json: bool) -> Result<Self, RunError> {
+        let target = |path: &Path| if path == Path::new("-") { STDOUT.into() } else { path.to_owned() };
+        let files = Self { csv: csv.map(target), trace: trace.map(target) };
+        if files.csv.is_some() && files.csv == files.trace {
+            return Err(RunError::InvalidInput(
+                "--csv and --trace name the same file; help: give each a file of its own".into(),
+            ));
+        }
+        if json && files.use_stdout() {
+            return Err(RunError::InvalidInput(
+                "--json and a file of the test would both go to standard output; help: give --csv or --trace a file".into(),
+            ));
+        }
+        for path in [&files.csv, &files.trace].into_iter().flatten() {
+            check_writable(path)?;
+        }
+        Ok(files)
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.csv.is_none() && self.trace.is_none()
+    }
+
+    /// Whether one of them is standard output.
+    pub fn use_stdout(&self) -> bool {
+        [&self.csv, &self.trace].into_iter().flatten().any(|path| path == Path::new(STDOUT))
+    }
+
+    /// Runs `test`, which writes the episodes to the first file and the steps to the second. If it fails, old files stay.
+    pub fn write<T>(
+        &self,
+        test: impl FnOnce(Option<&mut TestFile>, Option<&mut TestFile>) -> Result<T, TestEnd>,
+    ) -> Result<T, TestEnd> {
+        write(self.csv.as_deref(), |csv| write(self.trace.as_deref(), |trace| test(csv, trace)))
+    }
+}
+
+/// Runs `work`, which writes the contents of the file at `path`, if there is one.
+fn write<T>(
+    path: Option<&Path>,
+    work: impl FnOnce(Option<&mut TestFile>) -> Result<T, TestEnd>,
+) -> Result<T, TestEnd> {
+    let Some(path) = path else { return work(None) };
+    let mut done = None;
+    let written = write_atomic(path, |sink| {
+        let result = done.insert(work(Some(&mut TestFile { path, writer: sink })));
+        // The error that matters is in `done`; this one keeps the old file.
+        if result.is_ok() { Ok(()) } else { Err(io::Error::other("the test has failed")) }
+    });
+    match (written, done) {
+        (Err(error), Some(Ok(_)) | None) => Err(failed(path, &error)),
+        (_, Some(result)) => result,
+        (Ok(()), None) => Err(TestEnd::ReaderClosed),
+    }
+}
+
+impl TestFile<'_> {
+    /// Adds rows of episodes, with a header at the top of the file.
+    pub fn episodes(
+        &mut self,
+        records: impl Iterator<Item = EpisodeRecord>,
+        is_first: bool,
+    ) -> Result<(), TestEnd> {
+        let mut writer = csv::WriterBuilder::new().has_headers(is_first).from_writer(&mut *self.writer);
+        let written = records.into_iter().try_for_each(|record| writer.serialize(record));
+        let written = written.map_err(io::Error::from).and_then(|()| writer.flush());
+        drop(writer);
+        written.map_err(|error| failed(self.path, &error))
+    }
+
+    /// Adds the line of a control step of `policy`.
+    pub fn step(&mut self, policy: &str, step: &TraceStep) -> Result<(), TestEnd> {
+        #[derive(Serialize)]
+        struct Line<'a> {
+            policy: &'a str,
+            #[serde(flatten)]
+            step: &'a TraceStep,
+        }
+        let written = serde_json::to_writer(&mut *self.writer, &Line { policy, step });
+        let written = written.map_err(io::Error::from).and_then(|()| self.writer.write_all(b"\n"));
+        written.map_err(|error| failed(self.path, &error))
+    }
+}
+
+fn failed(path: &Path, error: &io::Error) -> TestEnd {
+    match error.kind() {
+        io::ErrorKind::BrokenPipe => TestEnd::ReaderClosed,
+        _ => TestEnd::Error(RunError::not_written(path, error)),
+    }
+}

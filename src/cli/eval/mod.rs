@@ -1,0 +1,162 @@
+//! The mode `--eval`: its options, and the policies, scenario and files that a test needs.
+//!
+//! | file | contents |
+//! |---|---|
+//! | `test.rs` | the test itself |
+//! | `report.rs` | the results, as JSON |
+//! | `text.rs` | the results, as text |
+//! | `files.rs` | the files of `--csv` and `--trace` |
+
+mod files;
+mod report;
+mod test;
+mod text;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use clap::Args;
+
+use super::output::{print_json, print_stdout};
+use super::policy;
+use super::shared::SharedArgs;
+use super::values;
+use crate::limits::MAX_EVAL_EPISODES;
+use crate::run::progress::print_stderr;
+use crate::run::signals::{exit_on_signal, stop_on_signal};
+use crate::run::{RunError, policy_card, shipped};
+use crate::scenario::{BenchmarkRoute, Scenario, printable};
+use files::{TestEnd, TestFiles};
+use report::{ComparisonReport, PolicyReport};
+use test::{Named, Test};
+
+/// The options of `--eval`.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Options of --eval")]
+pub struct EvalArgs {
+    /// Rounds of episodes
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = values::whole::<u32>(1..=10_000), allow_negative_numbers = true)]
+    rounds: u32,
+
+    /// Also drive the scenario's benchmark route, 5 rounds of 5 episodes; the paper's, from (0, 0) to (1.2, 1.2), in
+    /// Scenario I and II
+    #[arg(long)]
+    course: bool,
+
+    /// Also compare the times with the optimal ones, from a planner that knows the whole scenario
+    #[arg(long)]
+    optimum: bool,
+
+    /// Write a row per episode to a CSV file: start, goal, outcome, what was hit, time, path length, SPL, clearance;
+    /// `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+
+    /// Write every control step to a file of JSON lines: pose, speed, scan, Q-values, action, reward; `-` for standard
+    /// output
+    #[arg(long, value_name = "FILE")]
+    trace: Option<PathBuf>,
+}
+
+/// What the first signal prints if the test writes files.
+const STOPPING: &str = "stopping; no file is written";
+
+/// Tests the policies in the files (or of the shipped names) `paths` and prints the results.
+///
+/// # Errors
+/// The scenario, a policy, an option or a file is invalid.
+pub fn run(paths: &[PathBuf], args: &EvalArgs, shared: &SharedArgs) -> Result<(), RunError> {
+    let files = TestFiles::new(args.csv.as_deref(), args.trace.as_deref(), shared.json)?;
+    let named = |path: &PathBuf| Ok((path.display().to_string(), policy::load(path)?));
+    let policies: Vec<Named> = paths.iter().map(named).collect::<Result<_, RunError>>()?;
+    let mut scenario = scenario_for(&policies, shared)?;
+    shared.settings().apply_to_scenario(&mut scenario)?;
+    let scenario = Arc::new(scenario);
+    let route = args.course.then(|| benchmark_route(&scenario)).transpose()?;
+    for (path, (_, policy)) in paths.iter().zip(&policies) {
+        policy::check(path, policy, &scenario, &shared.extensions)?;
+        if let Some(note) = policy_card::note(policy, &scenario) {
+            print_stderr(&format!("note: {note}"));
+        }
+    }
+    let (count, per_round) = episode_counts(args.rounds, shared.episodes.unwrap_or(100))?;
+    // Without files, there is nothing to clean up.
+    let stop = (!files.is_empty()).then(|| stop_on_signal(STOPPING));
+    if stop.is_none() {
+        exit_on_signal();
+    }
+    let (seed, extensions) = (shared.seed(), &shared.extensions);
+    let test = Test { scenario, count, per_round, seed, route, args, extensions, stop };
+    match files.write(|csv, trace| test.run(&policies, csv, trace)) {
+        Ok(reports) => print(&reports, shared.json, files.use_stdout()),
+        Err(TestEnd::ReaderClosed) => Ok(()),
+        Err(TestEnd::Error(error)) => Err(error),
+    }
+}
+
+/// Prints the results: on stdout, unless that is one of the files.
+fn print(reports: &[PolicyReport], json: bool, stdout_is_file: bool) -> Result<(), RunError> {
+    let Some(comparison) = ComparisonReport::new(reports) else { return Ok(()) };
+    let text = || match reports {
+        [one] => text::list(one),
+        _ => text::table(&comparison),
+    };
+    match (json, reports) {
+        (true, [one]) => print_json(one),
+        (true, _) => print_json(&comparison),
+        (false, _) if stdout_is_file => {
+            print_stderr(text().trim_end());
+            Ok(())
+        }
+        (false, _) => print_stdout(&text()),
+    }
+}
+
+/// The scenario's benchmark route.
+fn benchmark_route(scenario: &Scenario) -> Result<BenchmarkRoute, RunError> {
+    scenario.benchmark_route.ok_or_else(|| {
+        RunError::InvalidInput(format!(
+            "{} has no benchmark route; help: write one into the scenario, such as \
+             `benchmark_route: (start_m: (0.0, 0.0), goal_m: (1.2, 1.2))`, or leave out --course",
+            printable(&scenario.name)
+        ))
+    })
+}
+
+/// The scenario of the test: the one that the user names, or else the policies' own, or else Scenario I.
+fn scenario_for(policies: &[Named], shared: &SharedArgs) -> Result<Scenario, RunError> {
+    if shared.scenario.is_some() {
+        return Ok(shipped::scenario(shared.scenario())?);
+    }
+    let mut first: Option<(&str, Scenario)> = None;
+    for (name, policy) in policies {
+        let own = policy_card::own_scenario(policy)
+            .map_err(|error| RunError::invalid_input(Path::new(name), error))?;
+        let own = own.map_or_else(|| shipped::scenario(shared.scenario()), Ok)?;
+        match &first {
+            Some((first_name, first)) if *first != own => {
+                return Err(RunError::InvalidInput(format!(
+                    "{first_name} was trained in scenario \"{}\" and {name} in \"{}\"{}; help: give --scenario, so that \
+                     they drive the same episodes",
+                    printable(&first.name),
+                    printable(&own.name),
+                    if first.name == own.name { ", which differs" } else { "" }
+                )));
+            }
+            Some(_) => {}
+            None => first = Some((name, own)),
+        }
+    }
+    first.map_or_else(|| Ok(shipped::scenario(shared.scenario())?), |(_, own)| Ok(own))
+}
+
+/// The total number of episodes, and the number per round.
+fn episode_counts(rounds: u32, episodes: u64) -> Result<(usize, usize), RunError> {
+    let count = u64::from(rounds).saturating_mul(episodes);
+    if count > MAX_EVAL_EPISODES {
+        return Err(RunError::InvalidInput(format!(
+            "--rounds {rounds} with --episodes {episodes} is {count} episodes; help: give at most {MAX_EVAL_EPISODES} in total"
+        )));
+    }
+    Ok((count as usize, episodes as usize))
+}

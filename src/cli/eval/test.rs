@@ -1,0 +1,164 @@
+//! The test of policies, which all drive the same episodes.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::EvalArgs;
+use super::files::{TestEnd, TestFile};
+use super::report::{CourseReport, OptimumReport, PolicyReport};
+use crate::learning::Policy;
+use crate::planner::{StepBounds, unsupported_reason};
+use crate::run::RunError;
+use crate::run::evaluate::{self, EpisodeRecord, EpisodeResult, Evaluation, Evaluator, OptimumComparison};
+use crate::run::progress::print_stderr;
+use crate::scenario::{BenchmarkRoute, Scenario, printable};
+use crate::simulation::Extensions;
+use crate::task::EpisodeSetup;
+
+/// The number of episodes that the planner gets between two looks at the signals.
+const PLANNED_AT_ONCE: usize = 64;
+
+/// A policy under test, with its file or shipped name.
+pub type Named = (String, Policy);
+
+/// A test of policies, which all drive the same episodes.
+pub struct Test<'a> {
+    pub scenario: Arc<Scenario>,
+    /// The number of episodes.
+    pub count: usize,
+    /// The number of episodes per round.
+    pub per_round: usize,
+    pub seed: u64,
+    /// The benchmark route, if it is to be driven.
+    pub route: Option<BenchmarkRoute>,
+    pub args: &'a EvalArgs,
+    pub extensions: &'a Extensions,
+    /// Set if the test writes files: the flag that stops it.
+    pub stop: Option<&'static AtomicBool>,
+}
+
+/// What the planner knows about the episodes of a test.
+struct References {
+    shortest_paths_m: Vec<f64>,
+    /// Bounds of all episodes, if the file of the episodes needs them.
+    bounds: Option<Vec<StepBounds>>,
+}
+
+impl Test<'_> {
+    /// Tests `policies` one after the other, and writes their episodes and steps to the files.
+    pub fn run(
+        &self,
+        policies: &[Named],
+        mut csv: Option<&mut TestFile>,
+        mut trace: Option<&mut TestFile>,
+    ) -> Result<Vec<PolicyReport>, TestEnd> {
+        if self.args.optimum
+            && let Some(reason) = unsupported_reason(&self.scenario)
+        {
+            let name = printable(&self.scenario.name);
+            print_stderr(&format!("note: no optimal times in {name}: the planner does not support {reason}"));
+        }
+        // A trace has one episode after the other. The number of parallel episodes changes no result.
+        let parallel = if trace.is_some() { 1 } else { self.count };
+        let mut evaluator =
+            Evaluator::with_extensions(&self.scenario, parallel, self.extensions).measuring_paths();
+        let mut references = None;
+        let mut reports = Vec::new();
+        for named in policies {
+            let episodes = self.episodes(&mut evaluator, named, trace.as_deref_mut())?;
+            // They are the same for every policy.
+            let references = match &mut references {
+                Some(references) => references,
+                none => none.insert(self.references(&episodes, csv.is_some())?),
+            };
+            if let Some(csv) = &mut csv {
+                csv.episodes(self.records(&named.0, &episodes, references), reports.is_empty())?;
+            }
+            reports.push(self.report(named, &episodes, references)?);
+        }
+        Ok(reports)
+    }
+
+    fn episodes(
+        &self,
+        evaluator: &mut Evaluator,
+        (name, policy): &Named,
+        trace: Option<&mut TestFile>,
+    ) -> Result<Vec<EpisodeResult>, TestEnd> {
+        let (seed, count, setup) = (self.seed, self.count, EpisodeSetup::Random);
+        if let Some(trace) = trace {
+            return evaluator.run_traced(policy, seed, count, setup, |step| {
+                self.check_signals()?;
+                trace.step(name, &step)
+            });
+        }
+        let mut run = evaluator.start(policy, seed, count, setup)?;
+        while !evaluator.step(&mut run)? {
+            self.check_signals()?;
+        }
+        Ok(run.episodes)
+    }
+
+    fn check_signals(&self) -> Result<(), RunError> {
+        match self.stop {
+            Some(stop) if stop.load(Ordering::Relaxed) => {
+                Err(RunError::Stopped("stopped before the end of the test; no file was written".into()))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn references(&self, episodes: &[EpisodeResult], has_csv: bool) -> Result<References, RunError> {
+        let has_bounds = has_csv && self.args.optimum;
+        let mut references = References { shortest_paths_m: Vec::new(), bounds: has_bounds.then(Vec::new) };
+        // Some plans take seconds.
+        for some in episodes.chunks(PLANNED_AT_ONCE) {
+            self.check_signals()?;
+            references.shortest_paths_m.extend(evaluate::shortest_paths_m(&self.scenario, some, 0));
+            if let Some(bounds) = &mut references.bounds {
+                bounds.extend(evaluate::bounds(&self.scenario, some, 0));
+            }
+        }
+        Ok(references)
+    }
+
+    fn records<'a>(
+        &'a self,
+        policy: &'a str,
+        episodes: &'a [EpisodeResult],
+        references: &'a References,
+    ) -> impl Iterator<Item = EpisodeRecord> + 'a {
+        episodes.iter().zip(&references.shortest_paths_m).enumerate().map(
+            move |(index, (episode, shortest_m))| {
+                let bounds = references.bounds.as_ref().and_then(|bounds| bounds.get(index).copied());
+                EpisodeRecord::new(policy, index + 1, episode, &self.scenario, *shortest_m, bounds)
+            },
+        )
+    }
+
+    fn report(
+        &self,
+        (name, policy): &Named,
+        episodes: &[EpisodeResult],
+        references: &References,
+    ) -> Result<PolicyReport, RunError> {
+        let Self { scenario, seed, .. } = self;
+        let spl = episodes
+            .iter()
+            .zip(&references.shortest_paths_m)
+            .filter_map(|(e, shortest_m)| e.spl(*shortest_m));
+        let compare = || match &references.bounds {
+            Some(bounds) => OptimumComparison::from_episodes(episodes, bounds, &scenario.task),
+            None => evaluate::compare_with_optimum(scenario, episodes),
+        };
+        let course = |route| CourseReport::new(scenario, route, policy, *seed, self.extensions);
+        Ok(PolicyReport {
+            policy: name.clone(),
+            scenario: scenario.name.clone(),
+            evaluation: Evaluation::from_episodes(episodes, self.per_round, &scenario.task, *seed),
+            spl: spl.sum::<f64>() / episodes.len() as f64,
+            course: self.route.map(course).transpose()?,
+            optimum: self.args.optimum.then(|| OptimumReport::new(compare())),
+        })
+    }
+}

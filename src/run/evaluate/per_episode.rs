@@ -1,0 +1,82 @@
+//! What the planner computes for each episode, on all cores.
+
+use std::borrow::Cow;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread::Builder;
+
+use bevy::math::{Vec2, vec2};
+
+use super::EpisodeResult;
+use crate::planner::{self, Resolution, StepBounds};
+use crate::scenario::Scenario;
+
+/// Bounds on the optimal time of each episode, in the order of `episodes`: those of the planner, which knows
+/// the whole scenario ([`planner::step_bounds`]), at its default resolution. The number of `threads` (0: one
+/// per core) does not change the result.
+#[must_use]
+pub fn bounds(scenario: &Scenario, episodes: &[EpisodeResult], threads: usize) -> Vec<StepBounds> {
+    per_episode(scenario, episodes, threads, |layout, episode| {
+        let (start, goal) = start_and_goal(episode);
+        planner::step_bounds(layout, start, goal, episode.clock.0, Resolution::default())
+    })
+}
+
+/// The length, in m, of the shortest path of each episode from the robot's start to the edge of the goal, around static
+/// obstacles and walls, in the order of `episodes`. Moving obstacles and the turning radius are ignored. In a scenario with
+/// polygons, which the planner does not support, it is the length of the straight line. The number of `threads` (0: one per
+/// core) does not change the result.
+///
+/// See [`planner::shortest_path_m`] for the error.
+#[must_use]
+pub fn shortest_paths_m(scenario: &Scenario, episodes: &[EpisodeResult], threads: usize) -> Vec<f64> {
+    per_episode(scenario, episodes, threads, |layout, episode| {
+        let (start, goal) = start_and_goal(episode);
+        let straight_m = episode.start.distance_m(&episode.goal) - layout.task.goal_radius_m;
+        planner::shortest_path_m(layout, start, goal).unwrap_or_else(|| f64::from(straight_m.max(0.0)))
+    })
+}
+
+fn start_and_goal(episode: &EpisodeResult) -> ((f32, f32, f32), Vec2) {
+    let EpisodeResult { start, goal, .. } = episode;
+    ((start.x_m, start.y_m, start.heading_rad), vec2(goal.x_m, goal.y_m))
+}
+
+/// `of` for each of `episodes` and the scenario with its generated obstacles, in the order of `episodes`.
+fn per_episode<T: Send>(
+    scenario: &Scenario,
+    episodes: &[EpisodeResult],
+    threads: usize,
+    of: impl Fn(&Scenario, &EpisodeResult) -> T + Sync,
+) -> Vec<T> {
+    let of = |episode: &EpisodeResult| {
+        let layout = if scenario.generators.is_empty() {
+            Cow::Borrowed(scenario)
+        } else {
+            Cow::Owned(scenario.with_generated_obstacles(episode.layout_seed))
+        };
+        of(&layout, episode)
+    };
+    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = if threads == 0 { cores() } else { threads }.min(episodes.len());
+    // Some plans take a hundred times as long as others, so threads take episodes one at a time.
+    let next = AtomicUsize::new(0);
+    let work = || {
+        let next_result = || {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            episodes.get(index).map(|episode| (index, of(episode)))
+        };
+        std::iter::from_fn(next_result).collect::<Vec<_>>()
+    };
+    let mut found: Vec<_> = std::thread::scope(|scope| {
+        // This thread works too, so threads that cannot be started only cost time.
+        let start = |_| Builder::new().spawn_scoped(scope, work).ok();
+        let workers: Vec<_> = (1..threads).filter_map(start).collect();
+        let mut found = work();
+        for worker in workers {
+            found.extend(worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+        }
+        found
+    });
+    found.sort_by_key(|(index, _)| *index);
+    found.into_iter().map(|(_, result)| result).collect()
+}

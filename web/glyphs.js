@@ -1,0 +1,115 @@
+// Outlines of characters in the fonts of the browser. A page may draw with every font of the system, but cannot read its file:
+// so each character is drawn on a canvas, and its outline is traced.
+// In: a character. Out: its advance width and closed polygons in units of the em, y upwards from the baseline.
+
+/// Height of the em on the canvas, in pixels. The outlines are accurate to about a tenth of a pixel.
+const EM = 128;
+/// Space around the em for parts of the glyph that stick out, in pixels.
+const MARGIN = EM / 2;
+/// Wider glyphs are cut off, in pixels.
+const MAX_WIDTH = 8 * EM;
+/// Points nearer than this to the line between their neighbours are left out, in pixels.
+const TOLERANCE = 0.15;
+/// A pixel is inside the glyph if its alpha is higher than this.
+const INSIDE = 127.5;
+
+/// The lines of marching squares, by the corners inside: 8 top left, 4 top right, 2 bottom right, 1 bottom left. Each leads
+/// from one side of the cell to another (top, right, bottom, left), with the inside of the glyph on the same hand.
+const LINES = ['', 'BL', 'RB', 'RL', 'TR', 'TR BL', 'TB', 'TL', 'LT', 'BT', 'LT RB', 'RT', 'LR', 'BR', 'LB', '']
+    .map((lines) => lines.split(' ').filter(Boolean));
+
+const canvas = document.createElement('canvas');
+const pen = canvas.getContext('2d', { willReadFrequently: true });
+
+/// Whether the browser returns the pixels that were drawn. Some return others, against fingerprinting.
+export function canTrace() {
+    canvas.width = canvas.height = 2;
+    pen.fillRect(0, 0, 1, 2);
+    const { data } = pen.getImageData(0, 0, 2, 2);
+    return [0, 1, 2, 3].every((pixel) => data[4 * pixel + 3] === (pixel % 2 === 0 ? 255 : 0));
+}
+
+export function trace(character) {
+    // A combining mark gets a space to combine with. An emoji is drawn in one colour if the system has such a font.
+    const isMark = /\p{M}/u.test(character);
+    const text = (isMark ? '\u00a0' : '') + character + (/\p{Extended_Pictographic}/u.test(character) ? '\ufe0e' : '');
+    const font = `${EM}px sans-serif`;
+    pen.font = font;
+    const before = isMark ? pen.measureText('\u00a0').width : 0;
+    const advance = Math.max(0, pen.measureText(text).width - before);
+    canvas.width = Math.min(MAX_WIDTH, Math.ceil(before + advance)) + 2 * MARGIN;
+    canvas.height = EM + 2 * MARGIN;
+    // Setting the size has reset the font.
+    pen.font = font;
+    const baseline = EM + MARGIN / 2;
+    pen.fillText(text, MARGIN, baseline);
+    const [left, pixels] = [MARGIN + before, pen.getImageData(0, 0, canvas.width, canvas.height)];
+    const toEm = ([x, y]) => [(x + 0.5 - left) / EM, (baseline - y - 0.5) / EM];
+    return { advance: advance / EM, outlines: outlines(pixels).map((points) => simplify(points).map(toEm)) };
+}
+
+/// The closed lines between inside and outside, as points [x, y] in pixels; with marching squares. The border of the image must
+/// be outside.
+function outlines({ width, height, data }) {
+    const alpha = (x, y) => data[4 * (y * width + x) + 3];
+    // Each crossing of a side of a cell leads to the next one. A side is named by its left or upper end.
+    const next = new Map();
+    const side = (x, y, name) => ({
+        T: 2 * (y * width + x), L: 2 * (y * width + x) + 1, B: 2 * ((y + 1) * width + x), R: 2 * (y * width + x + 1) + 1,
+    })[name];
+    for (let y = 0; y + 1 < height; y += 1) {
+        for (let x = 0; x + 1 < width; x += 1) {
+            const corners = [alpha(x, y), alpha(x + 1, y), alpha(x + 1, y + 1), alpha(x, y + 1)];
+            const inside = corners.reduce((bits, corner) => 2 * bits + (corner > INSIDE), 0);
+            for (const [from, to] of LINES[inside]) next.set(side(x, y, from), side(x, y, to));
+        }
+    }
+    /// The point on a side where the alpha would be `INSIDE`.
+    const crossing = (name) => {
+        const [cell, isVertical] = [name >> 1, name & 1];
+        const [x, y] = [cell % width, Math.floor(cell / width)];
+        const [a, b] = [alpha(x, y), alpha(x + (isVertical ? 0 : 1), y + isVertical)];
+        const part = (INSIDE - a) / (b - a);
+        return isVertical ? [x, y + part] : [x + part, y];
+    };
+    const found = [];
+    while (next.size > 0) {
+        const points = [];
+        for (let [at] = next.keys(); next.has(at);) {
+            points.push(crossing(at));
+            const to = next.get(at);
+            next.delete(at);
+            at = to;
+        }
+        found.push(points);
+    }
+    return found.filter((points) => points.length > 2);
+}
+
+/// A closed line with as few of its points as keep within the tolerance (Ramer, Douglas and Peucker).
+function simplify(points) {
+    const closed = [...points, points[0]];
+    const kept = new Set([0]);
+    const fromStart = points.map((point) => distance(point, points[0]));
+    const middle = fromStart.indexOf(Math.max(...fromStart));
+    const spans = [[0, middle], [middle, points.length]];
+    while (spans.length > 0) {
+        const [from, to] = spans.pop();
+        let [farthest, largest] = [from, TOLERANCE];
+        for (let k = from + 1; k < to; k += 1) {
+            const away = distanceToLine(closed[k], closed[from], closed[to]);
+            if (away > largest) [farthest, largest] = [k, away];
+        }
+        kept.add(from);
+        if (farthest > from) spans.push([from, farthest], [farthest, to]);
+    }
+    return points.filter((_, k) => kept.has(k));
+}
+
+const distance = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
+
+function distanceToLine(point, a, b) {
+    const length = distance(a, b);
+    if (length === 0) return distance(point, a);
+    return Math.abs((b[0] - a[0]) * (point[1] - a[1]) - (b[1] - a[1]) * (point[0] - a[0])) / length;
+}

@@ -1,0 +1,61 @@
+// Backups of the editor in a real browser: a crash or a closed tab loses no unsaved changes.
+
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { centre, click, closeWithoutErrors, crash, isShown, open, pageUnderTest, picture, until } from './support.mjs';
+
+const app = pageUnderTest();
+
+/// Opens the editor on an empty scenario and adds a circle, which is backed up within a few seconds.
+async function addCircle(page) {
+    await until(page, (now) => now.paused);
+    await click(page, 'Add a circle');
+    await centre(page, 'Obstacle 1');
+    await page.waitForFunction(() => Object.keys(localStorage).some((key) => key.startsWith('wayfield: editor ')), null,
+        { timeout: 20_000 });
+}
+
+test('after a crash, the unsaved changes of the editor can be restored, and are gone once discarded', async () => {
+    const page = await open(app.browser, `${app.address}?scenario=empty&edit`);
+    await addCircle(page);
+    await crash(page);
+    assert.match(await page.textContent('#message'), /internal error.*restore the unsaved changes/);
+    page.errors.length = 0;
+    await page.goto(`${app.address}?paused`);
+    await until(page, (now) => now.paused);
+    await centre(page, 'Restore');
+    await picture(page, 'restore');
+    await click(page, 'Restore');
+    await centre(page, 'Obstacle 1');
+    await picture(page, 'restored');
+    await page.reload();
+    await until(page, (now) => now.paused);
+    // Still unsaved.
+    await click(page, 'Restore');
+    await click(page, 'Close the editor');
+    await click(page, 'Discard changes');
+    await page.reload();
+    await until(page, (now) => now.paused);
+    await isShown(page, 'Restore');
+    await page.waitForTimeout(2000);
+    assert.equal(await isShown(page, 'Restore'), false);
+    await closeWithoutErrors(page);
+});
+
+test('what is edited in an open tab is not offered in another one', async () => {
+    const page = await open(app.browser, `${app.address}?scenario=empty&edit`);
+    await addCircle(page);
+    const other = await page.context().newPage();
+    await other.goto(`${app.address}?paused`);
+    await until(other, (now) => now.paused);
+    await isShown(other, 'Restore');
+    await other.waitForTimeout(2000);
+    assert.equal(await isShown(other, 'Restore'), false);
+    await page.close();
+    await other.reload();
+    await until(other, (now) => now.paused);
+    await centre(other, 'Restore');
+    await click(other, 'Not now');
+    assert.equal(await isShown(other, 'Restore'), false);
+    await other.context().close();
+});

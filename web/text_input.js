@@ -1,0 +1,63 @@
+// Text input by an input method (Japanese, Chinese, ...), an emoji picker or a virtual keyboard. Browsers offer these in
+// elements for text only. So while the app edits text, a hidden element has the focus: it passes keys on to the canvas, and
+// composed text to the app.
+// In: where the app edits text. Out: keys for the canvas; calls of `compose_text` and `insert_text` of the app.
+
+/// What the canvas reads of a key event.
+const keyCopy = (event) => {
+    const { key, code, location, repeat, ctrlKey, shiftKey, altKey, metaKey } = event;
+    return new KeyboardEvent(event.type,
+        { key, code, location, repeat, ctrlKey, shiftKey, altKey, metaKey, cancelable: true });
+};
+
+/// Whether an input method handles the key, which the app must not see then.
+const isComposed = (event) => event.isComposing || event.keyCode === 229 || event.key === 'Dead';
+
+/// Connects `field`, a hidden text field, with `canvas`. `app` returns the functions of the app. Returns a function that moves
+/// the field to the text that the app edits: left, top and height of the cursor in CSS pixels, or undefined without text.
+export function connect(field, canvas, app) {
+    let isEditing = false;
+
+    for (const type of ['keydown', 'keyup']) {
+        field.addEventListener(type, (event) => {
+            if (isComposed(event)) return;
+            // bevy_egui listens on the document, and on phones would handle the key again.
+            event.stopPropagation();
+            // Otherwise the field would also take the character.
+            const isText = [...event.key].length === 1 && !event.ctrlKey && !event.metaKey;
+            if (!canvas.dispatchEvent(keyCopy(event)) || isText) event.preventDefault();
+        });
+    }
+    field.addEventListener('compositionupdate', (event) => app().compose_text(event.data));
+    field.addEventListener('compositionend', (event) => {
+        app().insert_text(event.data);
+        field.value = '';
+    });
+    field.addEventListener('input', (event) => {
+        if (event.isComposing) return;
+        // Text of a composition has arrived already; pasted text arrives with the event of the clipboard.
+        if (['insertText', 'insertReplacementText'].includes(event.inputType)) app().insert_text(field.value);
+        field.value = '';
+    });
+
+    // For the app, the field is a part of the canvas.
+    const keepOnCanvas = (event) => {
+        if (event.target === canvas && event.relatedTarget === field) event.stopImmediatePropagation();
+        if (event.target === canvas && event.type === 'focus' && isEditing) field.focus();
+        if (event.target === field && event.relatedTarget !== canvas) canvas.dispatchEvent(new FocusEvent(event.type));
+    };
+    for (const type of ['focus', 'blur']) addEventListener(type, keepOnCanvas, true);
+
+    return (cursor) => {
+        isEditing = cursor !== undefined;
+        if (isEditing) {
+            const [left, top, height] = cursor;
+            Object.assign(field.style, { left: `${left}px`, top: `${top}px`, height: `${height}px` });
+            field.hidden = false;
+            if (document.activeElement === canvas) field.focus();
+        } else {
+            if (document.activeElement === field) canvas.focus();
+            field.hidden = true;
+        }
+    };
+}
