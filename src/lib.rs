@@ -114,6 +114,8 @@ pub mod cli;
 pub mod control_step;
 pub mod env;
 #[cfg(test)]
+mod format_docs;
+#[cfg(test)]
 mod generated_section;
 pub mod limits;
 #[cfg(not(target_arch = "wasm32"))]

@@ -265,6 +265,47 @@ fn the_content_decides_what_kind_a_file_is() {
     }
 }
 
+/// What `--reproduce` refuses is a problem, and what is doubtful in its trainings is printed, at the stage or the condition.
+#[test]
+fn an_experiments_trainings_are_checked() {
+    let workspace = Workspace::new();
+    let experiment = |rest: &str| {
+        format!(
+            "(title: \"x\",\narms: [(name: \"a\",\nstages: [(scenario: \"empty\", preset: \"fast\")], policy: Best)],\n{rest}\n\
+             tables: [(name: \"t\", title: \"t\", show: Seeds(measure: Success))])"
+        )
+    };
+    let doubtful = "conditions: [(name: \"plain\"),\n(name: \"still\", overrides: {\"learning.learning_rate\": Constant(0.9)})],";
+    workspace.write("doubtful.ron", experiment(doubtful));
+    let done = workspace.run_ok("--check doubtful.ron");
+    assert_eq!(done.stdout, "doubtful.ron: ok (experiment)\n");
+    assert!(done.stderr.starts_with("doubtful.ron:5:1: "), "at the condition: {}", done.stderr);
+    assert!(done.stderr.contains("(arm \"a\"): fast: `learning.learning_rate` "), "{}", done.stderr);
+
+    let invalid = "conditions: [(name: \"b\", scenario: \"mazze\"),\n(name: \"c\", overrides: {\"learning.gama\": 1})],";
+    workspace.write("invalid.ron", experiment(invalid));
+    let done = workspace.run("--check invalid.ron");
+    assert_eq!((done.status, done.stdout.as_str()), (Some(2), ""), "{}", done.stderr);
+    for text in [
+        "invalid.ron:4:14: `conditions[0]` cannot be trained: ",
+        "invalid.ron:5:1: `conditions[1]` cannot be trained: ",
+        "learning.gama=1: unknown field `gama`",
+        "invalid.ron: 2 problems in this experiment",
+    ] {
+        assert!(done.stderr.contains(text), "no `{text}` in {}", done.stderr);
+    }
+    workspace.write(
+        "short.ron",
+        experiment("").replace("policy: Best", "").replace("Success)", "Success, after: Episodes(5))"),
+    );
+    let done = workspace.run("--check short.ron");
+    assert!(
+        done.stderr.contains("short.ron: a figure or table needs arm \"a\" after 5 episodes"),
+        "{}",
+        done.stderr
+    );
+}
+
 #[test]
 fn a_value_that_was_not_read_is_not_reported_twice() {
     let workspace = workspace();

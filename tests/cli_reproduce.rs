@@ -25,7 +25,7 @@ const OWN: &str = r#"(
     arms: [
         (
             name: "plain",
-            stages: [(scenario: "scenario-1", preset: "per.ron", budget: Episodes(24), overrides: (double: false))],
+            stages: [(scenario: "scenario-1", preset: "per.ron", budget: Episodes(24), overrides: {"learning.double": false})],
         ),
         (
             name: "transferred",
@@ -41,25 +41,25 @@ const OWN: &str = r#"(
             title: "Curves",
             draw: LearningCurves(series: [Return, Goals], smoothing: 5),
             claims: [
-                (statement: "Transfer helps", measure: Return, better: "transferred", than: "plain", after: 24),
+                (statement: "Transfer helps", measure: Return, better: "transferred", than: "plain", after: Episodes(24)),
             ],
         ),
-        (name: "dots", title: "Dots", draw: DotPlot(measures: [Success, EpisodesTo(1.0)], after: 20)),
-        (name: "course", title: "Course", draw: BenchmarkRoute(after: 24)),
+        (name: "dots", title: "Dots", draw: DotPlot(measures: [Success, EpisodesTo(1.0)], after: Episodes(20))),
+        (name: "course", title: "Course", draw: BenchmarkRoute(after: Episodes(24))),
     ],
     tables: [
         (
             name: "times",
             aliases: ["clock"],
             title: "Times",
-            show: Seeds(measure: BenchmarkRouteTime, after: 24, paper: [("plain", 13.155)]),
+            show: Seeds(measure: BenchmarkRouteTime, after: Episodes(24), paper: [("plain", 13.155)]),
         ),
-        (name: "rounds", title: "Rounds", show: Rounds(after: 24, paper: [("plain", [83.0, 86.0])])),
-        (name: "all", title: "All", show: Measures(measures: [Success, MeanTime, TimeRatio], after: 24)),
+        (name: "rounds", title: "Rounds", show: Rounds(after: Episodes(24), paper: [("plain", [83.0, 86.0])])),
+        (name: "all", title: "All", show: Measures(measures: [Success, MeanTime, TimeRatio], after: Episodes(24))),
         (
             name: "which",
             title: "Which",
-            show: Contrast(measures: [Success], better: "transferred", than: "plain", after: [8, 12], of_last_stage: true),
+            show: Contrast(measures: [Success], better: "transferred", than: "plain", after: [Episodes(8), Episodes(12)], of_last_stage: true),
         ),
     ],
 )
@@ -172,6 +172,13 @@ fn an_experiment_gives_a_report_and_finished_runs_are_not_repeated() {
     workspace.run_ok("--reproduce --experiment mine/own.ron --out one");
     assert_eq!(finished_at(&workspace.path("one")), before, "no run was repeated");
     assert!(report(&workspace, "one") == one);
+
+    // A setting from the command line is recorded in all runs, and gives other runs.
+    workspace.run_ok("--reproduce --experiment mine/own.ron --out set --only all --set learning.gamma=0.5");
+    for run in fs::read_dir(workspace.path("set/runs")).unwrap() {
+        let config = fs::read_to_string(run.unwrap().path().join("config.ron")).unwrap();
+        assert!(config.contains("gamma: 0.5,"), "{config}");
+    }
 
     // A part of the experiment with fewer seeds needs no new runs.
     let json =
@@ -402,18 +409,33 @@ fn invalid_options_and_files_are_rejected_with_a_fix() {
     );
     broken(
         "d.ron",
-        ("after: 20)", "after: 25)"),
+        ("after: Episodes(20))", "after: Episodes(25))"),
         &["d.ron:LINE:", "is 25, but arm \"plain\" is trained for 24 episodes"],
     );
     broken("e.ron", ("name: \"dots\"", "name: \"../dots\""), &["e.ron:LINE:", "it becomes a file name"]);
     broken("f.ron", ("preset: \"per.ron\"", "preset: \"pre.ron\""), &["pre.ron", "no such file"]);
-    broken("g.ron", ("double: false", "l_r_m: -1.0"), &["g.ron", "reward.l_r_m"]);
+    let overrides = "\"learning.double\": false";
+    broken(
+        "g.ron",
+        (overrides, "\"reward.l_r_m\": -1.0"),
+        &["g.ron", "arm \"plain\"", "reward.l_r_m=-1.0: "],
+    );
+    broken(
+        "m.ron",
+        (overrides, "\"learning.gama\": 0.9"),
+        &["m.ron", "learning.gama=0.9: unknown field `gama`", "did you mean `gamma`?"],
+    );
+    broken(
+        "n.ron",
+        ("    figures: [", "    conditions: [(name: \"c\", only_arms: [\"plane\"])],\n    figures: ["),
+        &["n.ron:LINE:", "names \"plane\"", "did you mean \"plain\"?"],
+    );
     broken("h.ron", ("EpisodesTo(1.0)", "EpisodesTo(0.0)"), &["h.ron:LINE:", "give 0.01 to 1000"]);
     broken("i.ron", ("name: \"all\"", "name: \"curves\""), &["i.ron", "two entries called \"curves\""]);
     broken("j.ron", ("budget: Episodes(24)", "budget: EnvSteps(900)"), &["j.ron", "policy: Best"]);
     broken(
         "k.ron",
-        ("after: [8, 12]", "after: [8, 13]"),
+        ("Episodes(8), Episodes(12)]", "Episodes(8), Episodes(13)]"),
         &["k.ron:LINE:", "is 13, but arm \"transferred\" is trained for 12 episodes"],
     );
     workspace.write("office.ron", "(name: \"Office\")");
@@ -440,12 +462,210 @@ fn an_arm_can_be_tested_with_its_best_policy() {
             seeds: 1,
             test: (rounds: 1, episodes: 4),
             arms: [(name: "fast", stages: [(scenario: "empty", preset: "fast.ron", budget: EnvSteps(3000))], policy: Best)],
-            tables: [(name: "t", title: "T", show: Seeds(measure: Success, after: 1))],
+            tables: [(name: "t", title: "T", show: Seeds(measure: Success))],
         )"#,
     );
     let done = workspace.run_ok("--reproduce --experiment best.ron --out best");
     assert!(done.stdout.contains("(1 runs"), "{}", done.stdout);
     assert!(workspace.text("best/tables/t.md").contains("fast"));
+}
+
+/// A user's experiment over env steps: arms with different numbers of arenas, chosen seeds, a success rate, and an arm whose
+/// runs were trained elsewhere.
+const OVER_STEPS: &str = r#"(
+    title: "Arenas",
+    seeds: [3, 17],
+    evaluation: (every_env_steps: 500, episodes: 4),
+    test: (rounds: 1, episodes: 4),
+    arms: [
+        (name: "one", stages: [(scenario: "empty", preset: "per.ron", budget: EnvSteps(2000))]),
+        (name: "sixteen", stages: [(scenario: "empty", preset: "fast.ron", budget: EnvSteps(2000))]),
+        (name: "elsewhere", runs: ["runs/a", "runs/b"]),
+    ],
+    figures: [
+        (
+            name: "curves",
+            title: "Curves",
+            draw: LearningCurves(series: [Return, SuccessRate], smoothing: 10),
+            claims: [
+                (statement: "Sixteen is better", measure: Return, better: "sixteen", than: "one", after: EnvSteps(1500)),
+                (statement: "It succeeds", measure: Success, better: "sixteen", than: "one", after: EnvSteps(1500)),
+            ],
+        ),
+        (name: "dots", title: "Dots", draw: DotPlot(measures: [Success, Return])),
+    ],
+    tables: [
+        (name: "ends", title: "Ends", show: Seeds(measure: Success)),
+        (
+            name: "steps",
+            title: "Steps",
+            show: Contrast(measures: [Return], better: "sixteen", than: "elsewhere", after: [EnvSteps(1000), EnvSteps(2000)]),
+            claims: [(statement: "Trained elsewhere is worse", measure: Success, better: "one", than: "elsewhere")],
+        ),
+    ],
+)
+"#;
+
+/// A workspace with [`OVER_STEPS`] in the folder `mine`, and the finished runs that it names.
+fn over_steps() -> Workspace {
+    let workspace = workspace();
+    workspace.write("mine/steps.ron", OVER_STEPS);
+    workspace.write("mine/fast.ron", quick_fast());
+    for (name, seed) in [("a", 3), ("b", 17)] {
+        let out = format!("--out mine/runs/{name} --seed {seed}");
+        workspace.run_ok(&format!("--train --scenario empty --preset mine/per.ron --steps 2000 {out}"));
+    }
+    workspace
+}
+
+/// The files of a folder and their contents.
+fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let paths =
+        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).filter(|path| path.is_file());
+    paths.map(|path| (path.clone(), fs::read(&path).unwrap())).collect()
+}
+
+#[test]
+fn arms_are_compared_over_env_steps_and_with_runs_that_were_trained_elsewhere() {
+    let workspace = over_steps();
+    let run = files(&workspace.path("mine/runs/a"));
+    let done = workspace.run_ok("--reproduce --experiment mine/steps.ron --out report");
+    assert!(done.stdout.contains("report/report.html (6 runs"), "{}", done.stdout);
+    assert_eq!(files(&workspace.path("mine/runs/a")), run, "the runs from elsewhere are as they were");
+
+    let page = workspace.text("report/README.md");
+    for text in [
+        "n = 2 says little: a 95 % interval is 12.7 standard errors",
+        "Over env steps, because the trainings differ in the number of arenas.",
+        "Return after 1,500 env steps (mean of the last 10 episodes): sixteen ",
+        "(paired by seed)",
+        "Equal data (means over the seeds): one 2,000 env steps in ",
+        "| Seed 3 | Seed 17 |",
+        "Trained elsewhere",
+    ] {
+        assert!(page.contains(text), "`{text}` is not in the page:\n{page}");
+    }
+    let saved = |run: &Path| run.join("policy-after-1500-env-steps.safetensors").exists();
+    let runs = fs::read_dir(workspace.path("report/runs"))
+        .unwrap()
+        .filter(|run| saved(&run.as_ref().unwrap().path()));
+    assert_eq!(runs.count(), 4, "two arms with two seeds are tested after 1,500 env steps");
+    let curves = workspace.text("report/figures/curves.svg");
+    assert!(curves.contains("Success in evaluations during training") && curves.contains("env steps"));
+
+    // The same training here and elsewhere gives the same policy.
+    let ends: Vec<_> = csv::Reader::from_path(workspace.path("report/tables/ends.csv"))
+        .unwrap()
+        .into_records()
+        .map(Result::unwrap)
+        .collect();
+    let values = |row: usize| ends[row].iter().skip(1).map(str::to_owned).collect::<Vec<_>>();
+    assert_eq!(values(0), values(2), "one, and elsewhere");
+
+    // Other seeds on the command line.
+    let json =
+        workspace.run_ok("--reproduce --experiment mine/steps.ron --only ends --seeds 4, --out other --json");
+    let json: serde_json::Value = serde_json::from_str(&json.stdout).unwrap();
+    assert_eq!(json["runs"].as_u64(), Some(4), "two arms with one seed, and two runs from elsewhere");
+    assert!(workspace.text("other/tables/ends.md").contains("| Seed 3 | Seed 4 | Seed 17 |"));
+}
+
+#[test]
+fn runs_from_elsewhere_that_do_not_fit_are_rejected_with_a_fix() {
+    let workspace = over_steps();
+    let train = |name: &str, arguments: &str| {
+        workspace.run_ok(&format!("--train --preset mine/per.ron --out mine/runs/{name} {arguments}"));
+    };
+    train("world", "--scenario u-trap --steps 2000 --seed 5");
+    train("longer", "--scenario empty --steps 2500 --seed 5");
+    train("twin", "--scenario empty --steps 2000 --seed 3");
+    let rejected = |(from, to): (&str, &str), needles: &[&str]| {
+        assert!(OVER_STEPS.contains(from), "{from}");
+        workspace.write("mine/broken.ron", OVER_STEPS.replacen(from, to, 1));
+        let done = workspace.run("--reproduce --experiment mine/broken.ron --out no");
+        assert_eq!((done.status, done.stdout.as_str()), (Some(2), ""), "{to}: {}", done.stderr);
+        for needle in needles {
+            assert!(done.stderr.contains(needle), "{to}: no `{needle}` in {}", done.stderr);
+        }
+        assert!(!workspace.path("no").exists(), "{to}: no folder is created");
+    };
+    rejected(
+        ("runs/b", "runs/none"),
+        &["runs/none: holds no run", "help: give the folder of a finished run"],
+    );
+    rejected(
+        ("runs/b", "runs/world"),
+        &[
+            "mine/runs/world: is a run in \"U-trap\", but mine/runs/a is one in \"Empty\"",
+            "an arm of its own",
+        ],
+    );
+    rejected(("runs/b", "runs/longer"), &["mine/runs/longer: has other settings than mine/runs/a"]);
+    rejected(("runs/b", "runs/twin"), &["mine/runs/twin: has seed 3, as mine/runs/a has"]);
+    rejected(
+        ("[\"runs/a\", \"runs/b\"]", "[\"runs/world\"]"),
+        &["arm \"one\" is compared with \"elsewhere\"", "in different scenarios: \"Empty\" and \"U-trap\""],
+    );
+    rejected(
+        ("show: Seeds(measure: Success)", "show: Seeds(measure: Success, after: EnvSteps(1500))"),
+        &["mine/runs/a: has no policy after 1,500 env steps", "leave `after` out", "policy: Best"],
+    );
+    rejected(
+        ("after: EnvSteps(1500)", "after: EnvSteps(2500)"),
+        &["mine/broken.ron:", "is 2500, but arm \"one\" is trained for 2000 env steps"],
+    );
+    rejected(
+        ("after: EnvSteps(1500)", "after: Episodes(15)"),
+        &[
+            "mine/broken.ron:",
+            "is a number of episodes, but arm \"one\" is trained for a number of env steps",
+        ],
+    );
+    rejected(
+        ("after: EnvSteps(1500)", "after: 15"),
+        &["mine/broken.ron:", "must be one of the choices", "`Episodes`", "`EnvSteps`"],
+    );
+    rejected(
+        ("figures: [", "conditions: [(name: \"x\")],\n    figures: ["),
+        &["mine/broken.ron:", "are finished, so conditions and overrides cannot change \"elsewhere\""],
+    );
+    rejected(("[3, 17]", "[3, 17, 3]"), &["mine/broken.ron:", "has 3 twice"]);
+    rejected(("[3, 17]", "\"3\""), &["mine/broken.ron:", "a number of seeds, such as 5, or a list"]);
+    let done = workspace.run("--reproduce --experiment mine/steps.ron --quick --out no");
+    assert!(done.stderr.contains("arm \"elsewhere\" has finished runs"), "{}", done.stderr);
+
+    // A run that is not finished.
+    let summary = workspace.text("mine/runs/b/summary.json");
+    workspace.write("mine/runs/b/summary.json", summary.replace("\"finished\": true", "\"finished\": false"));
+    let done = workspace.run("--reproduce --experiment mine/steps.ron --out no");
+    assert_eq!(done.status, Some(2));
+    assert!(
+        done.stderr.contains("mine/runs/b: this run is not finished; help: finish it with --resume"),
+        "{}",
+        done.stderr
+    );
+}
+
+#[test]
+fn a_quick_report_never_replaces_a_full_one() {
+    let workspace = workspace();
+    let command = "--reproduce --experiment mine/own.ron --only times --out report";
+    workspace.run_ok(&format!("{command} --seeds 1"));
+    let full = whole_report(&workspace, "report");
+    let done = workspace.run(&format!("{command} --quick"));
+    assert_eq!((done.status, done.stdout.as_str()), (Some(2), ""), "{}", done.stderr);
+    assert!(
+        done.stderr.starts_with("error: report: holds a full report, which --quick would overwrite; help: "),
+        "{}",
+        done.stderr
+    );
+    assert!(whole_report(&workspace, "report") == full, "the full report is as it was");
+
+    // A full report may replace a quick one, and is then kept.
+    workspace.run_ok(&format!("{command} --quick").replace("--out report", "--out sketch"));
+    workspace.run_ok(&format!("{command} --seeds 1").replace("--out report", "--out sketch"));
+    let done = workspace.run(&format!("{command} --quick").replace("--out report", "--out sketch"));
+    assert_eq!(done.status, Some(2), "{}", done.stderr);
 }
 
 /// All shipped experiments, in the quick version.

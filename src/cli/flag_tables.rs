@@ -28,7 +28,9 @@ fn tables() -> String {
 /// The flag with its value, as in `--seed <N>`.
 fn flag(arg: &Arg) -> String {
     let names = arg.get_value_names().filter(|_| arg.get_action().takes_values());
-    let value = names.unwrap_or_default().first().map(|name| format!(" <{name}>"));
+    let is_optional = arg.get_num_args().is_some_and(|count| count.min_values() == 0);
+    let in_brackets = |name| if is_optional { format!(" [<{name}>]") } else { format!(" <{name}>") };
+    let value = names.unwrap_or_default().first().map(in_brackets);
     let ellipsis = if arg.get_num_args().is_some_and(|count| count.max_values() > 1) { "..." } else { "" };
     format!("--{}{}{ellipsis}", arg.get_long().unwrap_or_default(), value.unwrap_or_default())
 }

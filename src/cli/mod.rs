@@ -182,7 +182,7 @@ fn exit(error: &clap::Error) -> ! {
 
 fn run(arguments: Arguments, began: Instant) -> Result<(), RunError> {
     let Arguments { mode, shared, .. } = arguments;
-    let trains = mode.train || arguments.train.resume.is_some();
+    let trains = mode.train.is_some() || arguments.train.resume.is_some();
     let is_headless = trains || !mode.eval.is_empty() || mode.reproduce;
     #[cfg(unix)]
     if is_headless {
@@ -196,7 +196,7 @@ fn run(arguments: Arguments, began: Instant) -> Result<(), RunError> {
         ));
     }
     if trains {
-        train::run(arguments.train, shared, began)
+        train::run(mode.train.flatten(), arguments.train, shared, began)
     } else if !mode.eval.is_empty() {
         eval::run(&mode.eval, &arguments.eval, &shared)
     } else if let Some(policy) = mode.card {

@@ -11,9 +11,10 @@ use clap::{Arg, ArgMatches, Args, Command};
 #[group(multiple = false)]
 #[command(next_help_heading = super::MODES_HEADING)]
 pub struct ModeArgs {
-    /// Train a policy into a new run folder
-    #[arg(long)]
-    pub train: bool,
+    /// Train a policy into a new run folder. With the config.ron of a run: run it again, with the same scenario, preset
+    /// and seed, and so with the same result
+    #[arg(long, value_name = "CONFIG", num_args = 0..=1)]
+    pub train: Option<Option<PathBuf>>,
 
     /// Test policies (files, or shipped ones by name) over rounds of episodes that they have not been trained on; all
     /// drive the same episodes and act greedily
@@ -53,7 +54,7 @@ const MODES: &[(&str, &[&str])] = &[
     ("eval", &["scenario", "set", "seed", "episodes", "json", "EvalArgs"]),
     ("card", &["json"]),
     ("export", &["ExportArgs"]),
-    ("reproduce", &["out", "json", "ReproduceArgs"]),
+    ("reproduce", &["set", "out", "json", "ReproduceArgs"]),
     ("check", &["json"]),
     ("draw", &["scenario", "set", "size", "DrawArgs"]),
     #[cfg(feature = "gui")]
@@ -149,24 +150,24 @@ mod tests {
         for (words, expected) in [
             (
                 "--rounds 3 --train",
-                "error: the argument '--rounds <N>' cannot be used with '--train'; help: use it with '--eval <POLICY>...'\n",
+                "error: the argument '--rounds <N>' cannot be used with '--train [<CONFIG>]'; help: use it with '--eval <POLICY>...'\n",
             ),
             (
                 "--draw map.svg --out here",
-                "error: the argument '--out <DIR>' cannot be used with '--draw <FILE>'; help: use it with '--train' or \
+                "error: the argument '--out <DIR>' cannot be used with '--draw <FILE>'; help: use it with '--train [<CONFIG>]' or \
                  '--reproduce'\n",
             ),
             (
                 "--epsilon 0.5 --init policy",
-                "error: the argument '--init <POLICY>' cannot be used on its own; help: use it with '--train'\n",
+                "error: the argument '--init <POLICY>' cannot be used on its own; help: use it with '--train [<CONFIG>]'\n",
             ),
             (
                 "--resume run --edit",
-                "error: the argument '--edit' cannot be used with '--train'; help: use it with the app (no mode)\n",
+                "error: the argument '--edit' cannot be used with '--train [<CONFIG>]'; help: use it with the app (no mode)\n",
             ),
             (
                 "--resume run --eval policy",
-                "error: the argument '--resume <DIR>' cannot be used with '--eval <POLICY>...'; help: use it with '--train'\n",
+                "error: the argument '--resume <DIR>' cannot be used with '--eval <POLICY>...'; help: use it with '--train [<CONFIG>]'\n",
             ),
         ] {
             let message = message(words);

@@ -11,8 +11,9 @@ use super::output::{print_json, print_stdout};
 use super::shared::SharedArgs;
 use super::train::SAVING;
 use super::values;
-use crate::reproduce::{ReproduceOptions, Reproduction, reproduce};
+use crate::reproduce::{ReproduceOptions, Reproduction, Seeds, reproduce};
 use crate::run::RunError;
+use crate::run::settings::Settings;
 use crate::run::signals::stop_on_signal;
 
 /// The options of `--reproduce`.
@@ -23,11 +24,13 @@ pub struct ReproduceArgs {
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     only: Vec<String>,
 
-    /// Number of seeds [default: the experiment's, 5 for the paper's]
-    #[arg(long, value_name = "N", value_parser = values::whole::<u64>(1..=1000), allow_negative_numbers = true)]
-    seeds: Option<u64>,
+    /// Number of seeds, such as 5, or a list of them, such as 3,17,42 (a single one: 17,) [default: the experiment's, 5
+    /// for the paper's]
+    #[arg(long, value_name = "SEEDS", value_parser = values::seeds, allow_negative_numbers = true)]
+    seeds: Option<Seeds>,
 
-    /// Make a rough report in a minute: two seeds, a tenth of the episodes
+    /// Make a rough report in a minute: two seeds, a tenth of the episodes [default folder: runs/reproduce-quick]; a
+    /// full report is never overwritten
     #[arg(long)]
     quick: bool,
 
@@ -66,6 +69,7 @@ pub fn run(args: ReproduceArgs, shared: SharedArgs, began: Instant) -> Result<()
         experiments: args.experiment,
         only: args.only,
         seeds: args.seeds,
+        settings: Settings(shared.set),
         quick: args.quick,
         out: shared.out,
         jobs: args.jobs.map(usize::from),

@@ -12,7 +12,7 @@ use super::values;
 use crate::limits::MAX_ARENAS;
 use crate::report::format::percent;
 use crate::run::RunError;
-use crate::run::folder::{RunConfig, Transfer};
+use crate::run::folder::{INITIAL_POLICY_FILE, RunConfig, Transfer};
 use crate::run::metric_rows::{Milestone, Summary};
 use crate::run::preset::Budget;
 use crate::run::progress::print_stderr;
@@ -59,17 +59,27 @@ pub struct TrainArgs {
 /// What the first signal prints.
 pub const SAVING: &str = "saving a checkpoint, then stopping (a second Ctrl-C quits without saving)";
 
-/// Trains, and prints the run's summary.
+/// Trains, and prints the run's summary. `again` is the configuration of a run to repeat.
 ///
 /// # Errors
 /// An option or a file is invalid, the run failed, or a signal stopped it.
-pub fn run(args: TrainArgs, shared: SharedArgs, began: Instant) -> Result<(), RunError> {
+pub fn run(
+    again: Option<PathBuf>,
+    args: TrainArgs,
+    shared: SharedArgs,
+    began: Instant,
+) -> Result<(), RunError> {
     let json = shared.json;
     let checkpoint_interval = args.checkpoint_every.unwrap_or(CHECKPOINT_INTERVAL);
     let budget = shared.episodes.map(Budget::Episodes).or(args.steps.map(Budget::EnvSteps));
     let job = match args.resume {
+        Some(_) if again.is_some() => {
+            let why =
+                "--resume continues a run, and --train with a file repeats one; help: leave out one of them";
+            return Err(RunError::InvalidInput(why.into()));
+        }
         Some(folder) => Job::Resume { folder, budget, extensions: shared.extensions },
-        None => new_run(args, shared, budget)?,
+        None => new_run(again.as_deref(), args, shared, budget)?,
     };
     let (folder, summary) = train(job, checkpoint_interval, stop_on_signal(SAVING), began, None)?;
     if json { print_json(&summary) } else { print_stdout(&summary_text(&folder, &summary)) }?;
@@ -80,12 +90,20 @@ pub fn run(args: TrainArgs, shared: SharedArgs, began: Instant) -> Result<(), Ru
     Err(RunError::Stopped(format!("stopped; help: `{} --resume {folder}` continues", program())))
 }
 
-fn new_run(args: TrainArgs, shared: SharedArgs, budget: Option<Budget>) -> Result<Job, RunError> {
+/// A new run, or the run of the configuration file `again` once more.
+fn new_run(
+    again: Option<&Path>,
+    args: TrainArgs,
+    shared: SharedArgs,
+    budget: Option<Budget>,
+) -> Result<Job, RunError> {
     let settings = shared.settings();
-    let mut config = RunConfig::resolve(shared.scenario(), shared.preset(), shared.seed())?
-        .with_settings(&settings)?
-        .with_extensions(&shared.extensions);
-    if !settings.0.is_empty() {
+    let (config, init) = match again {
+        Some(path) => earlier_run(path, &args, &shared)?,
+        None => (RunConfig::resolve(shared.scenario(), shared.preset(), shared.seed())?, args.init.clone()),
+    };
+    let mut config = config.with_settings(&settings)?.with_extensions(&shared.extensions);
+    if !settings.is_empty() {
         print_stderr(&format!("set {settings}"));
     }
     let preset = &mut config.preset;
@@ -94,14 +112,40 @@ fn new_run(args: TrainArgs, shared: SharedArgs, budget: Option<Budget>) -> Resul
     if let Some(diagnostic) = preset.diagnostics().first() {
         return Err(RunError::InvalidInput(format!("{}: {diagnostic}", shared.preset())));
     }
-    let policy = args
-        .init
-        .as_deref()
-        .map(|path| policy::read(path, &config.scenario, &shared.extensions))
-        .transpose()?;
-    config.transfer =
-        args.init.map(|init| Transfer { policy: init.display().to_string(), epsilon: args.epsilon });
+    let read = |path: &PathBuf| policy::read(path, &config.scenario, &shared.extensions);
+    let policy = init.as_ref().map(read).transpose()?;
+    if let Some(init) = args.init {
+        config.transfer = Some(Transfer { policy: init.display().to_string(), epsilon: args.epsilon });
+    }
     Ok(Job::New { config: Box::new(config), policy, out: shared.out })
+}
+
+/// The configuration of an earlier run, in its `config.ron` or in its folder at `path`, and the policy that it started from.
+fn earlier_run(
+    path: &Path,
+    args: &TrainArgs,
+    shared: &SharedArgs,
+) -> Result<(RunConfig, Option<PathBuf>), RunError> {
+    let given = [
+        ("--scenario", shared.scenario.is_some()),
+        ("--preset", shared.preset.is_some()),
+        ("--init", args.init.is_some()),
+    ];
+    if let Some((flag, _)) = given.into_iter().find(|(_, is_given)| *is_given) {
+        let why =
+            format!("the run to repeat has its own; help: leave out {flag}, or use --train without a file");
+        return Err(RunError::InvalidInput(format!("{flag}: {why}")));
+    }
+    let file = if path.is_dir() { path.join("config.ron") } else { path.into() };
+    let mut config = RunConfig::load(&file)?.resume_with_extensions(&shared.extensions, &file)?;
+    config.version = env!("CARGO_PKG_VERSION").into();
+    config.seed = shared.seed.unwrap_or(config.seed);
+    let copy = file.with_file_name(INITIAL_POLICY_FILE);
+    let init = config.transfer.as_ref().map(|transfer| match copy.exists() {
+        true => copy,
+        false => transfer.policy.clone().into(),
+    });
+    Ok((config, init))
 }
 
 fn summary_text(folder: &Path, summary: &Summary) -> String {

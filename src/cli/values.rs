@@ -3,7 +3,9 @@
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
+use crate::limits::experiment::MAX_SEEDS;
 use crate::limits::{MAX_PICTURE_SIDE, MAX_STEPS};
+use crate::reproduce::Seeds;
 use crate::scenario::whole_number;
 
 /// The least width and height of a picture, in pixels.
@@ -36,6 +38,20 @@ pub fn budget(text: &str) -> Result<u64, String> {
 /// Parses a seed.
 pub fn seed(text: &str) -> Result<u64, String> {
     whole(0..=u64::MAX)(text)
+}
+
+/// Parses a number of seeds, or a list of them.
+pub fn seeds(text: &str) -> Result<Seeds, String> {
+    let Some(list) = text.contains(',').then(|| text.strip_suffix(',').unwrap_or(text)) else {
+        return whole(1..=MAX_SEEDS)(text).map(Seeds::First);
+    };
+    let seeds = list.split(',').map(|text| seed(text.trim())).collect::<Result<Vec<_>, _>>();
+    let seeds = Seeds::List(seeds.map_err(|error| format!("each seed: {error}"))?);
+    match seeds.duplicate() {
+        Some(seed) => Err(format!("{seed} is given twice; give each seed once")),
+        None if seeds.count() > MAX_SEEDS => Err(format!("give at most {MAX_SEEDS} seeds")),
+        None => Ok(seeds),
+    }
 }
 
 /// Parses a share from 0 to 1.
@@ -106,6 +122,12 @@ mod tests {
             let error = format!("give a whole number from 1 to 1000000000000000{fix}");
             assert_eq!(budget(text), Err(error), "{text}");
         }
+        assert_eq!(seeds("5"), Ok(Seeds::First(5)));
+        assert_eq!(seeds("3,17, 42"), Ok(Seeds::List(vec![3, 17, 42])));
+        assert_eq!(seeds("17,"), Ok(Seeds::List(vec![17])), "a single one");
+        assert_eq!(seeds("0"), Err("give a whole number from 1 to 1000".into()));
+        assert_eq!(seeds("3,17,3"), Err("3 is given twice; give each seed once".into()));
+        assert!(seeds("3,x").is_err() && seeds(",").is_err());
         assert_eq!(share("0,5"), Err("give a number from 0 to 1; write 0.5".into()));
         assert_eq!(share("NaN"), Err("give a number from 0 to 1".into()));
         assert_eq!(seconds("1,5"), Err("give 0.01 to 1000000 seconds; write 1.5".into()));

@@ -15,10 +15,12 @@ use crate::app::{
     window::{self, WindowOptions},
 };
 use crate::limits::MAX_STEPS;
+use crate::run::folder::RunConfig;
 use crate::run::output_file::check_writable;
 use crate::run::progress::print_stderr;
 use crate::run::settings::Settings;
 use crate::run::{RunError, shipped};
+use crate::scenario::read_text;
 
 /// The options of the app.
 #[derive(Args, Debug)]
@@ -109,6 +111,12 @@ pub fn run(args: WindowArgs, shared: SharedArgs, save_every: Option<Duration>) -
 /// Checks the scenario and the preset before the window opens. An invalid scenario file is only reported on stderr,
 /// because the app loads it once the user has fixed it. For a screenshot it is an error.
 fn check_start_files(start: &StartOptions, screenshot: bool) -> Result<(), RunError> {
+    let scenario = Path::new(&start.scenario);
+    // The app follows the scenario's file and writes it, which would spoil the run.
+    if read_text(scenario).is_ok_and(|text| RunConfig::is_meant_by(&text)) {
+        let why = "this is the configuration of a run; help: open the run's folder with --open";
+        return Err(RunError::invalid_input(scenario, why));
+    }
     match shipped::scenario(&start.scenario) {
         Err(error) if Path::new(&start.scenario).is_file() && !screenshot => {
             print_stderr(&error.to_string());

@@ -1,40 +1,46 @@
 //! The result of a claim: the outcome, and a sentence with the numbers.
 //!
-//! In: a claim, and the values of both arms over the seeds. Out: a [`ClaimResult`]. A claim **held** if the 95 %
-//! interval of the difference (Welch) lies entirely on the claimed side of 0. It is **reversed** if the interval lies
-//! entirely on the other side, and otherwise **not shown**. An arm with a lower bound among its values is never called
-//! better.
+//! In: a claim, and the values of both arms over the seeds. Out: a [`ClaimResult`]. If both arms have the same seeds, the
+//! difference is that within each seed, with Student's interval; otherwise it is the difference of the means, with Welch's.
+//! A claim **held** if the 95 % interval of the difference lies entirely on the claimed side of 0. It is **reversed** if
+//! the interval lies entirely on the other side, and otherwise **not shown**. An arm with a lower bound among its values is
+//! never called better, and a few seeds that happen to agree exactly show nothing.
 
 use super::claim::Claim;
 use super::measure::Measure;
-use super::measured_value::{MeasuredValue, raw_values};
+use super::measured_value::ArmValues;
 use crate::report::claim::{ClaimOutcome, ClaimResult};
 use crate::report::format::number;
-use crate::report::statistics::{Estimate, difference};
+use crate::report::statistics::{Estimate, SMALL_SAMPLE, difference, paired_difference};
 
 /// The comparison of two arms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Comparison {
     /// The mean of the first arm minus the mean of the second, in the measure's unit; `None` without values.
     pub difference: Option<Estimate>,
+    /// Whether both arms have the same seeds, so that the difference is within each seed.
+    pub is_paired: bool,
     /// The outcome of the claim that the first arm is better.
     pub outcome: ClaimOutcome,
 }
 
 /// Compares the arm that is claimed to be `better` with the other one.
-pub fn compare(measure: Measure, better: &[MeasuredValue], than: &[MeasuredValue]) -> Comparison {
-    let difference = difference(&raw_values(better), &raw_values(than));
-    let is_bound = |values: &[MeasuredValue]| values.iter().any(|value| value.is_lower_bound);
+pub fn compare(measure: Measure, better: &ArmValues, than: &ArmValues) -> Comparison {
+    let is_paired = better.seeds == than.seeds;
+    let difference_of = if is_paired { paired_difference } else { difference };
+    let difference = difference_of(&better.raw(), &than.raw());
     let sign = if measure.more_is_better() { 1.0 } else { -1.0 };
     let outcome = match difference {
-        Some(Estimate { mean, half_width: Some(half_width), .. }) => {
+        Some(Estimate { mean, half_width: Some(half_width), .. })
+            if !is_accident(difference, better, than) =>
+        {
             // A difference within rounding errors counts as 0.
             let rounding = 1e-9 * mean.abs().max(1.0);
             let (advantage, margin) = (sign * mean, half_width.max(rounding));
             // Lower bounds occur only in measures where less is better, so the true values are worse.
-            if advantage > margin && !is_bound(better) {
+            if advantage > margin && better.bounds() == 0 {
                 ClaimOutcome::Held
-            } else if advantage < -margin && !is_bound(than) {
+            } else if advantage < -margin && than.bounds() == 0 {
                 ClaimOutcome::Reversed
             } else {
                 ClaimOutcome::NotShown
@@ -42,24 +48,33 @@ pub fn compare(measure: Measure, better: &[MeasuredValue], than: &[MeasuredValue
         }
         _ => ClaimOutcome::NotShown,
     };
-    Comparison { difference, outcome }
+    Comparison { difference, is_paired, outcome }
 }
 
-/// The result of `claim`; `anchor` is the section that shows the data.
+/// Whether so few seeds agree exactly that their spread is unknown.
+fn is_accident(difference: Option<Estimate>, better: &ArmValues, than: &ArmValues) -> bool {
+    let fewest = better.seeds.len().min(than.seeds.len());
+    fewest < SMALL_SAMPLE && difference.is_some_and(|difference| difference.half_width == Some(0.0))
+}
+
+/// The result of `claim`; `anchor` is the section that shows the data, and `window` the number of training episodes in the
+/// means of the claim's figure, if it is about them.
 pub fn claim_result(
     claim: &Claim,
-    better: &[MeasuredValue],
-    than: &[MeasuredValue],
+    better: &ArmValues,
+    than: &ArmValues,
+    window: Option<usize>,
     anchor: &str,
 ) -> ClaimResult {
     let comparison = compare(claim.measure, better, than);
-    let mut sentence = numbers(claim, better, than, comparison.difference);
+    let mut sentence = numbers(claim, (better, than), window, comparison);
     sentence += ". ";
-    sentence += conclusion(comparison, better.len());
+    sentence += conclusion(comparison, (better, than));
+    sentence += &little(better.seeds.len().min(than.seeds.len()));
     for (name, values) in [(&claim.better, better), (&claim.than, than)] {
-        let bounds = values.iter().filter(|value| value.is_lower_bound).count();
+        let bounds = values.bounds();
         if bounds > 0 {
-            let all = values.len();
+            let all = values.values.len();
             sentence += &match claim.measure {
                 Measure::BenchmarkRouteTime => {
                     format!(
@@ -81,12 +96,20 @@ pub fn claim_result(
     }
 }
 
+/// What a small number of seeds says, after a conclusion.
+fn little(seeds: usize) -> String {
+    match seeds {
+        0 | 1 | SMALL_SAMPLE.. => String::new(),
+        n => format!(" n = {n} says little."),
+    }
+}
+
 /// The means of both arms and their difference, without a full stop.
 fn numbers(
     claim: &Claim,
-    better: &[MeasuredValue],
-    than: &[MeasuredValue],
-    difference: Option<Estimate>,
+    (better, than): (&ArmValues, &ArmValues),
+    window: Option<usize>,
+    Comparison { difference, is_paired, .. }: Comparison,
 ) -> String {
     let measure = claim.measure;
     let unit = match measure.unit() {
@@ -94,15 +117,20 @@ fn numbers(
         unit => format!("\u{a0}{unit}"),
     };
     let with_unit = |e: &Estimate| format!("{}{unit}", with_interval(e, measure.digits()));
-    let mean = |values: &[MeasuredValue]| {
-        Estimate::from_values(&raw_values(values)).map_or("no value".into(), |e| with_unit(&e))
+    let mean = |values: &ArmValues| {
+        Estimate::from_values(&values.raw()).map_or("no value".into(), |e| with_unit(&e))
+    };
+    let is_time_to = matches!(measure, Measure::EpisodesTo(_) | Measure::StepsTo(_));
+    let of_episodes = match window.filter(|_| !measure.needs_test()) {
+        Some(window) if is_time_to => format!(" (moving mean over {window} episodes)"),
+        Some(window) => format!(" (mean of the last {window} episodes)"),
+        None => String::new(),
     };
     let mut text = format!(
-        "{} {} {} episodes{}: {} {}, {} {}",
+        "{} {} {}{of_episodes}: {} {}, {} {}",
         measure.heading(),
-        if matches!(measure, Measure::EpisodesTo(_) | Measure::StepsTo(_)) { "within" } else { "after" },
-        number(claim.after as f64, 0),
-        if claim.of_last_stage { " of the last stage" } else { "" },
+        if is_time_to { "within" } else { "after" },
+        claim.point().words(),
         claim.better,
         mean(better),
         claim.than,
@@ -110,21 +138,28 @@ fn numbers(
     );
     if let Some(difference) = difference {
         let sign = if difference.mean > 0.0 { "+" } else { "" };
-        text += &format!("; difference {sign}{}", with_unit(&difference));
+        let paired = if is_paired && better.seeds.len() > 1 { " (paired by seed)" } else { "" };
+        text += &format!("; difference {sign}{}{paired}", with_unit(&difference));
     }
     text
 }
 
-/// The conclusion from a comparison over `seeds` seeds.
-fn conclusion(Comparison { difference, outcome }: Comparison, seeds: usize) -> &'static str {
+/// The conclusion from a comparison.
+fn conclusion(comparison: Comparison, (better, than): (&ArmValues, &ArmValues)) -> &'static str {
+    let difference = comparison.difference;
     let contains_0 = |d: Estimate| d.half_width.is_some_and(|half_width| d.mean.abs() <= half_width);
-    match (outcome, difference.and_then(|d| d.half_width)) {
+    match (comparison.outcome, difference.and_then(|d| d.half_width)) {
         (ClaimOutcome::Held, _) => "The claim held.",
         (ClaimOutcome::Reversed, _) => "The opposite is the case.",
-        (ClaimOutcome::NotShown, None) if seeds < 2 => "A single seed shows no difference.",
+        (ClaimOutcome::NotShown, None) if better.seeds.len() < 2 || than.seeds.len() < 2 => {
+            "A single seed shows no difference."
+        }
         (ClaimOutcome::NotShown, None) => "Some seeds have no value.",
         (ClaimOutcome::NotShown, Some(_)) if difference.is_some_and(contains_0) => {
             "The interval contains 0, so no difference is shown."
+        }
+        (ClaimOutcome::NotShown, Some(_)) if is_accident(difference, better, than) => {
+            "All seeds happen to agree, but they are too few to know their spread."
         }
         (ClaimOutcome::NotShown, Some(_)) => "Too many values are lower bounds to show a difference.",
     }
@@ -140,9 +175,26 @@ fn with_interval(estimate: &Estimate, digits: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::reproduce::measured_value::MeasuredValue;
+    use crate::run::preset::Budget;
 
-    fn values(of: &[f64]) -> Vec<MeasuredValue> {
-        of.iter().map(|&value| MeasuredValue::exact(value)).collect()
+    fn arm(values: Vec<MeasuredValue>) -> ArmValues {
+        ArmValues { seeds: (1..).take(values.len()).collect(), values }
+    }
+
+    fn values(of: &[f64]) -> ArmValues {
+        arm(of.iter().map(|&value| MeasuredValue::exact(value)).collect())
+    }
+
+    fn claim(measure: Measure, after: u64) -> Claim {
+        Claim {
+            statement: "A is better".into(),
+            measure,
+            better: "A".into(),
+            than: "B".into(),
+            after: Some(Budget::Episodes(after)),
+            of_last_stage: false,
+        }
     }
 
     fn outcome(measure: Measure, better: &[f64], than: &[f64]) -> ClaimOutcome {
@@ -151,57 +203,66 @@ mod tests {
 
     #[test]
     fn a_claim_holds_if_the_interval_lies_on_its_side_of_zero() {
-        // Means 99 and 90, standard errors sqrt(1/3) each: far apart.
-        let (high, low) = ([98.0, 99.0, 100.0], [89.0, 90.0, 91.0]);
+        // Differences 8, 9 and 10: 9 +- 2.48.
+        let (high, low) = ([98.0, 99.0, 100.0], [90.0, 90.0, 90.0]);
         assert_eq!(outcome(Measure::Success, &high, &low), ClaimOutcome::Held);
         assert_eq!(outcome(Measure::Success, &low, &high), ClaimOutcome::Reversed);
         assert_eq!(outcome(Measure::MeanTime, &low, &high), ClaimOutcome::Held, "less time is better");
-        // Means 96 and 94, standard errors sqrt(16/3) each: 2 +- 2.776 sqrt(32/3) = 9.07 (Welch: 4 degrees of freedom).
-        let (one, other) = ([92.0, 96.0, 100.0], [90.0, 94.0, 98.0]);
+        // Differences -6, 2 and 10: 2 +- 4.3027 * 8 / sqrt 3 = 19.9.
+        let (one, other) = ([92.0, 96.0, 100.0], [98.0, 94.0, 90.0]);
         assert_eq!(outcome(Measure::Success, &one, &other), ClaimOutcome::NotShown);
         assert_eq!(outcome(Measure::Success, &[99.0], &[1.0]), ClaimOutcome::NotShown, "a single seed");
-        assert_eq!(outcome(Measure::Success, &[5.0; 2], &[5.0; 2]), ClaimOutcome::NotShown, "no difference");
-        assert_eq!(outcome(Measure::Success, &[6.0; 2], &[5.0; 2]), ClaimOutcome::Held, "no variance");
+        assert_eq!(outcome(Measure::Success, &[5.0; 5], &[5.0; 5]), ClaimOutcome::NotShown, "no difference");
+        assert_eq!(outcome(Measure::Success, &[6.0; 5], &[5.0; 5]), ClaimOutcome::Held, "no variance");
+        assert_eq!(
+            outcome(Measure::Success, &[6.0; 2], &[5.0; 2]),
+            ClaimOutcome::NotShown,
+            "two seeds agree"
+        );
+    }
+
+    #[test]
+    fn arms_with_the_same_seeds_are_paired_and_others_are_not() {
+        // Every seed gains 1 to 3, while the seeds differ by 10.
+        let (a, b) = (values(&[11.0, 22.0, 33.0]), values(&[10.0, 20.0, 30.0]));
+        let paired = compare(Measure::Success, &a, &b);
+        assert_eq!((paired.is_paired, paired.outcome), (true, ClaimOutcome::NotShown), "2 +- 2.48");
+        let better = values(&[12.0, 22.0, 33.0]);
+        assert_eq!(compare(Measure::Success, &better, &b).outcome, ClaimOutcome::Held, "2.33 +- 1.43");
+        let other_seeds = ArmValues { seeds: vec![4, 5, 6], ..b };
+        let unpaired = compare(Measure::Success, &better, &other_seeds);
+        assert_eq!((unpaired.is_paired, unpaired.outcome), (false, ClaimOutcome::NotShown));
     }
 
     #[test]
     fn the_sentence_has_the_numbers_behind_the_outcome() {
-        let claim = Claim {
-            statement: "A succeeds more often".into(),
-            measure: Measure::Success,
-            better: "A".into(),
-            than: "B".into(),
-            after: 1000,
-            of_last_stage: false,
-        };
-        // {98, 99, 100}: 99, sd 1, half width 4.3027 / sqrt 3 = 2.48; the difference's: 2.7764 sqrt(2/3) = 2.27.
-        let result =
-            claim_result(&claim, &values(&[98.0, 99.0, 100.0]), &values(&[89.0, 90.0, 91.0]), "here");
+        // {98, 99, 100}: 99, sd 1, half width 4.3027 / sqrt 3 = 2.48; so have the differences 8, 9 and 10.
+        let (better, than) = (values(&[98.0, 99.0, 100.0]), values(&[90.0, 90.0, 90.0]));
+        let result = claim_result(&claim(Measure::Success, 1000), &better, &than, None, "here");
         assert_eq!(
             result.sentence,
-            "Success after 1,000 episodes: A 99.0 ± 2.5\u{a0}%, B 90.0 ± 2.5\u{a0}%; difference +9.0 ± 2.3\u{a0}%. \
-             The claim held."
+            "Success after 1,000 episodes: A 99.0 ± 2.5\u{a0}%, B 90.0 ± 0.0\u{a0}%; difference +9.0 ± 2.5\u{a0}% (paired \
+             by seed). The claim held. n = 3 says little."
+        );
+        let result = claim_result(&claim(Measure::Goals, 1000), &better, &than, Some(20), "here");
+        assert!(
+            result.sentence.contains("after 1,000 episodes (mean of the last 20 episodes): A "),
+            "{}",
+            result.sentence
         );
     }
 
     #[test]
     fn an_arm_with_lower_bounds_is_never_better() {
-        let claim = Claim {
-            statement: "A learns in fewer episodes".into(),
-            measure: Measure::EpisodesTo(4.0),
-            better: "A".into(),
-            than: "B".into(),
-            after: 800,
-            of_last_stage: false,
-        };
-        let not_reached = [MeasuredValue { value: 800.0, is_lower_bound: true }, MeasuredValue::exact(700.0)];
-        let result = claim_result(&claim, &values(&[300.0, 310.0]), &not_reached, "here");
+        let claim = claim(Measure::EpisodesTo(4.0), 800);
+        let bound = |value| MeasuredValue { value, is_lower_bound: true };
+        let not_reached = arm(vec![bound(800.0), MeasuredValue::exact(700.0)]);
+        let result = claim_result(&claim, &values(&[300.0, 310.0]), &not_reached, None, "here");
         assert!(result.sentence.starts_with("Episodes to 4 goals per episode within 800 episodes: A 305"));
         let note = "(1 of 2 runs of B did not reach this number of goals and count with their full length.)";
         assert!(result.sentence.ends_with(note), "{}", result.sentence);
         // The first arm only had shorter runs.
-        let short = [MeasuredValue { value: 100.0, is_lower_bound: true }; 2];
-        let long = [MeasuredValue { value: 200.0, is_lower_bound: true }; 2];
+        let (short, long) = (arm(vec![bound(100.0); 5]), arm(vec![bound(200.0); 5]));
         assert_eq!(compare(Measure::EpisodesTo(4.0), &short, &long).outcome, ClaimOutcome::NotShown);
     }
 }

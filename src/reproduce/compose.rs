@@ -1,15 +1,21 @@
 //! The report's page: the claim results, a section for each experiment, the exact settings, and the provenance.
 
+use std::collections::BTreeSet;
+
 use super::claim::Claim;
 use super::claim_result::claim_result;
+use super::data_note::fewest_seeds;
 use super::options::ReproduceOptions;
 use super::plan::RunPlan;
 use super::provenance::provenance;
+use super::records::Windows;
 use super::results::Results;
+use super::rows::rows;
 use super::selected::SelectedExperiment;
 use super::{figures, tables};
 use crate::report::claim::ClaimResult;
 use crate::report::page::{Item, Page, Section, Setting};
+use crate::report::statistics::small_sample_note;
 use crate::run::RunError;
 use crate::scenario::to_ron;
 
@@ -39,12 +45,20 @@ pub fn page(
     Ok(Page {
         title,
         lead: vec![lead],
-        warning: options.quick.then(|| QUICK_WARNING.to_string()),
+        warning: warning(results, selected.len(), options.quick),
         claims: unique_claims(&sections),
         sections,
-        settings: settings(selected, plan)?,
+        settings: settings(results, selected, plan)?,
         provenance: provenance(results, plan, jobs, wall_s),
     })
+}
+
+/// What a reader must know before any number.
+fn warning(results: &Results<'_>, experiments: usize, quick: bool) -> Option<String> {
+    let fewest = (0..experiments).map(|index| fewest_seeds(results, index)).min();
+    let parts = [quick.then(|| QUICK_WARNING.to_string()), fewest.and_then(small_sample_note)];
+    let text = parts.into_iter().flatten().collect::<Vec<_>>().join(" ");
+    (!text.is_empty()).then_some(text)
 }
 
 fn title_and_lead(
@@ -88,41 +102,49 @@ fn claim_results(item: &Item) -> &[ClaimResult] {
 fn section(results: &Results<'_>, index: usize, selected: &SelectedExperiment) -> Result<Section, RunError> {
     let experiment = &selected.source.experiment;
     let id = selected.source.name();
-    let test = |claims: &[Claim]| -> Result<Vec<ClaimResult>, RunError> {
-        claims.iter().map(|claim| test_claim(results, index, claim, &id)).collect()
+    let test = |claims: &[Claim], window: Option<usize>| -> Result<Vec<ClaimResult>, RunError> {
+        claims.iter().map(|claim| test_claim(results, index, claim, window, &id)).collect()
     };
     let mut items = Vec::new();
     for figure in selected.figures.iter().map(|&i| &experiment.figures[i]) {
         items.push(Item::Figure {
             name: figure.name.clone(),
             svg: figures::draw(results, index, figure)?,
-            caption: format!("{}. {}", figure.title, figure.caption).trim().to_string(),
-            claim_results: test(&figure.claims)?,
+            caption: figures::caption(results, index, figure)?,
+            claim_results: test(&figure.claims, figure.window())?,
         });
     }
     for table in selected.tables.iter().map(|&i| &experiment.tables[i]) {
         items.push(Item::Table {
             table: tables::make(results, index, table)?,
-            claim_results: test(&table.claims)?,
+            claim_results: test(&table.claims, None)?,
         });
     }
     Ok(Section { id: id.clone(), heading: experiment.title.clone(), about: experiment.about.clone(), items })
 }
 
-/// Tests a claim under the first condition.
+/// Tests a claim under the first condition. With a `window`, the numbers are those of the curves that were smoothed with it.
 fn test_claim(
     results: &Results<'_>,
     index: usize,
     claim: &Claim,
+    window: Option<usize>,
     anchor: &str,
 ) -> Result<ClaimResult, RunError> {
-    let when = (claim.after, claim.of_last_stage);
-    let values = |arm: &str| results.values_by_arm_name(index, 0, arm, claim.measure, when);
-    Ok(claim_result(claim, &values(&claim.better)?, &values(&claim.than)?, anchor))
+    let windows = window.map_or_else(Windows::default, Windows::equal);
+    let values = |arm: &str| {
+        let arm = results.arm_by_name(index, 0, arm);
+        results.values(arm, claim.measure, claim.point(), windows)
+    };
+    Ok(claim_result(claim, &values(&claim.better)?, &values(&claim.than)?, window, anchor))
 }
 
-/// The experiments as executed, and every run's complete configuration (seed 1).
-fn settings(selected: &[SelectedExperiment], plan: &RunPlan) -> Result<Vec<Setting>, RunError> {
+/// The experiments as executed, and every run's complete configuration (of the first seed).
+fn settings(
+    results: &Results<'_>,
+    selected: &[SelectedExperiment],
+    plan: &RunPlan,
+) -> Result<Vec<Setting>, RunError> {
     let failed = |error: ron::Error| RunError::Failed(error.to_string());
     let mut settings = Vec::new();
     for selected in selected {
@@ -131,7 +153,11 @@ fn settings(selected: &[SelectedExperiment], plan: &RunPlan) -> Result<Vec<Setti
             ron: to_ron(&selected.source.experiment).map_err(failed)?,
         });
     }
-    for (index, training) in plan.trainings.iter().enumerate().filter(|(_, t)| t.config.seed == 1) {
+    let mut shown = BTreeSet::new();
+    for arm in (0..selected.len()).flat_map(|index| rows(results, index)) {
+        shown.extend(results.first_run(arm)?.stages.iter().map(|stage| stage.0));
+    }
+    for (index, training) in shown.into_iter().map(|index| (index, &plan.trainings[index])) {
         settings.push(Setting {
             heading: format!("Run {}: {}", training.name, used_by(index, selected, plan)),
             ron: to_ron(&training.config).map_err(failed)?,

@@ -70,12 +70,11 @@ fn train_and_test(
     stop: &'static AtomicBool,
 ) -> Result<bool, RunError> {
     let training = &plan.trainings[index];
-    let path = folder.join(&training.name);
-    let was_finished = is_finished(training, &path);
+    let was_finished = training.elsewhere.is_some() || is_finished(training, &folder.join(&training.name));
     if !was_finished && !run_training(plan, index, folder, progress, stop)? {
         return Ok(false);
     }
-    run_tests(training, &path)?;
+    run_tests(training, folder)?;
     progress.finish_run(index, was_finished);
     Ok(true)
 }
@@ -88,13 +87,13 @@ fn is_finished(training: &Training, path: &Path) -> bool {
         Budget::Episodes(n) => summary.episodes >= n,
         Budget::EnvSteps(n) => summary.env_steps >= n,
     };
-    let saved = |&episodes: &u64| path.join(RunFolder::policy_after_file(episodes)).exists();
+    let saved = |&after: &Budget| path.join(RunFolder::policy_after_file(after)).exists();
     let same = RunFolder::open(path).is_ok_and(|(_, mut config)| {
         config.preset.budget = training.config.preset.budget;
-        config.save_policy_after_episodes.clone_from(&training.config.save_policy_after_episodes);
+        config.save_policy_after.clone_from(&training.config.save_policy_after);
         config == training.config
     });
-    summary.finished && long_enough && same && training.config.save_policy_after_episodes.iter().all(saved)
+    summary.finished && long_enough && same && training.config.save_policy_after.iter().all(saved)
 }
 
 /// Trains, from the latest checkpoint if there is a suitable one; `false` if it was stopped.
@@ -149,18 +148,18 @@ fn origin(plan: &RunPlan, training: &Training, folder: &Path) -> Result<Option<P
     policy_test::read_policy(&folder.join(&plan.trainings[from].name).join(name)).map(Some)
 }
 
-/// Runs the tests that have no result yet.
-fn run_tests(training: &Training, path: &Path) -> Result<(), RunError> {
-    let mut results = policy_test::read_results(path);
+/// Runs the tests that have no result yet. The results are written below `runs`, also those of a run from elsewhere.
+fn run_tests(training: &Training, runs: &Path) -> Result<(), RunError> {
+    let (from, into) = (training.folder(runs), runs.join(&training.name));
+    let mut results = policy_test::read_results(&into);
     let known = results.len();
     for &(policy, rule) in &training.tests {
         if policy_test::find(&results, policy, rule).is_none() {
-            results.push(policy_test::run(path, &training.config.scenario, policy, rule)?);
+            results.push(policy_test::run(&from, &training.config.scenario, policy, rule)?);
         }
     }
     if results.len() > known {
-        let (folder, _) = RunFolder::open(path)?;
-        policy_test::write_results(&folder, &results)?;
+        policy_test::write_results(&into, &results)?;
     }
     Ok(())
 }

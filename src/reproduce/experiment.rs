@@ -3,15 +3,17 @@
 //! In: a RON file from `assets/experiments/` or from the user. Out: an [`Experiment`].
 //!
 //! An **arm** is one way to learn: a stage of training, or several stages, each of which starts from the weights of the
-//! stage before it (knowledge transfer). A **condition** changes all arms in the same way; with conditions, every arm
-//! is trained under each of them. **Figures** and **tables** show the results, and **claims** are tested against them.
+//! stage before it (knowledge transfer), or runs that exist already. A **condition** changes all arms in the same way;
+//! with conditions, every arm is trained under each of them. **Figures** and **tables** show the results, and **claims** are tested against them.
 
 use serde::{Deserialize, Serialize};
 
+use super::claim::Claim;
 use super::figure_spec::FigureSpec;
-use super::overrides::Override;
-use super::table_spec::TableSpec;
+use super::seeds::Seeds;
+use super::table_spec::{TableKind, TableSpec};
 use crate::run::preset::{Budget, EvaluationConfig};
+use crate::run::settings::Settings;
 
 /// An experiment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -22,15 +24,19 @@ pub struct Experiment {
     /// The question and the setup, in a few sentences.
     #[serde(default)]
     pub about: String,
-    /// The number of seeds, 1 to 1,000: seeds 1, 2, ... are used. `--seeds` overrides it.
-    #[serde(default = "default_seeds")]
-    pub seeds: u64,
+    /// The number of seeds, 1 to 1,000: `5` stands for the seeds 1 to 5; or a list of seeds, such as `[3, 17, 42]`.
+    /// `--seeds` overrides it.
+    #[serde(default)]
+    pub seeds: Seeds,
     /// The evaluation during training, instead of the presets' own. It does not affect what is learned.
     #[serde(default)]
     pub evaluation: Option<EvaluationConfig>,
     /// The test after training.
     #[serde(default)]
     pub test: TestRule,
+    /// Changes to every stage under every condition, after all other changes. `--set` adds to them.
+    #[serde(default, skip_serializing_if = "Settings::is_empty")]
+    pub overrides: Settings,
     /// The arms to compare, at least one.
     pub arms: Vec<Arm>,
     /// The conditions under which all arms are trained. If empty, they are trained once, without changes.
@@ -44,8 +50,21 @@ pub struct Experiment {
     pub tables: Vec<TableSpec>,
 }
 
-fn default_seeds() -> u64 {
-    5
+impl Experiment {
+    /// All claims of figures and tables.
+    pub fn claims(&self) -> impl Iterator<Item = &Claim> {
+        let figures = self.figures.iter().flat_map(|figure| &figure.claims);
+        figures.chain(self.tables.iter().flat_map(|table| &table.claims))
+    }
+
+    /// The names of the arms that claims and tables compare, in pairs.
+    pub(super) fn compared_arms(&self) -> impl Iterator<Item = (&str, &str)> {
+        let claims = self.claims().map(|claim| (claim.better.as_str(), claim.than.as_str()));
+        claims.chain(self.tables.iter().filter_map(|table| match &table.show {
+            TableKind::Contrast { better, than, .. } => Some((better.as_str(), than.as_str())),
+            _ => None,
+        }))
+    }
 }
 
 /// The test of a policy after training; by default the paper's 5 rounds of 100 episodes. The benchmark route is always
@@ -74,7 +93,12 @@ pub struct Arm {
     /// The name in figures and tables.
     pub name: String,
     /// The stages, in order. Each but the first starts from the final weights of the stage before it.
+    #[serde(default)]
     pub stages: Vec<Stage>,
+    /// Instead of stages: folders of finished runs, one for each seed (relative to the experiment's folder or the working
+    /// directory). They are read, and never changed.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub runs: Vec<String>,
     /// The policy that is tested.
     #[serde(default)]
     pub policy: TestedPolicy,
@@ -83,11 +107,11 @@ pub struct Arm {
 /// The policy of an arm that is tested.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum TestedPolicy {
-    /// The policy after the number of episodes that a figure or table names, as in the paper.
+    /// The policy after the episodes or env steps that a figure or table names, as in the paper.
     #[default]
-    AtEpisode,
+    After,
     /// The best policy of the last stage, chosen by the evaluations during training, whose starts and goals differ from
-    /// the test's. The number of episodes that a figure or table names is ignored.
+    /// the test's. What a figure or table names in `after` is ignored.
     Best,
 }
 
@@ -107,18 +131,37 @@ pub struct Stage {
     /// 0.5).
     #[serde(default)]
     pub epsilon: Option<f32>,
-    /// Changes to the scenario and the preset.
-    #[serde(default)]
-    pub overrides: Override,
+    /// Fields of the preset and the scenario to change, by path:
+    /// `{"learning.gamma": 0.97, "scenario.lidar.noise_std_m": 0.02}`.
+    #[serde(default, skip_serializing_if = "Settings::is_empty")]
+    pub overrides: Settings,
 }
 
-/// A condition: a change to all arms.
+/// A condition: a change to all arms, or to some of them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Condition {
     /// The name in figures and tables.
     pub name: String,
-    /// The changes to every stage.
-    #[serde(default)]
-    pub overrides: Override,
+    /// Another scenario for every stage. The overrides apply to it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scenario: Option<String>,
+    /// Fields of the preset and the scenario to change in every stage, by path, after those of the stage.
+    #[serde(default, skip_serializing_if = "Settings::is_empty")]
+    pub overrides: Settings,
+    /// The names of the arms that are changed; empty for all.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub only_arms: Vec<String>,
+    /// The scenarios, as the stages name them, whose stages are changed; empty for all.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub only_scenarios: Vec<String>,
+}
+
+impl Condition {
+    /// Whether the condition changes `stage` of `arm`.
+    #[must_use]
+    pub fn changes(&self, arm: &Arm, stage: &Stage) -> bool {
+        let is_named = |names: &[String], name: &String| names.is_empty() || names.contains(name);
+        is_named(&self.only_arms, &arm.name) && is_named(&self.only_scenarios, &stage.scenario)
+    }
 }

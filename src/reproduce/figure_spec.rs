@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::claim::Claim;
 use super::measure::Measure;
+use crate::run::preset::Budget;
 
 /// A figure.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -23,15 +24,31 @@ pub struct FigureSpec {
     pub claims: Vec<Claim>,
 }
 
+impl FigureSpec {
+    /// The number of training episodes in the figure's moving means; the figure's claims are about the same means. `None`
+    /// for a figure without curves.
+    #[must_use]
+    pub fn window(&self) -> Option<usize> {
+        match self.draw {
+            FigureKind::LearningCurves { smoothing, .. } => Some(smoothing),
+            FigureKind::DotPlot { .. } | FigureKind::BenchmarkRoute { .. } => None,
+        }
+    }
+}
+
 /// The kind of a figure.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum FigureKind {
-    /// Learning curves over episodes, in a panel for each series: the mean over the seeds with its 95 % interval.
+    /// Learning curves, in a panel for each series: the mean over the seeds with its 95 % interval.
     LearningCurves {
         /// The series, one panel each.
-        series: Vec<EpisodeSeries>,
-        /// The number of episodes in the moving mean, 1 to 10,000.
+        series: Vec<Series>,
+        /// The x axis. By default episodes; env steps if a stage has a budget in env steps, or if the trainings differ in
+        /// the number of arenas.
+        #[serde(default)]
+        over: Option<Axis>,
+        /// The number of episodes in the moving mean, 1 to 10,000. The figure's claims about training episodes use it, too.
         #[serde(default = "default_smoothing")]
         smoothing: usize,
         /// Horizontal lines, such as the paper's values.
@@ -42,13 +59,15 @@ pub enum FigureKind {
     DotPlot {
         /// The measures, one column each.
         measures: Vec<Measure>,
-        /// The policy after this number of episodes, over all stages.
-        after: u64,
+        /// The policy after these episodes or env steps, over all stages; without it, after the whole training.
+        #[serde(default)]
+        after: Option<Budget>,
     },
-    /// A map of the benchmark route with the planner's path and each arm's trajectory (seed 1).
+    /// A map of the benchmark route with the planner's path and each arm's trajectory (its first seed).
     BenchmarkRoute {
-        /// The policy after this number of episodes, over all stages.
-        after: u64,
+        /// The policy after these episodes or env steps, over all stages; without it, after the whole training.
+        #[serde(default)]
+        after: Option<Budget>,
     },
 }
 
@@ -56,13 +75,24 @@ fn default_smoothing() -> usize {
     50
 }
 
-/// A value of each training episode.
+/// A series of values during training.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum EpisodeSeries {
-    /// The undiscounted sum of rewards.
+pub enum Series {
+    /// The undiscounted sum of rewards of each training episode.
     Return,
-    /// The number of goals reached.
+    /// The number of goals reached in each training episode.
     Goals,
+    /// The share of episodes that succeed in each evaluation during training, in percent.
+    SuccessRate,
+}
+
+/// The x axis of learning curves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Axis {
+    /// Finished episodes.
+    Episodes,
+    /// Env steps.
+    EnvSteps,
 }
 
 /// A horizontal line.
@@ -70,7 +100,7 @@ pub enum EpisodeSeries {
 #[serde(deny_unknown_fields)]
 pub struct ReferenceLineSpec {
     /// The series whose panel shows the line.
-    pub series: EpisodeSeries,
+    pub series: Series,
     /// The value, in the series' unit.
     pub value: f64,
     /// The label.

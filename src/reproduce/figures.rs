@@ -2,20 +2,19 @@
 
 use std::sync::Arc;
 
-use super::figure_spec::{EpisodeSeries, FigureKind, FigureSpec, ReferenceLineSpec};
+use super::data_note::{data_note, fewest_seeds};
+use super::figure_spec::{FigureKind, FigureSpec};
+use super::learning_curves::{LearningCurves, default_axis};
 use super::measure::Measure;
-use super::measured_value::raw_values;
 use super::policy_test::read_policy;
-use super::results::Results;
+use super::records::Windows;
+use super::results::{ArmIndex, Results};
 use super::rows::{row_name, rows};
+use super::test_point::TestPoint;
 use crate::planner::{Resolution, plan_path};
 use crate::report::DrawError;
-use crate::report::chart::{
-    BandPoint, ChartPanel, CurveChart, CurveLine, DotCell, DotColumn, DotPlot, EventMarker, MapTrajectory,
-    RawStyle, ReferenceLine, ScenarioMap,
-};
-use crate::report::smoothing::moving_mean;
-use crate::report::statistics::{Estimate, band};
+use crate::report::chart::{DotCell, DotColumn, DotPlot, MapTrajectory, ScenarioMap};
+use crate::report::statistics::{Estimate, small_sample_note};
 use crate::run::RunError;
 use crate::run::evaluate::Evaluator;
 use crate::run::scenario_image;
@@ -29,93 +28,40 @@ use crate::task::{EpisodeSetup, Pose};
 pub fn draw(results: &Results<'_>, index: usize, figure: &FigureSpec) -> Result<String, RunError> {
     let title = &figure.title;
     let svg = match &figure.draw {
-        FigureKind::LearningCurves { series, smoothing, reference_lines } => {
-            learning_curves(results, index, title, series, *smoothing, reference_lines).svg()
+        FigureKind::LearningCurves { series, over, smoothing, reference_lines } => {
+            let axis = over.unwrap_or_else(|| default_axis(results, index).0);
+            let curves = LearningCurves { figure, series, axis, smoothing: *smoothing, reference_lines };
+            curves.chart(results, index)?.svg()
         }
-        FigureKind::DotPlot { measures, after } => dot_plot(results, index, title, measures, *after)?.svg(),
-        FigureKind::BenchmarkRoute { after } => benchmark_route(results, index, title, *after)?.svg(),
+        FigureKind::DotPlot { measures, after } => {
+            dot_plot(results, index, title, measures, TestPoint::overall(*after))?.svg()
+        }
+        FigureKind::BenchmarkRoute { after } => {
+            benchmark_route(results, index, title, TestPoint::overall(*after))?.svg()
+        }
     };
     svg.map_err(|error: DrawError| RunError::Failed(format!("figure {}: {error}", figure.name)))
 }
 
-fn learning_curves(
-    results: &Results<'_>,
-    index: usize,
-    title: &str,
-    series: &[EpisodeSeries],
-    smoothing: usize,
-    reference_lines: &[ReferenceLineSpec],
-) -> CurveChart {
-    let panel = |&series: &EpisodeSeries| {
-        let (heading, include_y, limits) = match series {
-            EpisodeSeries::Return => ("Return per episode", Vec::new(), None),
-            EpisodeSeries::Goals => ("Goals reached per episode", vec![0.0], Some((0.0, f64::INFINITY))),
-        };
-        let rows = rows(results, index).into_iter().enumerate();
-        let references = reference_lines.iter().filter(|line| line.series == series);
-        ChartPanel {
-            heading: heading.into(),
-            y_unit: String::new(),
-            lines: rows.map(|(colour, row)| curve(results, index, row, series, smoothing, colour)).collect(),
-            reference_lines: references
-                .map(|line| ReferenceLine { value: line.value, label: line.label.clone() })
-                .collect(),
-            include_y,
-            limits,
-        }
-    };
-    CurveChart {
-        title: title.into(),
-        x_label: "episodes".into(),
-        include_x: Vec::new(),
-        mean_label: "smoothed mean".into(),
-        band_label: "95 % interval".into(),
-        raw_label: "mean of each episode".into(),
-        panels: series.iter().map(panel).collect(),
-        markers: stage_markers(results, index),
-    }
-}
-
-/// The curve of an arm under a condition: smoothed over episodes, then averaged over seeds.
-fn curve(
-    results: &Results<'_>,
-    index: usize,
-    (condition, arm): (usize, usize),
-    series: EpisodeSeries,
-    smoothing: usize,
-    colour: usize,
-) -> CurveLine {
-    let runs = results.curves(index, condition, arm, series);
-    let smoothed: Vec<Vec<f64>> = runs.iter().map(|run| moving_mean(run, smoothing)).collect();
-    let episode = |i: usize| (i + 1) as f64;
-    let point =
-        |(i, e): (usize, &Estimate)| BandPoint { x: episode(i), mean: e.mean, low: e.low(), high: e.high() };
-    CurveLine {
-        name: row_name(results, index, (condition, arm)),
-        colour,
-        points: band(&smoothed).iter().enumerate().map(point).collect(),
-        raw: band(&runs).iter().enumerate().map(|(i, e)| (episode(i), e.mean)).collect(),
-        raw_style: RawStyle::Line,
-        faint: false,
-    }
-}
-
-/// Markers at the episodes where arms continue in another stage.
-fn stage_markers(results: &Results<'_>, index: usize) -> Vec<EventMarker> {
-    let mut markers: Vec<EventMarker> = Vec::new();
-    for (condition, arm) in rows(results, index) {
-        let mut episodes = 0;
-        for pair in results.arm_run(index, condition, arm, 1).stages.windows(2) {
-            episodes += pair[0].1.unwrap_or(0);
-            let x = episodes as f64;
-            if !markers.iter().any(|marker| marker.x == x) {
-                let scenario = &results.training(pair[1].0).config.scenario.name;
-                let label = format!("{} continues in {scenario}", results.experiment(index).arms[arm].name);
-                markers.push(EventMarker { x, label });
+/// The caption of a figure: its title, the author's words, and how to read it.
+pub fn caption(results: &Results<'_>, index: usize, figure: &FigureSpec) -> Result<String, RunError> {
+    let mut parts = vec![format!("{}.", figure.title), figure.caption.clone()];
+    match &figure.draw {
+        FigureKind::LearningCurves { over: None, .. } => parts.push(default_axis(results, index).1.into()),
+        FigureKind::LearningCurves { .. } => {}
+        FigureKind::DotPlot { after, .. } => {
+            parts.push(data_note(results, index, TestPoint::overall(*after))?);
+            if !figure.claims.is_empty() {
+                parts.push("The claims are about the differences within each seed, which have intervals of their own.".into());
             }
         }
+        FigureKind::BenchmarkRoute { .. } => {}
     }
-    markers
+    if !matches!(figure.draw, FigureKind::BenchmarkRoute { .. }) {
+        parts.extend(small_sample_note(fewest_seeds(results, index)));
+    }
+    parts.retain(|part| !part.is_empty());
+    Ok(parts.join(" "))
 }
 
 fn dot_plot(
@@ -123,16 +69,16 @@ fn dot_plot(
     index: usize,
     title: &str,
     measures: &[Measure],
-    after: u64,
+    point: TestPoint,
 ) -> Result<DotPlot, RunError> {
     let rows = rows(results, index);
     let column = |&measure: &Measure| {
-        let cell = |&(condition, arm): &(usize, usize)| {
-            let values = results.values(index, condition, arm, measure, after)?;
+        let cell = |&row: &ArmIndex| {
+            let values = results.values(row, measure, point, Windows::default())?;
             Ok(DotCell {
-                estimate: Estimate::from_values(&raw_values(&values)),
-                censored: values.iter().any(|value| value.is_lower_bound),
-                values: raw_values(&values),
+                estimate: Estimate::from_values(&values.raw()),
+                censored: values.bounds() > 0,
+                values: values.raw(),
                 paper: None,
             })
         };
@@ -145,22 +91,22 @@ fn dot_plot(
     };
     Ok(DotPlot {
         title: title.into(),
-        rows: rows.iter().map(|&row| row_name(results, index, row)).collect(),
+        rows: rows.iter().map(|&row| row_name(results, row)).collect(),
         columns: measures.iter().map(column).collect::<Result<_, RunError>>()?,
     })
 }
 
-/// The map of the benchmark route: the planner's path, and the trajectory of each arm's policy of seed 1.
+/// The map of the benchmark route: the planner's path, and the trajectory of each arm's policy of its first seed.
 fn benchmark_route(
     results: &Results<'_>,
     index: usize,
     title: &str,
-    after: u64,
+    point: TestPoint,
 ) -> Result<ScenarioMap, RunError> {
     let mut trajectories = Vec::new();
     let mut first = None;
-    for (colour, (condition, arm)) in (1..).zip(rows(results, index)) {
-        let (training, policy) = results.policy(index, condition, arm, 1, after);
+    for (colour, row) in (1..).zip(rows(results, index)) {
+        let (training, policy) = results.policy(row, results.first_run(row)?, point)?;
         let scenario = &results.training(training).config.scenario;
         let policy = read_policy(&results.policy_file(training, policy))?;
         let seed = results.experiment(index).test.seed;
@@ -170,7 +116,7 @@ fn benchmark_route(
         })?;
         let (episode, poses) = evaluator.trace(&policy, seed, EpisodeSetup::Route(route))?;
         let time_s = f64::from(episode.steps) * f64::from(scenario.task.control_period_s);
-        let arm = row_name(results, index, (condition, arm));
+        let arm = row_name(results, row);
         let name = if episode.succeeded() { format!("{arm} {time_s:.1} s") } else { format!("{arm} failed") };
         trajectories.push(MapTrajectory { name, colour, points: points(&poses) });
         first.get_or_insert((scenario, episode.layout_seed, episode.clock.0));

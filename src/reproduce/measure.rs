@@ -81,6 +81,12 @@ impl Measure {
         matches!(self, Self::Success | Self::Return | Self::Goals)
     }
 
+    /// Whether the measure comes from a test of the policy, and not from the records of the training.
+    #[must_use]
+    pub fn needs_test(self) -> bool {
+        !matches!(self, Self::Return | Self::Goals | Self::EpisodesTo(_) | Self::StepsTo(_))
+    }
+
     /// The problem with the measure's number; `None` if it is valid.
     pub(super) fn invalid_reason(self) -> Option<String> {
         match self {

@@ -16,7 +16,28 @@ impl MeasuredValue {
     }
 }
 
-/// The values without their flags.
-pub fn raw_values(values: &[MeasuredValue]) -> Vec<f64> {
-    values.iter().map(|value| value.value).collect()
+/// The values of a measure for an arm, one for each of its seeds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ArmValues {
+    /// The seeds, in increasing order.
+    pub seeds: Vec<u64>,
+    /// The value of each seed.
+    pub values: Vec<MeasuredValue>,
+}
+
+impl ArmValues {
+    /// The values without their flags.
+    pub fn raw(&self) -> Vec<f64> {
+        self.values.iter().map(|value| value.value).collect()
+    }
+
+    /// The number of lower bounds.
+    pub fn bounds(&self) -> usize {
+        self.values.iter().filter(|value| value.is_lower_bound).count()
+    }
+
+    /// The value of `seed`.
+    pub fn of_seed(&self, seed: u64) -> Option<&MeasuredValue> {
+        self.seeds.iter().position(|&known| known == seed).map(|index| &self.values[index])
+    }
 }

@@ -5,30 +5,34 @@
 //!
 //! | step | files | duty |
 //! |---|---|---|
-//! | read | `experiment.rs`, `figure_spec.rs`, `table_spec.rs`, `claim.rs`, `measure.rs`, `overrides.rs` | the schema of an experiment's file |
-//! | | `load.rs`, `check/` | reading and checking such a file |
+//! | read | `experiment.rs`, `figure_spec.rs`, `table_spec.rs`, `claim.rs`, `measure.rs`, `seeds.rs` | the schema of an experiment's file |
+//! | | `load.rs`, `check/`, `training_check.rs` | reading and checking such a file, and its trainings |
 //! | select | `options.rs`, `select.rs`, `selected.rs`, `quick.rs` | the figures and tables that the user asked for |
-//! | plan | `plan.rs`, `run_config.rs` | the trainings they need, each once |
+//! | plan | `plan.rs`, `arm_run.rs`, `test_point.rs`, `run_config.rs` | the trainings they need, each once, and the policies to test |
+//! | | `elsewhere.rs` | runs that were trained elsewhere |
 //! | execute | `execute.rs`, `queue.rs`, `policy_test.rs`, `progress.rs` | training and testing, several runs in parallel |
 //! | measure | `results.rs`, `records.rs`, `measured_value.rs`, `optimal_times.rs` | numbers from the run folders |
 //! | compare | `claim_result.rs` | whether a claim held |
-//! | present | `rows.rs`, `figures.rs`, `tables/`, `compose.rs`, `provenance.rs` | figures, tables and the page |
+//! | present | `rows.rs`, `data_note.rs`, `figures.rs`, `learning_curves.rs`, `tables/`, `compose.rs`, `provenance.rs` | figures, tables and the page |
 //! | write | `report_folder.rs`, `report_files.rs` | the folder and the files of the report |
 
+pub mod arm_run;
 mod check;
 pub mod claim;
 mod claim_result;
 mod compose;
+mod data_note;
+pub mod elsewhere;
 mod execute;
 pub mod experiment;
 pub mod figure_spec;
 mod figures;
+mod learning_curves;
 mod load;
 pub mod measure;
 mod measured_value;
 mod optimal_times;
 mod options;
-pub mod overrides;
 pub mod plan;
 mod policy_test;
 mod progress;
@@ -41,12 +45,15 @@ mod report_folder;
 mod results;
 mod rows;
 mod run_config;
+pub mod seeds;
 mod select;
 pub mod selected;
 pub mod table_spec;
 mod tables;
+pub mod test_point;
 #[cfg(test)]
 mod tests;
+mod training_check;
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -58,6 +65,7 @@ use crate::run::progress::print_stderr;
 
 pub use experiment::Experiment;
 pub use options::ReproduceOptions;
+pub use seeds::Seeds;
 
 /// A finished reproduction.
 #[derive(Debug)]
@@ -87,7 +95,7 @@ pub fn reproduce(
     let folder = options.out.clone().unwrap_or_else(|| {
         Path::new("runs").join(if options.quick { "reproduce-quick" } else { "reproduce" })
     });
-    let report = report_folder::ReportFolder::open(&folder)?;
+    let report = report_folder::ReportFolder::open(&folder, options.quick)?;
     let runs = report.join("runs");
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
     let jobs = options.jobs.unwrap_or_else(cores);

@@ -2,6 +2,9 @@
 
 use std::path::PathBuf;
 
+use super::seeds::Seeds;
+use crate::run::settings::Settings;
+
 /// The options of a reproduction.
 #[derive(Clone, Debug, Default)]
 pub struct ReproduceOptions {
@@ -9,8 +12,10 @@ pub struct ReproduceOptions {
     pub experiments: Vec<PathBuf>,
     /// Names of figures, tables or experiments; if there are none, all of them.
     pub only: Vec<String>,
-    /// The number of seeds, instead of the experiments' own.
-    pub seeds: Option<u64>,
+    /// The seeds, instead of the experiments' own.
+    pub seeds: Option<Seeds>,
+    /// Settings of all stages, after the experiments' own.
+    pub settings: Settings,
     /// Whether to run a short version with a tenth of the episodes.
     pub quick: bool,
     /// The report's folder, instead of the default one.

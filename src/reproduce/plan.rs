@@ -8,10 +8,15 @@
 //! training gives exactly the same results for both.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
 
+use super::arm_run::{ArmRun, PolicyId};
+use super::elsewhere::{self, FinishedRun};
 use super::experiment::{Arm, TestRule, TestedPolicy};
+use super::policy_test::policy_file;
 use super::run_config::{run_config, run_name, save_policy_after};
-use super::selected::{ExperimentSource, SelectedExperiment, TestPoint};
+use super::selected::{ExperimentSource, SelectedExperiment};
+use super::test_point::{TestPoint, amount, difference, shorter};
 use crate::run::RunError;
 use crate::run::folder::{RunConfig, RunFolder, Transfer};
 use crate::run::preset::Budget;
@@ -28,46 +33,15 @@ pub struct Training {
     pub origin: Option<usize>,
     /// The policies to test, with their tests.
     pub tests: BTreeSet<(PolicyId, TestRule)>,
+    /// The finished run, if it was trained elsewhere.
+    pub elsewhere: Option<FinishedRun>,
 }
 
-/// One of a training's policies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum PolicyId {
-    /// The policy after a number of episodes of the training.
-    AfterEpisodes(u64),
-    /// The best policy by the evaluations during training.
-    Best,
-}
-
-/// An arm under a condition with a seed: its trainings, one per stage that is needed.
-#[derive(Clone, Debug)]
-pub struct ArmRun {
-    /// For each stage, the index into [`RunPlan::trainings`] and the number of that training's episodes which belong to
-    /// the stage (`None`: all).
-    pub stages: Vec<(usize, Option<u64>)>,
-}
-
-impl ArmRun {
-    /// The number of episodes of all stages but the last.
+impl Training {
+    /// The folder with the records and policies of the run. `runs` is the folder of the report's own runs.
     #[must_use]
-    pub fn episodes_before_last_stage(&self) -> u64 {
-        let earlier = self.stages.split_last().map_or(&[][..], |(_, earlier)| earlier);
-        earlier.iter().filter_map(|(_, length)| *length).sum()
-    }
-
-    /// The stage in which the arm completes `after` episodes, as an index into `stages`, and the number of episodes
-    /// within that stage. `None` if the arm is shorter, or if the length of a stage is not given in episodes.
-    #[must_use]
-    pub fn stage_at(&self, after: u64) -> Option<(usize, u64)> {
-        let mut before = 0;
-        for (index, (_, length)) in self.stages.iter().enumerate() {
-            let length = (*length)?;
-            if after <= before + length {
-                return Some((index, after - before));
-            }
-            before += length;
-        }
-        None
+    pub fn folder(&self, runs: &Path) -> PathBuf {
+        self.elsewhere.as_ref().map_or_else(|| runs.join(&self.name), |run| run.folder.clone())
     }
 }
 
@@ -76,7 +50,7 @@ impl ArmRun {
 pub struct RunPlan {
     /// Every training once, each before those that start from it.
     pub trainings: Vec<Training>,
-    /// The arm runs by experiment, condition and arm (indices) and seed (from 1).
+    /// The arm runs by experiment, condition and arm (indices) and seed.
     pub arm_runs: BTreeMap<(usize, usize, usize, u64), ArmRun>,
 }
 
@@ -84,18 +58,16 @@ impl RunPlan {
     /// The plan for the selected experiments.
     ///
     /// # Errors
-    /// A scenario or preset is invalid, or an arm is too short for a figure or table.
+    /// A scenario or preset is invalid, an arm is too short for a figure or table, or a run of an arm is unusable.
     pub fn new(selected: &[SelectedExperiment]) -> Result<Self, RunError> {
         let mut plan = Self::default();
         for (index, selected) in selected.iter().enumerate() {
             let experiment = &selected.source.experiment;
-            let needed = selected.needed_episodes();
-            let points = selected.test_points();
             let needs_route = selected.needs_benchmark_route();
             for condition in 0..experiment.conditions.len().max(1) {
                 for (arm_index, arm) in experiment.arms.iter().enumerate() {
-                    for seed in 1..=experiment.seeds {
-                        let arm_run = plan.arm_run(&selected.source, condition, arm, seed, needed)?;
+                    let points = selected.points(&arm.name);
+                    for (seed, arm_run) in plan.arm(selected, condition, arm)? {
                         if needs_route {
                             plan.check_benchmark_route(&arm_run, arm, &selected.source)?;
                         }
@@ -104,36 +76,53 @@ impl RunPlan {
                     }
                 }
             }
+            elsewhere::check_scenarios(&plan, index, &selected.source)?;
         }
         Ok(plan)
     }
 
-    /// The trainings of an arm; only the first `needed` episodes, if given.
+    /// The runs of an arm, by seed; without stages if the arm is not needed.
+    fn arm(
+        &mut self,
+        selected: &SelectedExperiment,
+        condition: usize,
+        arm: &Arm,
+    ) -> Result<Vec<(u64, ArmRun)>, RunError> {
+        let source = &selected.source;
+        let seeds = source.experiment.seeds.list().into_iter();
+        if !selected.needs(&arm.name) {
+            return Ok(seeds.map(|seed| (seed, ArmRun { stages: Vec::new() })).collect());
+        }
+        let needed = selected.needed_length(&arm.name);
+        if arm.runs.is_empty() {
+            return seeds
+                .map(|seed| Ok((seed, self.arm_run(source, condition, arm, seed, needed)?)))
+                .collect();
+        }
+        let runs = elsewhere::read(source, arm)?.into_iter();
+        Ok(runs.map(|(config, run)| (config.seed, self.add_finished(config, run))).collect())
+    }
+
+    /// The trainings of an arm; only the first `needed` episodes or env steps, if given.
     fn arm_run(
         &mut self,
         source: &ExperimentSource,
         condition: usize,
         arm: &Arm,
         seed: u64,
-        needed: Option<u64>,
+        needed: Option<Budget>,
     ) -> Result<ArmRun, RunError> {
         let mut arm_run = ArmRun { stages: Vec::new() };
-        let mut before = 0;
+        let mut needed = needed.filter(|_| arm.policy == TestedPolicy::After);
         for stage in &arm.stages {
-            let mut config = run_config(&source.from, &source.experiment, condition, stage, seed)?;
-            let mut length = None;
-            if let Budget::Episodes(n) = config.preset.budget {
-                let wanted = match needed.filter(|_| arm.policy == TestedPolicy::AtEpisode) {
-                    Some(needed) => n.min(needed.saturating_sub(before)),
-                    None => n,
-                };
-                if wanted == 0 {
-                    break;
-                }
-                config.preset.budget = Budget::Episodes(wanted);
-                before += wanted;
-                length = Some(wanted);
+            let mut config = run_config(&source.from, &source.experiment, condition, (arm, stage), seed)?;
+            let budget = config.preset.budget;
+            let length = needed.and_then(|needed| shorter(needed, budget)).unwrap_or(budget);
+            if amount(length) == 0 {
+                break;
             }
+            config.preset.budget = length;
+            needed = needed.and_then(|needed| difference(needed, length));
             let origin = arm_run.stages.last().copied();
             let training = self.add_training(config, origin, stage.epsilon, arm.policy)?;
             arm_run.stages.push((training, length));
@@ -141,35 +130,42 @@ impl RunPlan {
         Ok(arm_run)
     }
 
+    /// Adds a run that was trained elsewhere.
+    fn add_finished(&mut self, config: RunConfig, run: FinishedRun) -> ArmRun {
+        let length = config.preset.budget;
+        let known =
+            |training: &Training| training.elsewhere.as_ref().is_some_and(|known| known.folder == run.folder);
+        let index = self.trainings.iter().position(known).unwrap_or_else(|| {
+            let (name, tests) = (run.name.clone(), BTreeSet::new());
+            self.trainings.push(Training { name, config, origin: None, tests, elsewhere: Some(run) });
+            self.trainings.len() - 1
+        });
+        ArmRun { stages: vec![(index, length)] }
+    }
+
     /// The index of the training with this configuration. An existing training is made longer if necessary.
     fn add_training(
         &mut self,
         mut config: RunConfig,
-        origin: Option<(usize, Option<u64>)>,
+        origin: Option<(usize, Budget)>,
         epsilon: Option<f32>,
         tested: TestedPolicy,
     ) -> Result<usize, RunError> {
         if let Some((training, length)) = origin {
             let earlier = &mut self.trainings[training];
-            let file = match length {
-                Some(episodes) => {
-                    save_policy_after(&mut earlier.config, episodes);
-                    RunFolder::policy_after_file(episodes)
-                }
-                None => "policy-last.safetensors".into(),
-            };
+            save_policy_after(&mut earlier.config, length);
+            let file = RunFolder::policy_after_file(length);
             config.transfer = Some(Transfer { policy: format!("{}/{file}", earlier.name), epsilon });
         }
         let name = run_name(&config, tested)?;
         if let Some(index) = self.trainings.iter().position(|training| training.name == name) {
             let budget = &mut self.trainings[index].config.preset.budget;
-            if let (Budget::Episodes(a), Budget::Episodes(b)) = (*budget, config.preset.budget) {
-                *budget = Budget::Episodes(a.max(b));
-            }
+            // Both are in the same unit, which is part of the name.
+            *budget = (*budget).max(config.preset.budget);
             return Ok(index);
         }
         let origin = origin.map(|(training, _)| training);
-        self.trainings.push(Training { name, config, origin, tests: BTreeSet::new() });
+        self.trainings.push(Training { name, config, origin, tests: BTreeSet::new(), elsewhere: None });
         Ok(self.trainings.len() - 1)
     }
 
@@ -193,33 +189,41 @@ impl RunPlan {
         }
     }
 
-    /// Adds the tests of an arm to its trainings.
+    /// Adds the tests of an arm to its trainings. `points` says of each point whether a policy is needed there.
     fn add_tests(
         &mut self,
         arm_run: &ArmRun,
         arm: &Arm,
-        points: &BTreeSet<TestPoint>,
+        points: &BTreeMap<TestPoint, bool>,
         source: &ExperimentSource,
     ) -> Result<(), RunError> {
-        let rule = source.experiment.test;
-        if arm.policy == TestedPolicy::Best {
-            if let Some((training, _)) = arm_run.stages.last().filter(|_| !points.is_empty()) {
-                self.trainings[*training].tests.insert((PolicyId::Best, rule));
-            }
-            return Ok(());
-        }
-        for &TestPoint { after, of_last_stage } in points {
-            let after = if of_last_stage { arm_run.episodes_before_last_stage() + after } else { after };
-            let Some((stage, episodes)) = arm_run.stage_at(after) else {
+        for (&point, &needs_policy) in points {
+            let Some((index, policy)) = arm_run.policy(&self.trainings, arm.policy, point) else {
                 return Err(RunError::InvalidInput(format!(
-                    "{}: a figure or table needs arm \"{}\" after {after} episodes, but its stages are shorter or not \
-                     counted in episodes; help: give them `budget: Episodes(...)`, or the arm `policy: Best`",
-                    source.from, arm.name
+                    "{}: a figure or table needs arm \"{}\" after {}, but its stages are shorter or not counted in the \
+                     same unit; help: give them `budget: {}`, or the arm `policy: Best`",
+                    source.from,
+                    arm.name,
+                    point.words(),
+                    if matches!(point.after, Some(Budget::EnvSteps(_))) {
+                        "EnvSteps(...)"
+                    } else {
+                        "Episodes(...)"
+                    },
                 )));
             };
-            let training = &mut self.trainings[arm_run.stages[stage].0];
-            save_policy_after(&mut training.config, episodes);
-            training.tests.insert((PolicyId::AfterEpisodes(episodes), rule));
+            if !needs_policy {
+                continue;
+            }
+            let training = &mut self.trainings[index];
+            training.tests.insert((policy, source.experiment.test));
+            match (&training.elsewhere, policy) {
+                (None, PolicyId::After(length)) => save_policy_after(&mut training.config, length),
+                (Some(run), policy) => {
+                    run.check_policy(&policy_file(policy), &source.from, &arm.name, &point.words())?;
+                }
+                (None, _) => {}
+            }
         }
         Ok(())
     }

@@ -1,19 +1,21 @@
 //! The test of a trained policy: rounds of random episodes, and the benchmark route.
 //!
 //! In: a policy's file, a scenario and a [`TestRule`]. Out: a [`PolicyTestResult`]. Results are kept in `trials.json` in
-//! the run's folder, so that no test is repeated.
+//! the run's folder below the report's, so that no test is repeated.
 
+use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::arm_run::PolicyId;
 use super::experiment::TestRule;
-use super::plan::PolicyId;
 use crate::policy::Policy;
 use crate::run::RunError;
 use crate::run::evaluate::{EpisodeResult, Evaluator};
 use crate::run::folder::RunFolder;
+use crate::run::output_file::replace;
 use crate::scenario::Scenario;
 use crate::task::{EpisodeEnd, EpisodeSetup};
 
@@ -54,8 +56,9 @@ impl PolicyTestResult {
 /// The name of a policy's file in its run's folder.
 pub fn policy_file(policy: PolicyId) -> String {
     match policy {
-        PolicyId::AfterEpisodes(episodes) => RunFolder::policy_after_file(episodes),
+        PolicyId::After(length) => RunFolder::policy_after_file(length),
         PolicyId::Best => "policy.safetensors".into(),
+        PolicyId::Last => "policy-last.safetensors".into(),
     }
 }
 
@@ -115,7 +118,7 @@ pub fn run_episodes(
     Ok((episodes, on_route))
 }
 
-/// The results in a run's folder; empty if there are none, or if the file has another version.
+/// The results in the folder at `folder`; empty if there are none, or if the file has another version.
 pub fn read_results(folder: &Path) -> Vec<PolicyTestResult> {
     let text = std::fs::read_to_string(folder.join(RESULTS)).unwrap_or_default();
     serde_json::from_str(&text).unwrap_or_default()
@@ -127,11 +130,14 @@ pub fn find(results: &[PolicyTestResult], policy: PolicyId, rule: TestRule) -> O
     results.iter().find(|result| result.policy == file && result.rule == rule)
 }
 
-/// Writes the results to a run's folder.
+/// Writes the results to the folder at `folder`, which is created if necessary.
 ///
 /// # Errors
 /// The file cannot be written.
-pub fn write_results(folder: &RunFolder, results: &[PolicyTestResult]) -> Result<(), RunError> {
+pub fn write_results(folder: &Path, results: &[PolicyTestResult]) -> Result<(), RunError> {
     let text = serde_json::to_string(results).map_err(|error| RunError::Failed(error.to_string()))?;
-    folder.write(RESULTS, |file| std::io::Write::write_all(file, text.as_bytes()))
+    let path = folder.join(RESULTS);
+    std::fs::create_dir_all(folder)
+        .and_then(|()| replace(&path, |file| file.write_all(text.as_bytes())))
+        .map_err(|error| RunError::failed(&path, format!("can't be written: {error}")))
 }

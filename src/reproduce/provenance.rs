@@ -1,14 +1,18 @@
 //! The provenance of a report: version, command, seeds, trainings, machine and time.
 
-use super::plan::RunPlan;
+use std::collections::BTreeSet;
+
+use super::plan::{RunPlan, Training};
 use super::results::Results;
+use super::seeds::seeds_text;
 use crate::report::format::number;
 use crate::run::preset::Budget;
-use crate::scenario::quoted;
+use crate::scenario::{printable_path, quoted};
 
 /// The provenance of a report, as names and values.
 pub fn provenance(results: &Results<'_>, plan: &RunPlan, jobs: usize, wall_s: f64) -> Vec<(String, String)> {
-    let seeds = plan.trainings.iter().map(|training| training.config.seed).max().unwrap_or(0);
+    let seeds: BTreeSet<u64> = plan.trainings.iter().map(|training| training.config.seed).collect();
+    let seeds: Vec<u64> = seeds.into_iter().collect();
     let episodes = plan.trainings.iter().map(|training| match training.config.preset.budget {
         Budget::Episodes(n) => n,
         Budget::EnvSteps(_) => 0,
@@ -17,7 +21,7 @@ pub fn provenance(results: &Results<'_>, plan: &RunPlan, jobs: usize, wall_s: f6
     let entries = [
         ("Version", format!("wayfield {}", env!("CARGO_PKG_VERSION"))),
         ("Command", format!("wayfield {}", command.join(" "))),
-        ("Seeds", if seeds == 1 { "1".into() } else { format!("1 to {seeds}") }),
+        ("Seeds", seeds_text(&seeds)),
         (
             "Trainings",
             format!(
@@ -37,7 +41,18 @@ pub fn provenance(results: &Results<'_>, plan: &RunPlan, jobs: usize, wall_s: f6
             ),
         ),
     ];
-    entries.into_iter().map(|(name, value)| (name.to_string(), value)).collect()
+    let elsewhere = trained_elsewhere(plan).map(|runs| ("Trained elsewhere", runs));
+    entries.into_iter().chain(elsewhere).map(|(name, value)| (name.to_string(), value)).collect()
+}
+
+/// The runs that were trained elsewhere, with their versions.
+fn trained_elsewhere(plan: &RunPlan) -> Option<String> {
+    let run = |training: &Training| {
+        let folder = &training.elsewhere.as_ref()?.folder;
+        Some(format!("{} (wayfield {})", printable_path(folder), training.config.version))
+    };
+    let runs: Vec<String> = plan.trainings.iter().filter_map(run).collect();
+    (!runs.is_empty()).then(|| runs.join(", "))
 }
 
 /// Processor, cores, memory and operating system, as far as they are known.

@@ -16,15 +16,12 @@ const SEEDS: u64 = 2;
 
 /// Shortens `experiment`. `budget_of` returns a preset's budget by the preset's name, for stages without their own.
 pub fn make_quick(experiment: &mut Experiment, budget_of: impl Fn(&str) -> Option<Budget>) {
-    experiment.seeds = experiment.seeds.min(SEEDS);
+    experiment.seeds = experiment.seeds.at_most(SEEDS);
     experiment.test.episodes = (experiment.test.episodes / SHORTER as usize).max(1);
     experiment.evaluation =
         Some(EvaluationConfig { every_env_steps: 10_000, episodes: 20, ..EvaluationConfig::default() });
     for stage in experiment.arms.iter_mut().flat_map(|arm| &mut arm.stages) {
-        stage.budget = stage.budget.or_else(|| budget_of(&stage.preset)).map(|budget| match budget {
-            Budget::Episodes(n) => Budget::Episodes(shortened(n)),
-            Budget::EnvSteps(n) => Budget::EnvSteps(shortened(n)),
-        });
+        stage.budget = stage.budget.or_else(|| budget_of(&stage.preset)).map(shortened);
     }
     let suffix = " (quick: a tenth of the episodes)";
     for figure in &mut experiment.figures {
@@ -34,7 +31,7 @@ pub fn make_quick(experiment: &mut Experiment, budget_of: impl Fn(&str) -> Optio
                 *smoothing = (*smoothing / SHORTER as usize).max(1);
             }
             FigureKind::DotPlot { after, .. } | FigureKind::BenchmarkRoute { after } => {
-                *after = shortened(*after);
+                *after = after.map(shortened);
             }
         }
     }
@@ -44,7 +41,7 @@ pub fn make_quick(experiment: &mut Experiment, budget_of: impl Fn(&str) -> Optio
             TableKind::Seeds { after, .. }
             | TableKind::Rounds { after, .. }
             | TableKind::Measures { after, .. } => {
-                *after = shortened(*after);
+                *after = after.map(shortened);
             }
             TableKind::Contrast { after, .. } => {
                 after.iter_mut().for_each(|after| *after = shortened(*after));
@@ -56,10 +53,14 @@ pub fn make_quick(experiment: &mut Experiment, budget_of: impl Fn(&str) -> Optio
     let claims_of_figures = experiment.figures.iter_mut().flat_map(|figure| &mut figure.claims);
     for claim in claims_of_figures.chain(claims_of_tables) {
         claim.statement += suffix;
-        claim.after = shortened(claim.after);
+        claim.after = claim.after.map(shortened);
     }
 }
 
-fn shortened(n: u64) -> u64 {
-    (n / SHORTER).max(1)
+fn shortened(length: Budget) -> Budget {
+    let shortened = |n: u64| (n / SHORTER).max(1);
+    match length {
+        Budget::Episodes(n) => Budget::Episodes(shortened(n)),
+        Budget::EnvSteps(n) => Budget::EnvSteps(shortened(n)),
+    }
 }

@@ -13,7 +13,7 @@ use crate::run::RunError;
 use crate::run::lock::Lock;
 use crate::run::output_file::{check_entry, is_temporary, replace};
 
-/// The file with the wall time spent. It also marks the folder as a report folder.
+/// The file with the wall time spent. It also marks the folder as that of a report, quick or full.
 const SPENT: &str = "spent.json";
 /// The file that a process locks.
 const LOCK: &str = "lock";
@@ -23,6 +23,7 @@ pub struct ReportFolder {
     path: PathBuf,
     /// Wall time that earlier processes spent on the report, in s.
     earlier_s: f64,
+    quick: bool,
     _lock: Lock,
 }
 
@@ -31,14 +32,18 @@ pub struct ReportFolder {
 struct Spent {
     /// Wall time of all processes, in s.
     wall_s: f64,
+    /// Whether all of them made quick reports.
+    #[serde(default)]
+    quick: bool,
 }
 
 impl ReportFolder {
-    /// Creates the folder, or continues one that an earlier reproduction created. Checks that the report can be written to it.
+    /// Creates the folder, or continues one that an earlier reproduction created. Checks that the report can be written to it,
+    /// and that a `quick` report does not replace a full one.
     ///
     /// # Errors
     /// Another process uses the folder, it holds something else, or it cannot be written.
-    pub fn open(path: &Path) -> Result<Self, RunError> {
+    pub fn open(path: &Path, quick: bool) -> Result<Self, RunError> {
         check_own(path)?;
         let unwritable = |error: io::Error| {
             let why = format!("cannot be written ({error}); help: choose another folder with --out");
@@ -47,11 +52,18 @@ impl ReportFolder {
         fs::create_dir_all(path).map_err(unwritable)?;
         let lock = Lock::acquire(path, &path.join(LOCK))?;
         report_files::prepare(path)?;
-        let text = fs::read_to_string(path.join(SPENT)).unwrap_or_default();
-        let spent: Spent = serde_json::from_str(&text).unwrap_or_default();
-        let folder = Self { path: path.into(), earlier_s: spent.wall_s, _lock: lock };
+        let spent = match fs::read_to_string(path.join(SPENT)) {
+            Ok(text) => serde_json::from_str(&text).unwrap_or_default(),
+            Err(_) => Spent { wall_s: 0.0, quick },
+        };
+        if quick && !spent.quick {
+            let why =
+                "holds a full report, which --quick would overwrite; help: choose another folder with --out";
+            return Err(RunError::invalid_input(path, why));
+        }
+        let folder = Self { path: path.into(), earlier_s: spent.wall_s, quick, _lock: lock };
         // The first file marks the folder: a process that is started now must not take it for another's.
-        folder.write_spent(spent).map_err(unwritable)?;
+        folder.write_spent(spent.wall_s).map_err(unwritable)?;
         fs::create_dir_all(folder.join("runs")).map_err(unwritable)?;
         Ok(folder)
     }
@@ -67,7 +79,7 @@ impl ReportFolder {
     /// The file cannot be written.
     pub fn record_time(&self, began: Instant) -> Result<f64, RunError> {
         let wall_s = self.earlier_s + began.elapsed().as_secs_f64();
-        self.write_spent(Spent { wall_s }).map_err(|error| RunError::failed(&self.join(SPENT), error))?;
+        self.write_spent(wall_s).map_err(|error| RunError::failed(&self.join(SPENT), error))?;
         Ok(wall_s)
     }
 
@@ -79,8 +91,8 @@ impl ReportFolder {
         report_files::write(&self.path, page)
     }
 
-    fn write_spent(&self, spent: Spent) -> io::Result<()> {
-        let text = serde_json::to_string(&spent)?;
+    fn write_spent(&self, wall_s: f64) -> io::Result<()> {
+        let text = serde_json::to_string(&Spent { wall_s, quick: self.quick })?;
         let path = self.join(SPENT);
         check_entry(&path)?;
         replace(&path, |file| file.write_all(text.as_bytes()))

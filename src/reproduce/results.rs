@@ -1,23 +1,37 @@
 //! The results of a plan: the value of any measure for any arm, condition and seed.
 //!
-//! In: an executed plan and its folder. Out: [`MeasuredValue`]s and learning curves, from the records of training and
-//! the test results.
+//! In: an executed plan and its folder. Out: [`ArmValues`] and learning curves, from the records of training and the test
+//! results.
 
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use super::experiment::{Experiment, TestRule, TestedPolicy};
-use super::figure_spec::EpisodeSeries;
+use super::arm_run::{ArmRun, PolicyId};
+use super::experiment::{Experiment, TestRule};
+use super::figure_spec::{Axis, Series};
 use super::measure::Measure;
-use super::measured_value::MeasuredValue;
+use super::measured_value::{ArmValues, MeasuredValue};
 use super::optimal_times::{OptimalTimes, OptimalTimesCache};
-use super::plan::{ArmRun, PolicyId, RunPlan, Training};
+use super::plan::{RunPlan, Training};
 use super::policy_test::{self, PolicyTestResult};
-use super::records::Records;
+use super::records::{Records, Windows};
 use super::selected::SelectedExperiment;
+use super::test_point::TestPoint;
 use crate::run::RunError;
 use crate::run::evaluate::{period_s, round_to_microsecond};
 use crate::run::metric_rows::Summary;
+use crate::run::preset::Budget;
+
+/// An arm under a condition: the indices of the experiment, the condition and the arm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ArmIndex {
+    /// The index of the experiment.
+    pub experiment: usize,
+    /// The index of the condition; 0 without conditions.
+    pub condition: usize,
+    /// The index of the arm.
+    pub arm: usize,
+}
 
 /// All results of a plan.
 pub struct Results<'a> {
@@ -40,10 +54,10 @@ impl<'a> Results<'a> {
         runs: &Path,
         optimal_times_cache: OptimalTimesCache,
     ) -> Result<Self, RunError> {
-        let folder = |training: &Training| runs.join(&training.name);
-        let records = |training| Records::read(&folder(training).join("episodes.csv"));
+        let records =
+            |training: &Training| Records::read(&training.folder(runs), training.config.preset.arenas);
         let records = plan.trainings.iter().map(records).collect::<Result<_, _>>()?;
-        let tests = plan.trainings.iter().map(|t| policy_test::read_results(&folder(t))).collect();
+        let tests = plan.trainings.iter().map(|t| policy_test::read_results(&runs.join(&t.name))).collect();
         Ok(Self { plan, selected, runs: runs.into(), optimal_times_cache, records, tests })
     }
 
@@ -52,52 +66,63 @@ impl<'a> Results<'a> {
         &self.selected[index].source.experiment
     }
 
-    /// The trainings of an arm (by index) under a condition with a seed.
-    pub fn arm_run(&self, experiment: usize, condition: usize, arm: usize, seed: u64) -> &'a ArmRun {
-        &self.plan.arm_runs[&(experiment, condition, arm, seed)]
-    }
-
-    /// [`values`](Self::values) of the arm called `name`. `after` counts the episodes of all stages or, with
-    /// `of_last_stage`, those of the last stage.
-    ///
-    /// # Errors
-    /// As [`values`](Self::values).
-    pub fn values_by_arm_name(
-        &self,
-        experiment: usize,
-        condition: usize,
-        name: &str,
-        measure: Measure,
-        (after, of_last_stage): (u64, bool),
-    ) -> Result<Vec<MeasuredValue>, RunError> {
+    /// The arm called `name` under a condition.
+    pub fn arm_by_name(&self, experiment: usize, condition: usize, name: &str) -> ArmIndex {
         // The check of the experiment ensures that the arm exists.
         let arm = self.experiment(experiment).arms.iter().position(|arm| arm.name == name).unwrap_or(0);
-        let before = if of_last_stage {
-            self.arm_run(experiment, condition, arm, 1).episodes_before_last_stage()
-        } else {
-            0
-        };
-        self.values(experiment, condition, arm, measure, before + after)
+        ArmIndex { experiment, condition, arm }
     }
 
-    /// The values of `measure` for an arm (by index) after a number of episodes, one for each seed.
+    /// The runs of an arm, by seed.
+    pub fn arm_runs(&self, index: ArmIndex) -> impl Iterator<Item = (u64, &'a ArmRun)> + use<'a> {
+        let ArmIndex { experiment, condition, arm } = index;
+        let keys = (experiment, condition, arm, 0)..=(experiment, condition, arm, u64::MAX);
+        self.plan.arm_runs.range(keys).map(|(key, arm_run)| (key.3, arm_run))
+    }
+
+    /// The run of an arm with its first seed.
+    ///
+    /// # Errors
+    /// The arm has no run.
+    pub fn first_run(&self, index: ArmIndex) -> Result<&'a ArmRun, RunError> {
+        let first = self.arm_runs(index).next().map(|(_, arm_run)| arm_run);
+        first.ok_or_else(|| RunError::Failed("an arm has no run".into()))
+    }
+
+    /// The training and the policy of an arm's run at a point.
+    ///
+    /// # Errors
+    /// The run is too short; a plan has no such run.
+    pub fn policy(
+        &self,
+        index: ArmIndex,
+        run: &ArmRun,
+        point: TestPoint,
+    ) -> Result<(usize, PolicyId), RunError> {
+        let tested = self.experiment(index.experiment).arms[index.arm].policy;
+        run.policy(&self.plan.trainings, tested, point)
+            .ok_or_else(|| RunError::Failed(format!("a run has no policy after {}", point.words())))
+    }
+
+    /// The values of `measure` for an arm at a point, one for each seed.
     ///
     /// # Errors
     /// A test result is missing, or the optimal times cannot be computed.
     pub fn values(
         &self,
-        experiment: usize,
-        condition: usize,
-        arm: usize,
+        index: ArmIndex,
         measure: Measure,
-        after: u64,
-    ) -> Result<Vec<MeasuredValue>, RunError> {
-        let rule = self.experiment(experiment).test;
-        let value = |seed| {
-            let (training, policy) = self.policy(experiment, condition, arm, seed, after);
-            self.value(training, policy, rule, measure)
-        };
-        (1..=self.experiment(experiment).seeds).map(value).collect()
+        point: TestPoint,
+        windows: Windows,
+    ) -> Result<ArmValues, RunError> {
+        let rule = self.experiment(index.experiment).test;
+        let mut values = ArmValues::default();
+        for (seed, run) in self.arm_runs(index) {
+            let (training, policy) = self.policy(index, run, point)?;
+            values.seeds.push(seed);
+            values.values.push(self.value(training, policy, rule, measure, windows)?);
+        }
+        Ok(values)
     }
 
     fn value(
@@ -106,20 +131,14 @@ impl<'a> Results<'a> {
         policy: PolicyId,
         rule: TestRule,
         measure: Measure,
+        windows: Windows,
     ) -> Result<MeasuredValue, RunError> {
         let records = &self.records[training];
         Ok(match measure {
-            Measure::Return => records.final_mean(EpisodeSeries::Return, policy),
-            Measure::Goals => records.final_mean(EpisodeSeries::Goals, policy),
-            Measure::EpisodesTo(goals) => {
-                let (episode, is_lower_bound) = records.episode_with_goals(goals, policy);
-                MeasuredValue { value: (episode + 1) as f64, is_lower_bound }
-            }
-            Measure::StepsTo(goals) => {
-                let (episode, is_lower_bound) = records.episode_with_goals(goals, policy);
-                let value = records.env_steps.get(episode).map_or(0.0, |&steps| steps as f64 / 1e3);
-                MeasuredValue { value, is_lower_bound }
-            }
+            Measure::Return => records.last_return(policy, windows.last),
+            Measure::Goals => records.last_goals(policy, windows.last),
+            Measure::EpisodesTo(goals) => records.episodes_to(goals, policy, windows.moving),
+            Measure::StepsTo(goals) => records.steps_to(goals, policy, windows.moving),
             Measure::Success => {
                 MeasuredValue::exact(100.0 * self.test(training, policy, rule)?.success_rate())
             }
@@ -163,20 +182,13 @@ impl<'a> Results<'a> {
         Ok(if reference == 0 { f64::NAN } else { steps as f64 / reference as f64 })
     }
 
-    /// The success rate of each round, in percent, of an arm (by index) with a seed after a number of episodes.
+    /// The success rate of each round, in percent, of a run of an arm at a point.
     ///
     /// # Errors
     /// The test result is missing.
-    pub fn rounds(
-        &self,
-        experiment: usize,
-        condition: usize,
-        arm: usize,
-        seed: u64,
-        after: u64,
-    ) -> Result<Vec<f64>, RunError> {
-        let (training, policy) = self.policy(experiment, condition, arm, seed, after);
-        let result = self.test(training, policy, self.experiment(experiment).test)?;
+    pub fn rounds(&self, index: ArmIndex, run: &ArmRun, point: TestPoint) -> Result<Vec<f64>, RunError> {
+        let (training, policy) = self.policy(index, run, point)?;
+        let result = self.test(training, policy, self.experiment(index.experiment).test)?;
         Ok(result.rounds().into_iter().map(|rate| 100.0 * rate).collect())
     }
 
@@ -199,29 +211,9 @@ impl<'a> Results<'a> {
             .ok_or_else(|| RunError::failed(&self.policy_file(training, policy), "has no test result"))
     }
 
-    /// The training and the policy of an arm after a number of episodes.
-    pub fn policy(
-        &self,
-        experiment: usize,
-        condition: usize,
-        arm: usize,
-        seed: u64,
-        after: u64,
-    ) -> (usize, PolicyId) {
-        let arm_run = self.arm_run(experiment, condition, arm, seed);
-        let last = arm_run.stages.len() - 1;
-        match self.experiment(experiment).arms[arm].policy {
-            TestedPolicy::Best => (arm_run.stages[last].0, PolicyId::Best),
-            TestedPolicy::AtEpisode => {
-                let (stage, episodes) = arm_run.stage_at(after).unwrap_or((last, after));
-                (arm_run.stages[stage].0, PolicyId::AfterEpisodes(episodes))
-            }
-        }
-    }
-
     /// The path of a policy's file.
     pub fn policy_file(&self, training: usize, policy: PolicyId) -> PathBuf {
-        self.runs.join(&self.plan.trainings[training].name).join(policy_test::policy_file(policy))
+        self.plan.trainings[training].folder(&self.runs).join(policy_test::policy_file(policy))
     }
 
     /// The training at `index`.
@@ -229,35 +221,44 @@ impl<'a> Results<'a> {
         &self.plan.trainings[index]
     }
 
-    /// A series over the episodes of all stages of an arm, one curve for each seed.
-    pub fn curves(
-        &self,
-        experiment: usize,
-        condition: usize,
-        arm: usize,
-        series: EpisodeSeries,
-    ) -> Vec<Vec<f64>> {
-        let curve = |seed| {
-            let arm_run = self.arm_run(experiment, condition, arm, seed);
-            let stages = arm_run.stages.iter().flat_map(|&(training, length)| {
-                let end = length.map_or(PolicyId::Best, PolicyId::AfterEpisodes);
-                self.records[training].until(series, end).iter().copied()
-            });
-            stages.collect()
+    /// The records of the training at `index`.
+    pub fn records(&self, index: usize) -> &Records {
+        &self.records[index]
+    }
+
+    /// A series over all stages of an arm, one curve for each seed, as points (x in units of `axis`, value).
+    pub fn curves(&self, index: ArmIndex, series: Series, axis: Axis) -> Vec<Vec<(f64, f64)>> {
+        let curve = |run: &ArmRun| {
+            let mut curve = Vec::new();
+            let mut before = 0.0;
+            for &(training, length) in &run.stages {
+                let (records, end) = (&self.records[training], self.end(training, length));
+                curve.extend(records.curve(series, end, axis).into_iter().map(|(x, y)| (before + x, y)));
+                before += records.length(end, axis);
+            }
+            curve
         };
-        (1..=self.experiment(experiment).seeds).map(curve).collect()
+        self.arm_runs(index).map(|(_, run)| curve(run)).collect()
+    }
+
+    /// The policy at the end of a stage.
+    pub fn end(&self, training: usize, length: Budget) -> PolicyId {
+        if self.plan.trainings[training].elsewhere.is_some() {
+            PolicyId::Last
+        } else {
+            PolicyId::After(length)
+        }
     }
 
     /// The sum of all trainings' wall times, in minutes.
     pub fn total_wall_minutes(&self) -> f64 {
-        let wall_s = |training: &Training| {
-            Summary::read(&self.runs.join(&training.name)).map(|summary| summary.wall_s)
-        };
+        let wall_s =
+            |training: &Training| Summary::read(&training.folder(&self.runs)).map(|summary| summary.wall_s);
         self.plan.trainings.iter().filter_map(wall_s).sum::<f64>() / 60.0
     }
 
-    /// The sum of all trainings' environment steps.
+    /// The sum of all trainings' env steps.
     pub fn total_env_steps(&self) -> u64 {
-        self.records.iter().filter_map(|records| records.env_steps.last()).sum()
+        self.records.iter().map(Records::total_env_steps).sum()
     }
 }

@@ -1,22 +1,30 @@
 //! The rows of figures and tables: every arm under every condition.
 
-use super::results::Results;
+use super::results::{ArmIndex, Results};
 
-/// Every (condition, arm) of an experiment, by index.
-pub fn rows(results: &Results<'_>, experiment: usize) -> Vec<(usize, usize)> {
-    let experiment = results.experiment(experiment);
-    let arms = experiment.arms.len();
-    let conditions = experiment.conditions.len().max(1);
-    (0..conditions).flat_map(|condition| (0..arms).map(move |arm| (condition, arm))).collect()
+/// Every arm under every condition of an experiment.
+pub fn rows(results: &Results<'_>, experiment: usize) -> Vec<ArmIndex> {
+    let of = results.experiment(experiment);
+    let row = |condition| (0..of.arms.len()).map(move |arm| ArmIndex { experiment, condition, arm });
+    (0..of.conditions.len().max(1)).flat_map(row).collect()
 }
 
 /// The name of a row: the arm, the condition, or both if there are several of each.
-pub fn row_name(results: &Results<'_>, experiment: usize, (condition, arm): (usize, usize)) -> String {
-    let experiment = results.experiment(experiment);
-    let arm = &experiment.arms[arm].name;
-    match experiment.conditions.get(condition) {
+pub fn row_name(results: &Results<'_>, row: ArmIndex) -> String {
+    let experiment = results.experiment(row.experiment);
+    let arm = &experiment.arms[row.arm].name;
+    match experiment.conditions.get(row.condition) {
         Some(condition) if experiment.arms.len() > 1 => format!("{}: {arm}", condition.name),
         Some(condition) => condition.name.clone(),
         None => arm.clone(),
     }
+}
+
+/// The seeds of all arms of an experiment, in increasing order.
+pub fn seeds(results: &Results<'_>, experiment: usize) -> Vec<u64> {
+    let runs = rows(results, experiment).into_iter().flat_map(|row| results.arm_runs(row));
+    let mut seeds: Vec<u64> = runs.map(|(seed, _)| seed).collect();
+    seeds.sort_unstable();
+    seeds.dedup();
+    seeds
 }

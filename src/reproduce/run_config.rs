@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use super::experiment::{Experiment, Stage, TestedPolicy};
+use super::experiment::{Arm, Experiment, Stage, TestedPolicy};
 use crate::run::folder::RunConfig;
 use crate::run::preset::Budget;
 use crate::run::{RunError, shipped};
-use crate::scenario::{self, FileError, to_ron};
+use crate::scenario::{FileError, to_ron};
 use crate::simulation::Extensions;
 
-/// The configuration of `stage` under a condition, without its transfer. `from` is the experiment's file.
+/// The configuration of a `stage` of `arm` under a condition, without its transfer. `from` is the experiment's file.
 ///
 /// # Errors
 /// The scenario or the preset is invalid, before or after the changes.
@@ -17,15 +17,12 @@ pub fn run_config(
     from: &str,
     experiment: &Experiment,
     condition: usize,
-    stage: &Stage,
+    (arm, stage): (&Arm, &Stage),
     seed: u64,
 ) -> Result<RunConfig, RunError> {
-    let condition = experiment.conditions.get(condition).map(|condition| &condition.overrides);
-    let scenario_from = condition
-        .and_then(|overrides| overrides.scenario.as_ref())
-        .or(stage.overrides.scenario.as_ref())
-        .unwrap_or(&stage.scenario)
-        .clone();
+    let condition = experiment.conditions.get(condition).filter(|condition| condition.changes(arm, stage));
+    let scenario_from =
+        condition.and_then(|condition| condition.scenario.as_ref()).unwrap_or(&stage.scenario).clone();
     for name in [&scenario_from, &stage.preset] {
         check_is_file(from, name)?;
     }
@@ -35,14 +32,18 @@ pub fn run_config(
     preset.evaluation = experiment.evaluation.unwrap_or(preset.evaluation);
     // The experiment tests its policies itself.
     preset.evaluation.final_episodes = 0;
-    stage.overrides.apply(&mut scenario, &mut preset);
-    if let Some(condition) = condition {
-        condition.apply(&mut scenario, &mut preset);
-    }
-    let diagnostics = scenario::diagnostics(&scenario).into_iter().chain(preset.diagnostics());
-    if let Some(diagnostic) = diagnostics.into_iter().next() {
-        let why = format!("the overrides of {scenario_from} or {}: {diagnostic}", stage.preset);
-        return Err(FileError::for_file(Path::new(from), why).into());
+    let owners = [
+        Some((format!("arm \"{}\"", arm.name), &stage.overrides)),
+        condition.map(|condition| (format!("condition \"{}\"", condition.name), &condition.overrides)),
+        Some(("all stages".into(), &experiment.overrides)),
+    ];
+    for (owner, overrides) in owners.into_iter().flatten() {
+        let in_arm = format!("{owner}, {scenario_from} with {}", stage.preset);
+        overrides.apply(&mut scenario, &mut preset).map_err(|errors| {
+            let lines =
+                errors.iter().map(|error| format!("overrides of {in_arm}: {error}")).collect::<Vec<_>>();
+            FileError::for_file(Path::new(from), lines.join("\n"))
+        })?;
     }
     Ok(RunConfig {
         version: env!("CARGO_PKG_VERSION").into(),
@@ -50,7 +51,7 @@ pub fn run_config(
         scenario_from,
         preset_from: stage.preset.clone(),
         transfer: None,
-        save_policy_after_episodes: Vec::new(),
+        save_policy_after: Vec::new(),
         sensors: Vec::new(),
         reward_terms: Vec::new(),
         extensions: Extensions::default(),
@@ -59,13 +60,16 @@ pub fn run_config(
     })
 }
 
-/// The name of a run's folder: equal configurations have equal names. The number of episodes is not part of it, unless
-/// the best policy is tested, because a longer run contains the shorter one.
+/// The name of a run's folder: equal configurations have equal names. The length is not part of it, unless the
+/// best policy is tested, because a longer run contains the shorter one.
 pub fn run_name(config: &RunConfig, tested: TestedPolicy) -> Result<String, RunError> {
     let mut identity = config.clone();
-    identity.save_policy_after_episodes.clear();
-    if tested == TestedPolicy::AtEpisode && matches!(identity.preset.budget, Budget::Episodes(_)) {
-        identity.preset.budget = Budget::Episodes(1);
+    identity.save_policy_after.clear();
+    if tested == TestedPolicy::After {
+        identity.preset.budget = match identity.preset.budget {
+            Budget::Episodes(_) => Budget::Episodes(1),
+            Budget::EnvSteps(_) => Budget::EnvSteps(1),
+        };
     }
     let text = to_ron(&identity).map_err(|error| RunError::Failed(error.to_string()))?;
     let hash = crc32c::crc32c(text.as_bytes());
@@ -73,18 +77,27 @@ pub fn run_name(config: &RunConfig, tested: TestedPolicy) -> Result<String, RunE
     Ok(format!("{preset}-{scenario}-{hash:08x}-seed{}", config.seed))
 }
 
-/// Adds a number of episodes after which the policy is saved.
-pub fn save_policy_after(config: &mut RunConfig, episodes: u64) {
-    if !config.save_policy_after_episodes.contains(&episodes) {
-        config.save_policy_after_episodes.push(episodes);
-        config.save_policy_after_episodes.sort_unstable();
+/// Adds a number of episodes or env steps after which the policy is saved.
+pub fn save_policy_after(config: &mut RunConfig, after: Budget) {
+    if !config.save_policy_after.contains(&after) {
+        config.save_policy_after.push(after);
+        config.save_policy_after.sort_unstable();
     }
 }
 
 /// The path of a file relative to the experiment's folder if it exists there, else `name` itself.
-fn resolve(experiment: &str, name: &str) -> String {
+pub fn resolve(experiment: &str, name: &str) -> String {
+    resolve_as(experiment, name, Path::is_file)
+}
+
+/// [`resolve`] for a folder.
+pub fn resolve_folder(experiment: &str, name: &str) -> PathBuf {
+    resolve_as(experiment, name, Path::is_dir).into()
+}
+
+fn resolve_as(experiment: &str, name: &str, exists: fn(&Path) -> bool) -> String {
     let path: PathBuf = Path::new(experiment).parent().unwrap_or(Path::new("")).join(name);
-    if path.is_file() { path.display().to_string() } else { name.into() }
+    if exists(&path) { path.display().to_string() } else { name.into() }
 }
 
 /// An untrusted experiment must not name a pipe or a device, because reading it might never end.

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::experiment::Experiment;
 use super::options::ReproduceOptions;
 use super::quick::make_quick;
+use super::run_config::resolve;
 use super::selected::{ExperimentSource, SelectedExperiment};
 use crate::run::{RunError, shipped};
 use crate::scenario::closest_name;
@@ -25,10 +26,18 @@ pub fn select(options: &ReproduceOptions) -> Result<Vec<SelectedExperiment>, Run
         // The name of an experiment selects all of it, unless it is also the name of a figure or table.
         let all = options.only.is_empty() || (asked(&name) && !items.contains(&name));
         let experiment = &mut source.experiment;
-        if options.quick {
-            make_quick(experiment, |preset| shipped::preset(preset).ok().map(|preset| preset.budget));
+        if !options.settings.is_empty() {
+            check_trains(&source.from, experiment, "--set changes")?;
+            experiment.overrides.0.extend(options.settings.0.iter().cloned());
         }
-        experiment.seeds = options.seeds.unwrap_or(experiment.seeds);
+        if options.quick {
+            check_trains(&source.from, experiment, "--quick shortens")?;
+            let preset = |name: &str| shipped::preset(&resolve(&source.from, name)).ok();
+            make_quick(experiment, |name| preset(name).map(|preset| preset.budget));
+        }
+        if let Some(seeds) = &options.seeds {
+            experiment.seeds = seeds.clone();
+        }
         let figures = indices(&experiment.figures, |figure| all || asked(&figure.name));
         let tables = indices(&experiment.tables, |table| {
             all || asked(&table.name) || table.aliases.iter().any(|name| asked(name))
@@ -38,6 +47,16 @@ pub fn select(options: &ReproduceOptions) -> Result<Vec<SelectedExperiment>, Run
         }
     }
     Ok(selected)
+}
+
+/// Checks that all arms are trained, which `option` needs ("--quick shortens").
+fn check_trains(from: &str, experiment: &Experiment, option: &str) -> Result<(), RunError> {
+    let Some(arm) = experiment.arms.iter().find(|arm| !arm.runs.is_empty()) else { return Ok(()) };
+    let why = format!(
+        "{from}: {option} trainings, but arm \"{}\" has finished runs; help: leave the option out",
+        arm.name
+    );
+    Err(RunError::InvalidInput(why))
 }
 
 /// The user's experiments, or the shipped ones.

@@ -1,6 +1,6 @@
-//! The selected experiments, and what they need: how many episodes, and at which points a policy is tested.
+//! The selected experiments, and what they need: how much training, and at which points a policy is tested.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::claim::Claim;
@@ -8,6 +8,8 @@ use super::experiment::Experiment;
 use super::figure_spec::FigureKind;
 use super::measure::Measure;
 use super::table_spec::TableKind;
+use super::test_point::{TestPoint, contrast_points, shorter};
+use crate::run::preset::Budget;
 
 /// An experiment and its source.
 #[derive(Clone, Debug)]
@@ -37,25 +39,16 @@ pub struct SelectedExperiment {
     pub tables: Vec<usize>,
 }
 
-/// A number of episodes after which an arm is tested.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct TestPoint {
-    /// The number of episodes.
-    pub after: u64,
-    /// Whether the episodes are those of the last stage only.
-    pub of_last_stage: bool,
-}
-
 impl SelectedExperiment {
-    /// The number of episodes that are needed of each arm; `None` for all.
+    /// Whether a selected figure, table or claim is about `arm`.
     #[must_use]
-    pub fn needed_episodes(&self) -> Option<u64> {
+    pub fn needs(&self, arm: &str) -> bool {
+        self.has_curves() || !self.points(arm).is_empty()
+    }
+
+    fn has_curves(&self) -> bool {
         let mut figures = self.figures.iter().map(|&i| &self.source.experiment.figures[i].draw);
-        let curves = figures.any(|figure| matches!(figure, FigureKind::LearningCurves { .. }));
-        let points = self.test_points();
-        // The last stage starts when all stages before it are complete.
-        let of_last_stage = points.iter().any(|point| point.of_last_stage);
-        if curves || of_last_stage { None } else { points.last().map(|point| point.after) }
+        figures.any(|figure| matches!(figure, FigureKind::LearningCurves { .. }))
     }
 
     /// Whether a selected figure, table or claim is about the benchmark route.
@@ -86,35 +79,54 @@ impl SelectedExperiment {
             })
     }
 
-    /// The points at which the selected figures, tables and claims need a policy.
+    /// The length that is needed of `arm`; `None` for all of it.
     #[must_use]
-    pub fn test_points(&self) -> BTreeSet<TestPoint> {
+    pub fn needed_length(&self, arm: &str) -> Option<Budget> {
+        if self.has_curves() {
+            return None;
+        }
+        // The last stage starts when all stages before it are complete.
+        let length = |point: &TestPoint| point.after.filter(|_| !point.of_last_stage);
+        let lengths: Vec<Budget> = self.points(arm).keys().map(length).collect::<Option<_>>()?;
+        let longest = lengths.iter().copied().max()?;
+        lengths.iter().all(|&length| shorter(length, longest).is_some()).then_some(longest)
+    }
+
+    /// The points of `arm` that the selected figures, tables and claims are about, and whether a policy is needed there.
+    #[must_use]
+    pub fn points(&self, arm: &str) -> BTreeMap<TestPoint, bool> {
         let experiment = &self.source.experiment;
-        let mut points = BTreeSet::new();
-        let overall = |after| TestPoint { after, of_last_stage: false };
-        let of_claim = |claim: &Claim| TestPoint { after: claim.after, of_last_stage: claim.of_last_stage };
+        let mut points = BTreeMap::new();
+        let mut add =
+            |point: TestPoint, needs_policy: bool| *points.entry(point).or_default() |= needs_policy;
+        let tested = |measures: &[Measure]| measures.iter().any(|measure| measure.needs_test());
+        let mut claims: Vec<&Claim> = Vec::new();
         for figure in self.figures.iter().map(|&i| &experiment.figures[i]) {
             match &figure.draw {
                 FigureKind::LearningCurves { .. } => {}
-                FigureKind::DotPlot { after, .. } | FigureKind::BenchmarkRoute { after } => {
-                    points.insert(overall(*after));
-                }
+                FigureKind::DotPlot { measures, after } => add(TestPoint::overall(*after), tested(measures)),
+                FigureKind::BenchmarkRoute { after } => add(TestPoint::overall(*after), true),
             }
-            points.extend(figure.claims.iter().map(of_claim));
+            claims.extend(&figure.claims);
         }
         for table in self.tables.iter().map(|&i| &experiment.tables[i]) {
             match &table.show {
-                TableKind::Seeds { after, .. }
-                | TableKind::Rounds { after, .. }
-                | TableKind::Measures { after, .. } => {
-                    points.insert(overall(*after));
+                TableKind::Seeds { measure, after, .. } => {
+                    add(TestPoint::overall(*after), measure.needs_test());
                 }
-                TableKind::Contrast { after, of_last_stage, .. } => {
-                    let of_last_stage = *of_last_stage;
-                    points.extend(after.iter().map(|&after| TestPoint { after, of_last_stage }));
+                TableKind::Rounds { after, .. } => add(TestPoint::overall(*after), true),
+                TableKind::Measures { measures, after } => add(TestPoint::overall(*after), tested(measures)),
+                TableKind::Contrast { better, than, .. } if better != arm && than != arm => {}
+                TableKind::Contrast { measures, after, of_last_stage, .. } => {
+                    for point in contrast_points(after, *of_last_stage) {
+                        add(point, tested(measures));
+                    }
                 }
             }
-            points.extend(table.claims.iter().map(of_claim));
+            claims.extend(&table.claims);
+        }
+        for claim in claims.into_iter().filter(|claim| claim.better == arm || claim.than == arm) {
+            add(claim.point(), claim.measure.needs_test());
         }
         points
     }

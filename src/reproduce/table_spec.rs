@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::claim::Claim;
 use super::measure::Measure;
+use crate::run::preset::Budget;
 
 /// A table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -23,7 +24,7 @@ pub struct TableSpec {
     pub claims: Vec<Claim>,
 }
 
-/// The kind of a table. `after` is a number of episodes over all stages, after which the policy is tested.
+/// The kind of a table. `after` is a number of episodes or env steps, after which the policy is tested.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum TableKind {
@@ -32,8 +33,9 @@ pub enum TableKind {
     Seeds {
         /// The measure.
         measure: Measure,
-        /// Episodes over all stages.
-        after: u64,
+        /// Episodes or env steps over all stages; without it, after the whole training.
+        #[serde(default)]
+        after: Option<Budget>,
         /// The paper's values, by arm.
         #[serde(default)]
         paper: Vec<(String, f64)>,
@@ -41,8 +43,9 @@ pub enum TableKind {
     /// Success in percent, with a row for each arm and seed, a column for each round of the test, and rows for the
     /// paper's rounds.
     Rounds {
-        /// Episodes over all stages.
-        after: u64,
+        /// Episodes or env steps over all stages; without it, after the whole training.
+        #[serde(default)]
+        after: Option<Budget>,
         /// The paper's rounds in percent, by arm.
         #[serde(default)]
         paper: Vec<(String, Vec<f64>)>,
@@ -51,10 +54,11 @@ pub enum TableKind {
     Measures {
         /// The measures, one column each.
         measures: Vec<Measure>,
-        /// Episodes over all stages.
-        after: u64,
+        /// Episodes or env steps over all stages; without it, after the whole training.
+        #[serde(default)]
+        after: Option<Budget>,
     },
-    /// One arm against another: a row for each condition and number of episodes.
+    /// One arm against another: a row for each condition and each of `after`.
     Contrast {
         /// The measures, a group of columns each.
         measures: Vec<Measure>,
@@ -62,9 +66,10 @@ pub enum TableKind {
         better: String,
         /// The other arm.
         than: String,
-        /// Numbers of episodes over all stages.
-        after: Vec<u64>,
-        /// Whether the episodes are those of the last stage only.
+        /// Episodes or env steps over all stages, a row each; without them, after the whole training.
+        #[serde(default)]
+        after: Vec<Budget>,
+        /// Whether `after` counts from the start of the last stage.
         #[serde(default)]
         of_last_stage: bool,
     },

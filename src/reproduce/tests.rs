@@ -4,21 +4,26 @@
 use std::path::{Path, PathBuf};
 
 use super::ReproduceOptions;
-use super::experiment::{Experiment, TestRule};
-use super::figure_spec::EpisodeSeries;
+use super::arm_run::{ArmRun, PolicyId};
+use super::experiment::TestRule;
+use super::figure_spec::{Axis, Series};
 use super::measure::Measure;
 use super::measured_value::MeasuredValue;
 use super::optimal_times::OptimalTimesCache;
-use super::overrides::Override;
-use super::plan::{ArmRun, PolicyId, RunPlan, Training};
+use super::plan::{RunPlan, Training};
 use super::policy_test::{self, PolicyTestResult};
-use super::results::Results;
+use super::records::Windows;
+use super::results::{ArmIndex, Results};
+use super::seeds::Seeds;
 use super::select::select;
 use super::selected::SelectedExperiment;
-use super::table_spec::TableKind;
+use super::test_point::TestPoint;
+use crate::learning::Sampling;
 use crate::run::folder::RunFolder;
 use crate::run::metric_rows::{EpisodeRow, EvaluationRow};
 use crate::run::preset::Budget;
+use crate::run::settings::Settings;
+use crate::task::RewardKind;
 
 fn only(names: &[&str]) -> ReproduceOptions {
     ReproduceOptions { only: names.iter().map(|&name| name.into()).collect(), ..ReproduceOptions::default() }
@@ -53,7 +58,7 @@ fn all_shipped_experiments_can_be_planned_in_full_and_quickly() {
             selected.source.from,
             experiment.diagnostics()
         );
-        assert_eq!(experiment.seeds, 2);
+        assert_eq!(experiment.seeds, Seeds::First(2));
     }
     for (index, training) in plan.trainings.iter().enumerate() {
         assert!(
@@ -85,7 +90,7 @@ fn a_training_shared_by_experiments_is_planned_once() {
     let origin = &plan.trainings[transferred.origin.expect("it has an origin")];
     assert_eq!(origin.config.scenario.name, "Scenario I");
     assert!(
-        origin.config.save_policy_after_episodes.contains(&1000),
+        origin.config.save_policy_after.contains(&Budget::Episodes(1000)),
         "the policy that it starts from is saved"
     );
     let mut names: Vec<&str> = plan.trainings.iter().map(|training| training.name.as_str()).collect();
@@ -106,19 +111,34 @@ fn only_needed_episodes_and_seeds_are_trained() {
     let (selected, _) = planned(&only(&["table7"]));
     let table = selected[0].tables.iter().map(|&i| &selected[0].source.experiment.tables[i].name);
     assert_eq!(table.collect::<Vec<_>>(), ["table6-7"], "a table is found by each of its aliases");
-    let (_, plan) = planned(&ReproduceOptions { seeds: Some(2), ..only(&["fig8"]) });
-    assert_eq!(plan.trainings.len(), 4);
+    let (_, plan) = planned(&ReproduceOptions { seeds: Some(Seeds::List(vec![3, 17])), ..only(&["fig8"]) });
+    let seeds: Vec<u64> = plan.trainings.iter().map(|training| training.config.seed).collect();
+    assert_eq!(seeds, [3, 17, 3, 17], "two arms with the seeds of the list");
 }
 
 #[test]
-fn episodes_are_counted_over_all_stages() {
-    let stages = vec![(0, Some(1000)), (1, Some(800))];
-    let arm_run = ArmRun { stages };
-    assert_eq!(arm_run.stage_at(400), Some((0, 400)));
-    assert_eq!(arm_run.stage_at(1000), Some((0, 1000)), "the last episode of a stage belongs to it");
-    assert_eq!(arm_run.stage_at(1001), Some((1, 1)));
-    assert_eq!(arm_run.stage_at(1800), Some((1, 800)));
-    assert_eq!(arm_run.stage_at(1801), None);
+fn episodes_and_env_steps_are_counted_over_all_stages() {
+    let at = |arm_run: &ArmRun, after: Budget, of_last_stage: bool| {
+        arm_run.stage_at(TestPoint { after: Some(after), of_last_stage })
+    };
+    for unit in [Budget::Episodes, Budget::EnvSteps] {
+        let arm_run = ArmRun { stages: vec![(0, unit(1000)), (1, unit(800))] };
+        assert_eq!(at(&arm_run, unit(400), false), Some((0, unit(400))));
+        assert_eq!(
+            at(&arm_run, unit(1000), false),
+            Some((0, unit(1000))),
+            "the end of a stage belongs to it"
+        );
+        assert_eq!(at(&arm_run, unit(1001), false), Some((1, unit(1))));
+        assert_eq!(at(&arm_run, unit(1800), false), Some((1, unit(800))));
+        assert_eq!(at(&arm_run, unit(1801), false), None);
+        assert_eq!(at(&arm_run, unit(800), true), Some((1, unit(800))));
+        assert_eq!(at(&arm_run, unit(801), true), None);
+        assert_eq!(arm_run.stage_at(TestPoint::overall(None)), Some((1, unit(800))), "the end");
+    }
+    let mixed = ArmRun { stages: vec![(0, Budget::EnvSteps(1000)), (1, Budget::Episodes(800))] };
+    assert_eq!(at(&mixed, Budget::Episodes(5), false), None, "the first stage is not counted in episodes");
+    assert_eq!(at(&mixed, Budget::Episodes(5), true), Some((1, Budget::Episodes(5))));
 }
 
 const TWO_STAGES: &str = r#"(
@@ -134,7 +154,7 @@ const TWO_STAGES: &str = r#"(
             ],
         ),
     ],
-    tables: [(name: "t", title: "t", show: Seeds(measure: Success, after: 300))],
+    tables: [(name: "t", title: "t", show: Seeds(measure: Success, after: Episodes(300)))],
 )"#;
 
 /// Writes the records of a run with the given goals per episode; every episode has 10 steps and a return of 100 per goal.
@@ -142,14 +162,21 @@ fn write_records(folder: &Path, training: &Training, goals: &[u32], results: &[P
     let folder =
         RunFolder::create(Some(folder.join(&training.name)), &training.config, None).expect("a folder");
     let mut episodes = folder.csv::<EpisodeRow>("episodes.csv", 0, &[]).expect("a file");
-    folder.csv::<EvaluationRow>("evaluations.csv", 0, &[]).expect("a file");
+    let mut evaluations = folder.csv::<EvaluationRow>("evaluations.csv", 0, &[]).expect("a file");
+    for i in 1..=2 {
+        let success_rate = 0.25 * i as f64;
+        let row =
+            EvaluationRow { env_steps: 500 * i, episodes: 50 * i, success_rate, ..EvaluationRow::default() };
+        evaluations.serialize(row).expect("a row");
+    }
+    evaluations.flush().expect("written");
     for (i, &goals) in (1..).zip(goals) {
         let total_return = 100.0 * f64::from(goals);
         let row = EpisodeRow { episode: i, env_steps: 10 * i, goals, total_return, ..EpisodeRow::default() };
         episodes.serialize(row).expect("a row");
     }
     episodes.flush().expect("written");
-    policy_test::write_results(&folder, results).expect("written");
+    policy_test::write_results(folder.path(), results).expect("written");
 }
 
 #[test]
@@ -164,7 +191,7 @@ fn measures_are_computed_from_the_records() {
     // No goals in the first stage. In the second, none in 100 episodes, then 4 in each of another 100.
     let second: Vec<u32> = (0..200).map(|i| if i < 100 { 0 } else { 4 }).collect();
     let result = PolicyTestResult {
-        policy: policy_test::policy_file(PolicyId::AfterEpisodes(200)),
+        policy: policy_test::policy_file(PolicyId::After(Budget::Episodes(200))),
         rule: TestRule { rounds: 1, episodes: 4, seed: 5 },
         steps: vec![Some(50), None, Some(70), Some(60)],
         collisions: 1,
@@ -175,11 +202,14 @@ fn measures_are_computed_from_the_records() {
     let optimal_times = OptimalTimesCache::new(folder.path().join("optimum"));
     let results =
         Results::read(&plan, &selected, folder.path(), optimal_times).expect("the results are read");
-    let value = |measure, after| {
-        let values = results.values(0, 0, 0, measure, after).expect("the value is known");
-        assert_eq!(values.len(), 1);
-        values[0]
+    let arm = ArmIndex { experiment: 0, condition: 0, arm: 0 };
+    let value_in = |measure, after, windows| {
+        let point = TestPoint::overall(Some(Budget::Episodes(after)));
+        let values = results.values(arm, measure, point, windows).expect("the value is known");
+        assert_eq!(values.seeds, [1]);
+        values.values[0]
     };
+    let value = |measure, after| value_in(measure, after, Windows::default());
     let exactly = |value| MeasuredValue { value, is_lower_bound: false };
     assert_eq!(value(Measure::Success, 300), exactly(75.0), "3 of 4");
     // (50 + 500 + 70 + 60) / 4 = 170 steps of 0.2 s: a failure counts as the time limit of 500 steps.
@@ -195,43 +225,79 @@ fn measures_are_computed_from_the_records() {
     let not_reached = MeasuredValue { value: 200.0, is_lower_bound: true };
     assert_eq!(value(Measure::EpisodesTo(4.5), 300), not_reached, "a lower bound");
 
-    assert_eq!(results.rounds(0, 0, 0, 1, 300).expect("the value is known"), [75.0], "one round");
+    // A figure's own window: goals in all of the last 20 episodes, and a mean of 2 after 10 of them.
+    assert_eq!(value_in(Measure::Return, 210, Windows::equal(20)), exactly(200.0), "10 of 20 episodes");
+    assert_eq!(value_in(Measure::EpisodesTo(2.0), 300, Windows::equal(20)), exactly(110.0));
 
-    let curve = &results.curves(0, 0, 0, EpisodeSeries::Goals)[0];
-    assert_eq!((curve.len(), curve[99], curve[299]), (300, 0.0, 4.0), "the stages follow each other");
+    let run = results.first_run(arm).expect("it has a run");
+    let point = TestPoint::overall(Some(Budget::Episodes(300)));
+    assert_eq!(results.rounds(arm, run, point).expect("the value is known"), [75.0], "one round");
+
+    let curve = &results.curves(arm, Series::Goals, Axis::Episodes)[0];
+    let (first, last) = (curve[99], curve[299]);
+    assert_eq!((curve.len(), first, last), (300, (100.0, 0.0), (300.0, 4.0)), "the stages follow each other");
+    let curve = &results.curves(arm, Series::Goals, Axis::EnvSteps)[0];
+    assert_eq!((curve[99], curve[299]), ((1000.0, 0.0), (3000.0, 4.0)), "10 env steps per episode");
+    let curve = &results.curves(arm, Series::SuccessRate, Axis::EnvSteps)[0];
+    let expected = [(500.0, 25.0), (1000.0, 50.0), (1500.0, 25.0), (2000.0, 50.0)];
+    assert_eq!(curve[..], expected, "two evaluations in each stage");
 }
 
 #[test]
-fn overrides_change_every_field_they_name() {
-    let text = TWO_STAGES.replace(
-        "budget: Episodes(200))",
-        "budget: Episodes(200), overrides: (lidar_noise_std_m: 0.05, actuator_lag_s: 0.3, collision_range_m: 0.15,
-            max_episode_steps: 300, reward: Traditional, l_r_m: 0.5, observation: Raw, double: true, dueling: true,
-            sampling: Prioritized(alpha: 0.6, beta: Constant(0.4), importance_weights: true, epsilon: 0.01),
-            alpha: 0.7))",
+fn overrides_and_conditions_change_the_fields_that_they_name_in_the_arms_that_they_name() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file: PathBuf = folder.path().join("two.ron");
+    let text = TWO_STAGES
+        .replace(
+            "budget: Episodes(200))",
+            r#"budget: Episodes(200), overrides: {
+                "learning.gamma": 0.97, "reward.kind": Traditional, "scenario.task.max_episode_steps": 300,
+                "learning.replay.sampling": Prioritized(alpha: 0.6, beta: Constant(0.4), importance_weights: true, epsilon: 0.01),
+                "learning.replay.sampling.alpha": 0.7,
+            })"#,
+        )
+        .replace(
+            "    tables: [",
+            r#"    conditions: [
+                (name: "unchanged"),
+                (name: "faster", scenario: "scenario-2", overrides: {"scenario.obstacles[*].motion.speed_rad_s": 0.3}),
+                (name: "not in b", overrides: {"learning.gamma": 0.5}, only_arms: ["a"], only_scenarios: ["scenario-1"]),
+            ],
+            tables: ["#,
+        )
+        .replace("    arms: [", "    arms: [(name: \"b\", stages: [(scenario: \"empty\", preset: \"dqn\", budget: Episodes(300))]),");
+    std::fs::write(&file, text).expect("written");
+    let (_, plan) = planned(&ReproduceOptions { experiments: vec![file], ..ReproduceOptions::default() });
+    let config = |condition: usize, arm: usize| {
+        &plan.trainings[plan.arm_runs[&(0, condition, arm, 1)].stages.last().expect("a stage").0].config
+    };
+    let (changed, faster) = (config(0, 1), config(1, 1));
+    assert_eq!((changed.preset.learning.gamma, config(2, 1).preset.learning.gamma), (0.97, 0.5));
+    assert_eq!(
+        (changed.preset.reward.kind, changed.scenario.task.max_episode_steps),
+        (RewardKind::Traditional, 300)
     );
-    let experiment = Experiment::parse(&text, "two.ron").expect("a valid experiment");
-    let overrides = &experiment.arms[0].stages[1].overrides;
-    let mut scenario = crate::run::shipped::scenario("scenario-2").expect("shipped");
-    let mut preset = crate::run::shipped::preset("dqn").expect("shipped");
-    let faster = Override { orbit_speed_rad_s: Some(0.3), ..overrides.clone() };
-    faster.apply(&mut scenario, &mut preset);
-    let text = crate::scenario::to_ron(&(scenario, preset)).expect("RON");
-    for field in [
-        "noise_std_m: 0.05",
-        "actuator_lag_s: 0.3",
-        "collision_range_m: 0.15",
-        "max_episode_steps: 300",
-        "kind: Traditional",
-        "l_r_m: 0.5",
-        "observation: Raw",
-        "double: true",
-        "dueling: true",
-        "alpha: 0.7",
-        "importance_weights: true",
-    ] {
-        assert_eq!(text.matches(field).count(), 1, "{field} in {text}");
+    let Sampling::Prioritized { alpha, importance_weights, .. } = changed.preset.learning.replay.sampling
+    else {
+        panic!("not prioritized")
+    };
+    assert_eq!((alpha, importance_weights), (0.7, true), "in the order of the file");
+    assert_eq!((faster.scenario.name.as_str(), faster.preset.learning.gamma), ("Scenario II", 0.97));
+    let ron = crate::scenario::to_ron(&faster.scenario).expect("RON");
+    assert_eq!(ron.matches("speed_rad_s: 0.3,").count(), 4, "all four cylinders: {ron}");
+    assert_eq!(config(2, 0).preset, config(0, 0).preset, "the condition is only for the other arm");
+}
+
+#[test]
+fn settings_from_the_command_line_change_all_trainings() {
+    let (_, plan) = planned(&only(&["fig8"]));
+    let settings = ["learning.gamma=0.97", "scenario.lidar.noise_std_m=0.02"];
+    let settings = Settings(settings.iter().map(|text| text.parse().expect("a setting")).collect());
+    let (_, changed) = planned(&ReproduceOptions { settings, ..only(&["fig8"]) });
+    assert_eq!(changed.trainings.len(), plan.trainings.len());
+    for (training, before) in changed.trainings.iter().zip(&plan.trainings) {
+        assert_eq!(training.config.preset.learning.gamma, 0.97);
+        assert_eq!(training.config.scenario.lidar.noise_std_m, 0.02);
+        assert_ne!(training.name, before.name, "a run without the settings is another run");
     }
-    assert_eq!(text.matches("speed_rad_s: 0.3").count(), 4, "all four cylinders");
-    assert!(matches!(experiment.tables[0].show, TableKind::Seeds { after: 300, .. }));
 }

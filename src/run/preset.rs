@@ -2,6 +2,8 @@
 //!
 //! In: a RON file, shipped in `assets/presets/` or written by the user. Out: a checked [`Preset`].
 
+mod based_on;
+
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -9,36 +11,37 @@ use serde::{Deserialize, Serialize};
 use crate::learning::LearningConfig;
 use crate::limits::{MAX_ABOUT_CHARS, MAX_ARENAS, MAX_EVALUATION_EPISODES, MAX_STEPS};
 use crate::policy::range::within;
-use crate::scenario::{Diagnostic, FileError, parse_checked, read_text};
+use crate::scenario::{Diagnostic, FileError, read_text};
 use crate::task::{Encoding, RewardConfig};
 
 /// A training preset: all settings of a training run except the scenario and the seed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct Preset {
-    /// A description: what the preset is for, and what is special about it.
-    #[serde(default)]
+    /// A description: what the preset is for, and what is special about it. At most 20,000 characters.
     pub about: String,
+    /// Another preset, from which all fields come that this file does not have: a shipped one by name, such as `"fast"`, or a
+    /// file, relative to this one. The parts `evaluation`, `reward`, `learning`, `network` and `replay` are combined field by
+    /// field; a choice or a list is replaced as a whole. A preset that has been read is complete and has `None`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub based_on: Option<String>,
     /// Number of parallel arenas, 1 to 4096. The paper: 1.
     pub arenas: usize,
-    /// Length of a run; `--episodes` and `--steps` override it.
+    /// Length of a run; `--episodes` and `--steps` override it. The paper: 1000 episodes.
     pub budget: Budget,
     /// Schedule of the evaluations during training.
-    #[serde(default)]
     pub evaluation: EvaluationConfig,
     /// How the observation, eq. (8), enters the network: `Scaled` to the order of one, or `Raw` in m and rad.
     /// The paper doesn't specify it.
-    #[serde(default)]
     pub observation: Encoding,
     /// The reward of a step, eqs. (3) to (7).
-    #[serde(default)]
     pub reward: RewardConfig,
     /// The algorithm and its hyperparameters.
     pub learning: LearningConfig,
 }
 
 /// The length of a run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Budget {
     /// Number of finished episodes over all arenas, 1 to 10^15.
     Episodes(u64),
@@ -68,6 +71,22 @@ impl Default for EvaluationConfig {
     }
 }
 
+impl Default for Preset {
+    /// The paper's training: PER-D3QN as in Table 1, 1000 episodes in one arena.
+    fn default() -> Self {
+        Self {
+            about: String::new(),
+            based_on: None,
+            arenas: 1,
+            budget: Budget::Episodes(1000),
+            evaluation: EvaluationConfig::default(),
+            observation: Encoding::default(),
+            reward: RewardConfig::default(),
+            learning: LearningConfig::default(),
+        }
+    }
+}
+
 impl Preset {
     /// The preset in the file at `path`.
     ///
@@ -79,12 +98,19 @@ impl Preset {
         Self::parse(&read_text(path)?, path)
     }
 
-    /// The preset in `text`; error messages name it by `path`.
+    /// The preset in `text`; error messages name it by `path`. A file that it is based on is relative to the folder of `path`.
     ///
     /// # Errors
     /// As for [`Preset::load`].
     pub fn parse(text: &str, path: impl AsRef<Path>) -> Result<Self, FileError> {
-        parse_checked(text, path, Self::diagnostics, Self::diagnostics)
+        let path = path.as_ref();
+        let preset = based_on::read(text, path, &[])?;
+        let diagnostics = preset.diagnostics();
+        if diagnostics.is_empty() {
+            Ok(preset)
+        } else {
+            Err(FileError::from_diagnostics(path, text, &diagnostics))
+        }
     }
 
     /// All invalid values.
@@ -108,6 +134,9 @@ impl Preset {
         if self.about.chars().count() > MAX_ABOUT_CHARS {
             add("about", format!("is too long; help: write at most {MAX_ABOUT_CHARS} characters"));
         }
+        if self.based_on.is_some() {
+            add("based_on", "is only read from a preset's own file; help: remove it here".into());
+        }
         if let Err((field, problem)) = self.reward.check() {
             add(&format!("reward.{field}"), problem);
         }
@@ -117,3 +146,6 @@ impl Preset {
         diagnostics
     }
 }
+
+#[cfg(test)]
+mod tests;

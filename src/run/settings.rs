@@ -44,6 +44,12 @@ pub struct SettingError {
 }
 
 impl Settings {
+    /// Whether there are no settings.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
     /// Changes the scenario and the preset, which are valid. So are the results.
     ///
     /// # Errors
@@ -78,7 +84,7 @@ impl Settings {
             let applied = setting.apply(scenario.as_deref_mut(), preset.as_deref_mut());
             errors.extend(applied.err().map(|problem| setting.error(problem)));
         }
-        if errors.is_empty() && !self.0.is_empty() {
+        if errors.is_empty() && !self.is_empty() {
             let inside = |found: Diagnostic| Diagnostic { path: format!("scenario.{}", found.path), ..found };
             let of_preset = preset.map(|preset| preset.diagnostics()).unwrap_or_default();
             let of_scenario = scenario.map(|scenario| diagnostics(scenario)).unwrap_or_default();

@@ -6,10 +6,11 @@
 use std::path::Path;
 use std::sync::LazyLock;
 
+use super::folder::RunConfig;
 use super::policy_card;
 use super::preset::Preset;
 use crate::policy::Policy;
-use crate::scenario::{FileError, Scenario, closest_name, path_exists};
+use crate::scenario::{FileError, Scenario, closest_name, path_exists, read_text};
 
 /// A shipped file.
 struct Shipped {
@@ -80,6 +81,16 @@ pub fn is_preset(name: &str) -> bool {
     PRESETS.iter().any(|file| file.name == name)
 }
 
+/// The names of the shipped presets.
+pub fn preset_names() -> impl Iterator<Item = &'static str> {
+    PRESETS.iter().map(|file| file.name)
+}
+
+/// The path in the project, and the text, of the shipped preset `name`.
+pub fn preset_text(name: &str) -> Option<(&'static str, &'static str)> {
+    PRESETS.iter().find(|file| file.name == name).map(|file| (file.path, file.text))
+}
+
 /// The title of the shipped preset `name`, to be displayed.
 pub fn preset_title(name: &str) -> Option<&'static str> {
     match name {
@@ -120,26 +131,40 @@ pub fn presets() -> impl Iterator<Item = (&'static str, Preset)> {
     PRESETS.iter().filter_map(|file| Some((file.name, Preset::parse(file.text, file.path).ok()?)))
 }
 
-/// The scenario in the file `wanted`, or the shipped scenario of that name.
+/// The scenario in the file `wanted`, which may be the `config.ron` of a run, or the shipped scenario of that name.
 ///
 /// # Errors
 /// As for [`Scenario::load`]; for an unknown name, the closest shipped one.
 pub fn scenario(wanted: &str) -> Result<Scenario, FileError> {
     match find(SCENARIOS, wanted) {
         Some(file) => Scenario::parse(file.text, file.path),
-        None => Scenario::load(wanted).map_err(|error| with_names(error, wanted, SCENARIOS)),
+        None => user_file(wanted, SCENARIOS, |text| Scenario::parse(text, wanted), |config| config.scenario),
     }
 }
 
-/// The preset in the file `wanted`, or the shipped preset of that name.
+/// The preset in the file `wanted`, which may be the `config.ron` of a run, or the shipped preset of that name.
 ///
 /// # Errors
 /// As for [`Preset::load`]; for an unknown name, the closest shipped one.
 pub fn preset(wanted: &str) -> Result<Preset, FileError> {
     match find(PRESETS, wanted) {
         Some(file) => Preset::parse(file.text, file.path),
-        None => Preset::load(wanted).map_err(|error| with_names(error, wanted, PRESETS)),
+        None => user_file(wanted, PRESETS, |text| Preset::parse(text, wanted), |config| config.preset),
     }
+}
+
+/// The user's file `wanted`: by `parse`, or the `part` of a run's `config.ron`.
+fn user_file<T>(
+    wanted: &str,
+    shipped: &[Shipped],
+    parse: impl Fn(&str) -> Result<T, FileError>,
+    part: fn(RunConfig) -> T,
+) -> Result<T, FileError> {
+    let text = read_text(wanted).map_err(|error| with_names(error, wanted, shipped))?;
+    if RunConfig::is_meant_by(&text) {
+        return RunConfig::parse(&text, Path::new(wanted)).map(part);
+    }
+    parse(&text)
 }
 
 /// The shipped file with the name or project path `wanted`, unless the user has a file at that path.
@@ -179,7 +204,6 @@ mod tests {
     use std::sync::Arc;
 
     use crate::run::evaluate::{Evaluation, Evaluator};
-    use crate::run::folder::RunConfig;
     use crate::task::EpisodeSetup;
 
     #[test]

@@ -176,11 +176,11 @@ pub fn experiment(bytes: &[u8]) -> bool {
     let shipped = |name: &str, known: &[&str]| known.contains(&name);
     let stages = experiment.arms.iter().flat_map(|arm| &arm.stages);
     let known = stages.clone().all(|stage| {
-        shipped(&stage.scenario, &["empty", "u-trap"])
-            && shipped(&stage.preset, &["fast", "dqn", "per_d3qn"])
-            && stage.overrides.scenario.is_none()
-    }) && experiment.conditions.iter().all(|condition| condition.overrides.scenario.is_none());
-    let trainings = experiment.seeds as usize * stages.count() * experiment.conditions.len().max(1);
+        shipped(&stage.scenario, &["empty", "u-trap"]) && shipped(&stage.preset, &["fast", "dqn", "per_d3qn"])
+    }) && experiment.conditions.iter().all(|condition| condition.scenario.is_none());
+    let trainings = experiment.seeds.count() as usize * stages.count() * experiment.conditions.len().max(1);
+    // Finished runs are read from folders.
+    let known = known && experiment.arms.iter().all(|arm| arm.runs.is_empty());
     if known && trainings <= 6 && crc32c::crc32c(bytes).is_multiple_of(16) {
         let selected = SelectedExperiment {
             figures: (0..experiment.figures.len()).collect(),
@@ -235,7 +235,7 @@ impl Run {
             scenario_from: NAME.into(),
             preset_from: NAME.into(),
             transfer: None,
-            save_policy_after_episodes: Vec::new(),
+            save_policy_after: Vec::new(),
             sensors: Vec::new(),
             reward_terms: Vec::new(),
             extensions: Extensions::default(),

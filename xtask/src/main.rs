@@ -8,8 +8,8 @@ use std::process::{Command, ExitCode};
 const USAGE: &str = "\
 usage: cargo xtask <command>
 
-  docs        renew docs/scenario-format.md (from the schema), the flags in docs/command-line.md (from clap) and
-              the limits in docs/trust.md (from the constants)
+  docs        renew the formats of scenarios, presets and experiments in docs/ (from the types), the flags in
+              docs/command-line.md (from clap) and the limits in docs/trust.md (from the constants)
   policies    renew the cards of the shipped policies in assets/policies/; their weights stay
   messages    renew the command line's error messages in tests/snapshots/messages/
   snapshots   renew the app's screenshots in tests/snapshots/; look at each before you commit it
@@ -51,10 +51,9 @@ fn steps(command: &str) -> Option<Vec<Step<'static>>> {
     const RENEW: &[(&str, &str)] = &[("WAYFIELD_RENEW", "1")];
     const UPDATE: &[(&str, &str)] = &[("UPDATE_SNAPSHOTS", "1")];
     Some(match command {
-        "docs" => vec![
-            cargo("test --release -p wayfield-scenario --test docs the_page_matches_the_schema", RENEW),
-            cargo("test --release -p wayfield --lib -- flag_tables limits::table", RENEW),
-        ],
+        "docs" => {
+            vec![cargo("test --release -p wayfield --lib -- flag_tables limits::table format_docs", RENEW)]
+        }
         "policies" => {
             vec![cargo("test --release -p wayfield --lib -- the_cards_of_the_shipped_policies", RENEW)]
         }

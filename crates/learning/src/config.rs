@@ -4,6 +4,7 @@
 //! fix. The default is Table 1 of the paper; every option switches one part of the algorithm.
 
 mod check;
+mod defaults;
 
 use std::f64::consts::PI;
 
@@ -13,7 +14,7 @@ use wayfield_policy::{Activation, NetworkShape};
 
 /// All options of the learning algorithm.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct LearningConfig {
     /// The layers of the Q-network.
     pub network: NetworkConfig,
@@ -35,11 +36,9 @@ pub struct LearningConfig {
     /// The largest norm of the gradient of all parameters together, above 0; a longer gradient is scaled down to it, as by
     /// PyTorch's `clip_grad_norm_`. The loss is in units of scaled reward; with rewards of the order of one, 10 is usual. The
     /// paper: `None`, no limit.
-    #[serde(default)]
     pub max_gradient_norm: Option<f32>,
     /// The decoupled weight decay, 0 to 1: before each gradient step, all parameters are multiplied by 1 - learning rate x
     /// `weight_decay` (AdamW, Loshchilov and Hutter 2019; here also with RMSProp). PyTorch's AdamW: 0.01. The paper: 0.
-    #[serde(default)]
     pub weight_decay: f32,
     /// The number of transitions per gradient step, 1 to 65536. Table 1: 64.
     pub batch_size: usize,
@@ -57,7 +56,7 @@ pub struct LearningConfig {
 
 /// The layers of the Q-network.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct NetworkConfig {
     /// The widths of the hidden layers, at most 8 of 1 to 4096 units. Fig. 5: [64, 64].
     pub hidden: Vec<usize>,
@@ -65,10 +64,8 @@ pub struct NetworkConfig {
     pub dueling: bool,
     /// Layer normalization of each hidden layer before its activation (Ba et al. 2016), with a learned scale and shift per
     /// unit. The paper: `false`.
-    #[serde(default)]
     pub layer_norm: bool,
     /// The activation function of the hidden layers: `Relu` (fig. 5), `Elu`, `Silu` or `Tanh`.
-    #[serde(default)]
     pub activation: Activation,
 }
 
@@ -81,6 +78,7 @@ pub enum Loss {
     /// d^2 / 2 up to |d| = `delta` (above 0), linear beyond.
     Huber {
         /// The |d| at which the loss becomes linear, in units of scaled reward.
+        #[serde(default = "defaults::one")]
         delta: f32,
     },
 }
@@ -92,17 +90,22 @@ pub enum Optimizer {
     /// RMSProp (Table 1), not centred and without momentum.
     RmsProp {
         /// The decay of the mean square gradient per step, at least 0 and below 1. PyTorch: 0.99.
+        #[serde(default = "defaults::decay")]
         smoothing: f32,
         /// The constant added to the root of the mean square gradient, above 0. PyTorch: 1e-8.
+        #[serde(default = "defaults::optimizer_epsilon")]
         epsilon: f32,
     },
     /// Adam (Kingma and Ba 2015).
     Adam {
         /// The decay of the mean gradient per step, at least 0 and below 1. PyTorch: 0.9.
+        #[serde(default = "defaults::beta1")]
         beta1: f32,
         /// The decay of the mean square gradient per step, at least 0 and below 1. PyTorch: 0.999.
+        #[serde(default = "defaults::beta2")]
         beta2: f32,
         /// The constant added to the root of the mean square gradient, above 0. PyTorch: 1e-8.
+        #[serde(default = "defaults::optimizer_epsilon")]
         epsilon: f32,
     },
 }
@@ -156,7 +159,7 @@ pub enum Schedule {
 
 /// The size of the replay buffer, and the sampling of batches.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct ReplayConfig {
     /// The maximum number of stored transitions, `batch_size` to 2^24. Table 1: 1,000,000.
     pub capacity: usize,
@@ -175,13 +178,17 @@ pub enum Sampling {
     /// The probability is proportional to a power of the last TD error (Schaul et al. 2016).
     Prioritized {
         /// The exponent in P(i) = p_i^alpha / sum of p^alpha, 0 (uniform) to 1. Algorithm 1 as printed: 1.
+        #[serde(default = "defaults::one")]
         alpha: f32,
         /// The exponent of the importance weights, 0 to 1, as a function of env steps.
+        #[serde(default = "defaults::beta")]
         beta: Schedule,
         /// Whether the loss is weighted by (N P(i))^-beta, divided by the largest weight of the batch. Algorithm 1 has no
         /// weights.
+        #[serde(default)]
         importance_weights: bool,
         /// The constant added to |TD error| in the priority, above 0, so that every transition can be drawn again.
+        #[serde(default = "defaults::priority_epsilon")]
         epsilon: f32,
     },
 }
@@ -193,6 +200,7 @@ pub enum TargetUpdate {
     /// Copies the online network every `every` gradient steps. Table 1: 2000.
     Hard {
         /// The number of gradient steps between copies, at least 1.
+        #[serde(default = "defaults::copy_interval")]
         every: u64,
     },
     /// Moves by the share `tau` towards the online network after each gradient step.
@@ -209,10 +217,13 @@ pub enum Exploration {
     /// Exponential decay per episode, equation (10): max(end, start x decay^episodes). The paper: 1, 0.99, 0.05.
     PerEpisode {
         /// Epsilon in the first episode.
+        #[serde(default = "defaults::one")]
         start: f32,
         /// The factor after each episode, above 0, at most 1.
+        #[serde(default = "defaults::decay")]
         decay: f32,
         /// The minimum.
+        #[serde(default = "defaults::least_epsilon")]
         end: f32,
     },
     /// Linear decay up to `env_steps`, then constant.
@@ -242,21 +253,25 @@ impl Default for LearningConfig {
             max_gradient_norm: None,
             weight_decay: 0.0,
             batch_size: 64,
-            replay: ReplayConfig {
-                capacity: 1_000_000,
-                learning_starts: 0,
-                sampling: Sampling::Prioritized {
-                    alpha: 1.0,
-                    beta: Schedule::Constant(0.0),
-                    importance_weights: false,
-                    epsilon: 0.01,
-                },
-            },
+            replay: ReplayConfig::default(),
             train_freq: 1,
             gradient_steps: 1,
             target_update: TargetUpdate::Hard { every: 2000 },
             exploration: Exploration::PerEpisode { start: 1.0, decay: 0.99, end: 0.05 },
         }
+    }
+}
+
+impl Default for ReplayConfig {
+    /// The replay buffer of PER-D3QN, Table 1 and algorithm 1 of the paper.
+    fn default() -> Self {
+        let sampling = Sampling::Prioritized {
+            alpha: 1.0,
+            beta: Schedule::Constant(0.0),
+            importance_weights: false,
+            epsilon: 0.01,
+        };
+        Self { capacity: 1_000_000, learning_starts: 0, sampling }
     }
 }
 

@@ -11,7 +11,8 @@
 //! | [`raster`], [`pdf`](mod@pdf) | the conversion of SVG to PNG and PDF |
 //! | [`resized`] | figures of another size |
 //! | [`fonts`] | the system's fonts, for characters that the embedded one lacks |
-//! | [`statistics`] | means over seeds with 95 % confidence intervals |
+//! | [`statistics`] | means over seeds and differences of arms, with 95 % confidence intervals |
+//! | [`curves`] | the mean of curves whose points have different x |
 //! | [`smoothing`] | the moving mean |
 //! | [`table`] | tables, as CSV and Markdown |
 //! | [`claim`] | whether the data support a claim: held, not shown or reversed |
@@ -62,6 +63,8 @@ pub mod chart;
 pub mod claim;
 #[cfg(not(target_arch = "wasm32"))]
 mod csv_table;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod curves;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod fonts;
 pub mod format;

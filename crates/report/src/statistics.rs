@@ -81,6 +81,37 @@ pub fn difference(a: &[f64], b: &[f64]) -> Option<Estimate> {
     Some(Estimate { mean: a.mean - b.mean, half_width, n })
 }
 
+/// The mean of a - b over pairs, such as two algorithms with the same seeds, with Student's interval of the differences.
+///
+/// `None` without pairs, if the sides differ in length, or if a value is not finite.
+#[must_use]
+pub fn paired_difference(a: &[f64], b: &[f64]) -> Option<Estimate> {
+    let differences: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
+    (a.len() == b.len()).then(|| Estimate::from_values(&differences)).flatten()
+}
+
+/// Fewer seeds than this say little.
+pub const SMALL_SAMPLE: usize = 5;
+
+/// What `n` seeds say, if that is little: "n = 2 says little: ...".
+#[must_use]
+pub fn small_sample_note(n: usize) -> Option<String> {
+    let advice = format!("Use at least {SMALL_SAMPLE} seeds");
+    match n {
+        0 => None,
+        1 => Some(format!("n = 1 says nothing about other seeds: there is no interval. {advice}.")),
+        n if n < SMALL_SAMPLE => {
+            let quantile =
+                StudentsT::new(0.0, 1.0, n as f64 - 1.0).map_or(f64::NAN, |t| t.inverse_cdf(0.975));
+            Some(format!(
+                "n = {n} says little: a 95 % interval is {quantile:.1} standard errors on each side (with many seeds 2.0), \
+                 and the spread is itself a guess from {n} values. {advice}."
+            ))
+        }
+        _ => None,
+    }
+}
+
 /// The estimate at each index over all curves, up to the length of the shortest curve.
 ///
 /// Where a value is not finite, the mean is NaN.
@@ -214,6 +245,31 @@ mod tests {
         assert_eq!(difference(&[1.0], &[5.0, 6.0]), Some(Estimate { mean: -4.5, half_width: None, n: 3 }));
         assert_eq!(difference(&[], &[1.0]), None);
         assert_eq!(difference(&[1.0], &[f64::INFINITY]), None);
+    }
+
+    /// Differences 1, 2, 3: mean 2, sd 1, half width t(0.975, 2) / sqrt 3 = 4.3027 / 1.7321 = 2.4841. The values of each
+    /// side spread ten times as much.
+    #[test]
+    fn a_paired_difference_has_the_interval_of_the_differences() {
+        let (a, b) = ([11.0, 22.0, 33.0], [10.0, 20.0, 30.0]);
+        let estimate = paired_difference(&a, &b).expect("three pairs");
+        near(estimate.mean, 2.0);
+        near(estimate.half_width.expect("three pairs"), 2.4841);
+        assert_eq!(estimate.n, 3);
+        let welch = difference(&a, &b).and_then(|e| e.half_width).expect("three values each");
+        assert!(welch > 20.0, "without pairing, the spread of the seeds hides the difference: {welch}");
+        assert_eq!(paired_difference(&a, &b[..2]), None);
+        assert_eq!(paired_difference(&[], &[]), None);
+    }
+
+    #[test]
+    fn small_samples_say_little() {
+        assert!(small_sample_note(1).is_some_and(|note| note.starts_with("n = 1 says nothing")));
+        assert!(
+            small_sample_note(2)
+                .is_some_and(|note| note.starts_with("n = 2 says little: a 95 % interval is 12.7 "))
+        );
+        assert_eq!((small_sample_note(0), small_sample_note(5)), (None, None));
     }
 
     #[test]

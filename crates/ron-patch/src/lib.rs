@@ -31,6 +31,7 @@
 //! | [`tokens`], `syntax`, `trivia` | the old text as a tree of byte ranges, with comments and spaces between them |
 //! | `merge`, `align`, `rebuild` | the old text with the changed values in it |
 //! | [`set_field`] | a value for the field at a path |
+//! | [`overlay`] | the fields of one text in place of those of another |
 //! | [`SourceMap`] | from a byte offset to a field's path and back, for error messages |
 //!
 //! Supported types are structs with named fields, enums whose variants have named fields or no fields, options, lists,
@@ -41,6 +42,7 @@ mod align;
 mod format;
 mod literal;
 mod merge;
+mod overlay;
 mod rebuild;
 mod serializer;
 mod set_field;
@@ -53,6 +55,7 @@ mod value;
 
 use serde::Serialize;
 
+pub use self::overlay::overlay;
 pub use self::serializer::Unsupported;
 pub use self::set_field::{PathError, set_field};
 pub use self::source_map::SourceMap;

@@ -21,11 +21,11 @@ enum Step<'a> {
 }
 
 /// A change of the text.
-struct Edit {
-    range: Range<usize>,
-    new: String,
+pub(crate) struct Edit {
+    pub range: Range<usize>,
+    pub new: String,
     /// Whether the text lacks the field.
-    is_added: bool,
+    pub is_added: bool,
 }
 
 /// `text` with `value`, a RON text, at `path`.

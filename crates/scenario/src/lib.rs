@@ -57,4 +57,5 @@ pub use text::{is_noncharacter, is_unprintable, printable, printable_lines, prin
 pub use track::{MotionSpeed, Track};
 #[cfg(target_arch = "wasm32")]
 pub use virtual_files::{contains as path_exists, read as read_bytes};
+pub use wayfield_ron_patch::overlay;
 pub use write::to_text;

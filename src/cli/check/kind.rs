@@ -70,7 +70,9 @@ pub fn check(path: &Path) -> (Option<FileKind>, Result<LocatedNotes, FileError>)
     let kind = FileKind::of_text(&text);
     let found = match kind {
         FileKind::Preset => Preset::parse(&text, path).map(|preset| preset_notes(&preset, None, false)),
-        FileKind::Experiment => Experiment::parse(&text, path).map(|_| Vec::new()),
+        FileKind::Experiment => {
+            Experiment::parse(&text, path).and_then(|experiment| experiment.training_notes(path, &text))
+        }
         FileKind::RunConfig => RunConfig::parse(&text, path).map(|_| Vec::new()),
         FileKind::Scenario | FileKind::Policy => {
             Scenario::parse(&text, path).map(|scenario| notes(&scenario))

@@ -17,6 +17,7 @@ use super::experiment::{Arm, Experiment, TestedPolicy};
 use super::figure_spec::FigureKind;
 use super::measure::Measure;
 use super::table_spec::TableKind;
+use super::test_point::{TestPoint, amount, contrast_points, difference, unit_name};
 use crate::limits::experiment::{MAX_ROUNDS, MAX_SEEDS, MAX_SMOOTHING, MAX_TEST_EPISODES};
 use crate::limits::{MAX_EVALUATION_EPISODES, MAX_STEPS};
 use crate::run::preset::Budget;
@@ -29,7 +30,7 @@ pub(super) fn diagnostics(experiment: &Experiment) -> Vec<Diagnostic> {
     if check.found.diagnostics.is_empty() {
         check.header(experiment);
         check.arms();
-        check.found.names("conditions", experiment.conditions.iter().map(|c| c.name.as_str()));
+        check.conditions(experiment);
         check.figures(experiment);
         check.tables(experiment);
     }
@@ -48,7 +49,10 @@ impl Check<'_> {
         if experiment.title.trim().is_empty() {
             found.add("title", "is empty; help: write what the experiment is about");
         }
-        found.range("seeds", experiment.seeds, 1, MAX_SEEDS);
+        found.range("seeds", experiment.seeds.count(), 1, MAX_SEEDS);
+        if let Some(seed) = experiment.seeds.duplicate() {
+            found.add("seeds", format!("has {seed} twice; help: give each seed once"));
+        }
         found.range("test.rounds", experiment.test.rounds as u64, 1, MAX_ROUNDS as u64);
         found.range("test.episodes", experiment.test.episodes as u64, 1, MAX_TEST_EPISODES);
         if let Some(rule) = &experiment.evaluation {
@@ -66,8 +70,16 @@ impl Check<'_> {
         }
         self.found.names("arms", self.arms.iter().map(|arm| arm.name.as_str()));
         for (i, arm) in self.arms.iter().enumerate() {
-            if arm.stages.is_empty() {
-                self.found.add(&format!("arms[{i}].stages"), "is empty; help: give at least one stage");
+            match (arm.stages.is_empty(), arm.runs.is_empty()) {
+                (true, true) => self.found.add(
+                    &format!("arms[{i}].stages"),
+                    "is empty; help: give at least one stage, or finished runs (`runs: [\"runs/a\"]`)",
+                ),
+                (false, false) => self.found.add(
+                    &format!("arms[{i}].runs"),
+                    "is given together with stages; help: give either stages to train, or finished runs",
+                ),
+                _ => {}
             }
             for (k, stage) in arm.stages.iter().enumerate() {
                 let at = format!("arms[{i}].stages[{k}]");
@@ -76,6 +88,40 @@ impl Check<'_> {
                 }
                 self.epsilon(&format!("{at}.epsilon"), stage.epsilon, k == 0);
             }
+        }
+    }
+
+    /// Conditions change trainings, and finished runs cannot be changed.
+    fn conditions(&mut self, experiment: &Experiment) {
+        self.found.names("conditions", experiment.conditions.iter().map(|c| c.name.as_str()));
+        for (i, condition) in experiment.conditions.iter().enumerate() {
+            condition.only_arms.iter().for_each(|name| self.arm(&format!("conditions[{i}].only_arms"), name));
+            self.only_scenarios(&format!("conditions[{i}].only_scenarios"), &condition.only_scenarios);
+        }
+        if experiment.conditions.is_empty() && experiment.overrides.is_empty() {
+            return;
+        }
+        for (i, arm) in self.arms.iter().enumerate().filter(|(_, arm)| !arm.runs.is_empty()) {
+            let message = format!(
+                "are finished, so conditions and overrides cannot change \"{}\"; help: leave them out, or give the arm stages",
+                arm.name
+            );
+            self.found.add(&format!("arms[{i}].runs"), message);
+        }
+    }
+
+    /// The scenarios of stages must exist.
+    fn only_scenarios(&mut self, path: &str, names: &[String]) {
+        let known = || self.arms.iter().flat_map(|arm| &arm.stages).map(|stage| stage.scenario.as_str());
+        for name in names {
+            if known().any(|known| known == name) {
+                continue;
+            }
+            let help = match closest_name(name, known()) {
+                Some(near) => format!("did you mean \"{near}\"?"),
+                None => "write it as the stage does".into(),
+            };
+            self.found.add(path, format!("names \"{name}\", but no stage has this scenario; help: {help}"));
         }
     }
 
@@ -105,10 +151,10 @@ impl Check<'_> {
                 }
                 FigureKind::DotPlot { measures, after } => {
                     self.measures(&format!("{at}.draw.measures"), measures);
-                    self.after(&format!("{at}.draw.after"), *after, false);
+                    self.after(&format!("{at}.draw.after"), TestPoint::overall(*after));
                 }
                 FigureKind::BenchmarkRoute { after } => {
-                    self.after(&format!("{at}.draw.after"), *after, false);
+                    self.after(&format!("{at}.draw.after"), TestPoint::overall(*after));
                 }
             }
             self.claims(&at, &figure.claims);
@@ -131,26 +177,23 @@ impl Check<'_> {
         match kind {
             TableKind::Seeds { measure, after, paper } => {
                 self.measures(&format!("{at}.measure"), &[*measure]);
-                self.after(&after_path, *after, false);
+                self.after(&after_path, TestPoint::overall(*after));
                 paper.iter().for_each(|(name, _)| self.arm(&format!("{at}.paper"), name));
             }
             TableKind::Rounds { after, paper } => {
-                self.after(&after_path, *after, false);
+                self.after(&after_path, TestPoint::overall(*after));
                 paper.iter().for_each(|(name, _)| self.arm(&format!("{at}.paper"), name));
             }
             TableKind::Measures { measures, after } => {
                 self.measures(&format!("{at}.measures"), measures);
-                self.after(&after_path, *after, false);
+                self.after(&after_path, TestPoint::overall(*after));
             }
             TableKind::Contrast { measures, better, than, after, of_last_stage } => {
                 self.measures(&format!("{at}.measures"), measures);
                 self.arm(&format!("{at}.better"), better);
                 self.arm(&format!("{at}.than"), than);
-                if after.is_empty() {
-                    self.found.add(&after_path, "is empty; help: give at least one number of episodes");
-                }
-                for after in after {
-                    self.after(&after_path, *after, *of_last_stage);
+                for point in contrast_points(after, *of_last_stage) {
+                    self.after(&after_path, point);
                 }
             }
         }
@@ -162,7 +205,7 @@ impl Check<'_> {
             self.measures(&format!("{at}.measure"), &[claim.measure]);
             self.arm(&format!("{at}.better"), &claim.better);
             self.arm(&format!("{at}.than"), &claim.than);
-            self.after(&format!("{at}.after"), claim.after, claim.of_last_stage);
+            self.after(&format!("{at}.after"), claim.point());
         }
     }
 
@@ -188,20 +231,31 @@ impl Check<'_> {
         }
     }
 
-    /// Every arm whose policy is tested after `after` episodes must be trained that long.
-    fn after(&mut self, path: &str, after: u64, of_last_stage: bool) {
-        self.found.range(path, after, 1, MAX_STEPS);
-        for arm in self.arms.iter().filter(|arm| arm.policy == TestedPolicy::AtEpisode) {
-            let first = if of_last_stage { arm.stages.len().saturating_sub(1) } else { 0 };
-            let budgets = arm.stages[first..].iter().map(|stage| match stage.budget {
-                Some(Budget::Episodes(n)) => Some(n),
-                // A budget of the preset is checked when the preset is loaded.
-                _ => None,
-            });
-            if let Some(total) = total(budgets).filter(|&total| total < after) {
+    /// Every arm whose policy is tested at `point` must be trained that long, in the same unit.
+    fn after(&mut self, path: &str, point: TestPoint) {
+        let Some(after) = point.after else { return };
+        self.found.range(path, amount(after), 1, MAX_STEPS);
+        for arm in self.arms.iter().filter(|arm| arm.policy == TestedPolicy::After && !arm.stages.is_empty())
+        {
+            let first = if point.of_last_stage { arm.stages.len() - 1 } else { 0 };
+            // A budget of the preset is checked when the preset is loaded.
+            let budgets = || arm.stages[first..].iter().map(|stage| stage.budget);
+            let in_unit = |budget: Budget| difference(after, budget).is_some();
+            if let Some(budget) = budgets().flatten().find(|&budget| !in_unit(budget)) {
+                let (unit, other) = (unit_name(after), unit_name(budget));
                 let message = format!(
-                    "is {after}, but arm \"{}\" is trained for {total} episodes; help: reduce it, or train longer",
+                    "is a number of {unit}, but arm \"{}\" is trained for a number of {other}; help: use the same unit, or \
+                     give the arm `policy: Best`",
                     arm.name
+                );
+                self.found.add(path, message);
+            } else if let Some(total) = total(budgets().map(|b| b.map(amount))).filter(|&n| n < amount(after))
+            {
+                let message = format!(
+                    "is {}, but arm \"{}\" is trained for {total} {}; help: reduce it, or train longer",
+                    amount(after),
+                    arm.name,
+                    unit_name(after)
                 );
                 self.found.add(path, message);
             }
@@ -217,6 +271,7 @@ fn total(mut counts: impl Iterator<Item = Option<u64>>) -> Option<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::reproduce::seeds::Seeds;
     use crate::run::shipped;
 
     /// A change that makes a valid experiment invalid, and the path of the field that must be reported.
@@ -242,7 +297,7 @@ mod tests {
                     measure: Measure::Success,
                     better: "nobody".into(),
                     than: "nobody".into(),
-                    after: 1,
+                    after: None,
                     of_last_stage: false,
                 };
                 e.tables[0].claims = vec![claim; 201];
@@ -250,12 +305,16 @@ mod tests {
             // 1,000 seeds with at least 11 trainings each.
             ("seeds", |e| {
                 let stage = e.arms[0].stages[0].clone();
-                (e.seeds, e.arms[0].stages) = (1000, vec![stage; 11]);
+                (e.seeds, e.arms[0].stages) = (Seeds::First(1000), vec![stage; 11]);
             }),
-            ("seeds", |e| e.seeds = u64::MAX),
+            ("seeds", |e| e.seeds = Seeds::First(u64::MAX)),
+            ("seeds", |e| e.seeds = Seeds::List(vec![7, 1, 7])),
+            ("seeds", |e| e.seeds = Seeds::List(Vec::new())),
+            ("arms[0].runs", |e| e.arms[0].runs = vec!["runs/a".into()]),
+            ("arms[0].runs", |e| e.arms[0].runs = vec!["x".into(); 1001]),
             ("tables[0].show.paper[0][1]", |e| {
                 let paper = vec![("nobody".into(), f64::NAN)];
-                e.tables[0].show = TableKind::Seeds { measure: Measure::Success, after: 1, paper };
+                e.tables[0].show = TableKind::Seeds { measure: Measure::Success, after: None, paper };
             }),
         ];
         for (path, breakage) in breakages {

@@ -16,11 +16,15 @@ pub(super) fn check(found: &mut Collector, experiment: &Experiment) {
     for (i, arm) in arms.iter().enumerate().take(MAX_ENTRIES) {
         check_arm(found, &format!("arms[{i}]"), arm);
     }
+    found.count("overrides", experiment.overrides.0.len(), MAX_ENTRIES);
     found.count("conditions", conditions.len(), MAX_ENTRIES);
     for (i, condition) in conditions.iter().enumerate().take(MAX_ENTRIES) {
         found.text(&format!("conditions[{i}].name"), &condition.name, MAX_NAME_CHARS);
-        let scenario = condition.overrides.scenario.as_deref().unwrap_or_default();
-        found.text(&format!("conditions[{i}].overrides.scenario"), scenario, MAX_PATH_CHARS);
+        let scenario = condition.scenario.as_deref().unwrap_or_default();
+        found.text(&format!("conditions[{i}].scenario"), scenario, MAX_PATH_CHARS);
+        found.count(&format!("conditions[{i}].overrides"), condition.overrides.0.len(), MAX_ENTRIES);
+        found.count(&format!("conditions[{i}].only_arms"), condition.only_arms.len(), MAX_ENTRIES);
+        found.count(&format!("conditions[{i}].only_scenarios"), condition.only_scenarios.len(), MAX_ENTRIES);
     }
     found.count("figures", figures.len(), MAX_ENTRIES);
     for (i, figure) in figures.iter().enumerate().take(MAX_ENTRIES) {
@@ -35,13 +39,16 @@ pub(super) fn check(found: &mut Collector, experiment: &Experiment) {
 
 fn check_arm(found: &mut Collector, at: &str, arm: &Arm) {
     found.text(&format!("{at}.name"), &arm.name, MAX_NAME_CHARS);
+    found.count(&format!("{at}.runs"), arm.runs.len(), MAX_SEEDS as usize);
+    for (k, run) in arm.runs.iter().enumerate().take(MAX_SEEDS as usize) {
+        found.text(&format!("{at}.runs[{k}]"), run, MAX_PATH_CHARS);
+    }
     found.count(&format!("{at}.stages"), arm.stages.len(), MAX_STAGES);
     for (k, stage) in arm.stages.iter().enumerate().take(MAX_STAGES) {
         let at = format!("{at}.stages[{k}]");
         found.text(&format!("{at}.scenario"), &stage.scenario, MAX_PATH_CHARS);
         found.text(&format!("{at}.preset"), &stage.preset, MAX_PATH_CHARS);
-        let scenario = stage.overrides.scenario.as_deref().unwrap_or_default();
-        found.text(&format!("{at}.overrides.scenario"), scenario, MAX_PATH_CHARS);
+        found.count(&format!("{at}.overrides"), stage.overrides.0.len(), MAX_ENTRIES);
     }
 }
 
@@ -108,7 +115,7 @@ fn check_claims(found: &mut Collector, at: &str, claims: &[Claim]) {
 }
 
 fn check_trainings(found: &mut Collector, experiment: &Experiment) {
-    let seeds = experiment.seeds;
+    let seeds = experiment.seeds.count();
     let stages: u64 = experiment.arms.iter().map(|arm| arm.stages.len() as u64).sum();
     let conditions = experiment.conditions.len().max(1) as u64;
     let trainings = seeds.saturating_mul(stages).saturating_mul(conditions);

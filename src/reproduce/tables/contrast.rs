@@ -1,32 +1,39 @@
-//! Tables of one arm against another, by condition and number of episodes.
+//! Tables of one arm against another, by condition and amount of training.
 
 use super::parts::{TableParts, mean_cell, number_column, text_column};
 use crate::report::table::{Cell, Column};
 use crate::reproduce::claim_result::compare;
 use crate::reproduce::measure::Measure;
+use crate::reproduce::records::Windows;
 use crate::reproduce::results::Results;
+use crate::reproduce::test_point::{TestPoint, amount};
 use crate::run::RunError;
+use crate::run::preset::Budget;
 
 pub(super) fn contrast(
     results: &Results<'_>,
     index: usize,
     measures: &[Measure],
     (better, than): (&str, &str),
-    afters: &[u64],
-    of_last_stage: bool,
+    points: &[TestPoint],
 ) -> Result<TableParts, RunError> {
     let conditions = &results.experiment(index).conditions;
     let mut rows = Vec::new();
     for condition in 0..conditions.len().max(1) {
-        for &after in afters {
+        for &point in points {
             let name = conditions.get(condition).map_or("unchanged", |c| c.name.as_str());
             let mut row = vec![Cell::Text(name.into())];
-            if afters.len() > 1 {
-                row.push(Cell::Number { value: after as f64, digits: 0 });
+            if points.len() > 1 {
+                row.push(Cell::Number {
+                    value: point.after.map_or(f64::NAN, |after| amount(after) as f64),
+                    digits: 0,
+                });
             }
             for &measure in measures {
-                let when = (after, of_last_stage);
-                let values = |arm| results.values_by_arm_name(index, condition, arm, measure, when);
+                let values = |arm| {
+                    let arm = results.arm_by_name(index, condition, arm);
+                    results.values(arm, measure, point, Windows::default())
+                };
                 let (first, second) = (values(better)?, values(than)?);
                 let comparison = compare(measure, &first, &second);
                 row.extend([mean_cell(&first, measure), mean_cell(&second, measure)]);
@@ -40,28 +47,22 @@ pub(super) fn contrast(
             rows.push(row);
         }
     }
+    let paired = "The difference is that within each seed, where both arms have the same seeds; its interval is Student's \
+                  (otherwise Welch's).";
     let note = format!(
-        "\"held\": the 95 % interval of the difference lies entirely on the side where {better} is better; \
+        "{paired} \"held\": the 95 % interval of the difference lies entirely on the side where {better} is better; \
          \"reversed\": on the other side; \"not shown\": it contains 0. About one in twenty comparisons is held or \
          reversed by chance."
     );
-    Ok(TableParts {
-        columns: columns(measures, (better, than), afters.len() > 1, of_last_stage),
-        rows,
-        notes: vec![note],
-    })
+    Ok(TableParts { columns: columns(measures, (better, than), points), rows, notes: vec![note] })
 }
 
-fn columns(
-    measures: &[Measure],
-    (better, than): (&str, &str),
-    with_episodes: bool,
-    of_last_stage: bool,
-) -> Vec<Column> {
+fn columns(measures: &[Measure], (better, than): (&str, &str), points: &[TestPoint]) -> Vec<Column> {
     let mut columns = vec![text_column("Condition")];
-    if with_episodes {
-        let heading = if of_last_stage { "Episodes of the last stage" } else { "Episodes" };
-        columns.push(number_column(heading, ""));
+    if let [first, _, ..] = points {
+        let unit = if matches!(first.after, Some(Budget::EnvSteps(_))) { "Env steps" } else { "Episodes" };
+        let of_last_stage = if first.of_last_stage { " of the last stage" } else { "" };
+        columns.push(number_column(format!("{unit}{of_last_stage}"), ""));
     }
     for measure in measures {
         let heading = |what: &str| format!("{}: {what}", measure.heading());

@@ -15,9 +15,11 @@ mod seeds;
 use parts::{TableParts, mean_cell, number_column, text_column};
 
 use super::measure::Measure;
-use super::results::Results;
+use super::records::Windows;
+use super::results::{ArmIndex, Results};
 use super::rows::{row_name, rows};
 use super::table_spec::{TableKind, TableSpec};
+use super::test_point::{TestPoint, contrast_points};
 use crate::report::statistics::Estimate;
 use crate::report::table::{Cell, Table};
 use crate::run::RunError;
@@ -27,15 +29,19 @@ use crate::run::RunError;
 /// # Errors
 /// Results are missing.
 pub fn make(results: &Results<'_>, index: usize, spec: &TableSpec) -> Result<Table, RunError> {
+    let overall = TestPoint::overall;
     let TableParts { columns, rows, mut notes } = match &spec.show {
-        TableKind::Seeds { measure, after, paper } => seeds::seeds(results, index, *measure, *after, paper)?,
-        TableKind::Rounds { after, paper } => rounds(results, index, *after, paper)?,
-        TableKind::Measures { measures, after } => means(results, index, measures, *after)?,
+        TableKind::Seeds { measure, after, paper } => {
+            seeds::seeds(results, index, *measure, overall(*after), paper)?
+        }
+        TableKind::Rounds { after, paper } => rounds(results, index, overall(*after), paper)?,
+        TableKind::Measures { measures, after } => means(results, index, measures, overall(*after))?,
         TableKind::Contrast { measures, better, than, after, of_last_stage } => {
-            contrast::contrast(results, index, measures, (better, than), after, *of_last_stage)?
+            let points = contrast_points(after, *of_last_stage);
+            contrast::contrast(results, index, measures, (better, than), &points)?
         }
     };
-    notes.extend(notes::notes(results.experiment(index), spec));
+    notes.extend(notes::notes(results, index, spec)?);
     Ok(Table { name: spec.name.clone(), title: spec.title.clone(), columns, rows, notes })
 }
 
@@ -43,7 +49,7 @@ pub fn make(results: &Results<'_>, index: usize, spec: &TableSpec) -> Result<Tab
 fn rounds(
     results: &Results<'_>,
     index: usize,
-    after: u64,
+    point: TestPoint,
     paper: &[(String, Vec<f64>)],
 ) -> Result<TableParts, RunError> {
     let experiment = results.experiment(index);
@@ -52,13 +58,13 @@ fn rounds(
     columns.extend((1..=count).map(|round| number_column(format!("Round {round}"), "%")));
     columns.push(number_column("Mean", "%"));
     let mut table_rows = Vec::new();
-    for (condition, arm) in rows(results, index) {
-        let name = row_name(results, index, (condition, arm));
-        if let Some((_, rounds)) = paper.iter().find(|(of, _)| *of == experiment.arms[arm].name) {
+    for row in rows(results, index) {
+        let name = row_name(results, row);
+        if let Some((_, rounds)) = paper.iter().find(|(of, _)| *of == experiment.arms[row.arm].name) {
             table_rows.push(round_row(format!("{name}: paper"), rounds, count));
         }
-        for seed in 1..=experiment.seeds {
-            let rounds = results.rounds(index, condition, arm, seed, after)?;
+        for (seed, run) in results.arm_runs(row) {
+            let rounds = results.rounds(row, run, point)?;
             table_rows.push(round_row(format!("{name}: seed {seed}"), &rounds, count));
         }
     }
@@ -83,16 +89,16 @@ fn means(
     results: &Results<'_>,
     index: usize,
     measures: &[Measure],
-    after: u64,
+    point: TestPoint,
 ) -> Result<TableParts, RunError> {
     let mut columns = vec![text_column("")];
     columns.extend(measures.iter().map(|measure| number_column(measure.heading(), measure.unit())));
-    let row = |(condition, arm): (usize, usize)| {
-        let mut row = vec![Cell::Text(row_name(results, index, (condition, arm)))];
+    let row = |row: ArmIndex| {
+        let mut cells = vec![Cell::Text(row_name(results, row))];
         for &measure in measures {
-            row.push(mean_cell(&results.values(index, condition, arm, measure, after)?, measure));
+            cells.push(mean_cell(&results.values(row, measure, point, Windows::default())?, measure));
         }
-        Ok(row)
+        Ok(cells)
     };
     let rows = rows(results, index).into_iter().map(row).collect::<Result<_, RunError>>()?;
     Ok(TableParts { columns, rows, notes: Vec::new() })

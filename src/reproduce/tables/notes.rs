@@ -1,19 +1,35 @@
 //! The notes below a table: how its numbers were obtained.
 
-use crate::report::format::number;
+use crate::report::statistics::small_sample_note;
+use crate::reproduce::data_note::{data_note, fewest_seeds};
 use crate::reproduce::experiment::{Experiment, TestedPolicy};
 use crate::reproduce::measure::Measure;
 use crate::reproduce::policy_test::BENCHMARK_ROUTE_EPISODES;
+use crate::reproduce::results::Results;
+use crate::reproduce::rows::seeds;
+use crate::reproduce::seeds::seeds_text;
 use crate::reproduce::table_spec::{TableKind, TableSpec};
+use crate::reproduce::test_point::TestPoint;
+use crate::run::RunError;
 
-/// The notes of a table: the test, the intervals, the policies and the measures.
-pub(super) fn notes(experiment: &Experiment, spec: &TableSpec) -> Vec<String> {
-    let measures: &[Measure] = match &spec.show {
-        TableKind::Seeds { measure, .. } => std::slice::from_ref(measure),
-        TableKind::Rounds { .. } => &[Measure::Success],
-        TableKind::Measures { measures, .. } | TableKind::Contrast { measures, .. } => measures,
+/// The notes of a table: the test, the intervals, the data, the policies and the measures.
+///
+/// # Errors
+/// An arm is too short; a plan has no such arm.
+pub(super) fn notes(results: &Results<'_>, index: usize, spec: &TableSpec) -> Result<Vec<String>, RunError> {
+    let experiment = results.experiment(index);
+    let (measures, point): (&[Measure], _) = match &spec.show {
+        TableKind::Seeds { measure, after, .. } => (std::slice::from_ref(measure), Some(*after)),
+        TableKind::Rounds { after, .. } => (&[Measure::Success], Some(*after)),
+        TableKind::Measures { measures, after } => (measures, Some(*after)),
+        TableKind::Contrast { measures, after, .. } => (measures, after.is_empty().then_some(None)),
     };
-    let mut notes = vec![test_note(experiment, spec)];
+    let point = point.map(TestPoint::overall);
+    let mut notes = vec![test_note(results, index, spec, point)];
+    notes.extend(small_sample_note(fewest_seeds(results, index)));
+    if let Some(point) = point {
+        notes.push(data_note(results, index, point)?);
+    }
     for arm in experiment.arms.iter().filter(|arm| arm.policy == TestedPolicy::Best) {
         notes.push(format!(
             "{}: the best policy of its training, by the evaluations during training.",
@@ -21,23 +37,17 @@ pub(super) fn notes(experiment: &Experiment, spec: &TableSpec) -> Vec<String> {
         ));
     }
     notes.extend(measure_notes(experiment, measures));
-    notes
+    Ok(notes)
 }
 
-fn test_note(experiment: &Experiment, spec: &TableSpec) -> String {
-    let after = match &spec.show {
-        TableKind::Seeds { after, .. }
-        | TableKind::Rounds { after, .. }
-        | TableKind::Measures { after, .. } => Some(after),
-        TableKind::Contrast { .. } => None,
-    };
-    let at_episode = experiment.arms.iter().any(|arm| arm.policy == TestedPolicy::AtEpisode);
-    let mut note = match after.filter(|_| at_episode) {
-        Some(after) => format!("Greedy policy after {} episodes", number(*after as f64, 0)),
+fn test_note(results: &Results<'_>, index: usize, spec: &TableSpec, point: Option<TestPoint>) -> String {
+    let after = results.experiment(index).arms.iter().any(|arm| arm.policy == TestedPolicy::After);
+    let mut note = match point.filter(|_| after) {
+        Some(point) => format!("Greedy policy after {}", point.words()),
         None => "Greedy policy".into(),
     };
-    let seeds = experiment.seeds;
-    note += &format!(", {seeds} seed{}", if seeds == 1 { "" } else { "s" });
+    let seeds = seeds(results, index);
+    note += &format!(", seed{} {}", if seeds.len() == 1 { "" } else { "s" }, seeds_text(&seeds));
     if !matches!(spec.show, TableKind::Rounds { .. }) {
         note += "; ± is the 95 % interval of the mean over the seeds (Student's t)";
     }

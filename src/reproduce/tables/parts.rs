@@ -3,7 +3,7 @@
 use crate::report::statistics::Estimate;
 use crate::report::table::{Cell, Column, ColumnKind};
 use crate::reproduce::measure::Measure;
-use crate::reproduce::measured_value::{MeasuredValue, raw_values};
+use crate::reproduce::measured_value::{ArmValues, MeasuredValue};
 
 /// The columns, rows and notes of a table.
 #[derive(Default)]
@@ -33,13 +33,10 @@ pub(super) fn estimate_cell(estimate: Option<Estimate>, digits: usize) -> Cell {
 }
 
 /// The mean over the seeds with its interval; a lower bound if any value is one.
-pub(super) fn mean_cell(values: &[MeasuredValue], measure: Measure) -> Cell {
+pub(super) fn mean_cell(values: &ArmValues, measure: Measure) -> Cell {
     let digits = measure.digits();
-    let mean = Estimate::from_values(&raw_values(values));
-    match mean {
-        Some(mean) if values.iter().any(|value| value.is_lower_bound) => {
-            Cell::AtLeast { value: mean.mean, digits }
-        }
+    match Estimate::from_values(&values.raw()) {
+        Some(mean) if values.bounds() > 0 => Cell::AtLeast { value: mean.mean, digits },
         mean => estimate_cell(mean, digits),
     }
 }

@@ -6,9 +6,10 @@ use crate::report::format::number;
 use crate::report::statistics::Estimate;
 use crate::report::table::{Cell, Column};
 use crate::reproduce::measure::Measure;
-use crate::reproduce::measured_value::raw_values;
-use crate::reproduce::results::Results;
-use crate::reproduce::rows::{row_name, rows};
+use crate::reproduce::records::Windows;
+use crate::reproduce::results::{ArmIndex, Results};
+use crate::reproduce::rows::{row_name, rows, seeds as all_seeds};
+use crate::reproduce::test_point::TestPoint;
 use crate::run::RunError;
 use crate::run::evaluate::period_s;
 
@@ -16,27 +17,27 @@ pub(super) fn seeds(
     results: &Results<'_>,
     index: usize,
     measure: Measure,
-    after: u64,
+    point: TestPoint,
     paper: &[(String, f64)],
 ) -> Result<TableParts, RunError> {
     let experiment = results.experiment(index);
     let digits = measure.digits();
-    let mut parts = TableParts {
-        columns: columns(measure, experiment.seeds, !paper.is_empty()),
-        ..TableParts::default()
-    };
-    for (condition, arm) in rows(results, index) {
-        let values = results.values(index, condition, arm, measure, after)?;
-        let mean = Estimate::from_values(&raw_values(&values));
-        let mut row = vec![Cell::Text(row_name(results, index, (condition, arm)))];
-        row.extend(values.iter().map(|value| value_cell(value, digits)));
+    let seeds = all_seeds(results, index);
+    let columns = columns(measure, &seeds, !paper.is_empty());
+    let mut parts = TableParts { columns, ..TableParts::default() };
+    for arm in rows(results, index) {
+        let values = results.values(arm, measure, point, Windows::default())?;
+        let mean = Estimate::from_values(&values.raw());
+        let mut row = vec![Cell::Text(row_name(results, arm))];
+        let cell = |&seed: &u64| values.of_seed(seed).map_or(Cell::Empty, |value| value_cell(value, digits));
+        row.extend(seeds.iter().map(cell));
         row.push(estimate_cell(mean, digits));
-        let of_paper = paper.iter().find(|(name, _)| *name == experiment.arms[arm].name).map(|p| p.1);
+        let of_paper = paper.iter().find(|(name, _)| *name == experiment.arms[arm.arm].name).map(|p| p.1);
         if !paper.is_empty() {
             row.extend(paper_cells(of_paper, mean, digits));
         }
         if is_time(measure) {
-            let optimal = mean_optimal_time(results, index, (condition, arm), measure, after)?;
+            let optimal = mean_optimal_time(results, arm, measure, point)?;
             let ratio = |time_s: Option<f64>| match time_s.zip(optimal) {
                 Some((time_s, (plan_s, _))) => Cell::Number { value: time_s / plan_s, digits: 3 },
                 None => Cell::Empty,
@@ -46,7 +47,7 @@ pub(super) fn seeds(
                 row.push(ratio(of_paper));
             }
             if let Some(optimal) = optimal {
-                let (training, _) = results.policy(index, condition, arm, 1, after);
+                let (training, _) = results.policy(arm, results.first_run(arm)?, point)?;
                 let note = optimal_time_note(&results.training(training).config.scenario.name, optimal);
                 if !parts.notes.contains(&note) {
                     parts.notes.push(note);
@@ -62,10 +63,10 @@ fn is_time(measure: Measure) -> bool {
     matches!(measure, Measure::BenchmarkRouteTime | Measure::MeanTime)
 }
 
-fn columns(measure: Measure, seeds: u64, with_paper: bool) -> Vec<Column> {
+fn columns(measure: Measure, seeds: &[u64], with_paper: bool) -> Vec<Column> {
     let unit = measure.unit();
     let mut columns = vec![text_column("")];
-    columns.extend((1..=seeds).map(|seed| number_column(format!("Seed {seed}"), "")));
+    columns.extend(seeds.iter().map(|seed| number_column(format!("Seed {seed}"), "")));
     columns.push(number_column("Mean", unit));
     if with_paper {
         columns.push(number_column("Paper", unit));
@@ -104,13 +105,12 @@ fn optimal_time_note(scenario: &str, (plan_s, bound_s): (f64, f64)) -> String {
 /// planner found no path for one of them.
 fn mean_optimal_time(
     results: &Results<'_>,
-    index: usize,
-    (condition, arm): (usize, usize),
+    arm: ArmIndex,
     measure: Measure,
-    after: u64,
+    point: TestPoint,
 ) -> Result<Option<(f64, f64)>, RunError> {
-    let (training, policy) = results.policy(index, condition, arm, 1, after);
-    let optimal = results.optimal_times(training, policy, results.experiment(index).test)?;
+    let (training, policy) = results.policy(arm, results.first_run(arm)?, point)?;
+    let optimal = results.optimal_times(training, policy, results.experiment(arm.experiment).test)?;
     let bounds =
         if measure == Measure::BenchmarkRouteTime { &optimal.benchmark_route } else { &optimal.episodes };
     let period_s = period_s(results.training(training).config.scenario.task.control_period_s);

@@ -4,11 +4,15 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use crate::limits::MAX_CONFIG_BYTES;
 use crate::run::RunError;
-use crate::run::preset::Preset;
+use crate::run::preset::{Budget, Preset};
 use crate::run::settings::{SettingError, Settings};
 use crate::run::shipped;
-use crate::scenario::{Diagnostic, FileError, Scenario, diagnostics, is_unprintable, parse_checked};
+use crate::scenario::{
+    Diagnostic, FileError, Scenario, diagnostics, is_unprintable, parse_checked, read_ron_with_limit,
+    read_text_with_limit, resemblance,
+};
 use crate::simulation::Extensions;
 use crate::task::{ObservationLayout, ObservationSlice};
 
@@ -27,10 +31,10 @@ pub struct RunConfig {
     /// The policy that training starts from; `None` for random weights.
     #[serde(default)]
     pub transfer: Option<Transfer>,
-    /// The numbers of finished episodes after which the current policy is saved, in addition to the best and
-    /// the last policy ([`RunFolder::policy_after_file`](super::RunFolder::policy_after_file)).
+    /// The numbers of finished episodes or env steps after which the current policy is saved, in addition to the
+    /// best and the last policy ([`RunFolder::policy_after_file`](super::RunFolder::policy_after_file)).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub save_policy_after_episodes: Vec<u64>,
+    pub save_policy_after: Vec<Budget>,
     /// The observation slices of plugin sensors.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sensors: Vec<ObservationSlice>,
@@ -59,7 +63,7 @@ impl RunConfig {
             scenario_from: scenario_from.into(),
             preset_from: preset_from.into(),
             transfer: None,
-            save_policy_after_episodes: Vec::new(),
+            save_policy_after: Vec::new(),
             sensors: Vec::new(),
             reward_terms: Vec::new(),
             extensions: Extensions::default(),
@@ -75,6 +79,26 @@ impl RunConfig {
     pub fn with_settings(mut self, settings: &Settings) -> Result<Self, Vec<SettingError>> {
         settings.apply(&mut self.scenario, &mut self.preset)?;
         Ok(self)
+    }
+
+    /// The configuration in the file at `path`, the `config.ron` of a run folder.
+    ///
+    /// # Errors
+    /// The file cannot be read, is not a configuration or has invalid values.
+    pub fn load(path: &Path) -> Result<Self, FileError> {
+        let config: Self = read_ron_with_limit(path, MAX_CONFIG_BYTES)?;
+        let diagnostics = config.diagnostics();
+        if diagnostics.is_empty() {
+            return Ok(config);
+        }
+        Err(FileError::from_diagnostics(path, &read_text_with_limit(path, MAX_CONFIG_BYTES)?, &diagnostics))
+    }
+
+    /// Whether the text of a file is meant as a configuration, by its fields.
+    #[must_use]
+    pub fn is_meant_by(text: &str) -> bool {
+        let others = [resemblance::<Scenario>(text, "Scenario"), resemblance::<Preset>(text, "Preset")];
+        others.iter().all(|other| resemblance::<Self>(text, "RunConfig") > *other)
     }
 
     /// The configuration in the text of a `config.ron`; error messages name it by `path`.
@@ -158,9 +182,11 @@ impl RunConfig {
 }
 
 /// The name of the file `path` without folder and extension, as part of another file's name: without characters that can't
-/// be printed. Standard input is called `stdin`.
+/// be printed. Standard input is called `stdin`, and the `config.ron` of a run like the run's folder.
 fn file_stem(path: &str) -> String {
-    let stem = Path::new(if path == "-" { "stdin" } else { path }).file_stem().unwrap_or_default();
+    let path = Path::new(if path == "-" { "stdin" } else { path });
+    let folder = path.parent().and_then(Path::file_name).filter(|_| path.ends_with("config.ron"));
+    let stem = folder.or(path.file_stem()).unwrap_or_default();
     stem.to_string_lossy().replace(is_unprintable, "_")
 }
 

@@ -7,7 +7,7 @@
 //! | `events.out.tfevents.*` | the same metrics for TensorBoard |
 //! | `policy.safetensors`, `policy-last.safetensors` | the best policy by evaluation, the last policy |
 //! | `policy-init.safetensors` | the policy that training started from, if any |
-//! | `policy-after-N-episodes.safetensors` | the policy after N episodes, if the configuration asks for it |
+//! | `policy-after-N-episodes.safetensors`, `policy-after-N-env-steps.safetensors` | the policy after N episodes or env steps, if the configuration asks for it |
 //! | `checkpoint/` | the last three checkpoints ([`checkpoint`](super::checkpoint)) and a lock |
 //! | `summary.json`, `learning-curve.svg` | the summary, and the learning curves |
 
@@ -26,9 +26,9 @@ use super::lock::Lock;
 use super::output_file::{Sink, is_temporary, replace};
 #[cfg(not(target_arch = "wasm32"))]
 use super::output_file::{check_entry, remove_temporary_files};
+use super::preset::Budget;
 use super::write_points::write_point;
-use crate::limits::MAX_CONFIG_BYTES;
-use crate::scenario::{FileError, read_ron_with_limit, read_text_with_limit, to_ron};
+use crate::scenario::to_ron;
 
 pub use config::{RunConfig, Transfer};
 pub use csv_file::header;
@@ -154,19 +154,10 @@ impl RunFolder {
             return Err(RunError::invalid_input(path, why));
         }
         folder.check_files_are_regular()?;
-        let config: RunConfig = read_ron_with_limit(folder.config(), MAX_CONFIG_BYTES)?;
-        folder.check_config(&config)?;
-        Ok((folder, config))
-    }
-
-    fn check_config(&self, config: &RunConfig) -> Result<(), RunError> {
-        let diagnostics = config.diagnostics();
-        if !diagnostics.is_empty() {
-            let text = read_text_with_limit(self.config(), MAX_CONFIG_BYTES)?;
-            return Err(FileError::from_diagnostics(&self.config(), &text, &diagnostics).into());
-        }
+        let config = RunConfig::load(&folder.config())?;
         let memory = config.preset.check_memory(&config.scenario, &config.observation_layout());
-        memory.map_err(|error| RunError::invalid_input(&self.config(), error))
+        memory.map_err(|error| RunError::invalid_input(&folder.config(), error))?;
+        Ok((folder, config))
     }
 
     /// Checks that the run's files are regular files. A link in a folder from an untrusted source could make the
@@ -209,10 +200,13 @@ impl RunFolder {
         replace(&path, write).map_err(|error| RunError::not_written(&path, error))
     }
 
-    /// The name of the file with the policy after `episodes` episodes.
+    /// The name of the file with the policy after a number of episodes or env steps.
     #[must_use]
-    pub fn policy_after_file(episodes: u64) -> String {
-        format!("policy-after-{episodes}-episodes.safetensors")
+    pub fn policy_after_file(after: Budget) -> String {
+        match after {
+            Budget::Episodes(n) => format!("policy-after-{n}-episodes.safetensors"),
+            Budget::EnvSteps(n) => format!("policy-after-{n}-env-steps.safetensors"),
+        }
     }
 
     /// The folder's path.

@@ -137,13 +137,13 @@ impl Run {
     fn steps(&mut self, every: Duration, stop: &AtomicBool) -> Result<(), RunError> {
         self.submit_if_due()?;
         while remaining(self.config.preset.budget, self.learner()) > 0 && !stop.load(Ordering::Relaxed) {
-            let episodes_before = self.learner().episodes();
+            let before = (self.learner().episodes(), self.learner().env_steps());
             self.simulation.step()?;
             if let Some(warning) = self.simulation.world_mut().resource_mut::<TrainingWarning>().take_new() {
                 self.progress.warn(&format!("{}: {warning}", self.folder.path().display()));
             }
             self.record_episodes()?;
-            self.save_policy(episodes_before)?;
+            self.save_policy(before)?;
             self.submit_if_due()?;
             while let Some(eval_result) = self.evaluator.poll(false)? {
                 self.record_evaluation(eval_result)?;
@@ -180,13 +180,16 @@ impl Run {
         Ok(())
     }
 
-    /// Saves the current policy if the number of episodes has reached one in `save_policy_after_episodes`.
-    fn save_policy(&self, episodes_before: u64) -> Result<(), RunError> {
-        let episodes = self.learner().episodes();
-        let save_after = &self.config.save_policy_after_episodes;
-        for after in save_after.iter().filter(|after| (episodes_before + 1..=episodes).contains(after)) {
-            let policy = self.policy();
-            self.write_policy(&RunFolder::policy_after_file(*after), &metrics::policy_bytes(&policy)?)?;
+    /// Saves the current policy if the last step reached a number of episodes or env steps in `save_policy_after`. Before
+    /// the step there were `episodes` and `env_steps`.
+    fn save_policy(&self, (episodes, env_steps): (u64, u64)) -> Result<(), RunError> {
+        let learner = self.learner();
+        let is_reached = |after: &&Budget| match **after {
+            Budget::Episodes(n) => (episodes + 1..=learner.episodes()).contains(&n),
+            Budget::EnvSteps(n) => (env_steps + 1..=learner.env_steps()).contains(&n),
+        };
+        for &after in self.config.save_policy_after.iter().filter(is_reached) {
+            self.write_policy(&RunFolder::policy_after_file(after), &metrics::policy_bytes(&self.policy())?)?;
         }
         Ok(())
     }

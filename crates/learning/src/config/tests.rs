@@ -27,6 +27,20 @@ fn a_config_is_read_from_ron_as_it_was_written() {
 }
 
 #[test]
+fn fields_that_are_left_out_have_their_defaults() {
+    let read =
+        |text: &str| ron::from_str::<LearningConfig>(text).unwrap_or_else(|error| panic!("{text}: {error}"));
+    assert_eq!(read("()"), LearningConfig::default());
+    assert_eq!(read("(network: (), replay: ())"), LearningConfig::default());
+    let table_1 = "(replay: (sampling: Prioritized()), target_update: Hard(), exploration: PerEpisode(), optimizer: RmsProp())";
+    assert_eq!(read(table_1), LearningConfig::default());
+    let others = read("(loss: Huber(), optimizer: Adam(), network: (dueling: false))");
+    let adam = Optimizer::Adam { beta1: 0.9, beta2: 0.999, epsilon: 1e-8 };
+    assert_eq!((others.loss, others.optimizer), (Loss::Huber { delta: 1.0 }, adam));
+    assert_eq!(others.network, NetworkConfig { dueling: false, ..NetworkConfig::default() });
+}
+
+#[test]
 fn every_value_out_of_range_is_reported_with_its_field() {
     let changes: &[Change] = &[
         ("network.hidden", |c| c.network.hidden = vec![1; 9]),

@@ -1,0 +1,48 @@
+//! The defaults of the fields of choices, for serde.
+
+use super::Schedule;
+
+/// The |d| at which the Huber loss of PyTorch becomes linear; alpha of algorithm 1; epsilon in the first episode of eq. (10).
+pub(super) fn one() -> f32 {
+    1.0
+}
+
+/// PyTorch's smoothing of RMSProp; the decay of epsilon in eq. (10).
+pub(super) fn decay() -> f32 {
+    0.99
+}
+
+/// PyTorch's first decay of Adam.
+pub(super) fn beta1() -> f32 {
+    0.9
+}
+
+/// PyTorch's second decay of Adam.
+pub(super) fn beta2() -> f32 {
+    0.999
+}
+
+/// PyTorch's constant in RMSProp and Adam.
+pub(super) fn optimizer_epsilon() -> f32 {
+    1e-8
+}
+
+/// No importance weights.
+pub(super) fn beta() -> Schedule {
+    Schedule::Constant(0.0)
+}
+
+/// The constant in a priority.
+pub(super) fn priority_epsilon() -> f32 {
+    0.01
+}
+
+/// The gradient steps between copies of the target network in Table 1.
+pub(super) fn copy_interval() -> u64 {
+    2000
+}
+
+/// The minimum of epsilon in eq. (10).
+pub(super) fn least_epsilon() -> f32 {
+    0.05
+}

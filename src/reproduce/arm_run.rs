@@ -1,0 +1,63 @@
+//! An arm under a condition with a seed: its trainings, and its policies at each point.
+
+use super::experiment::TestedPolicy;
+use super::plan::Training;
+use super::test_point::{TestPoint, difference};
+use crate::run::preset::Budget;
+
+/// One of a training's policies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum PolicyId {
+    /// The policy after a number of episodes or env steps of the training.
+    After(Budget),
+    /// The best policy by the evaluations during training.
+    Best,
+    /// The policy at the end of a run that was trained elsewhere.
+    Last,
+}
+
+/// An arm under a condition with a seed: its trainings, one per stage that is needed.
+#[derive(Clone, Debug)]
+pub struct ArmRun {
+    /// For each stage, the index into [`RunPlan::trainings`](super::plan::RunPlan::trainings) and how much of that
+    /// training belongs to the stage.
+    pub stages: Vec<(usize, Budget)>,
+}
+
+impl ArmRun {
+    /// The stage that the arm is in at `point`, as an index into `stages`, and the length of that stage until then. `None`
+    /// if the arm is shorter, or if a stage's length is not given in the same unit.
+    #[must_use]
+    pub fn stage_at(&self, point: TestPoint) -> Option<(usize, Budget)> {
+        let last = self.stages.len().checked_sub(1)?;
+        let Some(mut after) = point.after else { return Some((last, self.stages[last].1)) };
+        for index in if point.of_last_stage { last } else { 0 }..=last {
+            let length = self.stages[index].1;
+            let beyond = difference(after, length)?;
+            if after <= length {
+                return Some((index, after));
+            }
+            after = beyond;
+        }
+        None
+    }
+
+    /// The training and the policy that is tested at `point`. `None` if there is no such point.
+    #[must_use]
+    pub fn policy(
+        &self,
+        trainings: &[Training],
+        tested: TestedPolicy,
+        point: TestPoint,
+    ) -> Option<(usize, PolicyId)> {
+        let &(last, _) = self.stages.last()?;
+        if tested == TestedPolicy::Best {
+            return Some((last, PolicyId::Best));
+        }
+        if let Some(run) = &trainings[last].elsewhere {
+            return run.policy_at(point.after).map(|policy| (last, policy));
+        }
+        let (stage, length) = self.stage_at(point)?;
+        Some((self.stages[stage].0, PolicyId::After(length)))
+    }
+}

@@ -1,0 +1,67 @@
+//! From how much data the arms learned: whether they are compared on equal data, and over how many seeds.
+
+use super::results::{ArmIndex, Results};
+use super::rows::{row_name, rows};
+use super::test_point::TestPoint;
+use crate::report::format::number;
+use crate::run::RunError;
+
+/// Numbers of env steps or episodes that differ by at most this share count as equal.
+const EQUAL: f64 = 0.01;
+
+/// The data that an arm learned from until a point, as means over its seeds.
+struct Data {
+    row: ArmIndex,
+    episodes: f64,
+    env_steps: f64,
+}
+
+/// A sentence about the data from which the arms learned until `point`: in which unit they are equal, and how much it is in
+/// the other.
+///
+/// # Errors
+/// An arm is too short; a plan has no such arm.
+pub fn data_note(results: &Results<'_>, index: usize, point: TestPoint) -> Result<String, RunError> {
+    let data = rows(results, index)
+        .into_iter()
+        .map(|row| data(results, row, point))
+        .collect::<Result<Vec<_>, _>>()?;
+    let are_equal = |of: fn(&Data) -> f64| {
+        let most = data.iter().map(of).fold(0.0, f64::max);
+        data.iter().map(of).all(|amount| most - amount <= EQUAL * most)
+    };
+    let measured: Vec<String> = data
+        .iter()
+        .map(|arm| {
+            let (env_steps, episodes) = (number(arm.env_steps, 0), number(arm.episodes, 0));
+            format!("{} {env_steps} env steps in {episodes} episodes", row_name(results, arm.row))
+        })
+        .collect();
+    let lead = match data.len() {
+        1 => "Learned from",
+        _ if are_equal(|arm| arm.env_steps) => "Equal data",
+        _ if are_equal(|arm| arm.episodes) => "Equal numbers of episodes, not of env steps",
+        _ => "The arms learned from unequal data",
+    };
+    Ok(format!("{lead} (means over the seeds): {}.", measured.join("; ")))
+}
+
+fn data(results: &Results<'_>, row: ArmIndex, point: TestPoint) -> Result<Data, RunError> {
+    let (mut episodes, mut env_steps, mut runs) = (0.0, 0.0, 0.0);
+    for (_, run) in results.arm_runs(row) {
+        let (training, policy) = results.policy(row, run, point)?;
+        let before = run.stages.iter().take_while(|(stage, _)| *stage != training);
+        let stages = before.map(|&(stage, length)| (stage, results.end(stage, length)));
+        for (stage, end) in stages.chain([(training, policy)]) {
+            episodes += results.records(stage).episodes(end) as f64;
+            env_steps += results.records(stage).env_steps(end) as f64;
+        }
+        runs += 1.0;
+    }
+    Ok(Data { row, episodes: episodes / runs, env_steps: env_steps / runs })
+}
+
+/// The number of seeds of the arm with the fewest.
+pub fn fewest_seeds(results: &Results<'_>, index: usize) -> usize {
+    rows(results, index).into_iter().map(|row| results.arm_runs(row).count()).min().unwrap_or(0)
+}

@@ -1,0 +1,153 @@
+//! Runs that were trained elsewhere, as the trainings of an arm.
+//!
+//! In: the folders that an arm names. Out: their configurations, checked: finished, one seed each, and one way to learn.
+//! The folders are never written to.
+
+use std::path::PathBuf;
+
+use super::arm_run::PolicyId;
+use super::experiment::Arm;
+use super::plan::RunPlan;
+use super::run_config::resolve_folder;
+use super::selected::ExperimentSource;
+use crate::run::RunError;
+use crate::run::folder::{RunConfig, RunFolder};
+use crate::run::metric_rows::Summary;
+use crate::run::preset::Budget;
+use crate::scenario::{printable, read_text};
+
+/// A run that was trained elsewhere and is finished.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FinishedRun {
+    /// The run's folder.
+    pub folder: PathBuf,
+    /// A name for the folder of its test results. Another run in the same folder has another name.
+    pub name: String,
+    /// The number of finished episodes.
+    episodes: u64,
+    /// The number of env steps.
+    env_steps: u64,
+}
+
+impl FinishedRun {
+    /// The run in `folder`, and its configuration.
+    ///
+    /// # Errors
+    /// It is not a run, or is not finished. The message is about `folder`.
+    fn open(folder: PathBuf) -> Result<(RunConfig, Self), RunError> {
+        let invalid = |why: &str| RunError::invalid_input(&folder, why);
+        if !folder.join("config.ron").is_file() {
+            return Err(invalid(
+                "holds no run (there is no config.ron); help: give the folder of a finished run, relative to the \
+                 experiment's file or to the working directory",
+            ));
+        }
+        let (_, config) = RunFolder::open(&folder)?;
+        let Some(summary) = Summary::read(&folder).filter(|summary| summary.finished) else {
+            let name = printable(&folder.display().to_string()).into_owned();
+            return Err(invalid(&format!("this run is not finished; help: finish it with --resume {name}")));
+        };
+        let records =
+            ["config.ron", "summary.json"].map(|name| read_text(folder.join(name)).unwrap_or_default());
+        let hash = crc32c::crc32c(records.concat().as_bytes());
+        let name = format!(
+            "elsewhere-{}-{}-{hash:08x}-seed{}",
+            config.preset_name(),
+            config.scenario_name(),
+            config.seed
+        );
+        let (episodes, env_steps) = (summary.episodes, summary.env_steps);
+        Ok((config, Self { folder, name, episodes, env_steps }))
+    }
+
+    /// The policy after a number of episodes or env steps, or at the end; `None` if the run is shorter.
+    #[must_use]
+    pub fn policy_at(&self, after: Option<Budget>) -> Option<PolicyId> {
+        let Some(after) = after else { return Some(PolicyId::Last) };
+        let (wanted, length) = match after {
+            Budget::Episodes(n) => (n, self.episodes),
+            Budget::EnvSteps(n) => (n, self.env_steps),
+        };
+        match wanted.cmp(&length) {
+            std::cmp::Ordering::Less => Some(PolicyId::After(after)),
+            std::cmp::Ordering::Equal => Some(PolicyId::Last),
+            std::cmp::Ordering::Greater => None,
+        }
+    }
+
+    /// Checks that the run has the policy `file`, which `arm` of the experiment `from` needs after `when`.
+    ///
+    /// # Errors
+    /// The file is missing.
+    pub fn check_policy(&self, file: &str, from: &str, arm: &str, when: &str) -> Result<(), RunError> {
+        if self.folder.join(file).is_file() {
+            return Ok(());
+        }
+        let why = format!(
+            "has no policy after {when}, which {from} needs for arm \"{arm}\"; help: leave `after` out, to test the last \
+             policy, or give the arm `policy: Best`"
+        );
+        Err(RunError::invalid_input(&self.folder, why))
+    }
+}
+
+/// The runs of `arm`, which are one way to learn with several seeds.
+///
+/// # Errors
+/// A folder holds no finished run, two runs have the same seed, or they differ in more than the seed.
+pub fn read(source: &ExperimentSource, arm: &Arm) -> Result<Vec<(RunConfig, FinishedRun)>, RunError> {
+    let open = |name: &String| FinishedRun::open(resolve_folder(&source.from, name));
+    let runs = arm.runs.iter().map(open).collect::<Result<Vec<_>, _>>()?;
+    for (index, run) in runs.iter().enumerate() {
+        if let Some(problem) = runs[..index].iter().find_map(|earlier| difference(earlier, run)) {
+            let why = format!("{problem} ({}, arm \"{}\")", source.from, arm.name);
+            return Err(RunError::invalid_input(&run.1.folder, why));
+        }
+    }
+    Ok(runs)
+}
+
+/// Why a run cannot be in the same arm as an `earlier` one.
+fn difference(earlier: &(RunConfig, FinishedRun), run: &(RunConfig, FinishedRun)) -> Option<String> {
+    let other = printable(&earlier.1.folder.display().to_string()).into_owned();
+    let (earlier, config) = (&earlier.0, &run.0);
+    let separate = "help: an arm is one way to learn with several seeds: give this run an arm of its own";
+    if earlier.scenario.name != config.scenario.name {
+        let (this, that) = (&config.scenario.name, &earlier.scenario.name);
+        return Some(format!("is a run in \"{this}\", but {other} is one in \"{that}\"; {separate}"));
+    }
+    let start = |config: &RunConfig| config.transfer.as_ref().map(|transfer| transfer.epsilon);
+    if earlier.scenario != config.scenario
+        || earlier.preset != config.preset
+        || start(earlier) != start(config)
+    {
+        return Some(format!("has other settings than {other} (compare their config.ron); {separate}"));
+    }
+    let seed = config.seed;
+    (earlier.seed == seed).then(|| format!("has seed {seed}, as {other} has; help: leave one of them out"))
+}
+
+/// Checks that arms with runs from elsewhere are compared with arms in the same scenario, by its name.
+///
+/// # Errors
+/// A claim or table compares arms that end in different scenarios.
+pub fn check_scenarios(plan: &RunPlan, index: usize, source: &ExperimentSource) -> Result<(), RunError> {
+    let arms = &source.experiment.arms;
+    let scenario = |name: &str| {
+        let arm = arms.iter().position(|arm| arm.name == name)?;
+        let (_, run) = plan.arm_runs.range((index, 0, arm, 0)..=(index, 0, arm, u64::MAX)).next()?;
+        Some(&plan.trainings[run.stages.last()?.0].config.scenario.name)
+    };
+    let has_runs = |name: &str| arms.iter().any(|arm| arm.name == name && !arm.runs.is_empty());
+    for (better, than) in source.experiment.compared_arms() {
+        let (Some(first), Some(second)) = (scenario(better), scenario(than)) else { continue };
+        if (has_runs(better) || has_runs(than)) && first != second {
+            return Err(RunError::InvalidInput(format!(
+                "{}: arm \"{better}\" is compared with \"{than}\", but their runs are in different scenarios: \"{first}\" \
+                 and \"{second}\"; help: give both arms runs in the same scenario",
+                source.from,
+            )));
+        }
+    }
+    Ok(())
+}
