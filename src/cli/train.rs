@@ -197,5 +197,5 @@ fn eval_command(folder: &Path) -> String {
 
 /// The name by which the program was started, quoted for a shell.
 fn program() -> String {
-    std::env::args_os().next().map_or_else(|| "wayfield".into(), quoted)
+    super::PROGRAM.get().map_or_else(|| "wayfield".into(), quoted)
 }

@@ -57,19 +57,28 @@ impl RunConfig {
     /// # Errors
     /// A file cannot be read or is invalid. The message gives line, column and a fix.
     pub fn resolve(scenario_from: &str, preset_from: &str, seed: u64) -> Result<Self, FileError> {
-        Ok(Self {
+        let (scenario, preset) = (shipped::scenario(scenario_from)?, shipped::preset(preset_from)?);
+        Ok(Self::new((scenario_from.into(), scenario), (preset_from.into(), preset), seed))
+    }
+
+    /// The configuration of a run that starts from random weights, with a scenario and a preset that come from the files
+    /// or shipped names given with them.
+    #[must_use]
+    pub fn new(scenario: (String, Scenario), preset: (String, Preset), seed: u64) -> Self {
+        let ((scenario_from, scenario), (preset_from, preset)) = (scenario, preset);
+        Self {
             version: env!("CARGO_PKG_VERSION").into(),
             seed,
-            scenario_from: scenario_from.into(),
-            preset_from: preset_from.into(),
+            scenario_from,
+            preset_from,
             transfer: None,
             save_policy_after: Vec::new(),
             sensors: Vec::new(),
             reward_terms: Vec::new(),
             extensions: Extensions::default(),
-            scenario: shipped::scenario(scenario_from)?,
-            preset: shipped::preset(preset_from)?,
-        })
+            scenario,
+            preset,
+        }
     }
 
     /// This configuration with changes to its scenario and preset.
