@@ -64,7 +64,7 @@ pub fn tanh(x: f32) -> f32 {
     // From here on, the result rounds to 1.
     const LARGE: f32 = 9.0;
     const NUMERATOR: [f32; 7] = [
-        -2.760_768_48e-16,
+        -2.760_768_4e-16,
         2.000_188e-13,
         -8.604_672e-11,
         5.122_297_1e-8,
@@ -72,7 +72,7 @@ pub fn tanh(x: f32) -> f32 {
         6.372_619_3e-4,
         4.893_524_6e-3,
     ];
-    const DENOMINATOR: [f32; 4] = [1.198_258_4e-6, 1.185_347_1e-4, 2.268_434_63e-3, 4.893_525e-3];
+    const DENOMINATOR: [f32; 4] = [1.198_258_4e-6, 1.185_347_1e-4, 2.268_434_7e-3, 4.893_525e-3];
     let bounded = x.clamp(-LARGE, LARGE);
     let square = bounded * bounded;
     let polynomial = |coefficients: &[f32]| coefficients.iter().fold(0.0, |sum, c| sum * square + c);
