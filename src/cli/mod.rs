@@ -153,8 +153,6 @@ pub fn main(began: Instant, extensions: Extensions) -> ExitCode {
 /// Runs the command line with the arguments `words` and returns the exit status, as [`main`] does. The first word is the
 /// program's name.
 pub fn run_words(words: impl IntoIterator<Item = OsString>, began: Instant, extensions: Extensions) -> u8 {
-    #[cfg(unix)]
-    memory_limit::exit_without_memory();
     signals::survive_limits();
     let words: Vec<OsString> = words.into_iter().collect();
     PROGRAM.get_or_init(|| words.first().cloned().unwrap_or_default());

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::limits::MAX_CONFIG_BYTES;
 use crate::run::RunError;
 use crate::run::preset::{Budget, Preset};
+use crate::run::provenance::{COMMIT, VERSION};
 use crate::run::settings::{SettingError, Settings};
 use crate::run::shipped;
 use crate::scenario::{
@@ -22,6 +23,9 @@ use crate::task::{ObservationLayout, ObservationSlice};
 pub struct RunConfig {
     /// The version of wayfield that started the run.
     pub version: String,
+    /// The Git commit of that program; `None` if it is unknown.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub commit: Option<String>,
     /// The seed from which all random streams are derived.
     pub seed: u64,
     /// The scenario's file or the name of a shipped scenario, as given by the user.
@@ -67,7 +71,8 @@ impl RunConfig {
     pub fn new(scenario: (String, Scenario), preset: (String, Preset), seed: u64) -> Self {
         let ((scenario_from, scenario), (preset_from, preset)) = (scenario, preset);
         Self {
-            version: env!("CARGO_PKG_VERSION").into(),
+            version: VERSION.into(),
+            commit: COMMIT.map(String::from),
             seed,
             scenario_from,
             preset_from,

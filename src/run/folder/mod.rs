@@ -2,7 +2,7 @@
 //!
 //! | file | contents |
 //! |---|---|
-//! | `config.ron` | the resolved configuration: scenario, preset, seed, version ([`RunConfig`]) |
+//! | `config.ron` | the resolved configuration: scenario, preset, seed, version, commit ([`RunConfig`]) |
 //! | `episodes.csv`, `evaluations.csv` | one row per episode and per evaluation ([`metric_rows`](super::metric_rows)) |
 //! | `events.out.tfevents.*` | the same metrics for TensorBoard |
 //! | `policy.safetensors`, `policy-last.safetensors` | the best policy by evaluation, the last policy |
@@ -10,6 +10,7 @@
 //! | `policy-after-N-episodes.safetensors`, `policy-after-N-env-steps.safetensors` | the policy after N episodes or env steps, if the configuration asks for it |
 //! | `checkpoint/` | the last three checkpoints ([`checkpoint`](super::checkpoint)) and a lock |
 //! | `summary.json`, `learning-curve.svg` | the summary, and the learning curves |
+//! | `processors.json` | the kinds of processor that the run was trained on |
 
 mod config;
 mod csv_file;
@@ -41,12 +42,13 @@ const EXTENSIONS: [&str; 6] = ["ron", "csv", "json", "safetensors", "bin", "svg"
 
 /// The files that a resumed run replaces or continues.
 #[cfg(not(target_arch = "wasm32"))]
-const REPLACED: [&str; 7] = [
+const REPLACED: [&str; 8] = [
     "config.ron",
     "episodes.csv",
     "evaluations.csv",
     "policy.safetensors",
     "policy-last.safetensors",
+    "processors.json",
     "summary.json",
     "learning-curve.svg",
 ];
@@ -150,7 +152,7 @@ impl RunFolder {
     pub fn open(path: &Path) -> Result<(Self, RunConfig), RunError> {
         let folder = Self::new(path.into());
         if !folder.config().exists() {
-            let why = "is not a run folder (it has no config.ron); help: give --resume the folder of a run";
+            let why = "is not a run folder (it has no config.ron); help: give the folder of a run";
             return Err(RunError::invalid_input(path, why));
         }
         folder.check_files_are_regular()?;
