@@ -1,5 +1,5 @@
 //! Sets `WAYFIELD_COMMIT` to the Git commit that is built, with `-dirty` if a file of the program has been changed since.
-//! Policies record it. Outside a Git clone it stays unset.
+//! Policies, runs and reports record it. Outside a Git clone it stays unset.
 
 use std::path::Path;
 use std::process::Command;

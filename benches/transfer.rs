@@ -99,7 +99,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// The mean failure rate of the evaluations up to `env_steps`, in %.
 fn failures(run: &FinishedRun, env_steps: u64) -> f64 {
     // Evaluations are at multiples of EVERY, rounded to complete control steps.
-    let rows = run.evaluations.iter().filter(|row| row.env_steps < env_steps + EVERY / 2);
+    // Without that of the initial policy, at env step 0.
+    let rows = run.evaluations.iter().skip(1).filter(|row| row.env_steps < env_steps + EVERY / 2);
     let (count, sum) = rows.fold((0, 0.0), |(count, sum), row| (count + 1, sum + 1.0 - row.success_rate));
     100.0 * sum / f64::from(count)
 }

@@ -22,13 +22,26 @@ use bevy::prelude::*;
 
 use crate::control_step::{ControlSet, ControlStep};
 use crate::policy::Encoding;
-use crate::scenario::Scenario;
+use crate::scenario::{Motion, Scenario};
 use crate::sim;
 use crate::simulation::{Extensions, Simulation, SimulationBuilder, StepError};
 use crate::task::{
-    Actions, Clock, EpisodeEnded, ObservationLayout, Observations, RewardConfig, StepOutcome, StepOutcomes,
-    Streams, TaskFault, TaskMode,
+    Actions, CommandedMotions, DeferResets, EpisodeEnded, ObservationLayout, Observations, PendingReset,
+    RewardConfig, StepOutcome, StepOutcomes, Streams, TaskFault, TaskMode,
 };
+
+/// When the next episode of an environment begins: Gymnasium's autoreset modes. An environment's episodes are the same in all
+/// of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Autoreset {
+    /// In the step that ends the return.
+    #[default]
+    SameStep,
+    /// In the step after it, which ignores the environment's action and has a reward of 0.
+    NextStep,
+    /// When the caller asks for it ([`VecEnv::reset_selected`]). Until then, no environment can be stepped.
+    Disabled,
+}
 
 /// The options of a [`VecEnv`].
 #[derive(Clone, Debug)]
@@ -42,6 +55,8 @@ pub struct VecEnvConfig {
     /// What happens when a robot reaches its goal. [`TaskMode::Episodic`] ends the episode. [`TaskMode::Continuing`] is the
     /// paper's training, in which the episode continues with a new goal.
     pub mode: TaskMode,
+    /// When the next episode, or with [`TaskMode::Continuing`] the next goal, begins.
+    pub autoreset: Autoreset,
     /// Plugins with sensors and reward terms.
     pub extensions: Extensions,
 }
@@ -53,6 +68,7 @@ impl Default for VecEnvConfig {
             encoding: Encoding::default(),
             reward: RewardConfig::default(),
             mode: TaskMode::Episodic,
+            autoreset: Autoreset::default(),
             extensions: Extensions::default(),
         }
     }
@@ -61,10 +77,10 @@ impl Default for VecEnvConfig {
 /// An error of a [`VecEnv`].
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum VecEnvError {
-    /// The number of actions is not the number of environments.
-    #[error("{given} actions were given for {num_envs} environments; give one action per environment")]
+    /// The number of actions, or of other values, is not the number of environments.
+    #[error("{given} values were given for {num_envs} environments; help: give one per environment")]
     ActionCount {
-        /// The number of actions given.
+        /// The number of values given.
         given: usize,
         /// The number of environments.
         num_envs: usize,
@@ -79,6 +95,18 @@ pub enum VecEnvError {
         /// The number of actions.
         num_actions: usize,
     },
+    /// The speed or the turning rate of a commanded motion is not finite.
+    #[error("the motion of environment {env} is not finite; help: give finite numbers in m/s and rad/s")]
+    Motion {
+        /// The environment's index.
+        env: usize,
+    },
+    /// An environment whose return has ended was stepped, with [`Autoreset::Disabled`].
+    #[error("the episode of environment {env} has ended; help: reset it before the next step")]
+    Ended {
+        /// The environment's index.
+        env: usize,
+    },
     /// The simulation failed.
     #[error(transparent)]
     Step(#[from] StepError),
@@ -88,7 +116,7 @@ pub enum VecEnvError {
 #[derive(Clone, Copy, Debug)]
 pub struct Step<'a> {
     /// The observations for the next actions: `num_envs` rows. After the end of an episode, the first observation of the
-    /// next episode.
+    /// next episode, if it begins in the same step.
     pub observations: &'a [f32],
     /// The rewards.
     pub rewards: &'a [f32],
@@ -104,7 +132,7 @@ pub struct Step<'a> {
     pub ended: &'a [EpisodeEnded],
 }
 
-/// Environments of one scenario, stepped together. When an episode ends, the next one starts in the same step.
+/// Environments of one scenario, stepped together. [`Autoreset`] says when the next episode begins.
 ///
 /// Without plugins, a step allocates no memory except inside rapier.
 pub struct VecEnv {
@@ -112,6 +140,11 @@ pub struct VecEnv {
     num_envs: usize,
     num_actions: usize,
     observation_width: usize,
+    motion_limits: (Motion, Motion),
+    mode: TaskMode,
+    autoreset: Autoreset,
+    /// The resets that ended environments wait for.
+    pending: Vec<PendingReset>,
     rewards: Vec<f32>,
     terminated: Vec<bool>,
     truncated: Vec<bool>,
@@ -142,12 +175,18 @@ impl VecEnv {
             num_envs,
             num_actions: scenario.robot.motions.len(),
             observation_width: width,
+            motion_limits: motion_limits(scenario),
+            mode: config.mode,
+            autoreset: config.autoreset,
+            pending: vec![PendingReset::None; num_envs],
             rewards: vec![0.0; num_envs],
             terminated: vec![false; num_envs],
             truncated: vec![false; num_envs],
             ended: Vec::new(),
         };
-        env.simulation.world_mut().resource_mut::<FinalObservations>().0 = vec![0.0; num_envs * width];
+        let world = env.simulation.world_mut();
+        world.resource_mut::<FinalObservations>().0 = vec![0.0; num_envs * width];
+        world.insert_resource(DeferResets(config.autoreset != Autoreset::SameStep));
         env.check_fault()?;
         Ok(env)
     }
@@ -158,45 +197,66 @@ impl VecEnv {
     /// # Errors
     /// No free space was found for a start or goal.
     pub fn reset(&mut self, seed: u64) -> Result<&[f32], VecEnvError> {
-        let world = self.simulation.world_mut();
-        world.insert_resource(TaskFault::default());
-        sim::reset_arenas(world, |arena| Some((Streams::new(seed, arena as u64), Clock::default())));
-        self.check_fault()?;
-        Ok(self.observations())
+        self.restart(Some(seed), |_| true)
+    }
+
+    /// Starts a new episode in the environments k for which `selected[k]` is true; the others stay as they are. With a seed,
+    /// the selected environments get its random streams; otherwise theirs continue, and with [`TaskMode::Continuing`] a robot
+    /// that has just reached its goal stays where it is and gets a new goal. Returns the observations of all environments:
+    /// `num_envs` rows.
+    ///
+    /// # Errors
+    /// The length of `selected` is wrong, or no free space was found for a start or goal.
+    pub fn reset_selected(&mut self, selected: &[bool], seed: Option<u64>) -> Result<&[f32], VecEnvError> {
+        self.check_count(selected.len())?;
+        self.restart(seed, |env| selected[env])
     }
 
     /// Runs one control step (0.2 s by default) in every environment. `actions[k]` is the action of environment k, an index
     /// into the robot's motions.
     ///
     /// # Errors
-    /// The number of actions is wrong, an action is out of range, or the simulation failed.
+    /// The number of actions is wrong, an action is out of range, an environment has ended and is not reset, or the
+    /// simulation failed.
     pub fn step(&mut self, actions: &[usize]) -> Result<Step<'_>, VecEnvError> {
         self.check_actions(actions)?;
-        self.simulation.world_mut().resource_mut::<Actions>().0.copy_from_slice(actions);
-        self.simulation.step()?;
-        self.ended.clear();
-        self.ended.extend(self.simulation.world_mut().resource_mut::<Messages<EpisodeEnded>>().drain());
-        let outcomes = &self.simulation.world().resource::<StepOutcomes>().0;
-        for (env, outcome) in outcomes.iter().enumerate() {
-            self.rewards[env] = outcome.total_reward();
-            self.terminated[env] = outcome.terminated();
-            self.truncated[env] = outcome.truncated();
+        let world = self.simulation.world_mut();
+        world.remove_resource::<CommandedMotions>();
+        world.resource_mut::<Actions>().0.copy_from_slice(actions);
+        self.advance()
+    }
+
+    /// Runs one control step in every environment. `motions[k]` is the speed and turning rate that environment k commands; it
+    /// is limited to [`motion_limits`](Self::motion_limits).
+    ///
+    /// # Errors
+    /// As for [`step`](Self::step); a motion is not finite.
+    pub fn step_motions(&mut self, motions: &[Motion]) -> Result<Step<'_>, VecEnvError> {
+        self.check_count(motions.len())?;
+        if let Some(env) = motions.iter().position(|m| !m.v_m_s.is_finite() || !m.w_rad_s.is_finite()) {
+            return Err(VecEnvError::Motion { env });
         }
-        Ok(Step {
-            observations: self.observations(),
-            rewards: &self.rewards,
-            terminated: &self.terminated,
-            truncated: &self.truncated,
-            final_observations: &self.simulation.world().resource::<FinalObservations>().0,
-            outcomes,
-            ended: &self.ended,
-        })
+        let (low, high) = self.motion_limits;
+        let limited = motions.iter().map(|motion| Motion {
+            v_m_s: motion.v_m_s.clamp(low.v_m_s, high.v_m_s),
+            w_rad_s: motion.w_rad_s.clamp(low.w_rad_s, high.w_rad_s),
+        });
+        let mut commanded = self.simulation.world_mut().get_resource_or_init::<CommandedMotions>();
+        commanded.0.clear();
+        commanded.0.extend(limited);
+        self.advance()
     }
 
     /// The observations for the next actions: `num_envs` rows of `observation_width()` numbers.
     #[must_use]
     pub fn observations(&self) -> &[f32] {
         &self.simulation.world().resource::<Observations>().current
+    }
+
+    /// The observations after the last step and before any reset: `num_envs` rows.
+    #[must_use]
+    pub fn final_observations(&self) -> &[f32] {
+        &self.simulation.world().resource::<FinalObservations>().0
     }
 
     /// The number of environments.
@@ -222,11 +282,79 @@ impl VecEnv {
         &mut self.simulation
     }
 
-    fn check_actions(&self, actions: &[usize]) -> Result<(), VecEnvError> {
-        let (num_envs, num_actions) = (self.num_envs, self.num_actions);
-        if actions.len() != num_envs {
-            return Err(VecEnvError::ActionCount { given: actions.len(), num_envs });
+    /// The smallest and the largest speed and turning rate of the robot: 0, or those of its motions if they are beyond 0.
+    #[must_use]
+    pub fn motion_limits(&self) -> (Motion, Motion) {
+        self.motion_limits
+    }
+
+    /// Starts a new episode in the selected environments.
+    fn restart(
+        &mut self,
+        seed: Option<u64>,
+        selected: impl Fn(usize) -> bool,
+    ) -> Result<&[f32], VecEnvError> {
+        let world = self.simulation.world_mut();
+        world.insert_resource(TaskFault::default());
+        let pending = &self.pending;
+        sim::restart_arenas(world, |env| {
+            selected(env).then(|| match (seed, pending[env]) {
+                (Some(seed), _) => (PendingReset::Full, Some(Streams::new(seed, env as u64))),
+                (None, PendingReset::Goal) => (PendingReset::Goal, None),
+                (None, _) => (PendingReset::Episode, None),
+            })
+        });
+        let ended = self.pending.iter_mut().enumerate().filter(|(env, _)| selected(*env));
+        ended.for_each(|(_, pending)| *pending = PendingReset::None);
+        self.check_fault()?;
+        Ok(self.observations())
+    }
+
+    /// Runs one control step with the actions in the world.
+    fn advance(&mut self) -> Result<Step<'_>, VecEnvError> {
+        let waits = |pending: &PendingReset| *pending != PendingReset::None;
+        let first_waiting = self.pending.iter().position(waits);
+        if let (Autoreset::Disabled, Some(env)) = (self.autoreset, first_waiting) {
+            return Err(VecEnvError::Ended { env });
         }
+        self.simulation.step()?;
+        if first_waiting.is_some() {
+            let pending = &self.pending;
+            sim::restart_arenas(self.simulation.world_mut(), |env| {
+                waits(&pending[env]).then_some((pending[env], None))
+            });
+            self.check_fault()?;
+        }
+        self.ended.clear();
+        self.ended.extend(self.simulation.world_mut().resource_mut::<Messages<EpisodeEnded>>().drain());
+        let outcomes = &self.simulation.world().resource::<StepOutcomes>().0;
+        for (env, outcome) in outcomes.iter().enumerate() {
+            self.rewards[env] = outcome.total_reward();
+            self.terminated[env] = outcome.terminated();
+            self.truncated[env] = outcome.truncated();
+            if self.autoreset != Autoreset::SameStep {
+                self.pending[env] = outcome.reset(self.mode);
+            }
+        }
+        Ok(Step {
+            observations: self.observations(),
+            rewards: &self.rewards,
+            terminated: &self.terminated,
+            truncated: &self.truncated,
+            final_observations: self.final_observations(),
+            outcomes,
+            ended: &self.ended,
+        })
+    }
+
+    fn check_count(&self, given: usize) -> Result<(), VecEnvError> {
+        let num_envs = self.num_envs;
+        if given == num_envs { Ok(()) } else { Err(VecEnvError::ActionCount { given, num_envs }) }
+    }
+
+    fn check_actions(&self, actions: &[usize]) -> Result<(), VecEnvError> {
+        self.check_count(actions.len())?;
+        let num_actions = self.num_actions;
         match actions.iter().enumerate().find(|(_, action)| **action >= num_actions) {
             Some((env, &action)) => Err(VecEnvError::Action { env, action, num_actions }),
             None => Ok(()),
@@ -239,6 +367,16 @@ impl VecEnv {
             None => Ok(()),
         }
     }
+}
+
+/// The smallest and the largest speed and turning rate of the robot of `scenario`.
+fn motion_limits(scenario: &Scenario) -> (Motion, Motion) {
+    let still = Motion { v_m_s: 0.0, w_rad_s: 0.0 };
+    scenario.robot.motions.iter().fold((still, still), |(low, high), motion| {
+        let least = Motion { v_m_s: low.v_m_s.min(motion.v_m_s), w_rad_s: low.w_rad_s.min(motion.w_rad_s) };
+        let most = Motion { v_m_s: high.v_m_s.max(motion.v_m_s), w_rad_s: high.w_rad_s.max(motion.w_rad_s) };
+        (least, most)
+    })
 }
 
 /// Copies the observations after each step, before arenas are reset.

@@ -155,25 +155,24 @@ fn the_memory_that_the_error_asks_for_suffices() {
 }
 
 #[test]
-fn too_little_memory_to_start_is_one_error() {
+fn every_limit_that_the_program_starts_with_is_one_error() {
     let workspace = workspace();
-    let mut seen = 0;
     let mut has_started = false;
     for kilobytes in (20_000..=220_000).step_by(5_000) {
         let limit = format!("unset RUST_BACKTRACE; ulimit -v {kilobytes}");
         let done = workspace.shell(&format!("{limit}; exec $WAYFIELD --train --steps 16 --out run"));
-        // With less, the system cannot load the program, or the standard library cannot start it.
+        // With less, the system cannot load the program, or the standard library cannot start it. Once it starts, it can
+        // allocate what its errors and its help take.
         has_started |= done.status == Some(1);
         if !has_started {
             continue;
         }
         assert_failed(&done, "(`ulimit -v`");
         assert_eq!(done.stderr.lines().count(), 1, "{kilobytes} kB: {}", done.stderr);
-        seen += usize::from(done.stderr.contains("to start"));
         let help = workspace.shell(&format!("{limit}; exec $WAYFIELD --help"));
-        assert!(matches!(help.status, Some(0 | 1)), "{kilobytes} kB: {help:?}");
+        assert_eq!(help.status, Some(0), "{kilobytes} kB: {help:?}");
     }
-    assert!(seen > 0, "the limits are low enough to matter");
+    assert!(has_started, "the largest of these limits is enough to start");
 }
 
 #[test]

@@ -170,6 +170,46 @@ fn devices_pipes_and_standard_output_are_written_directly() {
     assert_eq!(full.stderr, "error: /dev/full: can't be written: No space left on device (os error 28)\n");
 }
 
+/// Width and height in the head of a PNG file.
+fn png_size(bytes: &[u8]) -> [u32; 2] {
+    [16, 20].map(|at| u32::from_be_bytes(bytes[at..at + 4].try_into().unwrap()))
+}
+
+#[test]
+fn a_picture_has_the_format_of_its_name_and_the_size_that_is_asked_for() {
+    let workspace = Workspace::new();
+    for (arguments, size) in
+        [("--plain", [480, 360]), ("--size 300x500", [300, 500]), ("--plain --size 64x32", [64, 32])]
+    {
+        workspace.run_ok(&format!("--draw map.png --scenario hall {arguments}"));
+        assert_eq!(png_size(&workspace.read("map.png")), size, "{arguments}");
+    }
+    workspace.run_ok("--draw map.png --scenario hall");
+    assert_eq!(png_size(&workspace.read("map.png"))[0], 2560, "large enough for print");
+    workspace.run_ok("--draw map.pdf --scenario hall --size 1920x1080");
+    let pdf = String::from_utf8_lossy(&workspace.read("map.pdf")).into_owned();
+    assert!(pdf.starts_with("%PDF-") && pdf.trim_end().ends_with("%%EOF"));
+    assert!(pdf.contains("/MediaBox [0 0 1440 810]"), "96 pixels are an inch, 72 points");
+    for size in ["0x10", "10", "9000x9000", "axb", "-5x20"] {
+        let done = workspace.run(&format!("--draw map.png --size={size}"));
+        assert_eq!(done.status, Some(2), "{size}: {}", done.stderr);
+        assert!(done.stderr.contains("give width and height, 16x16 to 8192x8192"), "{size}: {}", done.stderr);
+    }
+}
+
+#[test]
+fn a_picture_of_a_scenario_has_its_name_a_legend_and_a_scale() {
+    let workspace = Workspace::new();
+    workspace.run_ok("--draw map.svg --scenario hall");
+    let labels = ["Hall", "start", "goal", "moving obstacle on its path", "x and y in m"];
+    let svg = workspace.text("map.svg");
+    for label in labels {
+        assert!(svg.lines().any(|line| line == label), "`{label}` is not in\n{svg}");
+    }
+    workspace.run_ok("--draw map.svg --scenario hall --plain");
+    assert!(!workspace.text("map.svg").contains("<text"), "only the picture");
+}
+
 #[test]
 fn links_in_a_circle_and_names_that_are_too_long_are_reported() {
     let workspace = Workspace::new();

@@ -150,6 +150,48 @@ fn the_summary_agrees_with_the_csv_files() {
 }
 
 #[test]
+fn the_curves_of_a_run_can_be_drawn_also_while_it_goes_on() {
+    let workspace = workspace();
+    workspace.run_ok(&format!("{TRAIN} --seed 8 --out run"));
+    workspace.run_ok("--draw curves.svg --run run");
+    assert_eq!(workspace.read("curves.svg"), workspace.read("run/learning-curve.svg"));
+    workspace.run_ok("--draw curves.pdf --run run");
+    assert!(workspace.read("curves.pdf").starts_with(b"%PDF-"));
+    // A run in progress has written a part of its next row.
+    workspace.write("run/episodes.csv", workspace.text("run/episodes.csv") + "9999,12");
+    workspace.run_ok("--draw again.svg --run run");
+    assert_eq!(workspace.read("again.svg"), workspace.read("curves.svg"));
+    for (arguments, expected) in [
+        (
+            "--run absent",
+            "error: absent: is not a run folder (it has no config.ron); help: give the folder of a run",
+        ),
+        ("--run run --scenario hall", "cannot be used with"),
+        ("--run run --plain", "cannot be used with"),
+    ] {
+        let done = workspace.run(&format!("--draw new.svg {arguments}"));
+        assert_eq!(done.status, Some(2), "{arguments}: {}", done.stderr);
+        assert!(done.stderr.contains(expected), "{arguments}: {}", done.stderr);
+    }
+    assert!(!workspace.path("new.svg").exists());
+}
+
+#[test]
+fn every_record_names_the_program_and_the_scenario() {
+    let workspace = workspace();
+    workspace.run_ok(&format!("{TRAIN} --seed 8 --out run"));
+    let card = workspace.run_ok("--card run/policy.safetensors").json()["card"].clone();
+    let config: RunConfig = read_ron(workspace.path("run/config.ron")).unwrap();
+    assert_eq!(config.commit.as_deref(), card["program"]["commit"].as_str());
+    let tested = workspace.run_ok("--eval run/policy.safetensors --rounds 1 --episodes 2 --json").json();
+    for record in [workspace.json("run/summary.json"), tested] {
+        assert_eq!(record["version"], card["program"]["version"], "{record}");
+        assert_eq!(record["commit"], card["program"]["commit"], "{record}");
+        assert_eq!(record["scenario_crc32c"], card["scenario_crc32c"], "{record}");
+    }
+}
+
+#[test]
 fn config_ron_is_enough_to_repeat_a_run() {
     let workspace = workspace();
     workspace.run_ok(&format!("{TRAIN} --seed 8 --arenas 4 --out run"));

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use bevy::prelude::*;
-use wayfield::env::{VecEnv, VecEnvConfig, VecEnvError};
+use wayfield::env::{Autoreset, VecEnv, VecEnvConfig, VecEnvError};
 use wayfield::random::{stream, uniform_index};
 use wayfield::run::shipped;
-use wayfield::scenario::Scenario;
+use wayfield::scenario::{Motion, Scenario};
 use wayfield::simulation::{Extensions, SimulationBuilder};
 use wayfield::task::{
     Arena, EpisodeEnd, ExtraRewards, ObservationLayout, RewardTerm, SensorReadings, SensorSlice,
@@ -98,6 +98,72 @@ fn the_mode_decides_whether_an_episode_ends_at_the_goal() {
         assert!(reached > 5, "{mode:?}: the goal was reached only {reached} times");
         assert_eq!(episodes, reached * ends, "{mode:?}");
     }
+}
+
+/// One environment of Scenario I with a time limit of 40 steps.
+fn one_env(mode: TaskMode, autoreset: Autoreset) -> VecEnv {
+    let mut scenario = shipped::scenario("scenario-1").expect("shipped");
+    scenario.task.max_episode_steps = 40;
+    VecEnv::new(&scenario, VecEnvConfig { mode, autoreset, ..VecEnvConfig::default() }).expect("free space")
+}
+
+#[test]
+fn the_episodes_are_the_same_in_all_autoreset_modes() {
+    for mode in [TaskMode::Episodic, TaskMode::Continuing] {
+        let modes = [Autoreset::SameStep, Autoreset::NextStep, Autoreset::Disabled];
+        let mut envs = modes.map(|autoreset| one_env(mode, autoreset));
+        envs.iter_mut().for_each(|env| assert!(env.reset(3).is_ok()));
+        let mut random = stream(1, "actions", 0);
+        let mut ends = 0;
+        for _ in 0..600 {
+            let action = [uniform_index(&mut random, 5)];
+            let [same, next, off] = envs.each_mut().map(|env| {
+                let step = env.step(&action).expect("a valid step");
+                let ended = step.terminated[0] || step.truncated[0];
+                (ended, bits(step.rewards), bits(step.final_observations), bits(step.observations))
+            });
+            assert_eq!(same.1, next.1, "{mode:?}: rewards");
+            assert!((same.0, &same.1, &same.2) == (off.0, &off.1, &off.2), "{mode:?}: with autoreset off");
+            assert_eq!(same.2, next.3, "{mode:?}: the last observation of an episode is returned first");
+            if same.0 {
+                ends += 1;
+                let step = envs[1].step(&action).expect("a valid step");
+                assert_eq!(
+                    (step.rewards, step.terminated, step.truncated),
+                    (&[0.0][..], &[false][..], &[false][..])
+                );
+                assert_eq!(bits(step.observations), same.3, "{mode:?}: then the first of the next one");
+                assert_eq!(envs[2].step(&action).expect_err("ended"), VecEnvError::Ended { env: 0 });
+                assert_eq!(bits(envs[2].reset_selected(&[true], None).expect("free space")), same.3);
+            }
+        }
+        assert!(ends > 15, "{mode:?}: only {ends} ends");
+    }
+}
+
+#[test]
+fn a_commanded_motion_drives_like_the_action_with_that_motion() {
+    let mut envs = [(); 2].map(|()| one_env(TaskMode::Continuing, Autoreset::SameStep));
+    let motions = shipped::scenario("scenario-1").expect("shipped").robot.motions;
+    envs.iter_mut().for_each(|env| assert!(env.reset(5).is_ok()));
+    let mut random = stream(1, "actions", 0);
+    for _ in 0..200 {
+        let action = uniform_index(&mut random, motions.len());
+        let one = bits(envs[0].step(&[action]).expect("a valid step").observations);
+        let two = bits(envs[1].step_motions(&[motions[action]]).expect("a valid step").observations);
+        assert_eq!(one, two);
+    }
+    let (low, high) = envs[0].motion_limits();
+    assert_eq!((low.v_m_s, high.v_m_s, low.w_rad_s, high.w_rad_s), (0.0, 0.15, -1.5, 1.5));
+    let reckless = Motion { v_m_s: 9.0, w_rad_s: -9.0 };
+    let limited = Motion { v_m_s: 0.15, w_rad_s: -1.5 };
+    let [one, two] = [reckless, limited].map(|motion| {
+        envs[0].reset(6).expect("free space");
+        bits(envs[0].step_motions(&[motion]).expect("a valid step").observations)
+    });
+    assert_eq!(one, two, "a motion is limited to the robot's");
+    let broken = Motion { v_m_s: f32::NAN, w_rad_s: 0.0 };
+    assert_eq!(envs[0].step_motions(&[broken]).expect_err("not a number"), VecEnvError::Motion { env: 0 });
 }
 
 #[test]

@@ -25,10 +25,14 @@ mod values;
 #[cfg(feature = "gui")]
 mod window;
 
+pub use check::{CheckReport, check_files};
+pub use policy::load as load_policy;
+
 use std::any::TypeId;
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::OnceLock;
 use std::time::Instant;
 
 use clap::error::ErrorKind;
@@ -59,6 +63,9 @@ A file may be `-`, standard input. Whole numbers may be written 600000, 600_000,
 Results go to stdout, logs and progress to stderr. Exit status: 0 success, 1 a run failed,
 2 invalid arguments or files, 128 + N a run stopped by signal N: Ctrl-C (130), SIGTERM (143) and
 SIGHUP (129) save a checkpoint and the summary, and --resume continues.";
+
+/// The name by which the program was started.
+static PROGRAM: OnceLock<OsString> = OnceLock::new();
 
 /// The end of the help. A build without the app does not offer it.
 fn after_help() -> String {
@@ -140,17 +147,23 @@ fn not_utf8(command: &mut Command, words: &[OsString]) -> Option<clap::Error> {
 /// }
 /// ```
 pub fn main(began: Instant, extensions: Extensions) -> ExitCode {
-    #[cfg(unix)]
-    memory_limit::exit_without_memory();
+    ExitCode::from(run_words(std::env::args_os(), began, extensions))
+}
+
+/// Runs the command line with the arguments `words` and returns the exit status, as [`main`] does. The first word is the
+/// program's name.
+pub fn run_words(words: impl IntoIterator<Item = OsString>, began: Instant, extensions: Extensions) -> u8 {
     signals::survive_limits();
-    let mut arguments = Arguments::parse_words(std::env::args_os()).unwrap_or_else(|error| exit(&error));
+    let words: Vec<OsString> = words.into_iter().collect();
+    PROGRAM.get_or_init(|| words.first().cloned().unwrap_or_default());
+    let mut arguments = Arguments::parse_words(words).unwrap_or_else(|error| exit(&error));
     arguments.shared.extensions = extensions;
     match run(arguments, began) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => 0,
         Err(error) => {
             let label = if matches!(error, RunError::Stopped(_)) { "" } else { "error: " };
             print_stderr(&format!("{label}{error}{}", limit_help(&error.to_string())));
-            ExitCode::from(error.exit_status())
+            error.exit_status()
         }
     }
 }

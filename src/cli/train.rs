@@ -16,6 +16,7 @@ use crate::run::folder::{INITIAL_POLICY_FILE, RunConfig, Transfer};
 use crate::run::metric_rows::{Milestone, Summary};
 use crate::run::preset::Budget;
 use crate::run::progress::print_stderr;
+use crate::run::provenance::{COMMIT, VERSION};
 use crate::run::signals::stop_on_signal;
 use crate::run::train::{CHECKPOINT_INTERVAL, Job, train};
 use crate::scenario::{printable_path, quoted};
@@ -138,7 +139,8 @@ fn earlier_run(
     }
     let file = if path.is_dir() { path.join("config.ron") } else { path.into() };
     let mut config = RunConfig::load(&file)?.resume_with_extensions(&shared.extensions, &file)?;
-    config.version = env!("CARGO_PKG_VERSION").into();
+    config.version = VERSION.into();
+    config.commit = COMMIT.map(String::from);
     config.seed = shared.seed.unwrap_or(config.seed);
     let copy = file.with_file_name(INITIAL_POLICY_FILE);
     let init = config.transfer.as_ref().map(|transfer| match copy.exists() {
@@ -197,5 +199,5 @@ fn eval_command(folder: &Path) -> String {
 
 /// The name by which the program was started, quoted for a shell.
 fn program() -> String {
-    std::env::args_os().next().map_or_else(|| "wayfield".into(), quoted)
+    super::PROGRAM.get().map_or_else(|| "wayfield".into(), quoted)
 }

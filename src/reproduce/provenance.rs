@@ -7,6 +7,7 @@ use super::results::Results;
 use super::seeds::seeds_text;
 use crate::report::format::number;
 use crate::run::preset::Budget;
+use crate::run::provenance::{COMMIT, VERSION};
 use crate::scenario::{printable_path, quoted};
 
 /// The provenance of a report, as names and values.
@@ -19,7 +20,7 @@ pub fn provenance(results: &Results<'_>, plan: &RunPlan, jobs: usize, wall_s: f6
     });
     let command: Vec<String> = std::env::args_os().skip(1).map(quoted).collect();
     let entries = [
-        ("Version", format!("wayfield {}", env!("CARGO_PKG_VERSION"))),
+        ("Version", version()),
         ("Command", format!("wayfield {}", command.join(" "))),
         ("Seeds", seeds_text(&seeds)),
         (
@@ -53,6 +54,12 @@ fn trained_elsewhere(plan: &RunPlan) -> Option<String> {
     };
     let runs: Vec<String> = plan.trainings.iter().filter_map(run).collect();
     (!runs.is_empty()).then(|| runs.join(", "))
+}
+
+/// The program with its version and commit.
+fn version() -> String {
+    let commit = COMMIT.map_or(String::new(), |commit| format!(", commit {commit}"));
+    format!("wayfield {VERSION}{commit}")
 }
 
 /// Processor, cores, memory and operating system, as far as they are known.

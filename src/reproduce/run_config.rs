@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use super::experiment::{Arm, Experiment, Stage, TestedPolicy};
 use crate::run::folder::RunConfig;
 use crate::run::preset::Budget;
+use crate::run::provenance::{COMMIT, VERSION};
 use crate::run::{RunError, shipped};
 use crate::scenario::{FileError, to_ron};
 use crate::simulation::Extensions;
@@ -46,7 +47,8 @@ pub fn run_config(
         })?;
     }
     Ok(RunConfig {
-        version: env!("CARGO_PKG_VERSION").into(),
+        version: VERSION.into(),
+        commit: COMMIT.map(String::from),
         seed,
         scenario_from,
         preset_from: stage.preset.clone(),
@@ -63,7 +65,8 @@ pub fn run_config(
 /// The name of a run's folder: equal configurations have equal names. The length is not part of it, unless the
 /// best policy is tested, because a longer run contains the shorter one.
 pub fn run_name(config: &RunConfig, tested: TestedPolicy) -> Result<String, RunError> {
-    let mut identity = config.clone();
+    // A new commit of the same version continues the report of the last one.
+    let mut identity = RunConfig { commit: None, ..config.clone() };
     identity.save_policy_after.clear();
     if tested == TestedPolicy::After {
         identity.preset.budget = match identity.preset.budget {

@@ -5,6 +5,7 @@ use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
 use crate::export::{MODEL_CARD_MARK, model_card, to_onnx};
+use crate::policy::Policy;
 
 use super::output_file::{check_writable, is_stream, write_atomic};
 use super::{RunError, policy_card};
@@ -32,13 +33,20 @@ pub enum ModelCardFile {
 /// `policy` is not a policy or has no card, `onnx` has another extension than `onnx`, or a file cannot be written.
 pub fn export_onnx(policy: &Path, onnx: &Path) -> Result<ModelCardFile, RunError> {
     check_extension(onnx)?;
-    let from = policy;
-    let policy = policy_card::read(from)?;
+    export_policy(&policy_card::read(policy)?, policy, onnx)
+}
+
+/// Does the same with a policy in memory; error messages name it by `from`.
+///
+/// # Errors
+/// As for [`export_onnx`].
+pub fn export_policy(policy: &Policy, from: &Path, onnx: &Path) -> Result<ModelCardFile, RunError> {
+    check_extension(onnx)?;
     check_writable(onnx)?;
-    let bytes = to_onnx(&policy).map_err(|error| RunError::invalid_input(from, error))?;
+    let bytes = to_onnx(policy).map_err(|error| RunError::invalid_input(from, error))?;
     write(onnx, &bytes)?;
     let Some(name) = onnx.file_name().filter(|_| !is_stream(onnx)) else { return Ok(ModelCardFile::None) };
-    let page = model_card(&policy, &name.to_string_lossy()).map_err(|error| RunError::failed(from, error))?;
+    let page = model_card(policy, &name.to_string_lossy()).map_err(|error| RunError::failed(from, error))?;
     let path = onnx.with_file_name(MODEL_CARD);
     if is_of_a_person(&path) {
         return Ok(ModelCardFile::Kept(path));

@@ -3,8 +3,6 @@
 //! At such a limit an allocation fails, and a failed allocation ends a Rust program on the spot. So the check comes first, with
 //! an estimate. Should an allocation fail in spite of it, the process still ends with exit status 1 (`signals/unix.rs`).
 
-use std::io::Write;
-
 use rustix::process::{Resource, getrlimit};
 
 use super::RunError;
@@ -25,20 +23,6 @@ const MIN_ADDRESS_SPACE: u64 = 520 << 20;
 const BODY: u64 = 2048;
 /// Copies of the network's parameters: tensors, target network, gradient, moments, policies, a checkpoint in progress.
 const PARAMETER_COPIES: u64 = 12;
-
-/// The memory that the program takes to start and to read a file, in bytes.
-const START: usize = 16 << 20;
-
-/// Ends the process with a message and exit status 1 if its limits leave too little memory to start. Call it first: it
-/// allocates nothing that must not fail.
-pub fn exit_without_memory() {
-    let mut probe: Vec<u8> = Vec::new();
-    if probe.try_reserve_exact(START).is_err() {
-        let message = "error: this process may use too little memory to start (`ulimit -v`, `ulimit -d`); help: raise the limit\n";
-        let _ = std::io::stderr().write_all(message.as_bytes());
-        std::process::exit(1);
-    }
-}
 
 /// Checks that the process may use the address space that a training or an evaluation takes at least. Call it before the first
 /// thread is started.

@@ -6,6 +6,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::final_test::FinalTest;
+use super::provenance::Provenance;
 use crate::report::run_figure::{EpisodePoint, EvaluationPoint};
 use crate::scenario::read_text;
 use crate::task::EpisodeEnd;
@@ -115,8 +116,9 @@ pub struct Milestone {
 /// The contents of `summary.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
-    /// The version of wayfield.
-    pub version: String,
+    /// The program that wrote the summary, and the scenario's checksum.
+    #[serde(flatten)]
+    pub provenance: Provenance,
     /// The scenario's name.
     pub scenario: String,
     /// The scenario's file or shipped name, as given by the user.

@@ -23,6 +23,7 @@
 //! | `metric_rows.rs`, `metrics_writer.rs` | the rows of `episodes.csv` and `evaluations.csv`, and their writer |
 //! | `policy_card/` | the card in a policy file, and its comparison with a scenario |
 //! | `export.rs` | a policy for other programs, as an ONNX file with a model card |
+//! | `provenance.rs` | the program and the scenario that a record names |
 //! | `checkpoint/` | checkpoints, from which a run resumes bit-identically |
 //! | `fingerprint.rs` | checksums that show whether two builds simulate bit-identically |
 //! | `scenario_image.rs`, `run_image.rs` | the figure of a scenario from above; that of a run, its learning curves |
@@ -54,6 +55,7 @@ pub mod policy_card;
 pub mod preset;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod progress;
+pub mod provenance;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod run_image;
 #[cfg(not(target_arch = "wasm32"))]

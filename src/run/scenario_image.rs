@@ -1,16 +1,19 @@
 //! Images of scenarios, seen from above.
 //!
-//! In: a scenario. Out: a map for the figures of reports, or a figure of its own.
+//! In: a scenario, or an arena of a simulation. Out: a map for the figures of reports, a figure of its own, or a frame of the
+//! simulation.
 
 use std::path::Path;
 
 use bevy::math::{DVec2, Vec2, vec2};
+use bevy::prelude::World;
 
 use super::RunError;
 use super::image_file::{self, ImageSize};
 use crate::report::DrawError;
-use crate::report::chart::{MapObstacle, MapObstacleKind, MapShape, MapTrack, ScenarioMap};
+use crate::report::chart::{MapObstacle, MapObstacleKind, MapRobot, MapShape, MapTrack, ScenarioMap};
 use crate::scenario::{Obstacle, Outline, Scenario, Track, pose_at};
+use crate::task::{Arena, ArenaLayout, Clock, CurrentScenario, Goal, Pose, Scan};
 
 /// The layout seed of the generated obstacles in thumbnails.
 const LAYOUT_SEED: u64 = 1;
@@ -75,6 +78,40 @@ pub fn thumbnail(scenario: &Scenario) -> Result<String, DrawError> {
 pub fn draw(scenario: &Scenario, path: &Path) -> Result<(), RunError> {
     let svg = thumbnail(scenario).map_err(|error| RunError::failed(path, error))?;
     image_file::write(svg, ImageSize::Screen, path)
+}
+
+/// The current state of `arena` in the simulation `world`, as the text of an SVG file of 480 x 360 pixels: enclosure,
+/// obstacles and goal, the robot to scale with its heading, and the beams of the reported scan. `None` if there is no such
+/// arena.
+///
+/// # Errors
+/// Drawing fails.
+pub fn frame_svg(world: &mut World, arena: usize) -> Option<Result<String, DrawError>> {
+    let scenario = world.resource::<CurrentScenario>().0.clone();
+    let mut arenas = world.query::<(&Arena, &ArenaLayout, &Clock, &Pose, &Goal, &Scan)>();
+    let (_, layout, clock, pose, goal, scan) = arenas.iter(world).find(|(found, ..)| found.0 == arena)?;
+    let goal = wide(vec2(goal.x_m, goal.y_m));
+    let goal = (goal.0, goal.1, f64::from(scenario.task.goal_radius_m));
+    let map =
+        ScenarioMap { goal: Some(goal), tracks: Vec::new(), ..map(&scenario, layout.layout_seed, clock.0) };
+    Some(map.frame_svg(&robot(&scenario, pose, scan)))
+}
+
+/// The robot of `scenario` at `pose`, with the beams of `scan`.
+fn robot(scenario: &Scenario, pose: &Pose, scan: &Scan) -> MapRobot {
+    let (x, y) = wide(vec2(pose.x_m, pose.y_m));
+    let sensor = &scan.sensor_pose;
+    let (lidar_x, lidar_y) = wide(vec2(sensor.x_m, sensor.y_m));
+    let beam_ends = scan.ranges_m.iter().enumerate().map(|(beam, range_m)| {
+        let (sin, cos) = (f64::from(sensor.heading_rad) + scenario.lidar.beam_angle_rad(beam)).sin_cos();
+        (lidar_x + f64::from(*range_m) * cos, lidar_y + f64::from(*range_m) * sin)
+    });
+    MapRobot {
+        pose: (x, y, f64::from(pose.heading_rad)),
+        radius: f64::from(scenario.robot.radius_m),
+        lidar: (lidar_x, lidar_y),
+        beam_ends: beam_ends.collect(),
+    }
 }
 
 /// An obstacle's direction of motion in rad from the x axis; `None` if it stands still.

@@ -68,6 +68,23 @@ pub fn reset_arenas(world: &mut World, mut start: impl FnMut(usize) -> Option<(S
     world.run_schedule(Reset);
 }
 
+/// Restarts the arenas for whose number `reset` returns a reset. Those with streams get them, and a clock at 0. The other
+/// arenas stay as they are.
+pub fn restart_arenas(
+    world: &mut World,
+    mut reset: impl FnMut(usize) -> Option<(PendingReset, Option<Streams>)>,
+) {
+    let mut arenas = world.query::<(&Arena, &mut Streams, &mut Clock, &mut Episode)>();
+    for (arena, mut streams, mut clock, mut episode) in arenas.iter_mut(world) {
+        let Some((pending_reset, new_streams)) = reset(arena.0) else { continue };
+        if let Some(new_streams) = new_streams {
+            (*streams, *clock) = (new_streams, Clock::default());
+        }
+        (episode.pending_reset, episode.inactive) = (pending_reset, false);
+    }
+    world.run_schedule(Reset);
+}
+
 /// The states of all arenas, in the order of their numbers.
 pub fn snapshot(world: &mut World) -> Vec<ArenaState> {
     let mut arenas = world.query::<(

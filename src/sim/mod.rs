@@ -27,8 +27,8 @@ mod robot;
 use bevy::prelude::*;
 
 pub use arena::{
-    change_scenario, move_goal, move_robot, reset_arenas, reset_with_scenario, restore, snapshot,
-    spawn_arenas,
+    change_scenario, move_goal, move_robot, reset_arenas, reset_with_scenario, restart_arenas, restore,
+    snapshot, spawn_arenas,
 };
 pub use physics::Bodies;
 pub use probe::Probe;

@@ -14,6 +14,7 @@
 //! The body is a disc with locked rotation, which only the wheels turn, never a contact. The heading is integrated here,
 //! with `libm`, so that its bits are the same on every platform.
 
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::*;
 use bevy_rapier2d::rapier::math::Pose as BodyPose;
@@ -21,7 +22,9 @@ use bevy_rapier2d::rapier::math::Pose as BodyPose;
 use super::contact::ContactQuery;
 use super::physics::Bodies;
 use crate::scenario::{Motion, Scenario};
-use crate::task::{Actions, Arena, Clock, CurrentScenario, Episode, Pose, Scan, Twist, wrap_angle};
+use crate::task::{
+    Actions, Arena, Clock, CommandedMotions, CurrentScenario, Episode, Pose, Scan, Twist, wrap_angle,
+};
 
 /// The tolerance for rounding: in m for coordinates, relative for distances.
 const ROUNDING: f32 = 1e-6;
@@ -84,10 +87,27 @@ impl ActuatorLag {
     }
 }
 
+/// What commands the robots: the scenario's motions by number, or motions that the caller sets.
+#[derive(SystemParam)]
+pub(super) struct MotionCommands<'w> {
+    scenario: Res<'w, CurrentScenario>,
+    actions: Res<'w, Actions>,
+    motions: Option<Res<'w, CommandedMotions>>,
+}
+
+impl MotionCommands<'_> {
+    /// The motion that is commanded in `arena`.
+    fn motion(&self, arena: &Arena) -> &Motion {
+        match &self.motions {
+            Some(motions) => &motions.0[arena.0],
+            None => &self.scenario.0.robot.motions[self.actions.0[arena.0]],
+        }
+    }
+}
+
 /// `Actuate`: sets the velocity of every robot's body for this step.
 pub(super) fn actuate(
-    scenario: Res<CurrentScenario>,
-    actions: Res<Actions>,
+    commands: MotionCommands,
     mut arenas: Query<(
         &Arena,
         &Bodies,
@@ -98,7 +118,8 @@ pub(super) fn actuate(
         &mut RapierConfiguration,
     )>,
 ) {
-    let lag = ActuatorLag::of(&scenario.0);
+    let scenario = &*commands.scenario.0;
+    let lag = ActuatorLag::of(scenario);
     for (arena, bodies, pose, twist, episode, mut set, mut configuration) in &mut arenas {
         if configuration.physics_pipeline_active == episode.inactive {
             configuration.physics_pipeline_active = !episode.inactive;
@@ -106,8 +127,8 @@ pub(super) fn actuate(
         if episode.inactive {
             continue;
         }
-        let (motion, _) = lag.step(twist, &scenario.0.robot.motions[actions.0[arena.0]]);
-        let velocity = chord_velocity(pose.heading_rad, &motion, scenario.0.task.control_period_s);
+        let (motion, _) = lag.step(twist, commands.motion(arena));
+        let velocity = chord_velocity(pose.heading_rad, &motion, scenario.task.control_period_s);
         if let Some(body) = set.bodies.get_mut(bodies.robot) {
             body.set_linvel(velocity, true);
         }
@@ -133,15 +154,15 @@ type Stepped = (
 /// - A robot that touches something rests where rapier has stopped it if that is a valid resting place, and otherwise where
 ///   it first touched.
 /// - A robot that rapier has deflected although it touches nothing is put at the end of its chord.
-pub(super) fn read_pose(scenario: Res<CurrentScenario>, actions: Res<Actions>, mut arenas: Query<Stepped>) {
-    let scenario = &*scenario.0;
+pub(super) fn read_pose(commands: MotionCommands, mut arenas: Query<Stepped>) {
+    let scenario = &*commands.scenario.0;
     let (lag, period_s) = (ActuatorLag::of(scenario), scenario.task.control_period_s);
     for (arena, bodies, clock, episode, colliders, mut set, mut pose, mut twist, mut scan) in &mut arenas {
         if episode.inactive {
             continue;
         }
         if let Some(body) = set.bodies.get_mut(bodies.robot) {
-            let (motion, after) = lag.step(&twist, &scenario.robot.motions[actions.0[arena.0]]);
+            let (motion, after) = lag.step(&twist, commands.motion(arena));
             *twist = after;
             let from = Vec2::new(pose.x_m, pose.y_m);
             let velocity = chord_velocity(pose.heading_rad, &motion, period_s);

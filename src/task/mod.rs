@@ -42,7 +42,7 @@ pub use state::{
 };
 
 use crate::control_step::{ControlSet, ControlStep, Reset, ResetSet, RewardSet, SenseSet};
-use crate::scenario::Scenario;
+use crate::scenario::{Motion, Scenario};
 
 /// The scenario of the simulation, shared read-only by all systems.
 #[derive(Resource, Clone, Debug)]
@@ -51,6 +51,16 @@ pub struct CurrentScenario(pub Arc<Scenario>);
 /// The action of each arena: an index into [`Robot::motions`](crate::scenario::Robot), eq. (9).
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Actions(pub Vec<usize>);
+
+/// The motion that the caller commands each arena's robot, in place of one of the scenario's motions. Without this resource,
+/// [`Actions`] choose the motions.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct CommandedMotions(pub Vec<Motion>);
+
+/// Whether an arena whose return has ended waits, inactive, until the caller restarts it
+/// ([`restart_arenas`](crate::sim::restart_arenas)).
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct DeferResets(pub bool);
 
 /// What happens when the goal is reached, and after an episode has ended.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -81,6 +91,7 @@ impl Plugin for TaskPlugin {
         app.insert_resource(ObservationLayout::new(self.observation, Vec::new()))
             .insert_resource(self.reward.clone())
             .insert_resource(self.mode)
+            .init_resource::<DeferResets>()
             .init_resource::<Observations>()
             .init_resource::<Actions>()
             .init_resource::<StepOutcomes>()

@@ -7,7 +7,8 @@ use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Arena, CurrentScenario, Episode, Goal, PendingReset, Pose, RewardConfig, RewardTerms, Scan, TaskMode,
+    Arena, CurrentScenario, DeferResets, Episode, Goal, PendingReset, Pose, RewardConfig, RewardTerms, Scan,
+    TaskMode,
 };
 
 /// The outcome of one step in one arena.
@@ -59,6 +60,18 @@ impl StepOutcome {
             Some(EpisodeEnd::TimedOut)
         } else {
             None
+        }
+    }
+
+    /// The reset that follows the step: a new episode, or a new goal for a robot that has reached its own.
+    #[must_use]
+    pub fn reset(&self, mode: TaskMode) -> PendingReset {
+        if self.episode_end(mode).is_some() {
+            PendingReset::Episode
+        } else if self.reached {
+            PendingReset::Goal
+        } else {
+            PendingReset::None
         }
     }
 }
@@ -138,7 +151,7 @@ pub(super) fn compute_outcomes(
 
 /// `Reset`: publishes ended episodes and sets the pending resets.
 pub(super) fn close_episodes(
-    mode: Res<TaskMode>,
+    (mode, defer_resets): (Res<TaskMode>, Res<DeferResets>),
     outcomes: Res<StepOutcomes>,
     mut ended: MessageWriter<EpisodeEnded>,
     mut arenas: Query<(&Arena, &mut Episode)>,
@@ -154,12 +167,11 @@ pub(super) fn close_episodes(
                 rewards: episode.rewards,
                 extra_rewards: episode.extra_rewards.clone(),
             });
-            match *mode {
-                TaskMode::Continuing | TaskMode::Episodic => episode.pending_reset = PendingReset::Episode,
-                TaskMode::SingleGoal => episode.inactive = true,
-            }
-        } else if outcome.reached {
-            episode.pending_reset = PendingReset::Goal;
+        }
+        match outcome.reset(*mode) {
+            PendingReset::None => {}
+            _ if defer_resets.0 || *mode == TaskMode::SingleGoal => episode.inactive = true,
+            reset => episode.pending_reset = reset,
         }
     }
 }

@@ -231,6 +231,7 @@ impl Run {
         let preset = Preset::parse(PRESET, NAME).unwrap_or_else(|error| panic!("{error}"));
         let config = RunConfig {
             version: String::new(),
+            commit: None,
             seed: 1,
             scenario_from: NAME.into(),
             preset_from: NAME.into(),

@@ -13,6 +13,33 @@ use crate::svg_tree::svg_tree;
 /// # Errors
 /// `svg` is not valid SVG, or the image would have no pixels or be too large for memory.
 pub fn png(svg: &str, scale: f32) -> Result<Vec<u8>, DrawError> {
+    render(svg, scale)?.encode_png().map_err(DrawError::new)
+}
+
+/// An image in memory.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RgbImage {
+    /// The width in pixels.
+    pub width: usize,
+    /// The height in pixels.
+    pub height: usize,
+    /// Red, green and blue of every pixel, row by row from the top: height x width x 3 bytes.
+    pub bytes: Vec<u8>,
+}
+
+/// The pixels of an SVG figure on a white background, with `scale` pixels per SVG pixel.
+///
+/// # Errors
+/// As for [`png`].
+pub fn rgb(svg: &str, scale: f32) -> Result<RgbImage, DrawError> {
+    let picture = render(svg, scale)?;
+    // On the opaque background, no pixel is transparent.
+    let bytes =
+        picture.pixels().iter().flat_map(|pixel| [pixel.red(), pixel.green(), pixel.blue()]).collect();
+    Ok(RgbImage { width: picture.width() as usize, height: picture.height() as usize, bytes })
+}
+
+fn render(svg: &str, scale: f32) -> Result<Pixmap, DrawError> {
     let tree = svg_tree(svg)?;
     let size = tree.size();
     let pixels = |length: f32| (length * scale).round() as u32;
@@ -21,7 +48,7 @@ pub fn png(svg: &str, scale: f32) -> Result<Vec<u8>, DrawError> {
         .ok_or_else(|| DrawError::new(format!("cannot create an image of {width} x {height} pixels")))?;
     picture.fill(Color::WHITE);
     resvg::render(&tree, Transform::from_scale(scale, scale), &mut picture.as_mut());
-    picture.encode_png().map_err(DrawError::new)
+    Ok(picture)
 }
 
 #[cfg(test)]

@@ -197,7 +197,7 @@ mod tests {
         assert!(near(clearance(&scenario, vec2(0.0, 2.5), 0), -0.5), "outside is negative");
         assert_eq!(nearest(&scenario, vec2(1.5, 0.0), 0).0, Solid::Enclosure);
         scenario.task.control_period_s = 1.0;
-        scenario.walls.push(Wall { corners_m: vec![vec2(-1.0, -1.0), vec2(-1.0, 1.0)], thickness_m: 0.2 });
+        scenario.walls.push(Wall { corners_m: vec![vec2(-1.5, -1.0), vec2(-1.5, 1.0)], thickness_m: 0.2 });
         scenario.obstacles.push(Obstacle {
             shape: Shape::Circle { radius_m: 0.2 },
             position_m: vec2(1.0, 0.0),

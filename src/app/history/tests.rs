@@ -216,7 +216,7 @@ fn the_figure_is_drawn_with_and_without_rows() {
     let text = std::fs::read_to_string(&svg).expect("reads the file");
     assert!(text.starts_with("<svg") && text.contains("scenario changed") && text.contains("paper 96%"));
     let error = write_figure(&figure, &folder.path().join("curve.jpg")).expect_err("not a format");
-    assert!(error.to_string().ends_with("give a file name that ends in .svg or .png"), "{error}");
+    assert!(error.to_string().ends_with("give a file name that ends in .svg, .png or .pdf"), "{error}");
     let nowhere = folder.path().join("no/such/folder.png");
     assert!(write_figure(&figure, &nowhere).is_err());
     assert_eq!(

@@ -16,7 +16,7 @@ use crate::scenario::{LocatedDiagnostic, printable_path};
 
 /// The JSON object that `--check --json` prints.
 #[derive(Serialize)]
-struct CheckReport {
+pub struct CheckReport {
     /// The paths of all checked files.
     files: Vec<String>,
     /// The kinds of these files, in the same order; null for a file that can't be read.
@@ -40,6 +40,12 @@ struct NoteReport {
     level: String,
     #[serde(flatten)]
     problem: ProblemReport,
+}
+
+/// Checks the files and folders in `paths`.
+#[must_use]
+pub fn check_files(paths: &[PathBuf]) -> CheckReport {
+    CheckReport::new(&files::check(paths))
 }
 
 /// Checks the files and folders in `paths`, and prints one line per valid file, per problem and per note.

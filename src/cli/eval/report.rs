@@ -8,6 +8,7 @@ use crate::learning::Policy;
 use crate::report::statistics::rate_interval;
 use crate::run::RunError;
 use crate::run::evaluate::{self, Evaluation, Evaluator, OptimumComparison};
+use crate::run::provenance::Provenance;
 use crate::run::shipped;
 use crate::scenario::{BenchmarkRoute, Scenario};
 use crate::simulation::Extensions;
@@ -22,6 +23,8 @@ const ROUTE_EPISODES_PER_ROUND: usize = 5;
 #[derive(Serialize)]
 pub struct PolicyReport {
     pub policy: String,
+    #[serde(flatten)]
+    pub provenance: Provenance,
     pub scenario: String,
     #[serde(flatten)]
     pub evaluation: Evaluation,

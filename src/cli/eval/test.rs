@@ -11,6 +11,7 @@ use crate::planner::{StepBounds, unsupported_reason};
 use crate::run::RunError;
 use crate::run::evaluate::{self, EpisodeRecord, EpisodeResult, Evaluation, Evaluator, OptimumComparison};
 use crate::run::progress::print_stderr;
+use crate::run::provenance::Provenance;
 use crate::scenario::{BenchmarkRoute, Scenario, printable};
 use crate::simulation::Extensions;
 use crate::task::EpisodeSetup;
@@ -154,6 +155,7 @@ impl Test<'_> {
         let course = |route| CourseReport::new(scenario, route, policy, *seed, self.extensions);
         Ok(PolicyReport {
             policy: name.clone(),
+            provenance: Provenance::of(scenario),
             scenario: scenario.name.clone(),
             evaluation: Evaluation::from_episodes(episodes, self.per_round, &scenario.task, *seed),
             spl: spl.sum::<f64>() / episodes.len() as f64,

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::limits::MAX_CONFIG_BYTES;
 use crate::run::RunError;
 use crate::run::preset::{Budget, Preset};
+use crate::run::provenance::{COMMIT, VERSION};
 use crate::run::settings::{SettingError, Settings};
 use crate::run::shipped;
 use crate::scenario::{
@@ -22,6 +23,9 @@ use crate::task::{ObservationLayout, ObservationSlice};
 pub struct RunConfig {
     /// The version of wayfield that started the run.
     pub version: String,
+    /// The Git commit of that program; `None` if it is unknown.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub commit: Option<String>,
     /// The seed from which all random streams are derived.
     pub seed: u64,
     /// The scenario's file or the name of a shipped scenario, as given by the user.
@@ -57,19 +61,29 @@ impl RunConfig {
     /// # Errors
     /// A file cannot be read or is invalid. The message gives line, column and a fix.
     pub fn resolve(scenario_from: &str, preset_from: &str, seed: u64) -> Result<Self, FileError> {
-        Ok(Self {
-            version: env!("CARGO_PKG_VERSION").into(),
+        let (scenario, preset) = (shipped::scenario(scenario_from)?, shipped::preset(preset_from)?);
+        Ok(Self::new((scenario_from.into(), scenario), (preset_from.into(), preset), seed))
+    }
+
+    /// The configuration of a run that starts from random weights, with a scenario and a preset that come from the files
+    /// or shipped names given with them.
+    #[must_use]
+    pub fn new(scenario: (String, Scenario), preset: (String, Preset), seed: u64) -> Self {
+        let ((scenario_from, scenario), (preset_from, preset)) = (scenario, preset);
+        Self {
+            version: VERSION.into(),
+            commit: COMMIT.map(String::from),
             seed,
-            scenario_from: scenario_from.into(),
-            preset_from: preset_from.into(),
+            scenario_from,
+            preset_from,
             transfer: None,
             save_policy_after: Vec::new(),
             sensors: Vec::new(),
             reward_terms: Vec::new(),
             extensions: Extensions::default(),
-            scenario: shipped::scenario(scenario_from)?,
-            preset: shipped::preset(preset_from)?,
-        })
+            scenario,
+            preset,
+        }
     }
 
     /// This configuration with changes to its scenario and preset.

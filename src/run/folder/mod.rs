@@ -2,7 +2,7 @@
 //!
 //! | file | contents |
 //! |---|---|
-//! | `config.ron` | the resolved configuration: scenario, preset, seed, version ([`RunConfig`]) |
+//! | `config.ron` | the resolved configuration: scenario, preset, seed, version, commit ([`RunConfig`]) |
 //! | `episodes.csv`, `evaluations.csv` | one row per episode and per evaluation ([`metric_rows`](super::metric_rows)) |
 //! | `events.out.tfevents.*` | the same metrics for TensorBoard |
 //! | `policy.safetensors`, `policy-last.safetensors` | the best policy by evaluation, the last policy |
@@ -150,7 +150,7 @@ impl RunFolder {
     pub fn open(path: &Path) -> Result<(Self, RunConfig), RunError> {
         let folder = Self::new(path.into());
         if !folder.config().exists() {
-            let why = "is not a run folder (it has no config.ron); help: give --resume the folder of a run";
+            let why = "is not a run folder (it has no config.ron); help: give the folder of a run";
             return Err(RunError::invalid_input(path, why));
         }
         folder.check_files_are_regular()?;

@@ -1,9 +1,10 @@
 //! The card of a policy that is about to be saved.
 
 use super::{angles_rad, sensor};
-use crate::policy::card::{Action, Card, Example, Program, RawJson, Training, inputs, q_value_formula};
+use crate::policy::card::{Action, Card, Example, Program, Training, inputs, q_value_formula};
 use crate::policy::{Policy, Scratch};
 use crate::run::folder::RunConfig;
+use crate::run::provenance::{COMMIT, VERSION, scenario_json};
 use crate::scenario::Scenario;
 
 /// Gives `policy`, which the run of `config` has trained for these env steps and gradient steps, its card.
@@ -33,7 +34,7 @@ fn card(policy: &Policy, config: &RunConfig, training: Training) -> Result<Card,
     let sensors: Vec<(&str, usize)> = config.sensors.iter().map(sensor).collect();
     let readings = sensors.iter().map(|(_, width)| width).sum();
     let q_values = |observation: &[f32]| policy.q_values(observation, &mut Scratch::default()).to_vec();
-    let json = RawJson::new(serde_json::to_string(scenario)?)?;
+    let json = scenario_json(scenario)?;
     Ok(Card {
         program: this_program(),
         training,
@@ -55,9 +56,5 @@ pub(super) fn actions(scenario: &Scenario) -> Vec<Action> {
 }
 
 fn this_program() -> Program {
-    Program {
-        name: "wayfield".into(),
-        version: env!("CARGO_PKG_VERSION").into(),
-        commit: option_env!("WAYFIELD_COMMIT").map(String::from),
-    }
+    Program { name: "wayfield".into(), version: VERSION.into(), commit: COMMIT.map(String::from) }
 }

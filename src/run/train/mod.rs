@@ -20,6 +20,7 @@ use super::metrics_writer::MetricsWriter;
 use super::notes::run_notes;
 use super::preset::Budget;
 use super::progress::{Progress, ProgressListener, ProgressReporter};
+use super::provenance::Provenance;
 use crate::agent::{ActiveLearner, TrainingWarning};
 use crate::learning::Learner;
 use crate::policy::Policy;
@@ -285,7 +286,7 @@ impl Run {
         let best = self.trainer_state.best.as_ref();
         let learner = self.learner();
         let summary = Summary {
-            version: self.config.version.clone(),
+            provenance: Provenance::of(&self.config.scenario),
             scenario: self.config.scenario.name.clone(),
             scenario_from: self.config.scenario_from.clone(),
             preset: self.config.preset_from.clone(),

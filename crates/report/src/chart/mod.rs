@@ -23,7 +23,7 @@ pub use curve_chart::{BandPoint, ChartPanel, CurveChart, CurveLine, EventMarker,
 #[cfg(not(target_arch = "wasm32"))]
 pub use dot_plot::{DotCell, DotColumn, DotPlot};
 #[cfg(not(target_arch = "wasm32"))]
-pub use map::{MapObstacle, MapObstacleKind, MapShape, MapTrack, MapTrajectory, ScenarioMap};
+pub use map::{MapObstacle, MapObstacleKind, MapRobot, MapShape, MapTrack, MapTrajectory, ScenarioMap};
 
 #[cfg(test)]
 mod tests {

@@ -3,11 +3,13 @@
 //! | file | contents |
 //! |---|---|
 //! | `model.rs` | the data of a map |
+//! | `frame.rs` | a frame of a simulation: the robot to scale, and its beams |
 //! | `floor_plan.rs` | metres to pixels, and everything drawn to scale |
 //! | `tracks.rs` | the tracks of moving obstacles |
 //! | `symbols.rs` | symbols and the legend |
 
 mod floor_plan;
+mod frame;
 mod model;
 mod symbols;
 mod tracks;
@@ -15,7 +17,7 @@ mod tracks;
 use plotters::prelude::*;
 
 use floor_plan::FloorPlan;
-pub use model::{MapObstacle, MapObstacleKind, MapShape, MapTrack, MapTrajectory, ScenarioMap};
+pub use model::{MapObstacle, MapObstacleKind, MapRobot, MapShape, MapTrack, MapTrajectory, ScenarioMap};
 use symbols::{draw_cross, draw_robot, legend_entries, obstacle_colours};
 use tracks::draw_tracks;
 

@@ -59,6 +59,19 @@ pub enum MapTrack {
     Ring(f64, f64, f64),
 }
 
+/// A robot in a frame of a simulation.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MapRobot {
+    /// The pose: x and y in m, heading in rad, anticlockwise from the x axis.
+    pub pose: (f64, f64, f64),
+    /// The radius of its body, in m.
+    pub radius: f64,
+    /// The position of the LIDAR during the scan: x and y in m.
+    pub lidar: (f64, f64),
+    /// The end of each beam: x and y in m.
+    pub beam_ends: Vec<(f64, f64)>,
+}
+
 /// A robot's trajectory through the scenario.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MapTrajectory {

@@ -28,10 +28,13 @@ type IsKind = fn(MapObstacleKind) -> bool;
 
 /// The legend's entries: start, goal, the kinds of obstacles on the map, and the trajectories.
 pub(super) fn legend_entries(map: &ScenarioMap) -> Vec<LegendEntry> {
-    let mut entries = vec![
-        LegendEntry::Symbol(|root, at| draw_robot(root, at, 0.0), "start".into()),
-        LegendEntry::Symbol(draw_goal, "goal".into()),
-    ];
+    let mut entries = Vec::new();
+    if map.start.is_some() {
+        entries.push(LegendEntry::Symbol(|root, at| draw_robot(root, at, 0.0), "start".into()));
+    }
+    if map.goal.is_some() {
+        entries.push(LegendEntry::Symbol(draw_goal, "goal".into()));
+    }
     let kinds: [(IsKind, Symbol, &str); 4] = [
         (
             |kind| kind == MapObstacleKind::Wall,
@@ -48,19 +51,12 @@ pub(super) fn legend_entries(map: &ScenarioMap) -> Vec<LegendEntry> {
             |root, at| draw_block(root, at, MapObstacleKind::Generated),
             "generated obstacle",
         ),
-        (
-            |kind| matches!(kind, MapObstacleKind::Moving(_)),
-            |root, at| draw_block(root, at, MapObstacleKind::Moving(0.0)),
-            "moving obstacle",
-        ),
+        (|kind| matches!(kind, MapObstacleKind::Moving(_)), draw_moving, "moving obstacle on its path"),
     ];
     for (is_kind, symbol, name) in kinds {
         if map.obstacles.iter().any(|obstacle| is_kind(obstacle.kind)) {
             entries.push(LegendEntry::Symbol(symbol, name.into()));
         }
-    }
-    if !map.tracks.is_empty() {
-        entries.push(LegendEntry::Symbol(draw_track, "its path".into()));
     }
     entries.extend(map.trajectories.iter().map(|path| LegendEntry::Line(path.colour, path.name.clone())));
     entries
@@ -82,9 +78,10 @@ pub(super) fn draw_cross(root: &Canvas, (x, y): Pixel) -> DrawResult {
     line(root, vec![(x, y - 9), (x, y + 9)], INK.stroke_width(STROKE))
 }
 
-/// Draws a part of a track in the legend.
-fn draw_track(root: &Canvas, (x, y): Pixel) -> DrawResult {
-    draw_dots(root, &[(x - 28, y), (x + 28, y)])
+/// Draws a moving obstacle in the legend.
+fn draw_moving(root: &Canvas, (x, y): Pixel) -> DrawResult {
+    draw_dots(root, &[(x - 30, y), (x + 30, y)])?;
+    draw_block(root, (x, y), MapObstacleKind::Moving(0.0))
 }
 
 /// Draws the goal in the legend.

@@ -1,0 +1,193 @@
+"""Env steps per second: wayfield from Python against its native rate, and against the same task in numpy.
+
+    taskset -c 1 python python/benches/throughput.py
+
+All rates are per second of the processor, measured in turn on one core, in several rounds; the table has the medians. "numpy, 64 robots" is a
+batched port of Scenario I without physics: kinematics, exact ray casting of 24 beams against four circles and four walls, the
+reward, and resets. "numpy, one robot" is the same port with one robot as a gymnasium.Env, as SB3 wraps it (Monitor's
+statistics in Gymnasium's own wrapper, which does the same).
+"""
+
+import argparse
+import statistics
+import time
+
+import gymnasium
+import numpy as np
+from gymnasium.vector import AutoresetMode
+
+import wayfield
+from wayfield import _native
+
+ENV = "wayfield/Navigation-v0"
+MOTIONS = np.array([(0.15, 1.5), (0.15, 0.75), (0.15, 0.0), (0.15, -0.75), (0.15, -1.5)])
+PERIOD_S, BEAMS, MAX_RANGE_M, MAX_STEPS = 0.2, 24, 3.5, 500
+GOAL_RADIUS_M, COLLISION_RANGE_M, REPULSION_RANGE_M = 0.2, 0.13, 0.3
+
+
+class NumpyTask:
+    """Scenario I in numpy: ``n`` robots at once, without a physics engine. A robot is a point with 24 beams."""
+
+    def __init__(self, n: int, centres: np.ndarray, radius: float, half: float) -> None:
+        self.n, self.centres, self.radius, self.half = n, centres, radius, half
+        self.rng = np.random.default_rng(0)
+        self.angles = np.arange(BEAMS) * (2 * np.pi / BEAMS)
+        self.x, self.y, self.heading, self.goal_x, self.goal_y = np.zeros((5, n))
+        self.steps = np.zeros(n, np.int64)
+        self.place(np.arange(n))
+
+    def place(self, which: np.ndarray) -> None:
+        """New starts, headings and goals, away from the obstacles."""
+        for k in which:
+            places = []
+            while len(places) < 2:
+                place = self.rng.uniform(-self.half + 0.3, self.half - 0.3, 2)
+                if (np.hypot(*(self.centres - place).T) > self.radius + 0.3).all():
+                    places.append(place)
+            (self.x[k], self.y[k]), (self.goal_x[k], self.goal_y[k]) = places
+            self.heading[k] = self.rng.uniform(-np.pi, np.pi)
+            self.steps[k] = 0
+        self.scan()
+        self.potential = self.energy()
+
+    def scan(self) -> None:
+        """Casts the beams against circles and walls."""
+        angles = self.heading[:, None] + self.angles
+        cos, sin = np.cos(angles), np.sin(angles)
+        with np.errstate(divide="ignore"):
+            to_x = (np.copysign(self.half, cos) - self.x[:, None]) / cos
+            to_y = (np.copysign(self.half, sin) - self.y[:, None]) / sin
+        ranges = np.minimum(np.minimum(to_x, to_y), MAX_RANGE_M)
+        dx = self.centres[:, 0] - self.x[:, None]
+        dy = self.centres[:, 1] - self.y[:, None]
+        along = cos[:, :, None] * dx[:, None] + sin[:, :, None] * dy[:, None]
+        root = self.radius**2 - (dx**2 + dy**2)[:, None] + along**2
+        hits = along - np.sqrt(np.maximum(root, 0.0))
+        hits = np.where((root > 0.0) & (hits > 0.0), hits, MAX_RANGE_M)
+        self.ranges = np.minimum(ranges, hits.min(axis=2))
+        self.nearest = self.ranges.min(axis=1)
+
+    def energy(self) -> np.ndarray:
+        self.distance = np.hypot(self.goal_x - self.x, self.goal_y - self.y)
+        repulsion = np.maximum(1.0 - self.nearest / REPULSION_RANGE_M, 0.0) ** 2
+        return 50.0 * self.distance**2 + 50.0 * repulsion
+
+    def observations(self) -> np.ndarray:
+        row = np.empty((self.n, BEAMS + 4), np.float32)
+        row[:, :BEAMS] = self.ranges / MAX_RANGE_M
+        bearing = np.arctan2(self.goal_y - self.y, self.goal_x - self.x) - self.heading
+        row[:, BEAMS] = (np.mod(bearing + np.pi, 2 * np.pi) - np.pi) / np.pi
+        row[:, BEAMS + 1] = self.distance / 4.0
+        row[:, BEAMS + 2] = self.nearest / MAX_RANGE_M
+        row[:, BEAMS + 3] = self.ranges.argmin(axis=1) / BEAMS
+        return row
+
+    def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        v, w = MOTIONS[actions].T
+        middle = self.heading + 0.5 * w * PERIOD_S
+        chord = v * PERIOD_S * np.sinc(0.5 * w * PERIOD_S / np.pi)
+        self.x += chord * np.cos(middle)
+        self.y += chord * np.sin(middle)
+        self.heading += w * PERIOD_S
+        self.steps += 1
+        self.scan()
+        before, self.potential = self.potential, self.energy()
+        collided = self.nearest < COLLISION_RANGE_M
+        reached = ~collided & (self.distance < GOAL_RADIUS_M)
+        rewards = np.where(collided, -200.0, np.where(reached, 250.0, before - self.potential))
+        terminated, truncated = collided | reached, self.steps >= MAX_STEPS
+        ended = np.flatnonzero(terminated | truncated)
+        if len(ended):
+            self.place(ended)
+        return self.observations(), rewards, terminated, truncated
+
+
+class NumpyEnv(gymnasium.Env):
+    """One robot of the numpy port as a Gymnasium environment."""
+
+    def __init__(self, *scene: object) -> None:
+        self.task = NumpyTask(1, *scene)
+        self.observation_space = gymnasium.spaces.Box(-1.0, 10.0, (BEAMS + 4,), np.float32)
+        self.action_space = gymnasium.spaces.Discrete(len(MOTIONS))
+
+    def reset(self, *, seed: int | None = None, options: dict | None = None) -> tuple[np.ndarray, dict]:
+        super().reset(seed=seed)
+        self.task.place(np.arange(1))
+        return self.task.observations()[0], {}
+
+    def step(self, action: int) -> tuple[np.ndarray, float, bool, bool, dict]:
+        observations, rewards, terminated, truncated = self.task.step(np.array([action]))
+        return observations[0], float(rewards[0]), bool(terminated[0]), bool(truncated[0]), {}
+
+
+def rate_of(step, actions: np.ndarray, seconds: float) -> float:
+    """Env steps per second of ``step``, called with rows of ``actions``."""
+    for row in actions[:200]:
+        step(row)
+    done, began = 0, time.process_time()
+    while time.process_time() - began < seconds:
+        for row in actions:
+            step(row)
+        done += actions.size
+    return done / (time.process_time() - began)
+
+
+def native_rate(steps: int) -> float:
+    """Env steps per second of 64 environments, stepped without Python."""
+    _native.benchmark(64, 200)
+    began = time.process_time()
+    _native.benchmark(64, steps)
+    return 64 * steps / (time.process_time() - began)
+
+
+def single(env: gymnasium.Env):
+    """A step of one environment that resets itself, as a training loop does."""
+    env.reset(seed=1)
+
+    def step(row: np.ndarray) -> None:
+        *_, terminated, truncated, _ = env.step(int(row[0]))
+        if terminated or truncated:
+            env.reset()
+
+    return step
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seconds", type=float, default=2.0, help="the length of a measurement")
+    parser.add_argument("--rounds", type=int, default=5)
+    options = parser.parse_args()
+    scene = (np.array([(0.6, 0.6), (-0.6, 0.6), (-0.6, -0.6), (0.6, -0.6)]), 0.15, 2.0)
+    rng = np.random.default_rng(1)
+    many, one = rng.integers(0, 5, (1000, 64)), rng.integers(0, 5, (1000, 1))
+    envs = gymnasium.make_vec(ENV, num_envs=64, autoreset_mode=AutoresetMode.SAME_STEP)
+    envs.reset(seed=1)
+    monitored = gymnasium.wrappers.RecordEpisodeStatistics
+    rates: dict[str, list[float]] = {}
+    task = NumpyTask(64, *scene)
+    measured = [
+        ("native, 64 robots", lambda: native_rate(round(5_000 * options.seconds))),
+        ("Python, 64 robots", lambda: rate_of(envs.step, many, options.seconds)),
+        ("numpy, 64 robots", lambda: rate_of(task.step, many, options.seconds)),
+        ("Python, one robot", lambda: rate_of(single(monitored(wayfield.NavigationEnv())), one, options.seconds)),
+        ("numpy, one robot", lambda: rate_of(single(monitored(NumpyEnv(*scene))), one, options.seconds)),
+    ]
+    for _ in range(options.rounds):
+        for name, measure in measured:
+            rates.setdefault(name, []).append(measure())
+    median = {name: statistics.median(values) for name, values in rates.items()}
+    print("| what | env steps per CPU second | |\n|---|---:|---|")
+    against = {
+        "Python, 64 robots": ("native, 64 robots", "of the native rate"),
+        "Python, one robot": ("numpy, one robot", "times numpy's"),
+    }
+    for name, rate in median.items():
+        other, text = against.get(name, (None, ""))
+        print(f"| {name} | {rate:,.0f} | {'' if other is None else f'{rate / median[other]:.2f} {text}'} |")
+    print(f"\n64 robots from Python: {median['Python, 64 robots'] / median['numpy, 64 robots']:.2f} times numpy's batched port.")
+    overhead = 64 / median["Python, 64 robots"] - 64 / median["native, 64 robots"]
+    print(f"A vector call takes {1e6 * overhead:.1f} µs longer than a native step.")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,113 @@
+//! The options of an environment, as the Python layer passes them.
+
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use wayfield::env::{Autoreset, VecEnvConfig};
+use wayfield::limits::MAX_ARENAS;
+use wayfield::policy::Encoding;
+use wayfield::run::preset::Preset;
+use wayfield::run::settings::{Setting, Settings};
+use wayfield::run::shipped;
+use wayfield::scenario::Scenario;
+use wayfield::task::{ObservationLayout, TaskMode};
+
+use crate::errors::{file_error, run_error, setting_errors};
+
+/// The name of a scenario's or a preset's text in messages.
+const TEXT: &str = "<text>";
+
+/// Whether `wanted` is the text of a RON file, and not a path or a name.
+pub fn is_text(wanted: &str) -> bool {
+    wanted.contains('(') && wanted.contains(')')
+}
+
+/// The scenario `wanted`: a shipped name, a file's path, or RON text.
+pub fn scenario(wanted: &str) -> PyResult<Scenario> {
+    if is_text(wanted) {
+        return Scenario::parse(wanted, TEXT).map_err(|error| run_error(error.into()));
+    }
+    shipped::scenario(wanted).map_err(|error| file_error(wanted, error))
+}
+
+/// The preset `wanted`: a shipped name, a file's path, or RON text.
+pub fn preset(wanted: &str) -> PyResult<Preset> {
+    if is_text(wanted) {
+        return Preset::parse(wanted, TEXT).map_err(|error| run_error(error.into()));
+    }
+    shipped::preset(wanted).map_err(|error| file_error(wanted, error))
+}
+
+/// Pairs of a path and a value as settings.
+pub fn settings(pairs: Vec<(String, String)>) -> Settings {
+    Settings(pairs.into_iter().map(|(path, value)| Setting { path, value }).collect())
+}
+
+/// The options of environments, before they are checked.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct EnvOptions {
+    /// The number of environments.
+    pub num_envs: usize,
+    /// `navigation` or `continuing`.
+    pub task: String,
+    /// `scaled` or `raw`; `None` for the preset's.
+    pub observation: Option<String>,
+    /// The preset whose reward and encoding are used.
+    pub preset: String,
+    /// Settings of the preset and the scenario: paths and values.
+    pub settings: Vec<(String, String)>,
+    /// `same_step`, `next_step` or `disabled`.
+    pub autoreset: String,
+}
+
+impl EnvOptions {
+    /// The configuration of environments of `scenario`, which the settings may change.
+    pub fn config(self, scenario: &mut Scenario) -> PyResult<VecEnvConfig> {
+        let num_envs = self.num_envs;
+        if !(1..=MAX_ARENAS).contains(&num_envs) {
+            return Err(PyValueError::new_err(format!(
+                "num_envs is {num_envs}; help: give a number from 1 to {MAX_ARENAS}"
+            )));
+        }
+        let mut preset = preset(&self.preset)?;
+        let encoding = self.encoding()?;
+        settings(self.settings).apply(scenario, &mut preset).map_err(setting_errors)?;
+        preset.arenas = num_envs;
+        let memory = preset.check_memory(scenario, &ObservationLayout::default());
+        memory.map_err(|error| PyValueError::new_err(format!("num_envs={num_envs}: {error}")))?;
+        Ok(VecEnvConfig {
+            num_envs,
+            encoding: encoding.unwrap_or(preset.observation),
+            reward: preset.reward,
+            mode: choice(
+                "task",
+                &self.task,
+                &[("navigation", TaskMode::Episodic), ("continuing", TaskMode::Continuing)],
+            )?,
+            autoreset: choice(
+                "autoreset_mode",
+                &self.autoreset,
+                &[
+                    ("next_step", Autoreset::NextStep),
+                    ("same_step", Autoreset::SameStep),
+                    ("disabled", Autoreset::Disabled),
+                ],
+            )?,
+            ..VecEnvConfig::default()
+        })
+    }
+
+    fn encoding(&self) -> PyResult<Option<Encoding>> {
+        let encodings = [("scaled", Encoding::Scaled), ("raw", Encoding::Raw)];
+        self.observation.as_deref().map(|name| choice("observation", name, &encodings)).transpose()
+    }
+}
+
+/// The value of `option` that is called `name`.
+pub fn choice<T: Copy>(option: &str, name: &str, choices: &[(&str, T)]) -> PyResult<T> {
+    if let Some((_, value)) = choices.iter().find(|(choice, _)| *choice == name) {
+        return Ok(*value);
+    }
+    let names: Vec<String> = choices.iter().map(|(choice, _)| format!("\"{choice}\"")).collect();
+    Err(PyValueError::new_err(format!("{option} is {name:?}; help: give {}", names.join(" or "))))
+}

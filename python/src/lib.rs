@@ -1,0 +1,48 @@
+//! The native module of the Python package `wayfield`: environments, training, evaluation and policies.
+//!
+//! In: numbers, text and numpy's arrays from the Python layer (`python/wayfield/`), which documents them for users. Out:
+//! results, as JSON or written into arrays, and Python exceptions with the texts of the command line. Every long call releases
+//! the GIL and looks for Ctrl-C. A panic becomes a `RuntimeError`.
+//!
+//! | file | duty |
+//! |---|---|
+//! | `env.rs` | environments |
+//! | `env_options.rs` | the options of an environment |
+//! | `benchmark.rs` | steps without Python, for comparison |
+//! | `policy.rs` | policies |
+//! | `train.rs` | training runs |
+//! | `evaluate.rs` | evaluations |
+//! | `files.rs` | shipped files, checks, drawings, the command line |
+//! | `errors.rs` | exceptions |
+
+mod benchmark;
+mod env;
+mod env_options;
+mod errors;
+mod evaluate;
+mod files;
+mod policy;
+mod train;
+
+use pyo3::prelude::*;
+
+// As in the program: rapier and dfdx allocate memory in every step.
+#[global_allocator]
+static GLOBAL: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
+/// Environments, training, evaluation and policies of wayfield. Use the package `wayfield`, which documents them.
+#[pymodule]
+mod _native {
+    #[pymodule_export]
+    use super::benchmark::benchmark;
+    #[pymodule_export]
+    use super::env::NativeEnv;
+    #[pymodule_export]
+    use super::evaluate::evaluate;
+    #[pymodule_export]
+    use super::files::{check, draw, main, presets, scenario_text, scenarios, version};
+    #[pymodule_export]
+    use super::policy::NativePolicy;
+    #[pymodule_export]
+    use super::train::{resume, train};
+}

@@ -1,0 +1,118 @@
+//! Policies: Q-values of batches of observations, and the card.
+
+use std::path::{Path, PathBuf};
+
+use pyo3::buffer::PyBuffer;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use wayfield::cli;
+use wayfield::policy::{Encoding, Policy, Scratch, observation};
+use wayfield::run::export::{ModelCardFile, export_policy};
+use wayfield::run::{policy_card, shipped};
+
+use crate::errors::{detached, file_error, run_error};
+
+/// A trained Q-network with its card.
+#[pyclass(module = "wayfield._native", frozen)]
+pub struct NativePolicy {
+    pub policy: Policy,
+    encoding: Encoding,
+}
+
+impl TryFrom<Policy> for NativePolicy {
+    type Error = PyErr;
+
+    fn try_from(policy: Policy) -> PyResult<Self> {
+        let encoding = policy_card::encoding(&policy).map_err(run_error)?;
+        Ok(Self { policy, encoding })
+    }
+}
+
+#[pymethods]
+impl NativePolicy {
+    /// The policy in the file `wanted`, or the shipped policy of that name.
+    #[new]
+    fn new(wanted: &str) -> PyResult<Self> {
+        let policy = cli::load_policy(Path::new(wanted)).map_err(|error| file_error(wanted, error))?;
+        Self::try_from(policy)
+    }
+
+    /// The policy in the bytes of a file.
+    #[staticmethod]
+    fn from_bytes(contents: &[u8]) -> PyResult<Self> {
+        let policy = Policy::from_bytes(contents);
+        Self::try_from(policy.map_err(|error| PyValueError::new_err(error.to_string()))?)
+    }
+
+    /// Writes the Q-values (f32, rows x actions) of `observations` (f32, rows x inputs).
+    fn q_values(&self, py: Python<'_>, observations: PyBuffer<f32>, out: PyBuffer<f32>) -> PyResult<()> {
+        let observations = observations.to_vec(py)?;
+        let values = detached(py, || {
+            let mut scratch = Scratch::default();
+            let rows = observations.chunks_exact(self.inputs());
+            Ok(rows.flat_map(|row| self.policy.q_values(row, &mut scratch).to_vec()).collect::<Vec<f32>>())
+        })?;
+        out.copy_from_slice(py, &values)
+    }
+
+    /// Writes the observation (f32, width) of a scan (f32, beams, in m) and a goal.
+    fn encode(
+        &self,
+        py: Python<'_>,
+        ranges_m: PyBuffer<f32>,
+        bearing_rad: f32,
+        distance_m: f32,
+        out: PyBuffer<f32>,
+    ) -> PyResult<()> {
+        let ranges_m = ranges_m.to_vec(py)?;
+        let (width, inputs) = (observation::width(ranges_m.len()), self.inputs());
+        if width != inputs {
+            return Err(PyValueError::new_err(format!(
+                "the scan has {} ranges; help: give {} of them, counterclockwise, from the first beam on the policy's card",
+                ranges_m.len(),
+                inputs.saturating_sub(observation::width(0))
+            )));
+        }
+        let mut row = vec![0.0; width];
+        observation::encode(self.encoding, &ranges_m, bearing_rad, distance_m, &mut row);
+        out.copy_from_slice(py, &row)
+    }
+
+    /// The policy's header as JSON: network, card, and metadata of older files.
+    fn header(&self) -> PyResult<String> {
+        self.policy.header().map_err(|error| PyValueError::new_err(error.to_string()))
+    }
+
+    /// The bytes of the policy's file.
+    fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = self.policy.to_bytes().map_err(|error| PyValueError::new_err(error.to_string()))?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    /// Writes the ONNX file `path` and a model card in its folder. Returns the path of the model card if it was written.
+    fn export_onnx(&self, path: PathBuf) -> PyResult<Option<PathBuf>> {
+        match export_policy(&self.policy, Path::new("the policy"), &path).map_err(run_error)? {
+            ModelCardFile::Written(page) => Ok(Some(page)),
+            ModelCardFile::Kept(_) | ModelCardFile::None => Ok(None),
+        }
+    }
+
+    /// The length of an observation.
+    #[getter]
+    fn inputs(&self) -> usize {
+        self.policy.shape().inputs
+    }
+
+    /// The number of actions.
+    #[getter]
+    fn actions(&self) -> usize {
+        self.policy.shape().actions
+    }
+
+    /// The names of the shipped policies.
+    #[staticmethod]
+    fn shipped() -> Vec<&'static str> {
+        shipped::policies().iter().map(|shipped| shipped.scenario_from).collect()
+    }
+}

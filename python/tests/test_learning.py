@@ -1,0 +1,252 @@
+"""The promises of training, evaluation and policies."""
+
+import ast
+import json
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import gymnasium
+import numpy as np
+import pytest
+
+import wayfield
+from wayfield import _native
+
+STEPS = 20_000
+
+
+def cli(*words):
+    """What `wayfield ... --json` prints, as an object."""
+    command = [sys.executable, "-m", "wayfield", *map(str, words), "--json"]
+    return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+
+
+def policy_file(folder):
+    wayfield.Policy.load("scenario-1").save(folder / "shipped.safetensors")
+    return folder / "shipped.safetensors"
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    return wayfield.train("scenario-1", seed=7, steps=STEPS, out=tmp_path_factory.mktemp("run") / "run", progress=False)
+
+
+def test_training_gives_the_bits_of_the_command_line(run, tmp_path):
+    summary = cli("--train", "--seed", 7, "--steps", STEPS, "--out", tmp_path / "run")
+    assert (tmp_path / "run/policy.safetensors").read_bytes() == (run.folder / "policy.safetensors").read_bytes()
+    assert summary["episodes"] == run.summary["episodes"]
+    assert run.summary["env_steps"] == STEPS
+
+
+def test_a_result_has_arrays_and_policies(run):
+    assert len(run.episodes["return"]) == run.summary["episodes"] > 50
+    assert run.evaluations["success_rate"].max() == run.summary["best_success_rate"]
+    assert run._repr_svg_().startswith("<svg")
+    assert run.policy.num_inputs == 28 and run.last_policy.num_actions == 5
+    assert wayfield.load_run(run.folder).summary == run.summary
+
+
+def test_frames_are_pandas_if_it_is_installed(run):
+    if "pandas" in sys.modules or __import__("importlib.util").util.find_spec("pandas"):
+        assert len(run.episodes_frame()) == run.summary["episodes"]
+    else:
+        with pytest.raises(ImportError, match="help: pip install pandas"):
+            run.episodes_frame()
+
+
+@pytest.mark.parametrize("scenario", [None, "scenario-2"])
+def test_an_evaluation_has_the_numbers_of_the_command_line(run, scenario):
+    path = run.folder / "policy.safetensors"
+    options = [] if scenario is None else ["--scenario", scenario]
+    printed = cli("--eval", path, "--seed", 3, "--episodes", 20, "--rounds", 2, *options)
+    ours = wayfield.evaluate(path, scenario, seed=3, episodes=20, rounds=2)
+    for key in ("success_rate", "collision_rate", "timeout_rate", "mean_time_s", "mean_cost_s", "rounds", "seed"):
+        assert getattr(ours, key) == printed[key], key
+    assert list(ours.success_interval) == printed["success_interval"]
+    assert (ours.episodes["outcome"] == "success").mean() == ours.success_rate
+    csv = run.folder.parent / f"{scenario}.csv"
+    cli("--eval", path, "--seed", 3, "--episodes", 20, "--rounds", 2, "--csv", csv, *options)
+    header, first = csv.read_text().splitlines()[:2]
+    assert header.split(",")[1:] == list(ours.episodes)
+    assert float(first.split(",")[header.split(",").index("goal_x_m")]) == pytest.approx(ours.episodes["goal_x_m"][0])
+
+
+def test_an_evaluation_can_be_compared_with_the_optimum(run):
+    result = wayfield.evaluate(run.policy, episodes=5, rounds=1, optimum=True)
+    assert 0.9 < result.time_ratio < 2 and result.optimum_mean_time_s > 0
+    assert np.isfinite(result.episodes["optimal_time_s"]).all()
+    assert wayfield.evaluate(run.policy, episodes=2, rounds=1).time_ratio is None
+
+
+def test_a_policy_in_another_world_gives_a_warning(run):
+    with pytest.warns(UserWarning, match="noise_std_m"):
+        wayfield.evaluate(run.policy, set={"scenario.lidar.noise_std_m": 0.02}, episodes=2, rounds=1)
+    with pytest.raises(ValueError, match="has no benchmark route; help:"):
+        wayfield.evaluate(run.policy, '(name: "x")', episodes=1, benchmark_route=True)
+
+
+def test_a_policy_driven_from_python_solves_scenario_1():
+    policy = wayfield.Policy.load("scenario-1")
+    envs = gymnasium.make_vec("wayfield/Navigation-v0", num_envs=64, scenario="scenario-1")
+    observations, _ = envs.reset(seed=11)
+    ends, successes = 0, 0
+    for _ in range(600):
+        observations, _, terminated, truncated, info = envs.step(policy.act(observations))
+        ends += (terminated | truncated).sum()
+        successes += info["is_success"].sum()
+    assert ends > 300 and successes / ends > 0.97
+
+
+def test_a_policy_takes_one_observation_or_a_batch():
+    policy = wayfield.Policy.load("scenario-1")
+    batch = np.random.default_rng(1).uniform(0, 1, (10, 28)).astype(np.float32)
+    values = policy.q_values(batch)
+    assert values.shape == (10, 5) and (policy.q_values(batch[3]) == values[3]).all()
+    assert policy.act(batch).tolist() == values.argmax(axis=1).tolist()
+    velocities = policy.velocities(batch)
+    assert velocities.shape == (10, 2) and set(velocities[:, 0].tolist()) == {np.float32(0.15).item()}
+    with pytest.raises(ValueError, match="help: give"):
+        policy.act(batch[:, :20])
+    with pytest.raises(ValueError, match="help: give 24 of them"):
+        policy.encode([1.0] * 20, 0.0, 1.0)
+    row = policy.encode([3.5] * 24, np.pi, 2.0)
+    assert row[24:27].tolist() == [1.0, 0.5, 1.0]
+
+
+def test_a_policy_can_be_copied_and_saved(tmp_path):
+    policy = wayfield.Policy.load("scenario-1")
+    copy = pickle.loads(pickle.dumps(policy))
+    copy.save(tmp_path / "copy.safetensors")
+    again = wayfield.Policy.load(tmp_path / "copy.safetensors")
+    assert again.card == policy.card and policy.card["actions"]
+    assert again.network == policy.network
+
+
+def test_a_policy_is_exported_as_onnx(tmp_path):
+    card = wayfield.Policy.load("scenario-1").export_onnx(tmp_path / "policy.onnx")
+    printed = subprocess.run(
+        [sys.executable, "-m", "wayfield", "--export", policy_file(tmp_path), "--onnx", tmp_path / "cli.onnx"], check=True
+    )
+    assert printed.returncode == 0 and card == tmp_path / "README.md"
+    assert (tmp_path / "policy.onnx").read_bytes() == (tmp_path / "cli.onnx").read_bytes()
+    with pytest.raises(ValueError, match="help: give a file name that ends in .onnx"):
+        wayfield.Policy.load("scenario-1").export_onnx(tmp_path / "policy.txt")
+
+
+def test_a_policy_that_is_missing_or_broken_is_an_exception(tmp_path):
+    with pytest.raises(FileNotFoundError, match="help:"):
+        wayfield.Policy.load(tmp_path / "no.safetensors")
+    (tmp_path / "broken.safetensors").write_bytes(b"no")
+    with pytest.raises(ValueError, match="not a safetensors file.*help:"):
+        wayfield.Policy.load(tmp_path / "broken.safetensors")
+
+
+def test_a_callback_sees_the_progress_and_stops_the_run(tmp_path):
+    seen = []
+
+    def callback(progress):
+        seen.append(progress)
+        return progress["env_steps"] < 5_000
+
+    result = wayfield.train(steps=10_000_000, out=tmp_path / "run", callback=callback, progress=False)
+    assert not result.summary["finished"] and result.summary["env_steps"] < 1_000_000
+    assert seen[-1]["env_steps"] >= 5_000 and seen[-1]["episodes"] > 0
+    resumed = wayfield.resume(result.folder, steps=result.summary["env_steps"] + 1_000, progress=False)
+    assert resumed.summary["finished"]
+
+
+def test_an_exception_of_the_callback_is_raised_after_the_run_was_saved(tmp_path):
+    def callback(progress):
+        raise KeyError("mine")
+
+    with pytest.raises(KeyError, match="mine") as raised:
+        wayfield.train(steps=10_000_000, out=tmp_path / "run", callback=callback, progress=False)
+    assert "wayfield.resume" in raised.value.__notes__[0]
+    assert (tmp_path / "run/summary.json").exists()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGINT for one process")
+@pytest.mark.parametrize("call", ["train", "evaluate"])
+def test_ctrl_c_interrupts_long_calls(call, tmp_path):
+    timer = threading.Timer(0.7, lambda: os.kill(os.getpid(), signal.SIGINT))
+    began = time.monotonic()
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        if call == "train":
+            wayfield.train(steps=10**12, out=tmp_path / "run", progress=False)
+        else:
+            wayfield.evaluate("scenario-1", episodes=100_000, rounds=10)
+    assert time.monotonic() - began < 60
+    if call == "train":
+        assert wayfield.load_run(tmp_path / "run").summary["finished"] is False
+
+
+def test_settings_are_those_of_the_command_line(tmp_path):
+    settings = {"learning.gamma": 0.9, "scenario.lidar.noise_std_m": 0.02, "arenas": 4}
+    words = [word for path, value in settings.items() for word in ("--set", f"{path}={value}")]
+    cli("--train", "--steps", 2_000, "--out", tmp_path / "cli", *words)
+    result = wayfield.train(steps=2_000, out=tmp_path / "python", set=settings, progress=False)
+    assert (tmp_path / "cli/config.ron").read_text() == (result.folder / "config.ron").read_text()
+    assert (tmp_path / "cli/policy-last.safetensors").read_bytes() == result.last_policy._native.to_bytes()
+    with pytest.raises(ValueError, match="learning.gama=0.9.*did you mean `gamma`"):
+        wayfield.train(set={"learning.gama": 0.9}, out=tmp_path / "no")
+    with pytest.raises(ValueError, match="help:"):
+        wayfield.evaluate("scenario-1", set={"learning.gamma": 0.9})
+
+
+def test_training_starts_from_a_policy(run, tmp_path):
+    options = {"init": run.policy, "epsilon": 0.1, "steps": 2_000, "progress": False}
+    result = wayfield.train("scenario-2", out=tmp_path / "run", **options)
+    assert result.policy.card["training"]["env_steps"] <= 2_000
+    assert (tmp_path / "run/policy-init.safetensors").exists()
+
+
+def test_invalid_options_are_exceptions_and_leave_no_folder(tmp_path):
+    out = tmp_path / "run"
+    with pytest.raises(FileNotFoundError, match="did you mean `fast`"):
+        wayfield.train(preset="fsat", out=out)
+    with pytest.raises(ValueError, match="budget"):
+        wayfield.train(steps=0, out=out)
+    with pytest.raises(ValueError, match="help: give one of them"):
+        wayfield.train(steps=1, episodes=1, out=out)
+    with pytest.raises(ValueError, match="episodes; help: give 1 to"):
+        wayfield.evaluate("scenario-1", episodes=0)
+    assert not out.exists()
+
+
+def test_files_are_checked_and_drawn(tmp_path):
+    assert "scenario-1" in wayfield.scenarios() and "fast" in wayfield.presets()
+    good, bad = tmp_path / "good.ron", tmp_path / "bad.ron"
+    good.write_text(wayfield.scenario_text("hall"))
+    bad.write_text('(name: "x",\n lidar: (beams: 0))')
+    assert [p for p in wayfield.check(good) if p.level == "error"] == []
+    (problem,) = wayfield.check(bad)
+    assert problem.line == 2 and "bad.ron:2:17: error: `lidar.beams` is 0" in str(problem) and problem.level == "error"
+    wayfield.draw("hall", tmp_path / "hall.svg")
+    assert (tmp_path / "hall.svg").read_text().startswith("<svg")
+    with pytest.raises(ValueError, match="help: give a file name that ends in .svg"):
+        wayfield.draw("hall", tmp_path / "hall.gif")
+
+
+def test_the_command_line_is_there():
+    output = subprocess.run([sys.executable, "-m", "wayfield", "--version"], check=True, capture_output=True, text=True)
+    assert output.stdout.split() == ["wayfield", wayfield.__version__]
+    wrong = subprocess.run([sys.executable, "-m", "wayfield", "--eval", "no"], capture_output=True, text=True)
+    assert wrong.returncode == 2 and "error: no" in wrong.stderr
+
+
+def test_the_stub_lists_the_native_module():
+    stub = ast.parse((Path(wayfield.__file__).parent / "_native.pyi").read_text())
+    listed = {node.name: node for node in stub.body if isinstance(node, (ast.ClassDef, ast.FunctionDef))}
+    assert set(listed) == {name for name in dir(_native) if not name.startswith("_")}
+    for name in ("NativeEnv", "NativePolicy"):
+        members = {node.name for node in listed[name].body if isinstance(node, ast.FunctionDef)}
+        members |= {node.target.id for node in listed[name].body if isinstance(node, ast.AnnAssign)}
+        native = {member for member in vars(getattr(_native, name)) if not member.startswith("__")}
+        assert members - {"__new__"} == native

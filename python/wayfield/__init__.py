@@ -1,0 +1,47 @@
+"""Fast Gymnasium environments for LIDAR navigation, and a learner that solves them in seconds.
+
+>>> import gymnasium as gym, wayfield
+>>> env = gym.make("wayfield/Navigation-v0", scenario="scenario-1")
+>>> envs = gym.make_vec("wayfield/Navigation-v0", num_envs=64, scenario="random-field")
+>>> result = wayfield.train(scenario="scenario-1", seed=7)          # half a minute
+>>> action = result.policy.act(envs.reset(seed=1)[0])
+
+Importing the package registers the environment ``wayfield/Navigation-v0``.
+"""
+
+from gymnasium.envs.registration import register
+
+from . import _native
+from .env import NavigationEnv
+from .evaluation import Evaluation, evaluate
+from .files import Problem, check, draw, presets, scenario_text, scenarios
+from .policy import Policy
+from .training import TrainingResult, load_run, resume, train
+from .vector import NavigationVectorEnv
+
+__version__ = _native.version()
+
+__all__ = [
+    "Evaluation",
+    "NavigationEnv",
+    "NavigationVectorEnv",
+    "Policy",
+    "Problem",
+    "TrainingResult",
+    "check",
+    "draw",
+    "evaluate",
+    "load_run",
+    "presets",
+    "resume",
+    "scenario_text",
+    "scenarios",
+    "train",
+]
+
+# The scenario has the time limit, so the specification has none.
+register(
+    id="wayfield/Navigation-v0",
+    entry_point="wayfield.env:NavigationEnv",
+    vector_entry_point="wayfield.vector:NavigationVectorEnv",
+)

@@ -1,0 +1,35 @@
+"""Tables: columns by name, as numpy arrays or as pandas DataFrames."""
+
+import csv
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+
+def read_csv(path: Path) -> dict[str, np.ndarray]:
+    """The columns of a CSV file as float64 arrays; an empty field is NaN."""
+    with open(path, newline="", encoding="utf-8") as file:
+        header, *rows = csv.reader(file)
+    cells = np.array([[float(cell) if cell else np.nan for cell in row] for row in rows], np.float64)
+    cells = cells.reshape(len(rows), len(header))
+    return {name: cells[:, index] for index, name in enumerate(header)}
+
+
+def columns(records: list[dict[str, Any]]) -> dict[str, np.ndarray]:
+    """The columns of records with equal keys; an absent number is NaN, an absent text is empty."""
+
+    def column(values: list[Any]) -> np.ndarray:
+        missing = "" if any(isinstance(value, str) for value in values) else np.nan
+        return np.array([missing if value is None else value for value in values])
+
+    return {key: column([record[key] for record in records]) for key in records[0]}
+
+
+def to_frame(columns: dict[str, np.ndarray]) -> Any:
+    """The columns as a pandas DataFrame."""
+    try:
+        import pandas
+    except ImportError as error:
+        raise ImportError("pandas is not installed; help: pip install pandas, or use the arrays") from error
+    return pandas.DataFrame(columns)

@@ -1,0 +1,88 @@
+"""Shipped files, checks of files, and drawings."""
+
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from . import _native
+from ._settings import pairs
+
+
+def scenarios() -> dict[str, str]:
+    """The shipped scenarios: name and description."""
+    return dict(_native.scenarios())
+
+
+def presets() -> dict[str, str]:
+    """The shipped training presets: name and description."""
+    return dict(_native.presets())
+
+
+def scenario_text(name: str) -> str:
+    """The RON text of a shipped scenario, to change and pass on.
+
+    Raises:
+        ValueError: There is no such scenario.
+    """
+    text = _native.scenario_text(name)
+    if text is None:
+        raise ValueError(f"{name!r} is not a shipped scenario; help: give one of {', '.join(scenarios())}")
+    return text
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A problem in a file, or a doubtful setting.
+
+    Attributes:
+        level: "error", "warning" or "note".
+        path: The file.
+        line, column: The place, from 1; None if it has none.
+        message: What is wrong, and the fix.
+    """
+
+    level: str
+    path: str
+    line: int | None
+    column: int | None
+    message: str
+
+    def __str__(self) -> str:
+        place = "" if self.line is None else f"{self.line}:{self.column}:"
+        return f"{self.path}:{place} {self.level}: {self.message}"
+
+
+def check(*paths: str | os.PathLike[str]) -> list[Problem]:
+    """Checks scenarios, presets, experiments, run configurations and policies, as ``wayfield --check``.
+
+    Args:
+        paths: Files, and folders of RON files.
+
+    Returns:
+        All problems and doubtful settings; an empty list for valid files.
+    """
+    report = json.loads(_native.check([os.fspath(path) for path in paths]))
+    fields = ("path", "line", "column", "message")
+    found = [("error", problem) for problem in report["problems"]]
+    found += [(note["level"], note) for note in report["notes"]]
+    return [Problem(level, *(problem[field] for field in fields)) for level, problem in found]
+
+
+def draw(
+    scenario: str | os.PathLike[str],
+    path: str | os.PathLike[str],
+    *,
+    set: Mapping[str, Any] | None = None,
+    plain: bool = False,
+) -> None:
+    """Draws a scenario from above into an SVG, PNG or PDF file, as ``wayfield --draw``.
+
+    Args:
+        scenario: A shipped scenario by name, a file's path, or RON text.
+        path: The file; its extension decides the format.
+        set: Fields of the scenario with other values, as in ``train``.
+        plain: Without the name, the legend and the axes.
+    """
+    _native.draw(os.fspath(scenario), pairs(set), os.fspath(path), plain)

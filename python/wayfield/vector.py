@@ -1,0 +1,140 @@
+"""The vectorized environment: many robots, stepped together in one call."""
+
+import os
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+
+from ._spaces import Stepper, action_space, check_render_mode, make_native, observation_space, seed_of
+
+_NATIVE_MODES = {
+    AutoresetMode.NEXT_STEP: "next_step",
+    AutoresetMode.SAME_STEP: "same_step",
+    AutoresetMode.DISABLED: "disabled",
+}
+
+
+class NavigationVectorEnv(VectorEnv):
+    """``num_envs`` robots in one scenario: ``gymnasium.make_vec("wayfield/Navigation-v0", num_envs=64, ...)``.
+
+    Observations, actions, rewards and options are those of :class:`wayfield.NavigationEnv`, with a first axis of length
+    ``num_envs``. Environment k has the same results for every ``num_envs``, and with the same seed those of environment k of
+    Rust's ``VecEnv``.
+
+    ``info`` holds arrays: float64 ``reward_goal``, ``reward_collision``, ``reward_attraction``, ``reward_repulsion``, bool
+    ``is_success`` and ``collision``. As in Gymnasium, the mask ``_key`` says in which environments ``key`` is valid.
+
+    Args:
+        num_envs: The number of robots, 1 to 4096.
+        autoreset_mode: When the next episode begins: ``NEXT_STEP``, in the step after the end, which ignores the action and has
+            a reward of 0; ``SAME_STEP``, in the step of the end, with the last observation in ``info["final_obs"]`` and its
+            info in ``info["final_info"]``; ``DISABLED``, by ``reset(options={"reset_mask": mask})``.
+    """
+
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 5, "autoreset_mode": AutoresetMode.NEXT_STEP}
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        scenario: str | os.PathLike[str] = "scenario-1",
+        *,
+        task: str = "navigation",
+        observation: str | None = None,
+        actions: str = "discrete",
+        preset: str | os.PathLike[str] = "fast",
+        set: Mapping[str, Any] | None = None,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        render_mode: str | None = None,
+    ) -> None:
+        check_render_mode(render_mode)
+        mode = AutoresetMode(autoreset_mode)
+        native = make_native(scenario, num_envs, task, observation, preset, set, _NATIVE_MODES[mode])
+        self.num_envs = num_envs
+        self.render_mode = render_mode
+        self.single_observation_space = observation_space(native)
+        self.single_action_space = action_space(native, actions)
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self.metadata = {
+            **self.metadata,
+            "render_fps": round(1 / native.control_period_s),
+            "autoreset_mode": mode,
+        }
+        self._mode = mode
+        self._stepper = Stepper(native, num_envs, actions)
+        self._keys = (*native.reward_terms, "is_success", "collision")
+        self._masks = tuple("_" + key for key in self._keys)
+        self._is_reset = False
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
+        """Starts new episodes: in all environments, or in those of the bool array ``options["reset_mask"]``. With a seed,
+        environment k gets the random numbers of environment k of Rust's ``VecEnv::reset(seed)``.
+
+        Returns:
+            All observations, float32, (num_envs, width), and an empty dict.
+        """
+        super().reset(seed=seed)
+        mask = None if options is None else options.get("reset_mask")
+        if mask is not None:
+            mask = np.asarray(mask)
+            if mask.dtype != np.bool_ or mask.shape != (self.num_envs,):
+                raise ValueError(
+                    f"reset_mask has the shape {mask.shape} and the type {mask.dtype}; "
+                    f"help: give a bool array of the shape ({self.num_envs},)"
+                )
+            mask = mask.tolist()
+        if not self._is_reset:
+            if mask is not None and not all(mask):
+                raise RuntimeError("the environments were not reset; help: call reset() without reset_mask first")
+            seed = seed_of(self.np_random) if seed is None else seed
+        self._is_reset = True
+        return self._stepper.reset(seed, mask), {}
+
+    def step(self, actions: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+        """Takes one control step in every environment.
+
+        Args:
+            actions: int, (num_envs,), or with continuous actions float32, (num_envs, 2).
+
+        Returns:
+            Observations (float32), rewards (float64), terminated and truncated (bool), info. All arrays are new ones.
+        """
+        if not self._is_reset:
+            raise RuntimeError("the environments were not reset; help: call reset() before step()")
+        observations, numbers, flags, ended = self._stepper.step(actions)
+        rewards, *terms = numbers
+        terminated, truncated, success, collision, stepped = flags
+        values = dict(zip(self._keys, (*terms, success, collision), strict=True))
+        if not (ended and self._mode is AutoresetMode.SAME_STEP):
+            return observations, rewards, terminated, truncated, values | dict.fromkeys(self._masks, stepped)
+        done = terminated | truncated
+        info = values | dict.fromkeys(self._masks, ~done)
+        info["final_info"] = values | dict.fromkeys(self._masks, done)
+        info["final_obs"] = self._final_observations(done)
+        info["_final_obs"] = info["_final_info"] = done
+        return observations, rewards, terminated, truncated, info
+
+    def render(self) -> tuple[np.ndarray, ...] | None:
+        """The picture of each environment: uint8, 720 x 960 x 3; None without ``render_mode="rgb_array"``."""
+        if self.render_mode != "rgb_array":
+            return None
+        return tuple(self._stepper.render(index) for index in range(self.num_envs))
+
+    @property
+    def motions(self) -> list[tuple[float, float]]:
+        """The motions of the discrete actions: speed in m/s, turning rate in rad/s (left positive)."""
+        return self._stepper.native.motions
+
+    def state(self, index: int) -> dict[str, Any]:
+        """The state of one environment, as ``NavigationEnv.state``."""
+        return self._stepper.native.state(index)
+
+    def _final_observations(self, done: np.ndarray) -> np.ndarray:
+        final = np.empty(self.num_envs, dtype=object)
+        rows = self._stepper.final_observations()
+        for index in done.nonzero()[0].tolist():
+            final[index] = rows[index]
+        return final

@@ -1,0 +1,45 @@
+//! Provenance: what a record of results names, so that it can be traced to a program and a scenario.
+
+use serde::{Deserialize, Serialize};
+
+use crate::policy::card::RawJson;
+use crate::scenario::Scenario;
+
+/// The version of wayfield.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// The Git commit that this program was built from, with `-dirty` if its files had been changed; `None` outside a clone.
+pub const COMMIT: Option<&str> = option_env!("WAYFIELD_COMMIT");
+
+/// The program that wrote a record, and the scenario that it is about.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Provenance {
+    /// The version of wayfield.
+    pub version: String,
+    /// The Git commit; `None` if it is unknown.
+    #[serde(default)]
+    pub commit: Option<String>,
+    /// The checksum of the scenario, as on the cards of its policies: eight hexadecimal digits. Empty in old records.
+    #[serde(default)]
+    pub scenario_crc32c: String,
+}
+
+impl Provenance {
+    /// The provenance of a record that this program writes about `scenario`.
+    #[must_use]
+    pub fn of(scenario: &Scenario) -> Self {
+        Self {
+            version: VERSION.into(),
+            commit: COMMIT.map(String::from),
+            scenario_crc32c: scenario_json(scenario).map(|json| json.crc32c()).unwrap_or_default(),
+        }
+    }
+}
+
+/// The scenario as policy cards have it.
+///
+/// # Errors
+/// None that is known: a scenario has only structs, lists, strings and numbers.
+pub fn scenario_json(scenario: &Scenario) -> Result<RawJson, serde_json::Error> {
+    RawJson::new(serde_json::to_string(scenario)?)
+}
