@@ -13,6 +13,8 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use serde_json::Value;
+
 use cli_support::{Workspace, quick_fast, quick_per, signal, wait_for_output, wait_until};
 
 /// A small experiment with two arms, one of them with two stages, a preset in the same folder, and a figure and a table
@@ -330,6 +332,75 @@ fn of_two_processes_started_at_once_one_is_refused() {
     assert!(workspace.json("report/spent.json")["wall_s"].as_f64().unwrap() > 0.0);
 }
 
+/// The folders of the runs in a report's folder, by name.
+fn run_names(workspace: &Workspace, folder: &str) -> Vec<String> {
+    let runs = fs::read_dir(workspace.path(folder).join("runs")).unwrap();
+    let mut names: Vec<String> = runs.map(|run| run.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn parts_trained_apart_give_the_report_of_one_machine() {
+    let workspace = workspace();
+    let command = "--reproduce --experiment mine/own.ron --jobs 1 --out";
+    workspace.run_ok(&format!("{command} alone"));
+
+    // Each part in a folder of its own, as on machines that share no files.
+    for number in 1..=2 {
+        let done = workspace.run_ok(&format!("{command} part-{number} --shard {number}/2"));
+        let expected = format!("part {number}/2    part-{number} (3 runs, ");
+        assert!(done.stdout.starts_with(&expected) && done.stdout.lines().count() == 1, "{}", done.stdout);
+        assert!(!workspace.path(&format!("part-{number}/report.html")).exists(), "a part writes no report");
+    }
+    workspace.shell("mkdir merged; cp -r part-1/. part-2/. merged");
+    assert_eq!(run_names(&workspace, "merged"), run_names(&workspace, "alone"));
+    for run in run_names(&workspace, "merged") {
+        workspace.assert_same_run(&format!("alone/runs/{run}"), &format!("merged/runs/{run}"));
+    }
+
+    // One of the runs comes from another kind of processor.
+    let run = &run_names(&workspace, "merged")[0];
+    workspace.write(&format!("merged/runs/{run}/processors.json"), "[\"Other <CPU>\"]");
+    let before = finished_at(&workspace.path("merged"));
+    workspace.run_ok(&format!("{command} merged"));
+    assert_eq!(finished_at(&workspace.path("merged")), before, "no run was repeated");
+    assert!(report(&workspace, "merged") == report(&workspace, "alone"), "the same figures and tables");
+    let page = workspace.text("merged/report.html");
+    assert!(
+        page.contains("5 runs on ") && page.contains("1 run on Other &lt;CPU&gt;"),
+        "both kinds are named"
+    );
+    assert!(page.contains("a run has the same bits only on its own kind of processor"), "with what it means");
+    let page = workspace.text("alone/report.html");
+    assert!(page.contains("6 runs on ") && !page.contains("only on its own kind"), "one kind of processor");
+}
+
+#[test]
+fn parts_share_a_folder_but_neither_with_themselves_nor_with_the_report() {
+    let workspace = workspace();
+    let command = "--reproduce --experiment mine/own.ron --jobs 1 --out shared";
+    fs::create_dir(workspace.path("shared")).unwrap();
+    let lock = |name: &str| fs::File::create(workspace.path("shared").join(name)).unwrap();
+    let (all, first) = (lock("lock"), lock("lock-1-of-2"));
+    all.lock_shared().unwrap();
+    first.lock().unwrap();
+    for refused in ["", " --shard 1/2"] {
+        let done = workspace.run(&format!("{command}{refused}"));
+        assert_eq!(done.status, Some(2), "{}", done.stderr);
+        assert!(done.stderr.contains("shared: another wayfield process is writing in it"), "{}", done.stderr);
+    }
+    let part = workspace.run_ok(&format!("{command} --shard 2/2 --json")).json();
+    assert_eq!((&part["report"], &part["shard"], &part["runs"]), (&Value::Null, &"2/2".into(), &3.into()));
+    drop((all, first));
+    workspace.run_ok(&format!("{command} --shard 1/2"));
+    let done = workspace.run_ok(command);
+    assert!(done.stderr.contains("6 of 6 runs"), "{}", done.stderr);
+    assert!(done.stdout.contains("shared/report.html (6 runs"), "{}", done.stdout);
+    let spent = |name: &str| workspace.json(&format!("shared/{name}.json"))["wall_s"].as_f64().unwrap();
+    assert!(spent("spent-1-of-2") > 0.0 && spent("spent-2-of-2") > 0.0, "the time of both parts is known");
+}
+
 #[test]
 fn a_report_that_cannot_be_replaced_is_reported_before_the_runs() {
     let workspace = workspace();
@@ -381,6 +452,7 @@ fn invalid_options_and_files_are_rejected_with_a_fix() {
     rejected("--reproduce --only tabel2", &["did you mean `table2`?"]);
     rejected("--reproduce --experiment none.ron", &["none.ron", "no such file"]);
     rejected("--reproduce --seeds 0", &["--seeds", "a whole number from 1 to 1000"]);
+    rejected("--reproduce --shard 3/2", &["--shard", "give K/N, such as 2/8"]);
     rejected("--reproduce --train", &["--train"]);
     rejected("--reproduce --seed 3", &["--seed"]);
     rejected("--train --only fig9", &["--only"]);

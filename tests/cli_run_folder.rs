@@ -43,6 +43,7 @@ fn a_run_folder_has_all_files() {
             "learning-curve.svg",
             "policy-last.safetensors",
             "policy.safetensors",
+            "processors.json",
             "summary.json",
         ],
         "no file is missing, and no temporary file is left"

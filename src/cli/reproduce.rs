@@ -11,7 +11,7 @@ use super::output::{print_json, print_stdout};
 use super::shared::SharedArgs;
 use super::train::SAVING;
 use super::values;
-use crate::reproduce::{ReproduceOptions, Reproduction, Seeds, reproduce};
+use crate::reproduce::{ReproduceOptions, Reproduction, Seeds, Shard, reproduce};
 use crate::run::RunError;
 use crate::run::settings::Settings;
 use crate::run::signals::stop_on_signal;
@@ -39,6 +39,11 @@ pub struct ReproduceArgs {
     #[arg(long, value_name = "FILE")]
     experiment: Vec<PathBuf>,
 
+    /// Do only part K of N of the trainings, without the report. When all parts are done, in one folder or copied into one,
+    /// the same command without --shard writes the report
+    #[arg(long, value_name = "K/N")]
+    shard: Option<Shard>,
+
     /// Number of parallel runs; it does not change the results [default: the number of cores]
     #[arg(long, value_name = "N", value_parser = values::whole::<u16>(1..=1024), allow_negative_numbers = true)]
     jobs: Option<u16>,
@@ -47,7 +52,11 @@ pub struct ReproduceArgs {
 /// The JSON object that `--reproduce --json` prints.
 #[derive(Serialize)]
 struct ReproductionReport {
-    report: String,
+    #[serde(skip)]
+    folder: String,
+    report: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    shard: Option<String>,
     runs: usize,
     wall_s: f64,
     claims: Vec<ClaimReport>,
@@ -72,21 +81,24 @@ pub fn run(args: ReproduceArgs, shared: SharedArgs, began: Instant) -> Result<()
         settings: Settings(shared.set),
         quick: args.quick,
         out: shared.out,
+        shard: args.shard,
         jobs: args.jobs.map(usize::from),
     };
-    let report = ReproductionReport::new(reproduce(&options, stop_on_signal(SAVING), began)?);
+    let report = ReproductionReport::new(reproduce(&options, stop_on_signal(SAVING), began)?, args.shard);
     if shared.json { print_json(&report) } else { print_stdout(&report.text()) }
 }
 
 impl ReproductionReport {
-    fn new(reproduction: Reproduction) -> Self {
+    fn new(reproduction: Reproduction, shard: Option<Shard>) -> Self {
         let claims = reproduction.claims.into_iter().map(|result| ClaimReport {
             claim: result.claim,
             outcome: result.outcome.word(),
             because: result.sentence,
         });
         Self {
-            report: reproduction.folder.join("report.html").display().to_string(),
+            folder: reproduction.folder.display().to_string(),
+            report: reproduction.page.map(|page| page.display().to_string()),
+            shard: shard.map(|shard| shard.to_string()),
             runs: reproduction.runs,
             wall_s: reproduction.wall_s,
             claims: claims.collect(),
@@ -99,7 +111,11 @@ impl ReproductionReport {
             let _ = writeln!(text, "{:<11} {}\n            {}", claim.outcome, claim.claim, claim.because);
         }
         let minutes = self.wall_s / 60.0;
-        let _ = writeln!(text, "report      {} ({} runs, {minutes:.1} minutes)", self.report, self.runs);
+        let (what, path) = match (&self.report, &self.shard) {
+            (None, Some(shard)) => (format!("part {shard}"), &self.folder),
+            (report, _) => ("report".to_owned(), report.as_ref().unwrap_or(&self.folder)),
+        };
+        let _ = writeln!(text, "{what:<11} {path} ({} runs, {minutes:.1} minutes)", self.runs);
         text
     }
 }

@@ -69,7 +69,10 @@ fn table(page: &mut String, section: &Section, group: &Group, sections: &[Sectio
         let written = written(&entry.kind);
         let _ = writeln!(page, "| `{}` | {written} | {short}{} |", entry.name, cell(&entry.about));
         if let Some(long) = long {
-            let long = long.replace("), ", "),\n    ").replace("[", "[\n    ").replace(")]", "),\n]");
+            // A list has one element per line.
+            let is_list = long.starts_with('[');
+            let lines = || long.replace("), ", "),\n    ").replace('[', "[\n    ").replace(")]", "),\n]");
+            let long = if is_list { lines() } else { long };
             let _ = write!(below, "The default of `{0}`:\n\n```ron\n{0}: {long}\n```\n\n", entry.name);
         }
     }

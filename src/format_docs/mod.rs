@@ -26,7 +26,6 @@ const PRESET: &[&str] = &[
 ];
 const EXPERIMENT: &[&str] = &[
     "src/reproduce/experiment.rs",
-    "src/reproduce/overrides.rs",
     "src/reproduce/figure_spec.rs",
     "src/reproduce/table_spec.rs",
     "src/reproduce/claim.rs",
@@ -141,7 +140,7 @@ fn the_examples_and_messages_in_the_docs_are_those_of_the_program() {
     let mistake = "(\n    name: \"Mine\",\n    robot: (radius_cm: 10.0),\n)";
     let message = Scenario::parse(mistake, "mine.ron").expect_err("there is no such field").to_string();
     assert!(text("docs/scenario-format.md").contains(&message), "the page must show: {message}");
-    let mistake = "(\n    learning: (gama: 0.97),\n)";
+    let mistake = "(\n    learning: (replay: (capcity: 1000)),\n)";
     let message = Preset::parse(mistake, "mine.ron").expect_err("there is no such field").to_string();
     assert!(text("docs/preset-format.md").contains(&message), "the page must show: {message}");
     assert!(!RunConfig::is_meant_by(mistake));

@@ -159,29 +159,25 @@ pub fn inner(kind: &Type) -> Option<&Type> {
     }
 }
 
-/// The types that the type named `root` consists of, itself first, each before those that it contains.
+/// The types that the type named `root` consists of, itself first, each followed by those in it.
 pub fn reachable(root: &str, mut all: Vec<Section>) -> Vec<Section> {
-    let mut names = vec![root.to_owned()];
-    let mut at = 0;
-    while let Some(name) = names.get(at) {
-        let Some(section) = all.iter().find(|section| section.name == *name) else {
-            names.remove(at);
-            continue;
-        };
-        let kinds =
-            section.groups.iter().flat_map(|group| &group.entries).flat_map(|entry| parts(&entry.kind));
-        let new: Vec<_> = kinds.filter(|kind| !names.contains(kind)).collect();
-        at += 1;
-        for (k, name) in new.into_iter().enumerate() {
-            if !names.contains(&name) {
-                names.insert(at + k, name);
-            }
-        }
-    }
+    let mut names = Vec::new();
+    visit(root, &all, &mut names);
     let position = |section: &Section| names.iter().position(|name| *name == section.name);
     all.retain(|section| position(section).is_some());
     all.sort_by_key(position);
     all
+}
+
+fn visit(name: &str, all: &[Section], names: &mut Vec<String>) {
+    let section = all.iter().find(|section| section.name == name);
+    let Some(section) = section.filter(|_| !names.iter().any(|seen| seen == name)) else { return };
+    names.push(name.to_owned());
+    for entry in section.groups.iter().flat_map(|group| &group.entries) {
+        for part in parts(&entry.kind) {
+            visit(&part, all, names);
+        }
+    }
 }
 
 /// The names in a type: `Vec` and `Wall` for `Vec<Wall>`.

@@ -8,7 +8,7 @@
 //! | read | `experiment.rs`, `figure_spec.rs`, `table_spec.rs`, `claim.rs`, `measure.rs`, `seeds.rs` | the schema of an experiment's file |
 //! | | `load.rs`, `check/`, `training_check.rs` | reading and checking such a file, and its trainings |
 //! | select | `options.rs`, `select.rs`, `selected.rs`, `quick.rs` | the figures and tables that the user asked for |
-//! | plan | `plan.rs`, `arm_run.rs`, `test_point.rs`, `run_config.rs` | the trainings they need, each once, and the policies to test |
+//! | plan | `plan.rs`, `arm_run.rs`, `test_point.rs`, `run_config.rs`, `shard.rs` | the trainings they need, each once, and the policies to test; parts of them for several machines |
 //! | | `elsewhere.rs` | runs that were trained elsewhere |
 //! | execute | `execute.rs`, `queue.rs`, `policy_test.rs`, `progress.rs` | training and testing, several runs in parallel |
 //! | measure | `results.rs`, `records.rs`, `measured_value.rs`, `optimal_times.rs` | numbers from the run folders |
@@ -48,6 +48,7 @@ mod run_config;
 pub mod seeds;
 mod select;
 pub mod selected;
+mod shard;
 pub mod table_spec;
 mod tables;
 pub mod test_point;
@@ -66,21 +67,25 @@ use crate::run::progress::print_stderr;
 pub use experiment::Experiment;
 pub use options::ReproduceOptions;
 pub use seeds::Seeds;
+pub use shard::Shard;
 
 /// A finished reproduction.
 #[derive(Debug)]
 pub struct Reproduction {
     /// The folder of the report.
     pub folder: PathBuf,
+    /// The page of the report; `None` for a shard, which writes none.
+    pub page: Option<PathBuf>,
     /// The results of all claims.
     pub claims: Vec<ClaimResult>,
-    /// The number of trainings that the report is based on.
+    /// The number of trainings that the report is based on, or of the shard.
     pub runs: usize,
     /// Wall time of all processes that worked on it, in s.
     pub wall_s: f64,
 }
 
-/// Trains, tests and writes the report. Runs that exist already are not repeated.
+/// Trains, tests and writes the report; with a shard, only trains and tests its part. Runs that exist already are not
+/// repeated.
 ///
 /// # Errors
 /// A file cannot be read or written, a run failed, or `stop` was set. Finished work is kept, and the same options
@@ -95,14 +100,19 @@ pub fn reproduce(
     let folder = options.out.clone().unwrap_or_else(|| {
         Path::new("runs").join(if options.quick { "reproduce-quick" } else { "reproduce" })
     });
-    let report = report_folder::ReportFolder::open(&folder, options.quick)?;
+    let report = report_folder::ReportFolder::open(&folder, options.quick, options.shard)?;
     let runs = report.join("runs");
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
     let jobs = options.jobs.unwrap_or_else(cores);
 
-    let done = execute::execute(&plan, &runs, jobs, stop);
+    let part = options.shard.map(|shard| shard.of(&plan));
+    let done = execute::execute(part.as_ref().unwrap_or(&plan), &runs, jobs, stop);
     let wall_s = report.record_time(began);
     done?;
+    if let Some(part) = part {
+        let (claims, runs) = (Vec::new(), part.trainings.len());
+        return Ok(Reproduction { folder, page: None, claims, runs, wall_s: wall_s? });
+    }
 
     print_stderr("computing optimal times and drawing the report");
     let optimal_times = optimal_times::OptimalTimesCache::new(report.join("optimum"));
@@ -110,5 +120,6 @@ pub fn reproduce(
     let page = compose::page(&results, &selected, &plan, options, jobs, wall_s?)?;
     report.write(&page)?;
     let wall_s = report.record_time(began)?;
-    Ok(Reproduction { folder, claims: page.claims, runs: plan.trainings.len(), wall_s })
+    let path = Some(report.join("report.html"));
+    Ok(Reproduction { folder, page: path, claims: page.claims, runs: plan.trainings.len(), wall_s })
 }

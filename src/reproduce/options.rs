@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::seeds::Seeds;
+use super::shard::Shard;
 use crate::run::settings::Settings;
 
 /// The options of a reproduction.
@@ -20,6 +21,8 @@ pub struct ReproduceOptions {
     pub quick: bool,
     /// The report's folder, instead of the default one.
     pub out: Option<PathBuf>,
+    /// The part of the trainings to run, without a report; all of them and the report if there is none.
+    pub shard: Option<Shard>,
     /// The number of runs in parallel, instead of one per core.
     pub jobs: Option<usize>,
 }

@@ -137,7 +137,7 @@ impl Inner {
 }
 
 /// The approximate number of gradient steps of a training, to which its time is proportional.
-fn gradient_steps(training: &Training, budget: Budget) -> f64 {
+pub fn gradient_steps(training: &Training, budget: Budget) -> f64 {
     let learning = &training.config.preset.learning;
     let env_steps = match budget {
         // Early episodes soon end in a collision; late episodes last until the time limit.

@@ -33,6 +33,7 @@ pub fn provenance(results: &Results<'_>, plan: &RunPlan, jobs: usize, wall_s: f6
             ),
         ),
         ("Machine", machine()),
+        ("Processors", processors(results)),
         (
             "Time",
             format!(
@@ -60,6 +61,18 @@ fn trained_elsewhere(plan: &RunPlan) -> Option<String> {
 fn version() -> String {
     let commit = COMMIT.map_or(String::new(), |commit| format!(", commit {commit}"));
     format!("wayfield {VERSION}{commit}")
+}
+
+/// The kinds of processor that the runs were trained on.
+fn processors(results: &Results<'_>) -> String {
+    let counts = results.processors();
+    let run = |(kind, count): (&String, &usize)| match count {
+        1 => format!("1 run on {kind}"),
+        _ => format!("{count} runs on {kind}"),
+    };
+    let runs: Vec<String> = counts.iter().map(run).collect();
+    let mixed = "; a run has the same bits only on its own kind of processor";
+    runs.join("; ") + if counts.len() > 1 { mixed } else { "" }
 }
 
 /// Processor, cores, memory and operating system, as far as they are known.

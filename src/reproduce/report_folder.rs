@@ -1,6 +1,6 @@
 //! The report's folder: opening it, what must be true before any work is done in it, and the time spent on it.
 
-use std::fs;
+use std::fs::{self, DirEntry};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -8,23 +8,29 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 
 use super::report_files;
+use super::shard::Shard;
 use crate::report::page::Page;
 use crate::run::RunError;
 use crate::run::lock::Lock;
 use crate::run::output_file::{check_entry, is_temporary, replace};
 
-/// The file with the wall time spent. It also marks the folder as that of a report, quick or full.
-const SPENT: &str = "spent.json";
-/// The file that a process locks.
+/// The beginning of the names of the files with the wall time spent, one for the report and one for each shard. They also mark
+/// the folder as that of a report, quick or full.
+const SPENT: &str = "spent";
+/// The beginning of the names of the files that processes lock.
 const LOCK: &str = "lock";
 
 /// The folder of a report, locked by this process.
 pub struct ReportFolder {
     path: PathBuf,
-    /// Wall time that earlier processes spent on the report, in s.
+    /// The file with the wall time that was spent.
+    spent: PathBuf,
+    /// Wall time that earlier processes spent, as that file has it, in s.
     earlier_s: f64,
+    /// Wall time that shards spent, in s.
+    of_shards_s: f64,
     quick: bool,
-    _lock: Lock,
+    _locks: Vec<Lock>,
 }
 
 /// The time spent on a report so far, as stored in `spent.json`.
@@ -39,31 +45,33 @@ struct Spent {
 
 impl ReportFolder {
     /// Creates the folder, or continues one that an earlier reproduction created. Checks that the report can be written to it,
-    /// and that a `quick` report does not replace a full one.
+    /// and that a `quick` report does not replace a full one. Several shards can use the folder at the same time.
     ///
     /// # Errors
     /// Another process uses the folder, it holds something else, or it cannot be written.
-    pub fn open(path: &Path, quick: bool) -> Result<Self, RunError> {
+    pub fn open(path: &Path, quick: bool, shard: Option<Shard>) -> Result<Self, RunError> {
         check_own(path)?;
         let unwritable = |error: io::Error| {
             let why = format!("cannot be written ({error}); help: choose another folder with --out");
             RunError::invalid_input(path, why)
         };
         fs::create_dir_all(path).map_err(unwritable)?;
-        let lock = Lock::acquire(path, &path.join(LOCK))?;
-        report_files::prepare(path)?;
-        let spent = match fs::read_to_string(path.join(SPENT)) {
-            Ok(text) => serde_json::from_str(&text).unwrap_or_default(),
-            Err(_) => Spent { wall_s: 0.0, quick },
-        };
-        if quick && !spent.quick {
+        let locks = lock(path, shard)?;
+        if shard.is_none() {
+            // A shard writes no report, and must leave the temporary files of the others alone.
+            report_files::prepare(path)?;
+        }
+        if quick && Spent::read(&path.join(spent_file(None))).is_some_and(|report| !report.quick) {
             let why =
                 "holds a full report, which --quick would overwrite; help: choose another folder with --out";
             return Err(RunError::invalid_input(path, why));
         }
-        let folder = Self { path: path.into(), earlier_s: spent.wall_s, quick, _lock: lock };
+        let spent = path.join(spent_file(shard));
+        let earlier_s = Spent::read(&spent).unwrap_or_default().wall_s;
+        let of_shards_s = if shard.is_none() { shards_wall_s(path) } else { 0.0 };
+        let folder = Self { path: path.into(), spent, earlier_s, of_shards_s, quick, _locks: locks };
         // The first file marks the folder: a process that is started now must not take it for another's.
-        folder.write_spent(spent.wall_s).map_err(unwritable)?;
+        folder.write_spent(earlier_s).map_err(unwritable)?;
         fs::create_dir_all(folder.join("runs")).map_err(unwritable)?;
         Ok(folder)
     }
@@ -79,8 +87,8 @@ impl ReportFolder {
     /// The file cannot be written.
     pub fn record_time(&self, began: Instant) -> Result<f64, RunError> {
         let wall_s = self.earlier_s + began.elapsed().as_secs_f64();
-        self.write_spent(wall_s).map_err(|error| RunError::failed(&self.join(SPENT), error))?;
-        Ok(wall_s)
+        self.write_spent(wall_s).map_err(|error| RunError::failed(&self.spent, error))?;
+        Ok(self.of_shards_s + wall_s)
     }
 
     /// Writes the report.
@@ -93,18 +101,44 @@ impl ReportFolder {
 
     fn write_spent(&self, wall_s: f64) -> io::Result<()> {
         let text = serde_json::to_string(&Spent { wall_s, quick: self.quick })?;
-        let path = self.join(SPENT);
-        check_entry(&path)?;
-        replace(&path, |file| file.write_all(text.as_bytes()))
+        check_entry(&self.spent)?;
+        replace(&self.spent, |file| file.write_all(text.as_bytes()))
     }
+}
+
+impl Spent {
+    /// The time in the file at `path`, if there is one.
+    fn read(path: &Path) -> Option<Self> {
+        let text = fs::read_to_string(path).ok()?;
+        Some(serde_json::from_str(&text).unwrap_or_default())
+    }
+}
+
+/// The name of the file with the time that was spent on the report or on a shard.
+fn spent_file(shard: Option<Shard>) -> String {
+    format!("{SPENT}{}.json", shard.map(Shard::suffix).unwrap_or_default())
+}
+
+/// The wall time of all shards, in s.
+fn shards_wall_s(folder: &Path) -> f64 {
+    let files =
+        entries(folder).filter(|entry| is_named(entry, SPENT) && entry.file_name() != *spent_file(None));
+    files.filter_map(|entry| Spent::read(&entry.path())).map(|spent| spent.wall_s).sum()
+}
+
+/// Locks `folder`: alone for a report; for a shard together with the other shards.
+fn lock(folder: &Path, shard: Option<Shard>) -> Result<Vec<Lock>, RunError> {
+    let all = folder.join(LOCK);
+    let Some(shard) = shard else { return Ok(vec![Lock::acquire(folder, &all)?]) };
+    let own = folder.join(format!("{LOCK}{}", shard.suffix()));
+    Ok(vec![Lock::share(folder, &all)?, Lock::acquire(folder, &own)?])
 }
 
 /// Checks that `folder` is missing or empty, or holds a reproduction. (One that was killed before it wrote its first file has
 /// left a lock, perhaps with a temporary file.)
 fn check_own(folder: &Path) -> Result<(), RunError> {
-    let mut entries = fs::read_dir(folder).into_iter().flatten().flatten();
-    let is_foreign = entries.any(|entry| entry.file_name() != LOCK && !is_temporary(&entry));
-    if is_foreign && !folder.join(SPENT).exists() {
+    let is_foreign = entries(folder).any(|entry| !is_named(&entry, LOCK) && !is_temporary(&entry));
+    if is_foreign && !entries(folder).any(|entry| is_named(&entry, SPENT)) {
         // A process that has just started holds the lock.
         if folder.join(LOCK).exists() {
             Lock::acquire(folder, &folder.join(LOCK))?;
@@ -113,4 +147,15 @@ fn check_own(folder: &Path) -> Result<(), RunError> {
         return Err(RunError::invalid_input(folder, why));
     }
     Ok(())
+}
+
+fn entries(folder: &Path) -> impl Iterator<Item = DirEntry> {
+    fs::read_dir(folder).into_iter().flatten().flatten()
+}
+
+/// Whether an entry is the file `name` of the report or of a shard.
+fn is_named(entry: &DirEntry, name: &str) -> bool {
+    let file = entry.file_name();
+    let rest = file.to_str().and_then(|file| file.strip_prefix(name));
+    rest.is_some_and(|rest| rest.is_empty() || rest == ".json" || rest.starts_with('-'))
 }

@@ -3,6 +3,7 @@
 //! In: an executed plan and its folder. Out: [`ArmValues`] and learning curves, from the records of training and the test
 //! results.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
@@ -17,10 +18,10 @@ use super::policy_test::{self, PolicyTestResult};
 use super::records::{Records, Windows};
 use super::selected::SelectedExperiment;
 use super::test_point::TestPoint;
-use crate::run::RunError;
 use crate::run::evaluate::{period_s, round_to_microsecond};
 use crate::run::metric_rows::Summary;
 use crate::run::preset::Budget;
+use crate::run::{RunError, processor};
 
 /// An arm under a condition: the indices of the experiment, the condition and the arm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -255,6 +256,17 @@ impl<'a> Results<'a> {
         let wall_s =
             |training: &Training| Summary::read(&training.folder(&self.runs)).map(|summary| summary.wall_s);
         self.plan.trainings.iter().filter_map(wall_s).sum::<f64>() / 60.0
+    }
+
+    /// The number of trainings on each kind of processor.
+    pub fn processors(&self) -> BTreeMap<String, usize> {
+        let mut counts = BTreeMap::new();
+        for training in &self.plan.trainings {
+            let kinds = processor::read(&training.folder(&self.runs));
+            let kinds = if kinds.is_empty() { "an unrecorded one".into() } else { kinds.join(", then ") };
+            *counts.entry(kinds).or_default() += 1;
+        }
+        counts
     }
 
     /// The sum of all trainings' env steps.

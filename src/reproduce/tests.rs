@@ -12,11 +12,13 @@ use super::measured_value::MeasuredValue;
 use super::optimal_times::OptimalTimesCache;
 use super::plan::{RunPlan, Training};
 use super::policy_test::{self, PolicyTestResult};
+use super::progress::gradient_steps;
 use super::records::Windows;
 use super::results::{ArmIndex, Results};
 use super::seeds::Seeds;
 use super::select::select;
 use super::selected::SelectedExperiment;
+use super::shard::Shard;
 use super::test_point::TestPoint;
 use crate::learning::Sampling;
 use crate::run::folder::RunFolder;
@@ -97,6 +99,41 @@ fn a_training_shared_by_experiments_is_planned_once() {
     names.sort_unstable();
     names.dedup();
     assert_eq!(names.len(), plan.trainings.len(), "every training has its own folder");
+}
+
+#[test]
+fn shards_are_a_plan_in_equal_parts_and_keep_transfers_together() {
+    let (_, plan) = planned(&ReproduceOptions::default());
+    let cost = |part: &RunPlan| -> f64 {
+        part.trainings.iter().map(|t| gradient_steps(t, t.config.preset.budget)).sum()
+    };
+    let chains = |number| format!("{number}/1000").parse::<Shard>().expect("a shard").of(&plan);
+    let largest_chain = (1..=1000).map(|number| cost(&chains(number))).fold(0.0, f64::max);
+    for count in [1, 2, 7, 40] {
+        let mut names = Vec::new();
+        for number in 1..=count {
+            let shard: Shard = format!("{number}/{count}").parse().expect("a shard");
+            let part = shard.of(&plan);
+            let most = 1.001 * (cost(&plan) / f64::from(count) + largest_chain);
+            assert!(cost(&part) <= most, "part {shard} takes longer than its share and a chain of transfers");
+            for training in &part.trainings {
+                let whole = plan.trainings.iter().find(|t| t.name == training.name).expect("in the plan");
+                let origin = |plan: &RunPlan, t: &Training| t.origin.map(|k| plan.trainings[k].name.clone());
+                assert_eq!(origin(&part, training), origin(&plan, whole), "{}", training.name);
+                assert_eq!((&training.config, &training.tests), (&whole.config, &whole.tests));
+            }
+            names.extend(part.trainings.into_iter().map(|training| training.name));
+        }
+        let mut all: Vec<String> = plan.trainings.iter().map(|training| training.name.clone()).collect();
+        all.sort();
+        names.sort();
+        assert_eq!(names, all, "every training is in exactly one of {count} parts");
+    }
+    let part = "9/9".parse::<Shard>().expect("a shard").of(&planned(&only(&["fig8"])).1);
+    assert!(part.trainings.len() <= 2, "more parts than trainings");
+    for wrong in ["0/2", "3/2", "2", "1/0", "a/b", "1/2/3", "-1/2", "1/200000"] {
+        assert!(wrong.parse::<Shard>().is_err_and(|why| why.starts_with("give K/N")), "{wrong}");
+    }
 }
 
 #[test]

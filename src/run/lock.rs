@@ -19,10 +19,26 @@ impl Lock {
     /// # Errors
     /// Another process holds the lock, or the file cannot be created.
     pub fn acquire(folder: &Path, file: &Path) -> Result<Self, RunError> {
+        Self::open(folder, file, File::try_lock)
+    }
+
+    /// Like [`acquire`](Self::acquire), but other processes can share the lock.
+    ///
+    /// # Errors
+    /// Another process holds the lock alone, or the file cannot be created.
+    pub fn share(folder: &Path, file: &Path) -> Result<Self, RunError> {
+        Self::open(folder, file, File::try_lock_shared)
+    }
+
+    fn open(
+        folder: &Path,
+        file: &Path,
+        try_lock: impl Fn(&File) -> Result<(), TryLockError>,
+    ) -> Result<Self, RunError> {
         let mut options = OpenOptions::new();
         let file = options.create(true).truncate(false).write(true).open(file);
         let file = file.map_err(|error| folder_not_writable(folder, &error))?;
-        match file.try_lock() {
+        match try_lock(&file) {
             // On a file system without locks, an unlocked folder is better than no run.
             Ok(()) | Err(TryLockError::Error(_)) => Ok(Self(file)),
             Err(TryLockError::WouldBlock) => {

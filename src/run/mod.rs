@@ -27,6 +27,7 @@
 //! | `checkpoint/` | checkpoints, from which a run resumes bit-identically |
 //! | `fingerprint.rs` | checksums that show whether two builds simulate bit-identically |
 //! | `scenario_image.rs`, `run_image.rs` | the figure of a scenario from above; that of a run, its learning curves |
+//! | `processor.rs` | the kinds of processor that a run was trained on |
 //! | `tensorboard/`, `progress/` | TensorBoard events; progress on stderr |
 //! | `signals.rs` | the signals that ask the program to stop |
 
@@ -53,6 +54,8 @@ pub mod notes;
 pub mod output_file;
 pub mod policy_card;
 pub mod preset;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod processor;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod progress;
 pub mod provenance;

@@ -110,6 +110,9 @@ impl Setting {
             let Some(scenario) = scenario else {
                 return Err("the scenario cannot be set here; help: change its file".into());
             };
+            if rest.is_empty() {
+                return Err("give a field of the scenario, such as scenario.lidar.noise_std_m; help: --scenario chooses another".into());
+            }
             check_name(rest, "`scenario`", field_names::<Scenario>())?;
             *scenario = with_setting(scenario, rest, &self.value)?;
             return Ok(());

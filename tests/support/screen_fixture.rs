@@ -47,7 +47,9 @@ impl Default for ScreenFixture {
             motion: ObstacleMotion::Static,
         };
         let obstacles = RING_M.map(obstacle).into();
-        let scenario = Scenario { name: "Scenario I".into(), obstacles, ..Scenario::default() };
+        let benchmark_route = Some(BenchmarkRoute::default());
+        let scenario =
+            Scenario { name: "Scenario I".into(), obstacles, benchmark_route, ..Scenario::default() };
         let scenario = Arc::new(scenario);
         let scene = Scene {
             arenas: (0..8).map(|n| arena(n, &scenario)).collect(),

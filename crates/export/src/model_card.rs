@@ -92,9 +92,9 @@ fn write_page(
     writeln!(page, "session = onnxruntime.InferenceSession({})", json!(onnx_file))?;
     writeln!(
         page,
-        "scan = np.full((1, {}), {:?}, np.float32)  # m",
+        "ranges = np.full((1, {}), {:?}, np.float32)  # m",
         beams(card),
-        scenario.lidar.max_range_m
+        scenario.lidar.max_range_m / 2.0
     )?;
     writeln!(page, "goal = np.array([[0.5, 2.0]], np.float32)  # bearing in rad, distance in m")?;
     let readings = count(card, Quantity::Sensor);
@@ -103,7 +103,7 @@ fn write_page(
     } else {
         format!(", \"sensor_readings\": np.zeros((1, {readings}), np.float32)")
     };
-    writeln!(page, "inputs = {{\"ranges\": scan, \"goal\": goal{more}}}")?;
+    writeln!(page, "inputs = {{\"ranges\": ranges, \"goal\": goal{more}}}")?;
     writeln!(page, "q_values, action, velocity = session.run(None, inputs)")?;
     writeln!(page, "print(velocity)  # m/s, rad/s\n```\n")?;
     writeln!(

@@ -22,7 +22,12 @@ fn shipped(name: &str) -> Policy {
 /// A policy with random weights for 9 beams that reach 2.5 m.
 fn random(shape: NetworkShape, encoding: Encoding, sensors: &[(&str, usize)]) -> Policy {
     let mut random = wayfield_random::stream(7, "test: weights", 0);
-    let weights = (0..shape.parameter_count()).map(|_| uniform(&mut random, -0.3, 0.3)).collect();
+    let mut weights = Vec::new();
+    for view in shape.parameters() {
+        // The units of every layer vary about as much as those before it.
+        let bound = view.shape.get(1).map_or(2.0, |&inputs| (6.0 / inputs as f32).sqrt());
+        weights.extend(view.range.map(|_| uniform(&mut random, -bound, bound)));
+    }
     let mut policy = Policy::new(shape.clone(), weights).expect("a valid shape");
     let angles: Vec<f32> = (0..9).map(|beam| (beam as f32 - 4.0) * 0.5).collect();
     let q_values = |row: &[f32]| policy.q_values(row, &mut Scratch::default()).to_vec();

@@ -90,7 +90,7 @@
 //! | `learner` | storing experiences; the gradient step with TD targets and target network |
 //! | `network`, `ops`, `matmul` | the Q-network: parameters, forward pass, gradient; the only modules that use dfdx |
 //! | `thread_pool` | the threads of large matrix products |
-//! | `optimizer` | RMSProp and Adam |
+//! | `optimizer` | RMSProp and Adam, weight decay, gradient clipping |
 //! | [`replay`], `state_ring` | the replay buffer: rings of states and transitions, uniform and prioritized sampling |
 //! | [`sum_tree`] | proportional sampling in O(log n) |
 //! | `n_step` | n-step returns |

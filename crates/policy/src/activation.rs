@@ -35,15 +35,49 @@ impl Activation {
     pub fn apply(self, values: &mut [f32]) {
         match self {
             Self::Relu => replace(values, |x| x.max(0.0)),
-            Self::Elu => replace(values, |x| if x > 0.0 { x } else { libm::expm1f(x) }),
-            Self::Silu => replace(values, |x| x / (1.0 + libm::expf(-x))),
-            Self::Tanh => replace(values, libm::tanhf),
+            // exp(x) - 1 = 2 t / (1 - t) with t = tanh(x / 2).
+            Self::Elu => replace(values, |x| {
+                let t = tanh(0.5 * x);
+                if x > 0.0 { x } else { 2.0 * t / (1.0 - t) }
+            }),
+            Self::Silu => replace(values, |x| x * sigmoid(x)),
+            Self::Tanh => replace(values, tanh),
         }
     }
 }
 
 fn replace(values: &mut [f32], function: impl Fn(f32) -> f32) {
     values.iter_mut().for_each(|value| *value = function(*value));
+}
+
+/// 1 / (1 + exp(-x)), with an absolute error below 3e-7.
+#[must_use]
+pub fn sigmoid(x: f32) -> f32 {
+    0.5 + 0.5 * tanh(0.5 * x)
+}
+
+/// The hyperbolic tangent, with a relative error below 5e-7: a rational approximation with the coefficients of Eigen's
+/// `ptanh`. It takes only sums, products and a quotient, so the compiler vectorizes it (libm's is ten times slower), and it
+/// gives the same bits on every platform.
+#[must_use]
+pub fn tanh(x: f32) -> f32 {
+    // From here on, the result rounds to 1.
+    const LARGE: f32 = 9.0;
+    const NUMERATOR: [f32; 7] = [
+        -2.760_768_4e-16,
+        2.000_188e-13,
+        -8.604_672e-11,
+        5.122_297_1e-8,
+        1.485_722_36e-5,
+        6.372_619_3e-4,
+        4.893_524_6e-3,
+    ];
+    const DENOMINATOR: [f32; 4] = [1.198_258_4e-6, 1.185_347_1e-4, 2.268_434_7e-3, 4.893_525e-3];
+    let bounded = x.clamp(-LARGE, LARGE);
+    let square = bounded * bounded;
+    let polynomial = |coefficients: &[f32]| coefficients.iter().fold(0.0, |sum, c| sum * square + c);
+    let ratio = bounded * polynomial(&NUMERATOR) / polynomial(&DENOMINATOR);
+    if x.abs() >= LARGE { 1.0_f32.copysign(x) } else { ratio }
 }
 
 /// An activation function as its name, for serde's `with`.
@@ -86,5 +120,26 @@ mod tests {
             activation.apply(&mut extremes);
             assert!(extremes.iter().all(|value| value.is_finite()), "{activation:?}: {extremes:?}");
         }
+    }
+
+    #[test]
+    fn the_tangent_and_the_functions_from_it_are_as_exact_as_documented() {
+        for i in -200_000..=200_000 {
+            let x = i as f32 * 1e-4;
+            let (exact, f64_x) = (f64::from(x).tanh(), f64::from(x));
+            let error = (f64::from(tanh(x)) - exact).abs();
+            assert!(error <= 5e-7 * exact.abs(), "tanh({x}) is {}, not {exact}", tanh(x));
+            let exact = 1.0 / (1.0 + (-f64_x).exp());
+            assert!((f64::from(sigmoid(x)) - exact).abs() < 3e-7, "sigmoid({x}) is {}", sigmoid(x));
+            let mut elu = [x];
+            Activation::Elu.apply(&mut elu);
+            let exact = if x > 0.0 { f64_x } else { f64_x.exp_m1() };
+            assert!((f64::from(elu[0]) - exact).abs() <= 1e-6 * exact.abs(), "ELU({x}) is {}", elu[0]);
+        }
+        assert_eq!([0.0, 9.0, f32::INFINITY, f32::MIN].map(tanh), [0.0, 1.0, 1.0, -1.0]);
+        let mut low = [f32::MIN, -100.0];
+        Activation::Silu.apply(&mut low);
+        assert_eq!(low, [0.0, 0.0]);
+        assert!(tanh(f32::NAN).is_nan() && sigmoid(f32::NAN).is_nan());
     }
 }

@@ -12,6 +12,7 @@
 //! | [`resized`] | figures of another size |
 //! | [`fonts`] | the system's fonts, for characters that the embedded one lacks |
 //! | [`statistics`] | means over seeds and differences of arms, with 95 % confidence intervals |
+//! | [`rate`] | rates with 95 % confidence intervals |
 //! | [`curves`] | the mean of curves whose points have different x |
 //! | [`smoothing`] | the moving mean |
 //! | [`table`] | tables, as CSV and Markdown |
@@ -55,8 +56,8 @@
 //!
 //! # In the browser
 //!
-//! On `wasm32` only the curves are compiled: [`chart::CurveChart`], [`run_figure`], [`smoothing`] and
-//! [`format`](mod@format).
+//! On `wasm32` only the curves are compiled: [`chart::CurveChart`], [`run_figure`], [`rate`],
+//! [`smoothing`] and [`format`](mod@format).
 
 pub mod chart;
 #[cfg(not(target_arch = "wasm32"))]
@@ -80,6 +81,7 @@ mod page_text;
 pub mod pdf;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod raster;
+pub mod rate;
 #[cfg(not(target_arch = "wasm32"))]
 mod resized;
 pub mod run_figure;

@@ -128,9 +128,10 @@ fn added(map: &SourceMap, entry: usize, name: &str, rest: &[Step], value: &str) 
 
 /// The error of a value that lacks `part`.
 fn no_element(map: &SourceMap, entry: usize, part: &str) -> PathError {
-    let (path, text) = (map.path_of(entry), map.text_of(entry));
+    let path = map.path_of(entry);
+    let text = map.text_of(entry).split_whitespace().collect::<Vec<_>>().join(" ");
     let long = text.char_indices().nth(40).map(|(end, _)| &text[..end]);
-    let (start, dots) = long.map_or((text, ""), |start| (start, "..."));
+    let (start, dots) = long.map_or((text.as_str(), ""), |start| (start, "..."));
     PathError(format!("`{path}` is `{start}{dots}`, which has no {part}; help: set `{path}` as a whole"))
 }
 

@@ -17,8 +17,8 @@ use super::limits::item_count;
 use super::points::to_mm;
 use super::*;
 use crate::scenario::{
-    Diagnostic, Enclosure, Generator, MotionKind, Obstacle, ObstacleMotion, PlacementRule, RandomShape,
-    Region, Scenario, Shape, Wall, clearance, diagnostics, parse_ron, to_ron,
+    BenchmarkRoute, Diagnostic, Enclosure, Generator, MotionKind, Obstacle, ObstacleMotion, PlacementRule,
+    RandomShape, Region, Scenario, Shape, Wall, clearance, diagnostics, parse_ron, to_ron,
 };
 
 /// An editor of a scenario opened from a file.
@@ -56,6 +56,7 @@ fn full() -> Scenario {
             within: Some(Region { min_m: vec2(-1.0, -0.5), max_m: vec2(0.0, 0.0) }),
         }],
         goals: PlacementRule::OneOf { positions_m: vec![vec2(0.0, 1.5), vec2(1.5, -1.5)] },
+        benchmark_route: Some(BenchmarkRoute::default()),
         ..Scenario::default()
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use crate::learning::Policy;
-use crate::report::statistics::rate_interval;
+use crate::report::rate::rate_interval;
 use crate::run::RunError;
 use crate::run::evaluate::{self, Evaluation, Evaluator, OptimumComparison};
 use crate::run::provenance::Provenance;

@@ -18,7 +18,7 @@ mod trace;
 
 use serde::Serialize;
 
-use crate::report::statistics::rate_interval;
+use crate::report::rate::rate_interval;
 use crate::scenario::TaskRules;
 use crate::task::{Clock, EpisodeEnd, Goal, Pose};
 

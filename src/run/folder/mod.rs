@@ -10,6 +10,7 @@
 //! | `policy-after-N-episodes.safetensors`, `policy-after-N-env-steps.safetensors` | the policy after N episodes or env steps, if the configuration asks for it |
 //! | `checkpoint/` | the last three checkpoints ([`checkpoint`](super::checkpoint)) and a lock |
 //! | `summary.json`, `learning-curve.svg` | the summary, and the learning curves |
+//! | `processors.json` | the kinds of processor that the run was trained on |
 
 mod config;
 mod csv_file;
@@ -41,12 +42,13 @@ const EXTENSIONS: [&str; 6] = ["ron", "csv", "json", "safetensors", "bin", "svg"
 
 /// The files that a resumed run replaces or continues.
 #[cfg(not(target_arch = "wasm32"))]
-const REPLACED: [&str; 7] = [
+const REPLACED: [&str; 8] = [
     "config.ron",
     "episodes.csv",
     "evaluations.csv",
     "policy.safetensors",
     "policy-last.safetensors",
+    "processors.json",
     "summary.json",
     "learning-curve.svg",
 ];

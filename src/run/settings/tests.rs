@@ -69,14 +69,17 @@ fn any_field_can_be_set_and_the_others_stay() {
 
 #[test]
 fn the_error_names_the_setting_the_problem_and_the_fix() {
-    let top = "`about`, `arenas`, `budget`, `evaluation`, `observation`, `reward`, `learning`, `scenario`";
+    let top = "`about`, `based_on`, `arenas`, `budget`, `evaluation`, `observation`, `reward`, `learning`, `scenario`";
     for (text, expected) in [
         (
             "lerning.gamma=1",
             format!("unknown field `lerning` in a preset: did you mean `learning`? the fields are {top}"),
         ),
         ("scenario.lidr.beams=1", "unknown field `lidr` in `scenario`: did you mean `lidar`?".into()),
-        ("scenario=\"maze\"", "unknown field `` in `scenario`: the fields are `name`".into()),
+        (
+            "scenario=\"maze\"",
+            "give a field of the scenario, such as scenario.lidar.noise_std_m; help: ".into(),
+        ),
         (
             "learning.gama=0.97",
             "unknown field `gama` in `learning`: did you mean `gamma`? the fields are `network`, `double`"
@@ -110,7 +113,10 @@ fn the_error_names_the_setting_the_problem_and_the_fix() {
             "`learning.loss.delta` is `1.0`, which has no `x`; help: set `learning.loss.delta` as a whole"
                 .into(),
         ),
-        ("scenario.obstacles[99].position_m=(0, 0)", "`obstacles` is `[".into()),
+        (
+            "scenario.obstacles[99].position_m=(0, 0)",
+            "`obstacles` is `[ ( shape: Circle( radius_m: 0.15".into(),
+        ),
         ("scenario.lidar.beams=0", "`scenario.lidar.beams` is 0".into()),
         ("learning.replay.capacity=8", "`learning.replay.capacity` is 8".into()),
     ] {
@@ -128,11 +134,9 @@ fn the_error_names_the_setting_the_problem_and_the_fix() {
 fn all_invalid_settings_are_reported_at_once_and_the_last_around_a_field_is_named() {
     let found = message(&["arenas=0.5", "learning.gama=1"]);
     assert_eq!(found.lines().count(), 2, "{found}");
-    let found = message(&["scenario.lidar.noise_std_m=1", "scenario.obstacles[*].position_m=(99, 99)"]);
-    assert!(
-        found.lines().all(|line| line.starts_with("scenario.obstacles[*].position_m=(99, 99): ")),
-        "{found}"
-    );
+    let speed = "scenario.obstacles[*].motion.speed_rad_s=99";
+    let found = message(&["scenario.lidar.noise_std_m=1", speed]);
+    assert!(found.lines().all(|line| line.starts_with(&format!("{speed}: "))), "{found}");
 }
 
 #[test]

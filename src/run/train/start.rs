@@ -17,7 +17,7 @@ use crate::run::metrics_writer::MetricsWriter;
 use crate::run::preset::Budget;
 use crate::run::progress::{ProgressListener, ProgressReporter, ProgressTotal};
 use crate::run::training_setup::{self, create_learner};
-use crate::run::{RunError, metrics, policy_card};
+use crate::run::{RunError, metrics, policy_card, processor};
 use crate::simulation::Extensions;
 
 impl Run {
@@ -114,6 +114,7 @@ impl Run {
         began: Instant,
         listener: Option<ProgressListener>,
     ) -> Result<Self, RunError> {
+        processor::record(&folder)?;
         let scenario = Arc::new(config.scenario.clone());
         let preset = &config.preset;
         let env_steps = learner.env_steps();

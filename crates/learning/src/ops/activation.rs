@@ -2,7 +2,7 @@
 //! [`Dense`](super::Dense).)
 
 use dfdx::prelude::*;
-use wayfield_policy::Activation;
+use wayfield_policy::activation::{Activation, sigmoid};
 
 use super::{Rows, add, rows, values};
 
@@ -24,7 +24,7 @@ pub(crate) fn activate<T: Tape<f32, Cpu>>(activation: Activation, x: Rows<T>) ->
             Activation::Elu => scale(g, x_y, |x, y| if x > 0.0 { 1.0 } else { y + 1.0 }),
             // With s = 1 / (1 + exp(-x)) and y = x s: y' = s + x s (1 - s).
             Activation::Silu => scale(g, x_y, |x, y| {
-                let s = 1.0 / (1.0 + libm::expf(-x));
+                let s = sigmoid(x);
                 s + y * (1.0 - s)
             }),
             Activation::Tanh => scale(g, x_y, |_, y| 1.0 - y * y),

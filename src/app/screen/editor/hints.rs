@@ -82,8 +82,8 @@ mod tests {
     #[test]
     fn the_hint_follows_the_tool_the_drag_and_the_pointer() {
         let mut editor = Editor::open(Arc::new(Scenario::default()), "empty".into(), true);
-        editor.add_benchmark_route();
         assert!(hint(&editor, PointerHit::Nothing).starts_with("Click an item"));
+        editor.add_benchmark_route();
         editor.select(Selection::BenchmarkStart);
         assert_eq!(hint(&editor, PointerHit::Handle(HandleKind::Rotate)), "Turn the heading");
         assert!(editor.begin_drag(HandleKind::Middle, Vec2::ZERO));

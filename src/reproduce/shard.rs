@@ -1,0 +1,98 @@
+//! Shards: the parts of a plan that several machines execute without knowing of each other.
+//!
+//! In: a plan, and which part of how many. Out: the plan of that part. Trainings that start from each other's weights stay
+//! together, and the parts take about equally long. All depends on the plan alone, so every machine divides it alike.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::str::FromStr;
+
+use super::plan::RunPlan;
+use super::progress::gradient_steps;
+
+/// The largest number of shards.
+const MAX_SHARDS: usize = 100_000;
+
+/// One of several parts of a plan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    /// The number of the part, 1 to `count`.
+    number: usize,
+    /// The number of parts.
+    count: usize,
+}
+
+impl FromStr for Shard {
+    type Err = String;
+
+    /// The shard in a text such as "2/8".
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers = text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
+        match numbers {
+            Some((number, count)) if (1..=count).contains(&number) && count <= MAX_SHARDS => {
+                Ok(Self { number, count })
+            }
+            _ => Err(format!("give K/N, such as 2/8: part K, from 1 to N, of at most {MAX_SHARDS} parts")),
+        }
+    }
+}
+
+impl fmt::Display for Shard {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}", self.number, self.count)
+    }
+}
+
+impl Shard {
+    /// The end of the names of this shard's files, such as "-2-of-8".
+    pub(super) fn suffix(self) -> String {
+        format!("-{}-of-{}", self.number, self.count)
+    }
+
+    /// This part of `plan`: its trainings, without the arms.
+    pub(super) fn of(self, plan: &RunPlan) -> RunPlan {
+        let mut part = RunPlan::default();
+        let chains = self.chains(plan);
+        let mut indices = BTreeMap::new();
+        for (index, training) in plan.trainings.iter().enumerate() {
+            if chains.contains(&root(plan, index)) {
+                indices.insert(index, part.trainings.len());
+                let mut training = training.clone();
+                training.origin = training.origin.and_then(|origin| indices.get(&origin).copied());
+                part.trainings.push(training);
+            }
+        }
+        part
+    }
+
+    /// The chains of trainings in this part, by their first trainings: the longest chain first, each goes to the part that has
+    /// the least to do.
+    fn chains(self, plan: &RunPlan) -> Vec<usize> {
+        let mut costs: BTreeMap<usize, f64> = BTreeMap::new();
+        for (index, training) in plan.trainings.iter().enumerate() {
+            *costs.entry(root(plan, index)).or_default() +=
+                gradient_steps(training, training.config.preset.budget);
+        }
+        let mut chains: Vec<(usize, f64)> = costs.into_iter().collect();
+        let name = |index: usize| &plan.trainings[index].name;
+        chains.sort_by(|(a, x), (b, y)| y.total_cmp(x).then_with(|| name(*a).cmp(name(*b))));
+        let mut loads = vec![0.0; self.count];
+        let mut mine = Vec::new();
+        for (chain, cost) in chains {
+            let least = (0..self.count).min_by(|&a, &b| f64::total_cmp(&loads[a], &loads[b])).unwrap_or(0);
+            loads[least] += cost;
+            if least + 1 == self.number {
+                mine.push(chain);
+            }
+        }
+        mine
+    }
+}
+
+/// The index of the first training of a chain of trainings.
+fn root(plan: &RunPlan, mut index: usize) -> usize {
+    while let Some(origin) = plan.trainings[index].origin {
+        index = origin;
+    }
+    index
+}
