@@ -100,5 +100,5 @@ fn a_policy_is_tested_in_a_scenario_with_settings() {
     };
     let set = eval("--set scenario.lidar.noise_std_m=0.02");
     assert_eq!(set, eval("--scenario edited-one.ron"));
-    assert_eq!(eval("--set scenario.task.max_episode_steps=1")["timeout_rate"].as_f64(), Some(1.0));
+    assert_eq!(eval("--set scenario.name=\"Noisy\"")["scenario"].as_str(), Some("Noisy"));
 }

@@ -19,7 +19,7 @@ pub struct DrawArgs {
     #[arg(long, value_name = "DIR", conflicts_with_all = ["scenario", "set"])]
     run: Option<PathBuf>,
 
-    /// Draw the scenario without its name, the legend and the axes
+    /// Draw the scenario without its name, the legend and the axes; by default 480x360 pixels
     #[arg(long, conflicts_with = "run")]
     plain: bool,
 }
