@@ -305,7 +305,7 @@ fn a_report_that_is_killed_while_it_is_written_consists_of_whole_files() {
 #[test]
 fn of_two_processes_started_at_once_one_is_refused() {
     let workspace = workspace();
-    workspace.write("mine/own.ron", OWN.replace("Episodes(24)", "Episodes(5000)"));
+    workspace.write("mine/own.ron", OWN.replace("budget: Episodes(24)", "budget: Episodes(5000)"));
     let command = "--reproduce --experiment mine/own.ron --jobs 1 --out report";
     let mut both = [workspace.start(command), workspace.start(command)];
     let began = std::time::Instant::now();
