@@ -123,6 +123,22 @@ impl RunError {
     }
 }
 
+#[cfg(not(target_arch = "wasm32"))]
+impl RunError {
+    /// The same error with a remark in parentheses: after the problem, before the help.
+    pub(crate) fn with_remark(self, remark: &str) -> Self {
+        let add = |text: String| match text.split_once("; help:") {
+            Some((problem, help)) => format!("{problem} ({remark}); help:{help}"),
+            None => format!("{text} ({remark})"),
+        };
+        match self {
+            Self::InvalidInput(text) => Self::InvalidInput(add(text)),
+            Self::Failed(text) => Self::Failed(add(text)),
+            Self::Stopped(text) => Self::Stopped(add(text)),
+        }
+    }
+}
+
 impl From<crate::simulation::StepError> for RunError {
     fn from(error: crate::simulation::StepError) -> Self {
         Self::Failed(error.to_string())
