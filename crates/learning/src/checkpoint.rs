@@ -28,7 +28,8 @@ use super::limits::MAX_HEADER_BYTES;
 /// The versions of the file.
 const VERSIONS: RangeInclusive<u32> = 1..=2;
 
-/// The header format of a file of this `version`. A network has at most 2^24 parameters, and the header has four arrays of that length.
+/// The header format of a file of this `version`. A network has at most 2^24 parameters, and the header has four arrays of
+/// that length.
 const fn format(version: u32) -> HeaderFormat {
     HeaderFormat { magic: b"wayfield", version, max_bytes: MAX_HEADER_BYTES, checksum: false }
 }
