@@ -15,24 +15,23 @@ mod runs;
 use std::error::Error;
 
 use runs::{FinishedRun, median_and_worst, or_infinity};
+use wayfield::run::folder::PAPER_TRANSFER_EPSILON;
 
 /// Env steps in Scenario I. For the effect of other values, see docs/performance.md.
-const BEFORE: u64 = 20_000;
-/// Epsilon at the start of training in Scenario II, as in the paper (section 3.2).
-const EPSILON: f32 = 0.5;
+const SCENARIO_1_ENV_STEPS: u64 = 20_000;
 /// Env steps of a run in Scenario II.
 const ENV_STEPS: u64 = 50_000;
 /// Env steps between evaluations in Scenario II.
-const EVERY: u64 = 1_000;
+const EVAL_INTERVAL: u64 = 1_000;
 const PRESET: &str = "fast";
 /// The success rates whose first env step is reported.
 const RATES: [f64; 3] = [0.8, 0.9, 0.95];
 /// The success rate whose wall time is reported.
-const TIMED: f64 = 0.95;
+const TIMED_RATE: f64 = 0.95;
 /// The mean failure rate is taken over the evaluations up to these env steps.
-const UP_TO: [u64; 2] = [20_000, ENV_STEPS];
+const FAILURE_HORIZONS: [u64; 2] = [20_000, ENV_STEPS];
 
-/// A measure of a run. Less is better.
+/// A measure of a run. Lower is better.
 struct Measure {
     name: String,
     decimals: usize,
@@ -50,12 +49,12 @@ fn measures() -> Vec<Measure> {
         let name = format!("env steps to {:.0} %", 100.0 * rate);
         Measure::new(name, 0, move |run| or_infinity(run.reached(rate), |row| row.env_steps as f64))
     });
-    let seconds = Measure::new(format!("s to {:.0} %", 100.0 * TIMED), 2, |run| {
-        or_infinity(run.reached(TIMED), |row| row.wall_s)
+    let seconds = Measure::new(format!("s to {:.0} %", 100.0 * TIMED_RATE), 2, |run| {
+        or_infinity(run.reached(TIMED_RATE), |row| row.wall_s)
     });
-    let failures = UP_TO.map(|env_steps| {
+    let failures = FAILURE_HORIZONS.map(|env_steps| {
         Measure::new(format!("mean failure rate in % up to {env_steps} env steps"), 1, move |run| {
-            failures(run, env_steps)
+            mean_failure_percent(run, env_steps)
         })
     });
     env_steps.into_iter().chain([seconds]).chain(failures).collect()
@@ -71,12 +70,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     // By measure and seed: the values from scratch and with transfer.
     let mut values = vec![Vec::new(); measures.len()];
     for seed in 0..seeds {
-        let simple =
-            FinishedRun::new(runs::with_env_steps(runs::config(PRESET, "scenario-1", seed)?, BEFORE), None)?;
+        let simple = FinishedRun::new(
+            runs::with_env_steps(runs::config(PRESET, "scenario-1", seed)?, SCENARIO_1_ENV_STEPS),
+            None,
+        )?;
         let mut config = runs::with_env_steps(runs::config(PRESET, "scenario-2", seed)?, ENV_STEPS);
-        config.preset.evaluation.every_env_steps = EVERY;
+        config.preset.evaluation.every_env_steps = EVAL_INTERVAL;
         let scratch = FinishedRun::new(config.clone(), None)?;
-        let transfer = FinishedRun::new(config, Some((&simple.best, EPSILON)))?;
+        let transfer = FinishedRun::new(config, Some((&simple.best, PAPER_TRANSFER_EPSILON)))?;
         let mut row = vec![simple.summary.best_success_rate.unwrap_or(0.0).to_string()];
         for (measure, values) in measures.iter().zip(&mut values) {
             let pair = [&scratch, &transfer].map(|run| (measure.of)(run));
@@ -97,10 +98,10 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 /// The mean failure rate of the evaluations up to `env_steps`, in %.
-fn failures(run: &FinishedRun, env_steps: u64) -> f64 {
-    // Evaluations are at multiples of EVERY, rounded to complete control steps.
+fn mean_failure_percent(run: &FinishedRun, env_steps: u64) -> f64 {
+    // Evaluations are at multiples of EVAL_INTERVAL, rounded to complete control steps.
     // Without that of the initial policy, at env step 0.
-    let rows = run.evaluations.iter().skip(1).filter(|row| row.env_steps < env_steps + EVERY / 2);
+    let rows = run.evaluations.iter().skip(1).filter(|row| row.env_steps < env_steps + EVAL_INTERVAL / 2);
     let (count, sum) = rows.fold((0, 0.0), |(count, sum), row| (count + 1, sum + 1.0 - row.success_rate));
     100.0 * sum / f64::from(count)
 }

@@ -52,7 +52,7 @@ fn values_that_would_overflow_in_sums_are_rejected() {
         (
             "reward_scale: 0.01",
             "reward_scale: 1e21",
-            "`learning.reward_scale` is 1000000000000000000000; help: give 0 to 100000000000000000000",
+            "`learning.reward_scale` is 1000000000000000000000; help: give a number above 0, at most 100000000000000000000",
         ),
     ] {
         workspace.write("too_large.ron", edited(&quick_fast(), &[(from, to)]));

@@ -73,7 +73,10 @@ fn the_training_says_which_number_to_quote() {
     let text = workspace.run_ok("--train --preset fast.ron --steps 64 --out run").stdout;
     let test = &workspace.json("run/summary.json")["final_test"];
     let line = text.lines().find(|line| line.starts_with("final test")).expect("a line");
-    assert!(line.ends_with(&format!("20 fresh episodes (seed {}): quote this one", test["seed"])), "{text}");
+    assert!(
+        line.ends_with(&format!("20 new episodes (seed {}); report this number", test["seed"])),
+        "{text}"
+    );
     assert!(text.contains("in the best of 2 evaluations (optimistic)"), "{text}");
 
     workspace.write("none.ron", quick_fast().replace("final_episodes: 20", "final_episodes: 0"));

@@ -1,5 +1,5 @@
-// Outlines of characters in the fonts of the browser. A page may draw with every font of the system, but cannot read its file:
-// so each character is drawn on a canvas, and its outline is traced.
+// Traces glyph outlines. A web page can draw with system fonts but cannot read the font files, so each character is drawn on
+// a canvas, and its outline is traced.
 // In: a character. Out: its advance width and closed polygons in units of the em, y upwards from the baseline.
 
 /// Height of the em on the canvas, in pixels. The outlines are accurate to about a tenth of a pixel.
@@ -13,15 +13,16 @@ const TOLERANCE = 0.15;
 /// A pixel is inside the glyph if its alpha is higher than this.
 const INSIDE = 127.5;
 
-/// The lines of marching squares, by the corners inside: 8 top left, 4 top right, 2 bottom right, 1 bottom left. Each leads
-/// from one side of the cell to another (top, right, bottom, left), with the inside of the glyph on the same hand.
+/// The segments per marching-squares case, the sum of the corners inside: 8 top left, 4 top right, 2 bottom right, 1 bottom
+/// left. Each leads from one side of the cell to another (top, right, bottom, left), with the glyph's interior on its left.
 const LINES = ['', 'BL', 'RB', 'RL', 'TR', 'TR BL', 'TB', 'TL', 'LT', 'BT', 'LT RB', 'RT', 'LR', 'BR', 'LB', '']
     .map((lines) => lines.split(' ').filter(Boolean));
 
 const canvas = document.createElement('canvas');
 const pen = canvas.getContext('2d', { willReadFrequently: true });
 
-/// Whether the browser returns the pixels that were drawn. Some return others, against fingerprinting.
+/// Whether the browser returns the pixels that were drawn. Some browsers alter them to prevent
+/// fingerprinting.
 export function canTrace() {
     canvas.width = canvas.height = 2;
     pen.fillRect(0, 0, 1, 2);
@@ -29,6 +30,7 @@ export function canTrace() {
     return [0, 1, 2, 3].every((pixel) => data[4 * pixel + 3] === (pixel % 2 === 0 ? 255 : 0));
 }
 
+/// Draws a character and traces it: `advance` is its width and `outlines` are its closed polygons, in units of the em.
 export function trace(character) {
     // A combining mark gets a space to combine with. An emoji is drawn in one colour if the system has such a font.
     const isMark = /\p{M}/u.test(character);
@@ -86,7 +88,7 @@ function outlines({ width, height, data }) {
     return found.filter((points) => points.length > 2);
 }
 
-/// A closed line with as few of its points as keep within the tolerance (Ramer, Douglas and Peucker).
+/// Simplifies a closed polyline with the Ramer-Douglas-Peucker algorithm, within `TOLERANCE`.
 function simplify(points) {
     const closed = [...points, points[0]];
     const kept = new Set([0]);

@@ -1,5 +1,7 @@
 //! The options of an environment, as the Python layer passes them.
 
+use std::path::Path;
+
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use wayfield::env::{Autoreset, VecEnvConfig};
@@ -16,28 +18,29 @@ use crate::errors::{file_error, run_error, setting_errors};
 /// The name of a scenario's or a preset's text in messages.
 const TEXT: &str = "<text>";
 
-/// Whether `wanted` is the text of a RON file, and not a path or a name.
-pub fn is_text(wanted: &str) -> bool {
-    wanted.contains('(') && wanted.contains(')')
+/// Whether `source` is the text of a RON file, and not a path or a name. A heuristic: text has parentheses, and no file of
+/// that name exists.
+pub fn is_text(source: &str) -> bool {
+    source.contains('(') && source.contains(')') && !Path::new(source).exists()
 }
 
-/// The scenario `wanted`: a shipped name, a file's path, or RON text.
-pub fn scenario(wanted: &str) -> PyResult<Scenario> {
-    if is_text(wanted) {
-        return Scenario::parse(wanted, TEXT).map_err(|error| run_error(error.into()));
+/// The scenario `source`: a shipped name, a file's path, or RON text.
+pub fn scenario(source: &str) -> PyResult<Scenario> {
+    if is_text(source) {
+        return Scenario::parse(source, TEXT).map_err(|error| run_error(error.into()));
     }
-    shipped::scenario(wanted).map_err(|error| file_error(wanted, error))
+    shipped::scenario(source).map_err(|error| file_error(source, error))
 }
 
-/// The preset `wanted`: a shipped name, a file's path, or RON text.
-pub fn preset(wanted: &str) -> PyResult<Preset> {
-    if is_text(wanted) {
-        return Preset::parse(wanted, TEXT).map_err(|error| run_error(error.into()));
+/// The preset `source`: a shipped name, a file's path, or RON text.
+pub fn preset(source: &str) -> PyResult<Preset> {
+    if is_text(source) {
+        return Preset::parse(source, TEXT).map_err(|error| run_error(error.into()));
     }
-    shipped::preset(wanted).map_err(|error| file_error(wanted, error))
+    shipped::preset(source).map_err(|error| file_error(source, error))
 }
 
-/// Pairs of a path and a value as settings.
+/// Pairs as settings: the path of a field, such as `reward.mu`, and its value as RON.
 pub fn settings(pairs: Vec<(String, String)>) -> Settings {
     Settings(pairs.into_iter().map(|(path, value)| Setting { path, value }).collect())
 }
@@ -54,7 +57,7 @@ pub struct EnvOptions {
     pub observation: Option<String>,
     /// The preset whose reward and encoding are used.
     pub preset: String,
-    /// Settings of the preset and the scenario: paths and values.
+    /// Settings of the preset and the scenario: pairs of a field's path and its value as RON.
     pub settings: Vec<(String, String)>,
     /// `same_step`, `next_step` or `disabled`.
     pub autoreset: String,
@@ -73,8 +76,9 @@ impl EnvOptions {
         let encoding = self.encoding()?;
         settings(self.settings).apply(scenario, &mut preset).map_err(setting_errors)?;
         preset.arenas = num_envs;
-        let memory = preset.check_memory(scenario, &ObservationLayout::default());
-        memory.map_err(|error| PyValueError::new_err(format!("num_envs={num_envs}: {error}")))?;
+        preset
+            .check_memory(scenario, &ObservationLayout::default())
+            .map_err(|error| PyValueError::new_err(format!("num_envs={num_envs}: {error}")))?;
         Ok(VecEnvConfig {
             num_envs,
             encoding: encoding.unwrap_or(preset.observation),

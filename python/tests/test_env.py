@@ -47,6 +47,10 @@ def test_a_scenario_is_a_name_a_path_or_a_text(tmp_path):
     by_text = rollout(gymnasium.make_vec(ENV, num_envs=2, scenario=SMALL), 50)
     assert all((a == b).all() for a, b in zip(by_path, by_text, strict=True))
     assert by_text[3].any(), "its time limit is 30 steps"
+    copy = tmp_path / "small (1).ron"
+    copy.write_text(SMALL)
+    by_copy = rollout(gymnasium.make_vec(ENV, num_envs=2, scenario=copy), 50)
+    assert all((a == b).all() for a, b in zip(by_copy, by_text, strict=True)), "a path may have parentheses"
 
 
 def test_environment_k_is_the_same_for_any_number_of_environments():

@@ -13,11 +13,11 @@ use crate::task::{Actions, Observations, StepOutcomes, TaskMode};
 #[derive(Resource)]
 pub struct ActiveLearner(pub Learner);
 
-/// The non-finite loss or weight, if there was one. The caller of a step must check it and stop.
+/// The divergence error, if learning diverged. The caller of a step must check it and stop.
 #[derive(Resource, Default)]
 pub struct TrainingFault(pub Option<DivergenceError>);
 
-/// A warning that Q-values exceed every possible return. The caller of a step should report it to the user.
+/// A warning that Q-values exceed the largest possible return. The caller of a step should report it to the user.
 #[derive(Resource, Default)]
 pub struct TrainingWarning {
     first: Option<Overestimate>,
@@ -25,7 +25,7 @@ pub struct TrainingWarning {
 }
 
 impl TrainingWarning {
-    /// The first warning of the training, returned once; None afterwards.
+    /// The first warning of the run, returned once; `None` afterwards.
     pub(crate) fn take_new(&mut self) -> Option<Overestimate> {
         let warning = self.first.clone().filter(|_| !self.reported);
         self.reported |= warning.is_some();
@@ -43,15 +43,15 @@ pub struct TrainingStats {
     /// The sum of the mean absolute TD errors.
     pub td_error: f64,
     /// The sum of the mean Q-values of the actions taken.
-    pub q: f64,
+    pub q_value: f64,
 }
 
 impl TrainingStats {
-    /// Returns the means of loss, absolute TD error and Q-value, and resets the sums. None without a gradient step.
+    /// Returns the means of loss, absolute TD error and Q-value, and resets the sums. `None` without a gradient step.
     pub(crate) fn take_means(&mut self) -> Option<(f64, f64, f64)> {
         let sums = std::mem::take(self);
         let n = f64::from(sums.gradient_steps);
-        (sums.gradient_steps > 0).then(|| (sums.loss / n, sums.td_error / n, sums.q / n))
+        (sums.gradient_steps > 0).then(|| (sums.loss / n, sums.td_error / n, sums.q_value / n))
     }
 }
 
@@ -95,7 +95,7 @@ pub(super) fn learn(
             stats.gradient_steps += step.gradient_steps;
             stats.loss += n * f64::from(step.loss);
             stats.td_error += n * f64::from(step.td_error);
-            stats.q += n * f64::from(step.q);
+            stats.q_value += n * f64::from(step.q);
             if let (None, Some(overestimate)) = (&warning.first, step.overestimate) {
                 warning.first = Some(overestimate);
             }

@@ -100,7 +100,7 @@ impl Plugin for AppCorePlugin {
                     .chain()
                     .run_if(resource_exists::<TrainingRun>),
             )
-            .add_systems(Last, editor_backup::run);
+            .add_systems(Last, editor_backup::back_up_if_due);
     }
 }
 

@@ -1,12 +1,10 @@
-//! The setup form: choices on the setup panel for the next training.
+//! The setup form: choices on the setup panel for the next training run.
 //!
 //! In: the session state. Out: the commands of the panel's buttons.
 
 use super::app_snapshot::AppSnapshot;
 use super::commands::{Command, PolicySource};
-
-/// The paper's epsilon at the start of a transfer.
-const EPSILON: f32 = 0.5;
+use crate::run::folder::PAPER_TRANSFER_EPSILON;
 
 /// The choices on the setup panel.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,24 +13,24 @@ pub struct SetupForm {
     pub scenario: String,
     /// The preset: a file or a shipped name.
     pub preset: String,
-    /// The seed of a new training.
+    /// The seed of a new run.
     pub seed: u64,
-    /// The problem of the text that was typed last as a seed, if it was refused.
+    /// Why the last seed entered was rejected, if it was.
     pub seed_problem: Option<String>,
     /// The policy of a transfer: the current or the best one.
     pub transfer_from: PolicySource,
     /// Epsilon at the start of a transfer, 0 to 1.
     pub epsilon: f32,
-    /// The command that waits for the user to confirm that the current training may be discarded.
+    /// The command that waits for the user to confirm that the current run may be discarded.
     pub awaiting_confirmation: Option<Command>,
-    /// Scenario, preset and seed of the running training when the form was filled in.
+    /// Scenario, preset and seed of the current run when the form was filled in.
     running: (String, String, u64),
 }
 
 impl SetupForm {
-    /// The choices `kept` from the last frame, or those of the running training if another one has started since.
+    /// The choices `kept` from the last frame, or those of the current run if it has started since.
     #[must_use]
-    pub fn resume(kept: Option<Self>, status: &AppSnapshot) -> Self {
+    pub fn keep_or_reset(kept: Option<Self>, status: &AppSnapshot) -> Self {
         let running = (status.scenario_from.clone(), status.preset_from.clone(), status.seed);
         kept.filter(|form| form.running == running).unwrap_or_else(|| {
             let (scenario, preset, seed) = running.clone();
@@ -42,40 +40,40 @@ impl SetupForm {
                 seed,
                 seed_problem: None,
                 transfer_from: PolicySource::Current,
-                epsilon: EPSILON,
+                epsilon: PAPER_TRANSFER_EPSILON,
                 awaiting_confirmation: None,
                 running,
             }
         })
     }
 
-    /// Whether the choices differ from the running training.
+    /// Whether the choices differ from the current run.
     pub fn differs_from_running(&self) -> bool {
         let (scenario, preset, seed) = &self.running;
         (scenario, preset, seed) != (&self.scenario, &self.preset, &self.seed)
     }
 
-    /// The command that starts a training with these choices.
+    /// The command that starts a run with these choices.
     #[must_use]
     pub fn start_training(&self) -> Command {
         let (scenario, preset) = (self.scenario.clone(), self.preset.clone());
         Command::StartTraining { scenario, preset, seed: self.seed }
     }
 
-    /// The command that starts a training with these choices from the weights of `policy`.
+    /// The command that starts a run with these choices from the weights of `policy`.
     #[must_use]
     pub fn transfer(&self, policy: PolicySource) -> Command {
         let (scenario, preset) = (self.scenario.clone(), self.preset.clone());
         Command::Transfer { policy, scenario, preset, seed: self.seed, epsilon: self.epsilon }
     }
 
-    /// Goes back to the running training.
+    /// Resets the choices to those of the current run.
     pub fn undo(&mut self, status: &AppSnapshot) {
-        *self = Self::resume(None, status);
+        *self = Self::keep_or_reset(None, status);
     }
 
-    /// Withdraws the question about a command that is no longer offered.
-    pub fn withdraw_question(&mut self, is_meant: impl Fn(&Command) -> bool) {
-        self.awaiting_confirmation.take_if(|asked| is_meant(asked));
+    /// Drops the pending confirmation if `is_obsolete` returns true for its command.
+    pub fn cancel_confirmation(&mut self, is_obsolete: impl Fn(&Command) -> bool) {
+        self.awaiting_confirmation.take_if(|command| is_obsolete(command));
     }
 }

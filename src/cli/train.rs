@@ -161,7 +161,7 @@ fn summary_text(folder: &Path, summary: &Summary) -> String {
         Some(test) => {
             let [low, high] = test.success_interval.map(|rate| percent(Some(rate)));
             format!(
-                "{} success (95% interval {low} to {high}), mean time {}, {} fresh episodes (seed {}): quote this one",
+                "{} success (95% interval {low} to {high}), mean time {}, {} new episodes (seed {}); report this number",
                 percent(Some(test.success_rate)),
                 seconds(test.mean_time_s),
                 test.episodes,

@@ -121,6 +121,20 @@ impl RunError {
     pub(crate) fn not_writable(path: &std::path::Path, error: impl std::fmt::Display) -> Self {
         Self::invalid_input(path, format_args!("can't be written: {error}"))
     }
+
+    /// The same error with a remark in parentheses: after the problem, before the help.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) fn with_remark(self, remark: &str) -> Self {
+        let add = |text: String| match text.split_once("; help:") {
+            Some((problem, help)) => format!("{problem} ({remark}); help:{help}"),
+            None => format!("{text} ({remark})"),
+        };
+        match self {
+            Self::InvalidInput(text) => Self::InvalidInput(add(text)),
+            Self::Failed(text) => Self::Failed(add(text)),
+            Self::Stopped(text) => Self::Stopped(add(text)),
+        }
+    }
 }
 
 impl From<crate::simulation::StepError> for RunError {
@@ -132,5 +146,23 @@ impl From<crate::simulation::StepError> for RunError {
 impl From<crate::scenario::FileError> for RunError {
     fn from(error: crate::scenario::FileError) -> Self {
         Self::InvalidInput(error.to_string())
+    }
+}
+
+#[cfg(all(test, not(target_arch = "wasm32")))]
+mod tests {
+    use super::RunError;
+
+    #[test]
+    fn a_remark_comes_before_the_help_and_keeps_the_kind_of_error() {
+        let with_remark = |error: RunError| error.with_remark("at step 7");
+        assert_eq!(
+            with_remark(RunError::Failed("learning diverged; help: try again".into())),
+            RunError::Failed("learning diverged (at step 7); help: try again".into())
+        );
+        assert_eq!(
+            with_remark(RunError::Stopped("stopped".into())),
+            RunError::Stopped("stopped (at step 7)".into())
+        );
     }
 }

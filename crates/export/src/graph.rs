@@ -1,4 +1,4 @@
-//! The writer of ONNX graphs. Each method adds one field of a protobuf message of
+//! Builds an ONNX `GraphProto`. Each method adds one field of a protobuf message of
 //! [onnx.proto](https://github.com/onnx/onnx/blob/main/onnx/onnx.proto).
 
 use wayfield_protobuf::Message;
@@ -48,12 +48,16 @@ mod field {
     }
 }
 
-/// The type of a tensor's elements.
+/// The type of a tensor's elements: `TensorProto.DataType`.
 #[derive(Clone, Copy)]
 pub enum Element {
     F32 = 1,
     I64 = 7,
 }
+
+/// `AttributeProto.AttributeType`.
+const ATTRIBUTE_INT: u64 = 2;
+const ATTRIBUTE_INTS: u64 = 7;
 
 /// The value of a node's attribute.
 #[derive(Clone, Copy)]
@@ -62,7 +66,7 @@ pub enum Attribute<'a> {
     Ints(&'a [i64]),
 }
 
-/// A graph under construction. Nodes must be added in an order in which each one's inputs exist.
+/// A graph under construction. Nodes must be added in topological order.
 pub struct Graph(Message);
 
 impl Graph {
@@ -114,19 +118,18 @@ impl Graph {
 }
 
 fn attribute(name: &str, value: Attribute) -> Message {
-    // The last numbers are those of `AttributeProto.AttributeType`.
     let mut message = Message::default();
     message.text(field::attribute::NAME, name);
     let kind = match value {
         Attribute::Int(value) => {
             message.int(field::attribute::INT, value);
-            2
+            ATTRIBUTE_INT
         }
         Attribute::Ints(values) => {
             for &value in values {
                 message.int(field::attribute::INTS, value);
             }
-            7
+            ATTRIBUTE_INTS
         }
     };
     message.uint(field::attribute::TYPE, kind);

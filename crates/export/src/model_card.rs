@@ -10,7 +10,7 @@ use wayfield_policy::{Card, Policy};
 
 use crate::{ExportError, TrainedScenario, described};
 
-/// A comment in each model card that wayfield has written. A page without it is a person's own.
+/// A comment in each model card that wayfield has written. The exporter overwrites only pages that contain it.
 pub const MODEL_CARD_MARK: &str =
     "<!-- Written by `wayfield --export`. Delete this line to keep your own changes. -->";
 
@@ -22,12 +22,12 @@ pub fn model_card(policy: &Policy, onnx_file: &str) -> Result<String, ExportErro
     let (card, scenario) = described(policy)?;
     let front = front_matter(card, &scenario, onnx_file);
     let mut page = format!("---\n{front}---\n\n{MODEL_CARD_MARK}\n\n");
-    // Writing to a text cannot fail.
+    // Writing to a `String` cannot fail.
     let _ = write_page(&mut page, policy, card, &scenario, onnx_file);
     Ok(page)
 }
 
-/// The front matter. Its values are written as JSON, which YAML contains: text from a file cannot break out of it.
+/// The front matter. Values are JSON (a subset of YAML), so untrusted text cannot inject YAML.
 fn front_matter(card: &Card, scenario: &TrainedScenario, onnx_file: &str) -> String {
     let tags = [
         "reinforcement-learning",
@@ -77,17 +77,17 @@ fn write_page(
     scenario: &TrainedScenario,
     onnx_file: &str,
 ) -> std::fmt::Result {
-    let (world, file) = (escaped(&scenario.name), escaped(onnx_file));
-    writeln!(page, "# LIDAR navigation in {world}\n")?;
+    let (scenario_name, file) = (escaped(&scenario.name), escaped(onnx_file));
+    writeln!(page, "# LIDAR navigation in {scenario_name}\n")?;
     writeln!(
         page,
         "This policy drives a mobile robot with a LIDAR to a goal among obstacles, without a map. It is a Q-network \
-         ({}), trained in simulation with wayfield. Nothing is recorded of tests on a real robot.\n",
+         ({}), trained in simulation with wayfield. No test on a real robot is recorded.\n",
         policy.shape()
     )?;
     write_tensors(page, card, scenario)?;
     write_actions(page, card)?;
-    write_training(page, card, &world)?;
+    write_training(page, card, &scenario_name)?;
     writeln!(page, "## Use\n\n```python\nimport numpy as np\nimport onnxruntime\n")?;
     writeln!(page, "session = onnxruntime.InferenceSession({})", json!(onnx_file))?;
     writeln!(
@@ -97,7 +97,7 @@ fn write_page(
         scenario.lidar.max_range_m / 2.0
     )?;
     writeln!(page, "goal = np.array([[0.5, 2.0]], np.float32)  # bearing in rad, distance in m")?;
-    let readings = count(card, Quantity::Sensor);
+    let readings = card.count(Quantity::Sensor);
     let more = if readings == 0 {
         String::new()
     } else {
@@ -108,8 +108,8 @@ fn write_page(
     writeln!(page, "print(velocity)  # m/s, rad/s\n```\n")?;
     writeln!(
         page,
-        "The metadata of `{file}` has the whole card under the key `wayfield`, as JSON: every input and action, the \
-         scenario, and an example to check a program with."
+        "The metadata of `{file}` contains the complete policy card as JSON under the key `wayfield`: every input and \
+         action, the scenario, and a worked example to verify an implementation."
     )
 }
 
@@ -118,15 +118,15 @@ fn write_tensors(page: &mut String, card: &Card, scenario: &TrainedScenario) -> 
     let angles: Vec<f32> = card.angles_rad();
     let (first, last) = (angles.first().copied().unwrap_or(0.0), angles.last().copied().unwrap_or(0.0));
     writeln!(page, "## Inputs and outputs\n\n| tensor | shape | meaning |\n|---|---|---|")?;
+    let max_range_m = scenario.lidar.max_range_m;
     writeln!(
         page,
         "| `ranges` | n x {beams}, f32 | LIDAR ranges in m, of beams from {first} to {last} rad, counterclockwise from the \
-         heading; more than {} m counts as that |",
-        scenario.lidar.max_range_m
+         heading; ranges beyond {max_range_m} m are clamped to {max_range_m} m |"
     )?;
     writeln!(
         page,
-        "| `goal` | n x 2, f32 | angle from the heading to the goal in rad, left positive, from -pi to pi; distance in m |"
+        "| `goal` | n x 2, f32 | bearing of the goal relative to the heading, in rad, left positive, in (-pi, pi]; distance in m |"
     )?;
     for (name, width) in card.sensors() {
         writeln!(
@@ -136,11 +136,11 @@ fn write_tensors(page: &mut String, card: &Card, scenario: &TrainedScenario) -> 
         )?;
     }
     let actions = card.actions.len();
-    writeln!(page, "| `q_values` | n x {actions}, f32 | the value of each action |")?;
+    writeln!(page, "| `q_values` | n x {actions}, f32 | the Q-value of each action |")?;
     writeln!(page, "| `action` | n, i64 | the best action |")?;
     writeln!(
         page,
-        "| `velocity` | n x 2, f32 | its speed in m/s and turn rate in rad/s, left positive; hold it for {} s |\n",
+        "| `velocity` | n x 2, f32 | the best action's speed in m/s and turn rate in rad/s, left positive; hold it for {} s |\n",
         card.control_period_s
     )
 }
@@ -153,7 +153,7 @@ fn write_actions(page: &mut String, card: &Card) -> std::fmt::Result {
     writeln!(page)
 }
 
-fn write_training(page: &mut String, card: &Card, world: &str) -> std::fmt::Result {
+fn write_training(page: &mut String, card: &Card, scenario_name: &str) -> std::fmt::Result {
     let (program, training) = (&card.program, &card.training);
     writeln!(page, "## Training\n\n| | |\n|---|---|")?;
     let mut row = |name: &str, value: &str| writeln!(page, "| {name} | {} |", escaped(value));
@@ -169,7 +169,7 @@ fn write_training(page: &mut String, card: &Card, world: &str) -> std::fmt::Resu
         Some(rate) => writeln!(
             page,
             "\nIn the evaluation during training that selected the policy, it reached the goal in {:.1} % of the episodes in \
-             {world}. That evaluation selected the best of several policies, so the rate is optimistic; \
+             {scenario_name}. That evaluation selected the best of several policies, so the rate is optimistic; \
              `wayfield --eval` measures it on other episodes.\n",
             100.0 * rate
         ),
@@ -178,14 +178,10 @@ fn write_training(page: &mut String, card: &Card, world: &str) -> std::fmt::Resu
 }
 
 fn beams(card: &Card) -> usize {
-    count(card, Quantity::Range)
+    card.count(Quantity::Range)
 }
 
-fn count(card: &Card, quantity: Quantity) -> usize {
-    card.inputs.iter().filter(|input| input.quantity == quantity).count()
-}
-
-/// Text from a file, so that Markdown shows it as it is: special characters are escaped, invisible ones left out.
+/// Escapes text for Markdown, and leaves out invisible characters.
 fn escaped(text: &str) -> String {
     const INVISIBLE: [std::ops::RangeInclusive<char>; 4] =
         ['\u{200b}'..='\u{200f}', '\u{2028}'..='\u{202e}', '\u{2060}'..='\u{206f}', '\u{feff}'..='\u{feff}'];

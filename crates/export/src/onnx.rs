@@ -67,12 +67,12 @@ pub fn to_onnx(policy: &Policy) -> Result<Vec<u8>, ExportError> {
 }
 
 fn add_inputs(graph: &mut Graph, card: &Card) {
-    let (beams, readings) = (count(card, Quantity::Range), count(card, Quantity::Sensor));
+    let (beams, readings) = (card.count(Quantity::Range), card.count(Quantity::Sensor));
     graph.input("ranges", beams, "LIDAR ranges in m, in the order of the beams on the card");
     graph.input(
         "goal",
         2,
-        "bearing of the goal from the heading in rad, left positive, in (-pi, pi]; distance in m",
+        "bearing of the goal relative to the heading, in rad, left positive, in (-pi, pi]; distance in m",
     );
     if readings > 0 {
         graph.input("sensor_readings", readings, "readings of the plugin sensors on the card");
@@ -81,13 +81,13 @@ fn add_inputs(graph: &mut Graph, card: &Card) {
 
 /// Adds the encoding of the observation, and returns its name. The order is that of the card's inputs.
 fn add_observation(graph: &mut Graph, card: &Card, max_range_m: f32) -> &'static str {
-    let beams = count(card, Quantity::Range);
+    let beams = card.count(Quantity::Range);
     graph.constant("max_range", &[1], &[max_range_m]);
     graph.node("Min", &["ranges", "max_range"], "clipped_ranges", &[]);
     graph.node("ReduceMin", &["clipped_ranges"], "smallest_range", TO_COLUMN);
     add_first_index(graph, ["clipped_ranges", "smallest_range", "nearest_beam"], beams, TO_COLUMN);
     let mut parts = vec!["clipped_ranges", "goal", "smallest_range", "nearest_beam"];
-    if count(card, Quantity::Sensor) > 0 {
+    if card.count(Quantity::Sensor) > 0 {
         parts.push("sensor_readings");
     }
     graph.node("Concat", &parts, "measurements", &[("axis", Attribute::Int(1))]);
@@ -162,7 +162,7 @@ fn add_dense(graph: &mut Graph, layer: &str, units: &str, output: &str) {
 /// Adds the greedy action and its velocities.
 fn add_decision(graph: &mut Graph, card: &Card) {
     let actions = card.actions.len();
-    graph.output("q_values", Element::F32, Some(actions), "Q-values of the actions");
+    graph.output("q_values", Element::F32, Some(actions), "the Q-value of each action");
     graph.node("ReduceMax", &["q_values"], "largest_q_value", TO_COLUMN);
     add_first_index(graph, ["q_values", "largest_q_value", "best_action"], actions, TO_VECTOR);
     graph.node("Cast", &["best_action"], "action", &[("to", Attribute::Int(Element::I64 as i64))]);
@@ -185,8 +185,4 @@ fn add_first_index(graph: &mut Graph, [values, extreme, output]: [&str; 3], coun
     graph.node("Equal", &[values, extreme], &is_equal, &[]);
     graph.node("Where", &[&is_equal, &indices, &end], &candidates, &[]);
     graph.node("ReduceMin", &[&candidates], output, axis);
-}
-
-fn count(card: &Card, quantity: Quantity) -> usize {
-    card.inputs.iter().filter(|input| input.quantity == quantity).count()
 }

@@ -2,9 +2,9 @@
 //!
 //! In: a learner and a writer, or a reader and the config of the saved learner. Out: bytes, or a learner.
 //!
-//! Layout, little-endian: a header ([`HeaderFormat`] without checksum: config (`checkpoint/config.rs`), counters, streams,
-//! weights, moments, trajectories), the arrays of the replay buffer (states, transitions, leaves of the sum tree), and the
-//! CRC-32C of everything before it.
+//! Layout, little-endian: a header ([`HeaderFormat`] without checksum: config (`checkpoint/config.rs`), sizes, counters
+//! with the random stream, weights, moments, trajectories, positions in the replay buffer), the arrays of the replay buffer
+//! (states, transitions, leaves of the sum tree), and the CRC-32C of everything before it.
 //!
 //! The lengths of the arrays follow from the config and the counters, and are checked before memory is allocated. The
 //! checksum detects accidental damage only, so every value is also checked before the learner uses it.
@@ -28,12 +28,13 @@ use super::limits::MAX_HEADER_BYTES;
 /// The versions of the file.
 const VERSIONS: RangeInclusive<u32> = 1..=2;
 
-/// The header of the file. A network has at most 2^24 parameters, and the header has four arrays of that length.
+/// The header format of a file of this `version`. A network has at most 2^24 parameters, and the header has four arrays of
+/// that length.
 const fn format(version: u32) -> HeaderFormat {
     HeaderFormat { magic: b"wayfield", version, max_bytes: MAX_HEADER_BYTES, checksum: false }
 }
 
-/// An error when a checkpoint is written or read.
+/// An error from writing or reading a checkpoint.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CheckpointError {
@@ -53,8 +54,8 @@ pub enum CheckpointError {
         /// The file's version.
         found: u32,
     },
-    /// The saved learner has another config.
-    #[error("the checkpoint was made with another `{field}`; help: resume with the config it was made with")]
+    /// The saved learner has a different config.
+    #[error("the checkpoint's `{field}` differs from the config's; help: resume with the original config")]
     ConfigMismatch {
         /// The part of the config that differs.
         field: &'static str,
@@ -83,8 +84,8 @@ impl From<HeaderError> for CheckpointError {
 }
 
 impl Learner {
-    /// Writes the whole learner: networks, optimizer moments, replay buffer with priorities, unfinished returns, random
-    /// streams, counters.
+    /// Writes the whole learner: networks, optimizer moments, replay buffer with priorities, trajectories, counters
+    /// and the random stream.
     ///
     /// # Errors
     /// The writer failed.
@@ -105,7 +106,8 @@ impl Learner {
         Ok(())
     }
 
-    /// The learner that [`Learner::save`] wrote. The config and the sizes must be those of the saved learner.
+    /// The learner that [`Learner::save`] wrote. The config and the sizes must be those of the saved learner: `inputs` numbers
+    /// in an observation, `actions` Q-values, and `num_envs` environments, each with a trajectory of its own.
     ///
     /// # Errors
     /// The file cannot be read, is damaged, or belongs to another config. No input makes this panic.

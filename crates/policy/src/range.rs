@@ -29,6 +29,7 @@ pub fn within<T: PartialOrd + Display>(
         (Bound::Included(low), Bound::Included(high)) => format!("{low} to {high}"),
         (Bound::Included(low), Bound::Excluded(high)) => format!("at least {low} and less than {high}"),
         (Bound::Included(low), Bound::Unbounded) => format!("at least {low}"),
+        (Bound::Excluded(low), Bound::Included(high)) => format!("a number above {low}, at most {high}"),
         (Bound::Excluded(low), _) => format!("a number above {low}"),
         (Bound::Unbounded, Bound::Included(high) | Bound::Excluded(high)) => format!("at most {high}"),
         (Bound::Unbounded, Bound::Unbounded) => "a number".into(),
@@ -41,7 +42,15 @@ pub fn within<T: PartialOrd + Display>(
 /// # Errors
 /// It is not. The error names `field`.
 pub fn above_zero(field: &str, value: f32) -> Result<(), ConfigError> {
-    within(field, value, (Bound::Excluded(0.0), Bound::Included(f32::MAX)))
+    within(field, value, (Bound::Excluded(0.0), Bound::Excluded(f32::INFINITY)))
+}
+
+/// Checks that `value` is above 0 and at most `max`. NaN is not.
+///
+/// # Errors
+/// It is not. The error names `field` and the range.
+pub fn within_above_zero(field: &str, value: f32, max: f32) -> Result<(), ConfigError> {
+    within(field, value, (Bound::Excluded(0.0), Bound::Included(max)))
 }
 
 #[cfg(test)]
@@ -64,6 +73,13 @@ mod tests {
                 format!("`tau` is {value}; help: give a number above 0")
             );
         }
+        for value in [0.0, 1.5, f32::NAN] {
+            assert_eq!(
+                problem(within_above_zero("tau", value, 1.0)),
+                format!("`tau` is {value}; help: give a number above 0, at most 1")
+            );
+        }
+        assert_eq!(within_above_zero("tau", 1.0, 1.0), Ok(()));
         assert_eq!(within("gamma", 1.0, 0.0..=1.0).and(above_zero("tau", 1e-30)), Ok(()));
     }
 }

@@ -1,4 +1,4 @@
-//! Fonts: the embedded one, and the system's for characters that it lacks.
+//! Fonts: the embedded one, and the system fonts for characters that it lacks.
 
 use std::sync::{Arc, LazyLock};
 
@@ -21,17 +21,17 @@ pub(crate) static FONTS: LazyLock<Arc<Database>> = LazyLock::new(|| {
     Arc::new(fonts)
 });
 
-/// The fonts of the system. They are searched only for a character that the embedded font lacks.
+/// The system fonts. They are searched only for a character that the embedded font lacks.
 static SYSTEM: LazyLock<Database> = LazyLock::new(|| {
     let mut fonts = Database::new();
     fonts.load_system_fonts();
     fonts
 });
 
-/// A font of the system.
+/// A system font.
 #[derive(Clone, Debug)]
 pub struct SystemFont {
-    /// The name that identifies the face among those of the system.
+    /// The name that identifies the face among those of all system fonts.
     pub name: String,
     /// The contents of the font file.
     pub data: Vec<u8>,
@@ -39,16 +39,16 @@ pub struct SystemFont {
     pub index: u32,
 }
 
-/// The faces of the system, the plainest first.
+/// The faces of the system fonts, the preferred ones first.
 static FACES: LazyLock<Vec<&'static FaceInfo>> = LazyLock::new(|| {
     let mut faces: Vec<&FaceInfo> = SYSTEM.faces().collect();
-    faces.sort_by_cached_key(|face| plainness(face));
+    faces.sort_by_cached_key(|face| preference_key(face));
     faces
 });
 
-/// As few fonts of the system as have these characters, of those that any has. For each character it is the plainest:
-/// upright, regular and sans-serif if there is one. The first call reads the names of all fonts, which takes a fraction of a
-/// second.
+/// For each character, the preferred system font that has an outline for it, without duplicates; characters that no font has
+/// are skipped. Upright, regular, proportional and sans-serif fonts are preferred, in this order. The first call reads the
+/// names of all fonts, which takes a fraction of a second.
 #[must_use]
 pub fn system_fonts_with(characters: &[char]) -> Vec<SystemFont> {
     let mut faces: Vec<&FaceInfo> = Vec::new();
@@ -70,10 +70,9 @@ fn system_face_with(character: char) -> Option<&'static FaceInfo> {
     })
 }
 
-/// Sorts upright before slanted faces, then regular before other weights, proportional before
-/// monospaced, sans-serif before other families; then by name,
-/// so that the order in which the system lists its fonts does not matter.
-fn plainness(face: &FaceInfo) -> (bool, u16, bool, bool, String) {
+/// Sort key: upright first, then the weight nearest to regular, then proportional, then families whose name contains "Sans";
+/// then by name, so that the order in which the system lists its fonts does not matter.
+fn preference_key(face: &FaceInfo) -> (bool, u16, bool, bool, String) {
     (
         face.style != Style::Normal,
         face.weight.0.abs_diff(400),
@@ -112,6 +111,11 @@ mod tests {
 
     #[test]
     fn every_system_font_that_is_returned_has_the_character() {
+        // Without system fonts there is nothing to return; if one has an A, it must be found.
+        let has_a = |face: &FaceInfo| {
+            SYSTEM.with_face_data(face.id, |data, index| has_outline(data, index, 'A')) == Some(true)
+        };
+        assert_eq!(system_fonts_with(&['A']).len(), usize::from(SYSTEM.faces().any(has_a)));
         for character in ['A', 'я', '迷', '\u{f8ff}'] {
             for font in system_fonts_with(&[character]) {
                 assert!(has_outline(&font.data, font.index, character), "{character}: {}", font.name);

@@ -1,5 +1,4 @@
-//! The backup of the scenario editor: a copy of unsaved changes, a few seconds old, in case the app ends in a way that it
-//! cannot control.
+//! The backup of the scenario editor: a copy of unsaved changes, a few seconds old, in case the app crashes or is killed.
 //!
 //! In: the editor. Out: a file (in a browser, an entry in its storage), which is deleted as soon as the changes are saved or
 //! discarded; and the newest backup of an earlier session, which the app offers to restore.
@@ -11,6 +10,8 @@
 
 #[cfg_attr(target_arch = "wasm32", path = "browser_store.rs")]
 mod store;
+#[cfg(all(test, not(target_arch = "wasm32")))]
+mod tests;
 
 use std::path::Path;
 use std::sync::Arc;
@@ -33,7 +34,7 @@ use store::{FoundBackup, Store};
 /// The interval between two backups of the same document.
 const INTERVAL: Duration = Duration::from_secs(10);
 
-/// A backup has the scenario twice: as edited, and as it is in its file.
+/// A backup has the scenario twice, as edited and as it is in its file. The third part is for the deeper indentation.
 const MAX_BACKUP_BYTES: u64 = 3 * MAX_FILE_BYTES;
 
 /// The contents of a backup.
@@ -66,24 +67,26 @@ impl Backup {
 pub struct EditorBackup {
     /// `None` if nothing is backed up.
     store: Option<Store>,
-    every: Duration,
-    /// The scenario in this session's backup, and when it was written; `None` without a backup.
-    written: Option<(Arc<Scenario>, Instant)>,
+    interval: Duration,
+    /// The scenario in this session's backup; `None` without a backup.
+    written: Option<Arc<Scenario>>,
+    /// When a backup was last written, successfully or not; `None` without unsaved changes.
+    last_attempt: Option<Instant>,
     has_failed: bool,
     /// The backup to offer.
     found: Option<FoundBackup>,
 }
 
 impl EditorBackup {
-    /// Backups next to the autosaves of the training; without `options`, none. Deletes the oldest ones of earlier sessions, and
-    /// offers the newest.
+    /// Opens the backup folder inside the autosave folder; disabled without `options`. Deletes old backups and offers the
+    /// newest.
     pub(super) fn new(options: Option<&AutosaveOptions>) -> Self {
         let Some(options) = options else { return Self::default() };
         let folder = options.folder.join("editor");
         Self {
             found: store::find(&folder),
             store: Some(Store::new(&folder)),
-            every: options.every.min(INTERVAL),
+            interval: options.every.min(INTERVAL),
             ..Self::default()
         }
     }
@@ -94,20 +97,23 @@ impl EditorBackup {
         Some(UnsavedEdits { scenario: found.backup.edited.name.clone(), age_s: found.age_s() })
     }
 
-    /// Withdraws the offer. The backup stays until it is among the oldest.
+    /// Hides the offer; the backup file stays until newer ones displace it.
     pub(super) fn dismiss(&mut self) {
         self.found = None;
     }
 
     fn write(&mut self, editor: &Editor) -> Result<(), RunError> {
         let Some(store) = &mut self.store else { return Ok(()) };
-        self.written = Some((editor.scenario().clone(), Instant::now()));
+        self.last_attempt = Some(Instant::now());
         let text = to_ron(&Backup::of(editor)).map_err(|error| RunError::Failed(error.to_string()))?;
-        store.write(&text)
+        store.write(&text)?;
+        self.written = Some(editor.scenario().clone());
+        Ok(())
     }
 
     fn delete(&mut self) {
-        if self.written.take().is_some()
+        self.written = None;
+        if self.last_attempt.take().is_some()
             && let Some(store) = &mut self.store
         {
             store.delete();
@@ -116,9 +122,9 @@ impl EditorBackup {
 }
 
 /// Backs up what has changed in the editor, when it is time; deletes the backup once nothing is unsaved.
-pub(super) fn run(world: &mut World) {
-    let every = world.resource::<EditorBackup>().every;
-    if let Err(error) = back_up(world, every)
+pub(super) fn back_up_if_due(world: &mut World) {
+    let interval = world.resource::<EditorBackup>().interval;
+    if let Err(error) = back_up(world, interval)
         && !std::mem::replace(&mut world.resource_mut::<EditorBackup>().has_failed, true)
     {
         let error = error.to_string();
@@ -128,23 +134,25 @@ pub(super) fn run(world: &mut World) {
     }
 }
 
-/// Backs up what has changed in the editor, if the last backup is older than `after`.
-fn back_up(world: &mut World, after: Duration) -> Result<(), RunError> {
+/// Backs up what has changed in the editor, if the last attempt is at least `interval` ago.
+fn back_up(world: &mut World, interval: Duration) -> Result<(), RunError> {
     world.resource_scope(|world, mut backup: Mut<EditorBackup>| {
         let editor = world.resource::<CurrentViewState>().0.editor.as_deref();
         let Some(editor) = editor.filter(|editor| editor.has_unsaved_changes()) else {
             backup.delete();
             return Ok(());
         };
-        match &backup.written {
-            Some((scenario, _)) if Arc::ptr_eq(scenario, editor.scenario()) => Ok(()),
-            Some((_, since)) if since.elapsed() < after => Ok(()),
-            _ => backup.write(editor),
+        let is_written =
+            backup.written.as_ref().is_some_and(|written| Arc::ptr_eq(written, editor.scenario()));
+        if is_written || backup.last_attempt.is_some_and(|last| last.elapsed() < interval) {
+            return Ok(());
         }
+        backup.write(editor)
     })
 }
 
-/// Backs up what has changed in the editor, whenever the last backup was. Returns its file, if anything is unsaved.
+/// Backs up what has changed in the editor, regardless of when the last backup was written. Returns its file, if anything is
+/// unsaved.
 ///
 /// # Errors
 /// The file cannot be written.
@@ -164,7 +172,7 @@ pub(super) fn restore(world: &mut World) -> Result<(), RunError> {
     let Backup { from, edited, in_file } = found.backup.clone();
     let (edited, in_file) = (Arc::new(edited), in_file.map(Arc::new));
     state.store = Some(Store::of(found)?);
-    state.written = Some((edited.clone(), Instant::now()));
+    (state.written, state.last_attempt) = (Some(edited.clone()), Some(Instant::now()));
     if let Some(in_file) = &in_file {
         world.resource_mut::<ScenarioSource>().opened_in_editor(from.clone(), in_file.clone());
     }

@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use super::{Backup, MAX_BACKUP_BYTES};
+use crate::app::session::autosave::retention::keep_newest;
 use crate::run::RunError;
 use crate::run::lock::Lock;
 use crate::run::output_file::write_atomic;
 use crate::scenario::read_text_with_limit;
 
-/// The maximum number of backups, and of earlier ones that are kept.
+/// The maximum number of backups.
 const MAX_BACKUPS: usize = 1000;
-const MAX_KEPT: usize = 3;
 
 /// The backup of this process.
 pub(super) struct Store {
@@ -121,9 +121,6 @@ pub(super) fn find(folder: &Path) -> Option<FoundBackup> {
         .filter(|path| Lock::acquire(path, &lock_path(path)).is_ok())
         .filter_map(read)
         .collect();
-    found.sort_by_key(|backup| std::cmp::Reverse(backup.written));
-    for old in found.drain(MAX_KEPT.min(found.len())..) {
-        delete(&old.path);
-    }
+    keep_newest(&mut found, |backup| backup.written, |backup| delete(&backup.path));
     found.into_iter().next()
 }

@@ -47,12 +47,12 @@ pub(super) fn contrast(
             rows.push(row);
         }
     }
-    let paired = "The difference is that within each seed, where both arms have the same seeds; its interval is Student's \
-                  (otherwise Welch's).";
+    let paired = "If both arms have the same seeds, the difference is paired by seed and its interval is Student's t; \
+                  otherwise it is the difference of means with Welch's interval.";
     let note = format!(
         "{paired} \"held\": the 95 % interval of the difference lies entirely on the side where {better} is better; \
-         \"reversed\": on the other side; \"not shown\": it contains 0. About one in twenty comparisons is held or \
-         reversed by chance."
+         \"reversed\": on the other side; \"not shown\": the interval contains 0. If there were no real differences, \
+         about one comparison in twenty would still be held or reversed."
     );
     Ok(TableParts { columns: columns(measures, (better, than), points), rows, notes: vec![note] })
 }

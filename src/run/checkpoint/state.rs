@@ -139,12 +139,12 @@ impl TrainerState {
                 .map_err(|what| format!("is damaged: arena {number} has an invalid value for {what}"))?;
         }
         let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
-        let TrainingStats { loss, td_error, q, .. } = self.stats;
+        let TrainingStats { loss, td_error, q_value, .. } = self.stats;
         let is_share = |rate: f64| (0.0..=1.0).contains(&rate);
         let milestones = [self.first_96, self.first_99];
         for (what, is_valid) in [
             ("a random stream of exploration", self.exploration.iter().all(random::is_valid)),
-            ("the sums over gradient steps", finite(&[loss, td_error, q])),
+            ("the sums over gradient steps", finite(&[loss, td_error, q_value])),
             ("the means of the last row", self.means.is_none_or(|(a, b, c)| finite(&[a, b, c]))),
             (
                 "the recent returns",

@@ -204,6 +204,9 @@ fn file_stem(path: &str) -> String {
     stem.to_string_lossy().replace(is_unprintable, "_")
 }
 
+/// The paper's epsilon at the start of a transfer (section 3.2).
+pub const PAPER_TRANSFER_EPSILON: f32 = 0.5;
+
 /// The initial policy of a run with knowledge transfer (section 3.2 of the paper).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -31,7 +31,7 @@ use super::preset::Budget;
 use super::write_points::write_point;
 use crate::scenario::to_ron;
 
-pub use config::{RunConfig, Transfer};
+pub use config::{PAPER_TRANSFER_EPSILON, RunConfig, Transfer};
 pub use csv_file::header;
 
 /// The name of the initial policy's file.
@@ -43,7 +43,7 @@ const EXTENSIONS: [&str; 6] = ["ron", "csv", "json", "safetensors", "bin", "svg"
 /// The files that a resumed run replaces or continues.
 #[cfg(not(target_arch = "wasm32"))]
 const REPLACED: [&str; 8] = [
-    "config.ron",
+    RunFolder::CONFIG_FILE,
     "episodes.csv",
     "evaluations.csv",
     "policy.safetensors",
@@ -63,6 +63,12 @@ pub struct RunFolder {
 }
 
 impl RunFolder {
+    /// The path of the configuration in a run folder.
+    pub(crate) const CONFIG_FILE: &str = "config.ron";
+    /// The path of the lock in a run folder.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) const LOCK_FILE: &str = "checkpoint/lock";
+
     /// Creates the folder of a new run. Writes the file of the initial policy, if there is one, and then `config.ron`: a
     /// folder with `config.ron` can be resumed. Without a path the folder is `runs/<scenario>-<preset>-<seed>`, with a number
     /// appended if that exists.
@@ -132,7 +138,7 @@ impl RunFolder {
     pub fn locked(self) -> Result<Self, RunError> {
         #[cfg(not(target_arch = "wasm32"))]
         {
-            let lock = Arc::new(Lock::acquire(&self.path, &self.path.join("checkpoint/lock"))?);
+            let lock = Arc::new(Lock::acquire(&self.path, &self.path.join(Self::LOCK_FILE))?);
             for path in REPLACED.iter().map(|name| self.path.join(name)) {
                 check_entry(&path).map_err(|error| RunError::not_writable(&path, error))?;
             }
@@ -190,7 +196,7 @@ impl RunFolder {
     /// The file cannot be written.
     pub fn write_config(&self, config: &RunConfig) -> Result<(), RunError> {
         let text = to_ron(config).map_err(|error| RunError::failed(&self.config(), error))?;
-        self.write("config.ron", |file| file.write_all(text.as_bytes()))
+        self.write(Self::CONFIG_FILE, |file| file.write_all(text.as_bytes()))
     }
 
     /// Writes the file `name` atomically with `write`.
@@ -218,7 +224,7 @@ impl RunFolder {
     }
 
     fn config(&self) -> PathBuf {
-        self.path.join("config.ron")
+        self.path.join(Self::CONFIG_FILE)
     }
 }
 

@@ -27,7 +27,7 @@ use crate::policy::Policy;
 use crate::scenario::NoteLevel;
 use crate::simulation::{Extensions, Simulation};
 
-/// The default interval between checkpoints. Two more are written at the start and the end.
+/// The default interval between checkpoints. A new run also writes one before its first step; every run writes one at its end.
 pub const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(30);
 
 /// The most notes about doubtful settings that a run prints.
@@ -57,14 +57,14 @@ pub enum Job {
 
 /// Runs `job` until its budget is used up or `stop` is set. Returns the run folder and the summary.
 ///
-/// Checkpoints are written at the start, at the end and at the interval `every`. Wall time is counted from
-/// `began`, the start of the process. Progress is shown on stderr, or passed to `listener` if there is one.
+/// Checkpoints are written at `checkpoint_interval` and at the end; a new run also writes one before its first step. Wall
+/// time is counted from `began`, the start of the process. Progress is shown on stderr, or passed to `listener` if there is one.
 ///
 /// # Errors
 /// A file is invalid or cannot be written, or learning diverged. Earlier checkpoints are kept.
 pub fn train(
     job: Job,
-    every: Duration,
+    checkpoint_interval: Duration,
     stop: &AtomicBool,
     began: Instant,
     listener: Option<ProgressListener>,
@@ -77,17 +77,17 @@ pub fn train(
     };
     run.progress.line(&format!("{}: {}", run.folder.path().display(), run.config.description()));
     run.print_notes();
-    let result = run.steps(every, stop);
+    let result = run.run_until_done(checkpoint_interval, stop);
     // Even after an error: wait for pending evaluations, and keep the rows that were written.
     let evaluated = run.await_evaluations();
     let flushed = run.metrics_writer.flush();
     result.map_err(|error| {
         let folder = run.folder.path().join("checkpoint");
-        RunError::Failed(format!("{error} (the last checkpoint is in {})", folder.display()))
+        error.with_remark(&format!("the last checkpoint is in {}", folder.display()))
     })?;
     evaluated?;
     flushed?;
-    let summary = run.end()?;
+    let summary = run.finish()?;
     Ok((run.folder.path().to_path_buf(), summary))
 }
 
@@ -102,7 +102,7 @@ struct Run {
     began: Instant,
     /// Wall time of earlier processes, in s.
     earlier_s: f64,
-    saved: Instant,
+    last_checkpoint: Instant,
 }
 
 impl Run {
@@ -135,7 +135,7 @@ impl Run {
     }
 
     /// Takes control steps until the budget is used up or `stop` is set.
-    fn steps(&mut self, every: Duration, stop: &AtomicBool) -> Result<(), RunError> {
+    fn run_until_done(&mut self, checkpoint_interval: Duration, stop: &AtomicBool) -> Result<(), RunError> {
         self.submit_if_due()?;
         while remaining(self.config.preset.budget, self.learner()) > 0 && !stop.load(Ordering::Relaxed) {
             let before = (self.learner().episodes(), self.learner().env_steps());
@@ -149,7 +149,7 @@ impl Run {
             while let Some(eval_result) = self.evaluator.poll(false)? {
                 self.record_evaluation(eval_result)?;
             }
-            if self.saved.elapsed() >= every {
+            if self.last_checkpoint.elapsed() >= checkpoint_interval {
                 self.save()?;
             }
             self.show_progress();
@@ -181,8 +181,8 @@ impl Run {
         Ok(())
     }
 
-    /// Saves the current policy if the last step reached a number of episodes or env steps in `save_policy_after`. Before
-    /// the step there were `episodes` and `env_steps`.
+    /// Saves the current policy if the last step reached a number of episodes or env steps in `save_policy_after`.
+    /// `episodes` and `env_steps` are the counts before the step.
     fn save_policy(&self, (episodes, env_steps): (u64, u64)) -> Result<(), RunError> {
         let learner = self.learner();
         let is_reached = |after: &&Budget| match **after {
@@ -250,12 +250,12 @@ impl Run {
             self.metrics_writer.sync()?;
         self.trainer_state.wall_s = self.wall_s();
         checkpoint::save(&self.folder, self.simulation.world_mut(), &mut self.trainer_state)?;
-        self.saved = Instant::now();
+        self.last_checkpoint = Instant::now();
         Ok(())
     }
 
-    /// Tests the best policy of a finished run in episodes that it was not selected by. `None` if there is no such policy, or
-    /// the preset asks for no test.
+    /// Tests the best policy of a finished run on episodes that were not used to select it. `None` if there is no such policy,
+    /// or the preset asks for no test.
     fn final_test(&mut self) -> Result<Option<FinalTest>, RunError> {
         let began = Instant::now();
         let Some(candidate) = final_test::candidate(&self.config, &self.trainer_state)? else {
@@ -270,7 +270,7 @@ impl Run {
     ///
     /// The last evaluation comes after the checkpoint, because a run with a larger budget would not evaluate at this
     /// point, and a resumed run must equal an uninterrupted one.
-    fn end(&mut self) -> Result<Summary, RunError> {
+    fn finish(&mut self) -> Result<Summary, RunError> {
         self.save()?;
         let finished = remaining(self.config.preset.budget, self.learner()) == 0;
         if self.trainer_state.evaluated_at != Some(self.learner().env_steps()) {
@@ -283,9 +283,24 @@ impl Run {
         self.metrics_writer.draw(&self.config)?;
         let final_test = if finished { self.final_test()? } else { None };
 
+        let summary = self.summary(finished, wall_s, final_test)?;
+        let text = serde_json::to_string_pretty(&summary).map_err(|e| RunError::Failed(e.to_string()))?;
+        // The summary comes last: if it exists, the run folder is complete.
+        self.folder.write("summary.json", |file| std::io::Write::write_all(file, text.as_bytes()))?;
+        let how = if finished { "done" } else { "stopped" };
+        self.progress.finish(&format!("{how}: {}", self.folder.path().display()));
+        Ok(summary)
+    }
+
+    fn summary(
+        &self,
+        finished: bool,
+        wall_s: f64,
+        final_test: Option<FinalTest>,
+    ) -> Result<Summary, RunError> {
         let best = self.trainer_state.best.as_ref();
         let learner = self.learner();
-        let summary = Summary {
+        Ok(Summary {
             provenance: Provenance::of(&self.config.scenario),
             scenario: self.config.scenario.name.clone(),
             scenario_from: self.config.scenario_from.clone(),
@@ -303,13 +318,7 @@ impl Run {
             first_96: self.trainer_state.first_96,
             first_99: self.trainer_state.first_99,
             final_test,
-        };
-        let text = serde_json::to_string_pretty(&summary).map_err(|e| RunError::Failed(e.to_string()))?;
-        // The summary comes last: if it exists, the run folder is complete.
-        self.folder.write("summary.json", |file| std::io::Write::write_all(file, text.as_bytes()))?;
-        let how = if finished { "done" } else { "stopped" };
-        self.progress.finish(&format!("{how}: {}", self.folder.path().display()));
-        Ok(summary)
+        })
     }
 }
 

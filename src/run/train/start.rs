@@ -135,7 +135,7 @@ impl Run {
             earlier_s: trainer_state.wall_s,
             trainer_state,
             began,
-            saved: Instant::now(),
+            last_checkpoint: Instant::now(),
             folder,
             config,
         })

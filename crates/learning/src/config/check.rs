@@ -7,7 +7,7 @@ use super::{
 };
 use crate::limits::*;
 use wayfield_policy::NetworkShape;
-use wayfield_policy::range::{above_zero, within};
+use wayfield_policy::range::{above_zero, within, within_above_zero};
 
 impl LearningConfig {
     /// Checks that every value is in range.
@@ -18,8 +18,7 @@ impl LearningConfig {
         NetworkShape::check_hidden(&self.network.hidden)?;
         within("gamma", self.gamma, 0.0..=1.0)?;
         within("n_step", self.n_step, 1..=MAX_N_STEP)?;
-        above_zero("reward_scale", self.reward_scale)?;
-        within("reward_scale", self.reward_scale, 0.0..=MAX_REWARD_SCALE)?;
+        within_above_zero("reward_scale", self.reward_scale, MAX_REWARD_SCALE)?;
         if let Loss::Huber { delta } = self.loss {
             above_zero("loss.delta", delta)?;
         }
@@ -45,10 +44,7 @@ impl LearningConfig {
         within("gradient_steps", self.gradient_steps, 1..=MAX_GRADIENT_STEPS)?;
         match self.target_update {
             TargetUpdate::Hard { every } => within("target_update.every", every, 1..)?,
-            TargetUpdate::Soft { tau } => {
-                above_zero("target_update.tau", tau)?;
-                within("target_update.tau", tau, 0.0..=1.0)?;
-            }
+            TargetUpdate::Soft { tau } => within_above_zero("target_update.tau", tau, 1.0)?,
         }
         self.exploration.check()
     }
@@ -79,8 +75,7 @@ impl Exploration {
     fn check(&self) -> Result<(), ConfigError> {
         let (start, end) = match *self {
             Self::PerEpisode { start, decay, end } => {
-                above_zero("exploration.decay", decay)?;
-                within("exploration.decay", decay, 0.0..=1.0)?;
+                within_above_zero("exploration.decay", decay, 1.0)?;
                 (start, end)
             }
             Self::Linear { start, end, env_steps } => {
@@ -103,16 +98,16 @@ impl Schedule {
                 for (end, value) in [("from", from), ("to", to)] {
                     let field = format!("{field}.{end}");
                     if matches!(self, Self::Exponential { .. }) {
-                        above_zero(&field, value)?;
+                        within_above_zero(&field, value, *range.end())?;
+                    } else {
+                        within(&field, value, range.clone())?;
                     }
-                    within(&field, value, range.clone())?;
                 }
                 within(&format!("{field}.env_steps"), env_steps, 1..)
             }
             Self::Step { from, factor, every_env_steps } => {
                 within(&format!("{field}.from"), from, range)?;
-                above_zero(&format!("{field}.factor"), factor)?;
-                within(&format!("{field}.factor"), factor, 0.0..=1.0)?;
+                within_above_zero(&format!("{field}.factor"), factor, 1.0)?;
                 within(&format!("{field}.every_env_steps"), every_env_steps, 1..)
             }
         }

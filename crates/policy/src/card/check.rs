@@ -27,6 +27,12 @@ impl Card {
         self.inputs.iter().filter_map(|input| input.angle_rad).collect()
     }
 
+    /// The number of inputs that have this `quantity`.
+    #[must_use]
+    pub fn count(&self, quantity: Quantity) -> usize {
+        self.inputs.iter().filter(|input| input.quantity == quantity).count()
+    }
+
     /// The plugin sensors: names and widths.
     #[must_use]
     pub fn sensors(&self) -> Vec<(&str, usize)> {
@@ -90,7 +96,7 @@ impl Card {
                     .into(),
             )
         })?;
-        let beams = self.inputs.iter().filter(|input| input.quantity == Quantity::Range).count();
+        let beams = self.count(Quantity::Range);
         ensure(example.ranges_m.len() == beams, || {
             format!("has an example with {} ranges, but {beams} beams", example.ranges_m.len())
         })?;

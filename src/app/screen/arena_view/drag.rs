@@ -21,21 +21,21 @@ pub fn tooltip(object: Movable) -> &'static str {
     }
 }
 
-/// Starts, continues or ends the drag in the view of arena `index`. Returns the drag in progress there, if
-/// any.
+/// Starts, continues or ends the drag in the view of arena `index`. Returns the drag in progress
+/// there, once the pointer has moved.
 pub fn update(
     ui: &Ui,
     response: &Response,
     transform: &ViewTransform,
-    view: &ScreenInput<'_>,
+    input: &ScreenInput<'_>,
     index: usize,
     drag: &mut Option<ActiveDrag>,
     commands: &mut Vec<Command>,
 ) -> Option<ActiveDrag> {
-    let scene = view.scene;
+    let scene = input.scene;
     let arena = scene.arenas.get(index)?;
-    if response.is_pointer_button_down_on() && ui.input(|input| input.pointer.any_pressed()) {
-        let pressed = ui.input(|input| input.pointer.press_origin());
+    if response.is_pointer_button_down_on() && ui.input(|state| state.pointer.any_pressed()) {
+        let pressed = ui.input(|state| state.pointer.press_origin());
         *drag = pressed.and_then(|at| {
             let object = hit_test(transform, scene, arena, at)?;
             let (centre, grabbed) = (centre_of(object, arena)?, transform.to_world(at));
@@ -55,8 +55,8 @@ pub fn update(
     active.rejection = check_move(&move_context(scene, arena), active.object, active.to_m.into()).err();
     // Unless paused, the robot would drive away from a resting pointer, and a reached goal would be replaced:
     // send a command in every frame.
-    let drifts = !view.status.paused && !matches!(active.object, Movable::Obstacle(_));
-    let pointer_moved = ui.input(|input| input.pointer.delta() != egui::Vec2::ZERO);
+    let drifts = !input.status.paused && !matches!(active.object, Movable::Obstacle(_));
+    let pointer_moved = ui.input(|state| state.pointer.delta() != egui::Vec2::ZERO);
     if active.rejection.is_none() && (pointer_moved || drifts) {
         let request = MoveRequest { arena: index, object: active.object, to_m: active.to_m.into() };
         commands.push(Command::Move(request));

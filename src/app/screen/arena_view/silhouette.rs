@@ -25,7 +25,7 @@ pub enum Silhouette {
     Obstacle {
         /// The shape.
         shape: Shape,
-        /// The pose.
+        /// The pose: x and y in m, rotation in rad, counterclockwise.
         pose: ObstaclePose,
     },
 }
@@ -70,13 +70,13 @@ impl Silhouette {
     }
 }
 
-/// Draws `outline` unless it is out of view or too small to see.
-pub fn draw(canvas: &Canvas, outline: &Silhouette, fill: Color32, edge: Stroke) {
-    let bounds = outline.screen_rect(canvas).expand(edge.width);
+/// Draws `silhouette` unless it is out of view or too small to see.
+pub fn draw(canvas: &Canvas, silhouette: &Silhouette, fill: Color32, edge: Stroke) {
+    let bounds = silhouette.screen_rect(canvas).expand(edge.width);
     if !(bounds.intersects(canvas.painter.clip_rect()) && bounds.size().max_elem() > 0.6) {
         return;
     }
-    match outline {
+    match silhouette {
         Silhouette::Disc { at_m, radius_m } => disc(canvas, *at_m, *radius_m, fill, edge),
         Silhouette::Obstacle { shape, pose } => draw_shape(canvas, shape, *pose, fill, edge),
     }
@@ -98,9 +98,9 @@ fn draw_shape(canvas: &Canvas, shape: &Shape, pose: ObstaclePose, fill: Color32,
     }
 }
 
-/// Draws a closed line `width` points wide along the outside of a polygon.
-pub fn draw_closed_line(canvas: &Canvas, counterclockwise: &[math::Vec2], width: f32, color: Color32) {
-    let mut points = on_screen(canvas, counterclockwise);
+/// Draws a closed line `width` points wide along the outside of a polygon with these corners, in m, counterclockwise.
+pub fn draw_closed_line(canvas: &Canvas, corners_m: &[math::Vec2], width: f32, color: Color32) {
+    let mut points = on_screen(canvas, corners_m);
     points.reverse();
     canvas.painter.add(Mark::closed_line(points, PathStroke::new(width, color).outside()));
 }

@@ -1,4 +1,4 @@
-//! The editor's panel, from top to bottom: header, items to add, inspector, problems, actions.
+//! The editor's panel, from top to bottom: header, items to add, inspector, diagnostics, actions.
 //!
 //! In: the session's state and the [`Editor`] of the view state. Out: the editor's changes and commands.
 
@@ -12,10 +12,10 @@ use crate::app::screen::input::ScreenInput;
 use crate::app::screen::theme::GAP;
 use crate::app::view_state::ViewState;
 
-/// A panel at least this high keeps problems and actions visible below the rest, in points.
+/// A panel at least this high keeps diagnostics and actions visible below the rest, in points.
 const TALL: f32 = 560.0;
-/// Height of the list of problems in a tall panel, as a fraction of the window.
-const PROBLEMS_HEIGHT: f32 = 0.16;
+/// Maximum height of the list of diagnostics in a tall panel, as a fraction of the app's height.
+const MAX_DIAGNOSTICS_HEIGHT: f32 = 0.16;
 
 /// Shows the panel.
 pub fn panel_ui(
@@ -31,9 +31,9 @@ pub fn panel_ui(
     let mut action = None;
     let tall = ui.available_height() >= TALL;
     if tall {
-        let foot = Panel::bottom("editor foot").resizable(false).frame(inner);
-        foot.show(ui, |ui| {
-            let max_height = ui.ctx().content_rect().height() * PROBLEMS_HEIGHT;
+        let footer = Panel::bottom("editor footer").resizable(false).frame(inner);
+        footer.show(ui, |ui| {
+            let max_height = ui.ctx().content_rect().height() * MAX_DIAGNOSTICS_HEIGHT;
             let list = ScrollArea::vertical().id_salt("diagnostics").max_height(max_height);
             list.show(ui, |ui| diagnostics::diagnostics_ui(ui, editor, interaction));
             action = actions::actions_ui(ui, input, editor, interaction, commands);
@@ -60,8 +60,8 @@ pub fn panel_ui(
     }
 }
 
-/// Finishes the drawing before the scenario is applied. Returns the command that applies it; `None` if the action is to
-/// close the editor or the scenario cannot be applied.
+/// Withdraws the question whether to restart, and finishes an unfinished drawing before the scenario is applied. Returns the
+/// command that applies it; `None` if the action is to close the editor or the scenario cannot be applied.
 fn prepare(
     action: Action,
     input: &ScreenInput<'_>,
@@ -84,7 +84,7 @@ fn prepare(
     (!blocked).then_some(command)
 }
 
-/// Leaves the editor, with the command if there is one.
+/// Closes the editor: asks first on `Close`, otherwise sends `command`; does nothing if the action is blocked.
 fn perform(
     action: Action,
     command: Option<Command>,

@@ -36,7 +36,7 @@ fn content_ui(ui: &mut Ui, view: &ScreenInput<'_>, view_state: &mut ViewState, c
         separator_ui(ui);
     }
     tested_policy::tested_policy_ui(ui, view.status, commands);
-    let mut setup_form = SetupForm::resume(view_state.interaction.setup_form.take(), view.status);
+    let mut setup_form = SetupForm::keep_or_reset(view_state.interaction.setup_form.take(), view.status);
     training::training_ui(ui, view.status, &mut setup_form, commands);
     view_state.interaction.setup_form = Some(setup_form);
     separator_ui(ui);

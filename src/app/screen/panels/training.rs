@@ -31,8 +31,8 @@ pub fn training_ui(ui: &mut Ui, status: &AppSnapshot, form: &mut SetupForm, comm
     if has_opened && !is_other_scenario {
         epsilon_ui(ui, form);
     }
-    // A question no longer applies without the button that asked it.
-    form.withdraw_question(|asked| match asked {
+    // A confirmation is obsolete without the button that asked for it.
+    form.cancel_confirmation(|command| match command {
         Command::Transfer { policy: PolicySource::Opened, .. } => !has_opened,
         Command::Transfer { .. } => !is_other_scenario,
         _ => false,

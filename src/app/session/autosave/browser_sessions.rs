@@ -35,9 +35,6 @@ pub(super) fn find(_: &Path) -> Vec<FoundSession> {
     note.map(FoundSession).into_iter().collect()
 }
 
-/// The page deletes old autosaves itself.
-pub(super) fn delete_old(_: &mut Vec<FoundSession>) {}
-
 /// What the page has reported.
 struct PageReports {
     /// Whether the training should be saved soon: the user may be about to leave.

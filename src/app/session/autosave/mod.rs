@@ -10,12 +10,15 @@
 //! | `background.rs` | an autosave that is being written |
 //! | `slot.rs` | the folder of one training's autosave |
 //! | `sessions.rs` | autosaves of earlier sessions: which to offer, which to delete |
+//! | `retention.rs` | how many autosaves and editor backups of earlier sessions are kept |
 //! | `latest.rs` | the current autosave, in words, for a process that ends unexpectedly |
 //! | `browser_*.rs` | the same in a browser, where the page stores the files |
 
 #[cfg_attr(target_arch = "wasm32", path = "browser_background.rs")]
 mod background;
 pub mod latest;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod retention;
 #[cfg_attr(target_arch = "wasm32", path = "browser_sessions.rs")]
 mod sessions;
 #[cfg_attr(target_arch = "wasm32", path = "browser_slot.rs")]
@@ -122,8 +125,7 @@ impl Autosave {
     /// Autosaves with these options; `None` saves nothing. Deletes the oldest autosaves of earlier sessions, and with `offer`
     /// offers the newest.
     pub(super) fn new(options: Option<AutosaveOptions>, offer: bool) -> Self {
-        let mut found = options.as_ref().map(|options| sessions::find(&options.folder)).unwrap_or_default();
-        sessions::delete_old(&mut found);
+        let found = options.as_ref().map(|options| sessions::find(&options.folder)).unwrap_or_default();
         Self {
             slot: options.as_ref().map(|options| Slot::new(&options.folder)),
             last_session: found.into_iter().next().filter(|_| offer),

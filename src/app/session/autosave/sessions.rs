@@ -1,6 +1,7 @@
 //! Autosaves of earlier sessions.
 //!
-//! In: the folder of all autosaves. Out: those that no running process uses, newest first; of these, old ones are deleted.
+//! In: the folder of all autosaves. Out: the newest ones that no running process uses. Older ones are deleted, and unfinished
+//! ones that were abandoned.
 
 use std::fs;
 use std::io;
@@ -9,29 +10,28 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use serde::{Deserialize, Serialize};
 
+use super::retention::keep_newest;
 use crate::app::app_snapshot::LastSession;
 use crate::app::session::run_snapshot::RunSnapshot;
+use crate::run::folder::RunFolder;
 use crate::run::lock::Lock;
 use crate::scenario::read_ron;
 
-/// The file in an autosave that describes it. Other run folders do not have it.
-pub(super) const NOTE: &str = "autosave.ron";
+/// The file in an autosave with its metadata. Other run folders do not have it.
+pub(super) const METADATA_FILE: &str = "autosave.ron";
 
 /// The prefix of autosaves that are being written.
 pub(super) const TEMPORARY: &str = ".saving-";
 
-/// Number of autosaves that are kept, apart from those of running sessions.
-const MAX_KEPT: usize = 3;
-
-/// Number of folder entries that are looked at.
+/// Number of folder entries that are read.
 const MAX_ENTRIES: usize = 1000;
 
 /// An unfinished autosave of this age was left by a process that was killed.
 const ABANDONED_AFTER: Duration = Duration::from_secs(600);
 
-/// The description of an autosave.
+/// The metadata of an autosave.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct SessionNote {
+pub(super) struct AutosaveMetadata {
     /// The scenario's name.
     scenario: String,
     /// The preset's title.
@@ -42,8 +42,8 @@ pub(super) struct SessionNote {
     saved_unix_s: u64,
 }
 
-impl SessionNote {
-    /// The description of an autosave that is written now.
+impl AutosaveMetadata {
+    /// The metadata of an autosave that is written now.
     pub(super) fn new(snapshot: &RunSnapshot) -> Self {
         let LastSession { scenario, preset, seed, env_steps, .. } = snapshot.describe();
         Self { scenario, preset, seed, env_steps, saved_unix_s: now_unix_s() }
@@ -58,18 +58,19 @@ fn now_unix_s() -> u64 {
 #[derive(Clone, Debug)]
 pub(super) struct FoundSession {
     pub(super) path: PathBuf,
-    note: SessionNote,
+    metadata: AutosaveMetadata,
 }
 
 impl FoundSession {
     /// The session as plain data to show.
     pub(super) fn describe(&self) -> LastSession {
-        let SessionNote { scenario, preset, seed, env_steps, saved_unix_s } = self.note.clone();
+        let AutosaveMetadata { scenario, preset, seed, env_steps, saved_unix_s } = self.metadata.clone();
         LastSession { scenario, preset, seed, env_steps, age_s: now_unix_s().saturating_sub(saved_unix_s) }
     }
 }
 
-/// The autosaves in `root` that no process is using, newest first.
+/// The newest autosaves in `root` that no process is using, newest first. Deletes older ones, and those that killed processes
+/// left unfinished.
 pub(super) fn find(root: &Path) -> Vec<FoundSession> {
     let entries = fs::read_dir(root).into_iter().flatten().flatten().take(MAX_ENTRIES);
     let (unfinished, saved): (Vec<_>, Vec<_>) =
@@ -77,11 +78,13 @@ pub(super) fn find(root: &Path) -> Vec<FoundSession> {
     delete_abandoned(&unfinished);
     let mut found: Vec<FoundSession> = saved
         .into_iter()
-        .filter(|path| path.join("config.ron").exists())
-        .filter_map(|path| Some(FoundSession { note: read_ron(path.join(NOTE)).ok()?, path }))
+        .filter(|path| path.join(RunFolder::CONFIG_FILE).exists())
+        .filter_map(|path| Some(FoundSession { metadata: read_ron(path.join(METADATA_FILE)).ok()?, path }))
         .filter(|session| is_unused(&session.path))
         .collect();
-    found.sort_by_key(|session| std::cmp::Reverse(session.note.saved_unix_s));
+    // One that cannot be deleted does no harm.
+    let delete = |session: FoundSession| drop(fs::remove_dir_all(session.path));
+    keep_newest(&mut found, |session| session.metadata.saved_unix_s, delete);
     found
 }
 
@@ -91,15 +94,7 @@ fn is_temporary(path: &Path) -> bool {
 
 /// Whether no process has locked the run folder at `path`.
 fn is_unused(path: &Path) -> bool {
-    Lock::acquire(path, &path.join("checkpoint/lock")).is_ok()
-}
-
-/// Deletes all but the newest autosaves, and removes them from `found`.
-pub(super) fn delete_old(found: &mut Vec<FoundSession>) {
-    for session in found.drain(MAX_KEPT.min(found.len())..) {
-        // One that cannot be deleted does no harm.
-        let _ = fs::remove_dir_all(session.path);
-    }
+    Lock::acquire(path, &path.join(RunFolder::LOCK_FILE)).is_ok()
 }
 
 /// Deletes what killed processes left unfinished.

@@ -8,7 +8,7 @@ use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use super::latest;
-use super::sessions::{NOTE, SessionNote, TEMPORARY};
+use super::sessions::{AutosaveMetadata, METADATA_FILE, TEMPORARY};
 use crate::app::session::run_snapshot::RunSnapshot;
 use crate::run::RunError;
 use crate::run::folder::RunFolder;
@@ -66,8 +66,10 @@ impl Slot {
         let written = temporary.path().join("run");
         let earlier = self.path().filter(|_| self.known_bytes > 0).map(Path::to_path_buf);
         snapshot.write(&written, earlier)?;
-        let note = to_ron(&SessionNote::new(snapshot)).map_err(|error| RunError::failed(&written, error))?;
-        write_atomic(&written.join(NOTE), |file| file.write_all(note.as_bytes())).map_err(failed)?;
+        let metadata =
+            to_ron(&AutosaveMetadata::new(snapshot)).map_err(|error| RunError::failed(&written, error))?;
+        write_atomic(&written.join(METADATA_FILE), |file| file.write_all(metadata.as_bytes()))
+            .map_err(failed)?;
         let path = self
             .path()
             .map_or_else(|| unused_path(&self.root, &snapshot.config.run_name()), Path::to_path_buf);
