@@ -29,8 +29,8 @@ pub struct ReproduceArgs {
     #[arg(long, value_name = "SEEDS", value_parser = values::seeds, allow_negative_numbers = true)]
     seeds: Option<Seeds>,
 
-    /// Make a rough report in a minute: two seeds, a tenth of the episodes [default folder: runs/reproduce-quick]; a
-    /// full report is never overwritten
+    /// Make a rough report in a minute: at most two seeds, a tenth of the episodes or env steps [default folder:
+    /// runs/reproduce-quick, runs/reproduce-<experiment>-quick]; a full report is never overwritten
     #[arg(long)]
     quick: bool,
 
