@@ -537,7 +537,7 @@ fn an_arm_can_be_tested_with_its_best_policy() {
         )"#,
     );
     let done = workspace.run_ok("--reproduce --experiment best.ron --out best");
-    assert!(done.stdout.contains("(1 runs"), "{}", done.stdout);
+    assert!(done.stdout.contains("(1 run,"), "{}", done.stdout);
     assert!(workspace.text("best/tables/t.md").contains("fast"));
 }
 

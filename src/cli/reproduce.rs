@@ -11,6 +11,7 @@ use super::output::{print_json, print_stdout};
 use super::shared::SharedArgs;
 use super::train::SAVING;
 use super::values;
+use crate::report::format::counted;
 use crate::reproduce::{ReproduceOptions, Reproduction, Seeds, Shard, reproduce};
 use crate::run::RunError;
 use crate::run::settings::Settings;
@@ -115,7 +116,8 @@ impl ReproductionReport {
             (None, Some(shard)) => (format!("part {shard}"), &self.folder),
             (report, _) => ("report".to_owned(), report.as_ref().unwrap_or(&self.folder)),
         };
-        let _ = writeln!(text, "{what:<11} {path} ({} runs, {minutes:.1} minutes)", self.runs);
+        let _ =
+            writeln!(text, "{what:<11} {path} ({}, {minutes:.1} minutes)", counted(self.runs as f64, "run"));
         text
     }
 }
