@@ -17,7 +17,7 @@ pub struct ReproduceOptions {
     pub seeds: Option<Seeds>,
     /// Settings of all stages, after the experiments' own.
     pub settings: Settings,
-    /// Whether to run a short version with a tenth of the episodes.
+    /// Whether to run a short version with a tenth of the training.
     pub quick: bool,
     /// The report's folder, instead of the default one.
     pub out: Option<PathBuf>,
