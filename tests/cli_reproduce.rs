@@ -182,11 +182,10 @@ fn an_experiment_gives_a_report_and_finished_runs_are_not_repeated() {
         assert!(config.contains("gamma: 0.5,"), "{config}");
     }
 
-    // A part of the experiment with fewer seeds needs no new runs.
-    let json =
-        workspace.run_ok("--reproduce --experiment mine/own.ron --out one --only clock --seeds 1 --json");
+    // A part of the experiment needs no new runs.
+    let json = workspace.run_ok("--reproduce --experiment mine/own.ron --out one --only clock --json");
     let json: serde_json::Value = serde_json::from_str(&json.stdout).unwrap();
-    assert_eq!((json["runs"].as_u64(), json["claims"].as_array().unwrap().len()), (Some(3), 0));
+    assert_eq!((json["runs"].as_u64(), json["claims"].as_array().unwrap().len()), (Some(6), 0));
     assert_eq!(finished_at(&workspace.path("one")), before, "no run was repeated");
 }
 
@@ -538,7 +537,7 @@ fn an_arm_can_be_tested_with_its_best_policy() {
         )"#,
     );
     let done = workspace.run_ok("--reproduce --experiment best.ron --out best");
-    assert!(done.stdout.contains("(1 runs"), "{}", done.stdout);
+    assert!(done.stdout.contains("(1 run,"), "{}", done.stdout);
     assert!(workspace.text("best/tables/t.md").contains("fast"));
 }
 
@@ -738,6 +737,40 @@ fn a_quick_report_never_replaces_a_full_one() {
     workspace.run_ok(&format!("{command} --seeds 1").replace("--out report", "--out sketch"));
     let done = workspace.run(&format!("{command} --quick").replace("--out report", "--out sketch"));
     assert_eq!(done.status, Some(2), "{}", done.stderr);
+}
+
+#[test]
+fn a_full_report_is_never_replaced_by_one_of_other_experiments_or_fewer_seeds() {
+    let workspace = workspace();
+    workspace.write("mine/other.ron", OWN);
+    fs::create_dir(workspace.path("twin")).unwrap();
+    workspace.write("twin/own.ron", OWN.replace("per.ron", "../mine/per.ron"));
+    let command = "--reproduce --experiment mine/own.ron --only times";
+    workspace.run_ok(command);
+    let folder = "runs/reproduce-own";
+    let full = whole_report(&workspace, folder);
+    for (refused, message) in [
+        (
+            format!("{command} --seeds 1"),
+            "holds a full report with 2 seeds of own, which one with 1 would replace",
+        ),
+        (
+            format!("--reproduce --experiment mine/other.ron --out {folder}"),
+            "own.ron, which this one would replace",
+        ),
+        ("--reproduce --experiment twin/own.ron".to_owned(), "own.ron, which this one would replace"),
+        (format!("--reproduce --out {folder}"), "own.ron, which this one would replace"),
+    ] {
+        let done = workspace.run(&refused);
+        assert_eq!((done.status, done.stdout.as_str()), (Some(2), ""), "{refused}: {}", done.stderr);
+        assert!(done.stderr.contains(message), "{refused}: {}", done.stderr);
+        assert!(done.stderr.contains("help: choose another folder with --out"), "{refused}: {}", done.stderr);
+        assert!(whole_report(&workspace, folder) == full, "{refused}: the report is as it was");
+    }
+    // More seeds may replace it, and so may the same experiment after its folder was moved.
+    workspace.run_ok(&format!("{command} --seeds 3"));
+    fs::rename(workspace.path("mine"), workspace.path("moved")).unwrap();
+    workspace.run_ok("--reproduce --experiment moved/own.ron --only times --seeds 3");
 }
 
 /// All shipped experiments, in the quick version.

@@ -11,6 +11,7 @@ use super::output::{print_json, print_stdout};
 use super::shared::SharedArgs;
 use super::train::SAVING;
 use super::values;
+use crate::report::format::counted;
 use crate::reproduce::{ReproduceOptions, Reproduction, Seeds, Shard, reproduce};
 use crate::run::RunError;
 use crate::run::settings::Settings;
@@ -29,8 +30,8 @@ pub struct ReproduceArgs {
     #[arg(long, value_name = "SEEDS", value_parser = values::seeds, allow_negative_numbers = true)]
     seeds: Option<Seeds>,
 
-    /// Make a rough report in a minute: two seeds, a tenth of the episodes [default folder: runs/reproduce-quick]; a
-    /// full report is never overwritten
+    /// Make a rough report in a minute: at most two seeds, a tenth of the episodes or env steps [default folder:
+    /// runs/reproduce-quick, runs/reproduce-<experiment>-quick]; a full report is never overwritten
     #[arg(long)]
     quick: bool,
 
@@ -115,7 +116,8 @@ impl ReproductionReport {
             (None, Some(shard)) => (format!("part {shard}"), &self.folder),
             (report, _) => ("report".to_owned(), report.as_ref().unwrap_or(&self.folder)),
         };
-        let _ = writeln!(text, "{what:<11} {path} ({} runs, {minutes:.1} minutes)", self.runs);
+        let _ =
+            writeln!(text, "{what:<11} {path} ({}, {minutes:.1} minutes)", counted(self.runs as f64, "run"));
         text
     }
 }

@@ -39,7 +39,8 @@ pub struct SharedArgs {
     pub episodes: Option<u64>,
 
     /// The output folder. With --train: a new run folder [default: runs/<scenario>-<preset>-<seed>, with -2, -3, ...
-    /// appended if that exists]. With --reproduce: the report's folder, continued if it already holds a report [default: runs/reproduce]
+    /// appended if that exists]. With --reproduce: the report's folder, continued if it already holds a report, but not of other experiments or more seeds
+    /// [default: runs/reproduce; with --experiment: runs/reproduce-<experiment>]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 

@@ -10,7 +10,7 @@ use super::claim::Claim;
 use super::measure::Measure;
 use super::measured_value::ArmValues;
 use crate::report::claim::{ClaimOutcome, ClaimResult};
-use crate::report::format::number;
+use crate::report::format::{counted, number};
 use crate::report::statistics::{Estimate, SMALL_SAMPLE, difference, paired_difference};
 
 /// The comparison of two arms.
@@ -70,7 +70,7 @@ pub fn claim_result(
     let mut sentence = numbers(claim, (better, than), window, comparison);
     sentence += ". ";
     sentence += conclusion(comparison, (better, than));
-    sentence += &little(better.seeds.len().min(than.seeds.len()));
+    sentence += &little(better.seeds.len().min(than.seeds.len()), comparison.outcome);
     for (name, values) in [(&claim.better, better), (&claim.than, than)] {
         let bounds = values.bounds();
         if bounds > 0 {
@@ -97,10 +97,13 @@ pub fn claim_result(
 }
 
 /// What a small number of seeds says, after a conclusion.
-fn little(seeds: usize) -> String {
-    match seeds {
-        0 | 1 | SMALL_SAMPLE.. => String::new(),
-        n => format!(" n = {n} says little."),
+fn little(seeds: usize, outcome: ClaimOutcome) -> String {
+    match (seeds, outcome) {
+        (0 | 1 | SMALL_SAMPLE.., _) => String::new(),
+        (n, ClaimOutcome::NotShown) => format!(" n = {n} says little."),
+        (n, ClaimOutcome::Held | ClaimOutcome::Reversed) => {
+            format!(" With n = {n}, more seeds need to confirm it.")
+        }
     }
 }
 
@@ -122,8 +125,8 @@ fn numbers(
     };
     let is_time_to = matches!(measure, Measure::EpisodesTo(_) | Measure::StepsTo(_));
     let of_episodes = match window.filter(|_| !measure.needs_test()) {
-        Some(window) if is_time_to => format!(" (moving mean over {window} episodes)"),
-        Some(window) => format!(" (mean of the last {window} episodes)"),
+        Some(window) if is_time_to => format!(" (moving mean over {})", counted(window as f64, "episode")),
+        Some(window) => format!(" (mean of the last {})", counted(window as f64, "episode")),
         None => String::new(),
     };
     let mut text = format!(
@@ -242,7 +245,7 @@ mod tests {
         assert_eq!(
             result.sentence,
             "Success after 1,000 episodes: A 99.0 ± 2.5\u{a0}%, B 90.0 ± 0.0\u{a0}%; difference +9.0 ± 2.5\u{a0}% (paired \
-             by seed). The claim held. n = 3 says little."
+             by seed). The claim held. With n = 3, more seeds need to confirm it."
         );
         let result = claim_result(&claim(Measure::Goals, 1000), &better, &than, Some(20), "here");
         assert!(

@@ -14,6 +14,7 @@ use super::rows::rows;
 use super::selected::SelectedExperiment;
 use super::{figures, tables};
 use crate::report::claim::ClaimResult;
+use crate::report::format::counted;
 use crate::report::page::{Item, Page, Section, Setting};
 use crate::report::statistics::small_sample_note;
 use crate::run::RunError;
@@ -23,7 +24,7 @@ const PAPER: &str = "Li, Yue, Shangguan, Jin: Navigation of Mobile Robots Based 
                      Function Optimization and Knowledge Transfer. International Journal of Control, Automation and \
                      Systems 21(2), 2023, 563-574, doi 10.1007/s12555-021-0642-7";
 
-const QUICK_WARNING: &str = "this is a quick report (--quick), with a tenth of the episodes and tests. Its numbers \
+const QUICK_WARNING: &str = "this is a quick report (--quick), with a tenth of the training and tests. Its numbers \
                              mean nothing for the claims.";
 
 /// The page of the report.
@@ -67,11 +68,11 @@ fn title_and_lead(
     options: &ReproduceOptions,
 ) -> (String, String) {
     let made = format!(
-        "made by wayfield {} from {} trainings. All policies are tested on starts and goals that they were not trained \
+        "made by wayfield {} from {}. All policies are tested on starts and goals that they were not trained \
          on. All numbers below come from these runs, except those marked as the paper's, and every claim result is \
          computed from them.",
         env!("CARGO_PKG_VERSION"),
-        plan.trainings.len()
+        counted(plan.trainings.len() as f64, "training")
     );
     if options.experiments.is_empty() {
         ("The paper, reproduced".to_string(), format!("Figures and tables of {PAPER}; {made}"))

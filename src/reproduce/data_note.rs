@@ -3,7 +3,7 @@
 use super::results::{ArmIndex, Results};
 use super::rows::{row_name, rows};
 use super::test_point::TestPoint;
-use crate::report::format::number;
+use crate::report::format::counted;
 use crate::run::RunError;
 
 /// Numbers of env steps or episodes that differ by at most this share count as equal.
@@ -33,8 +33,9 @@ pub fn data_note(results: &Results<'_>, index: usize, point: TestPoint) -> Resul
     let measured: Vec<String> = data
         .iter()
         .map(|arm| {
-            let (env_steps, episodes) = (number(arm.env_steps, 0), number(arm.episodes, 0));
-            format!("{} {env_steps} env steps in {episodes} episodes", row_name(results, arm.row))
+            let (env_steps, episodes) =
+                (counted(arm.env_steps, "env step"), counted(arm.episodes, "episode"));
+            format!("{} {env_steps} in {episodes}", row_name(results, arm.row))
         })
         .collect();
     let lead = match data.len() {
@@ -43,7 +44,24 @@ pub fn data_note(results: &Results<'_>, index: usize, point: TestPoint) -> Resul
         _ if are_equal(|arm| arm.episodes) => "Equal numbers of episodes, not of env steps",
         _ => "The arms learned from unequal data",
     };
-    Ok(format!("{lead} (means over the seeds): {}.", measured.join("; ")))
+    let transfers: String = data
+        .iter()
+        .filter(|arm| is_transfer(results, arm.row))
+        .map(|arm| transfer_note(results, arm))
+        .collect();
+    Ok(format!("{lead} (means over the seeds): {}.{transfers}", measured.join("; ")))
+}
+
+/// Whether an arm's runs were trained elsewhere and started from a policy, whose training is unknown.
+fn is_transfer(results: &Results<'_>, row: ArmIndex) -> bool {
+    let mut trainings =
+        results.arm_runs(row).flat_map(|(_, run)| &run.stages).map(|stage| results.training(stage.0));
+    trainings.any(|training| training.elsewhere.is_some() && training.config.transfer.is_some())
+}
+
+fn transfer_note(results: &Results<'_>, arm: &Data) -> String {
+    let name = row_name(results, arm.row);
+    format!(" Each run of {name} started from a trained policy, whose training is not counted.")
 }
 
 fn data(results: &Results<'_>, row: ArmIndex, point: TestPoint) -> Result<Data, RunError> {

@@ -1,5 +1,6 @@
 //! The figures of an experiment, as SVG.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::data_note::{data_note, fewest_seeds};
@@ -10,6 +11,7 @@ use super::policy_test::read_policy;
 use super::records::Windows;
 use super::results::{ArmIndex, Results};
 use super::rows::{row_name, rows};
+use super::seeds::seeds_text;
 use super::test_point::TestPoint;
 use crate::planner::{Resolution, plan_path};
 use crate::report::DrawError;
@@ -49,19 +51,48 @@ pub fn caption(results: &Results<'_>, index: usize, figure: &FigureSpec) -> Resu
     match &figure.draw {
         FigureKind::LearningCurves { over: None, .. } => parts.push(default_axis(results, index).1.into()),
         FigureKind::LearningCurves { .. } => {}
-        FigureKind::DotPlot { after, .. } => {
+        FigureKind::DotPlot { measures, after } => {
+            parts.push(arrow_note(results, index, measures, TestPoint::overall(*after))?.into());
             parts.push(data_note(results, index, TestPoint::overall(*after))?);
             if !figure.claims.is_empty() {
                 parts.push("The claims are about the differences within each seed, which have intervals of their own.".into());
             }
         }
-        FigureKind::BenchmarkRoute { .. } => {}
+        FigureKind::BenchmarkRoute { .. } => parts.push(driven_note(results, index)),
     }
     if !matches!(figure.draw, FigureKind::BenchmarkRoute { .. }) {
         parts.extend(small_sample_note(fewest_seeds(results, index)));
     }
     parts.retain(|part| !part.is_empty());
     Ok(parts.join(" "))
+}
+
+/// What the arrows of a dot plot mean, if it has any.
+fn arrow_note(
+    results: &Results<'_>,
+    index: usize,
+    measures: &[Measure],
+    point: TestPoint,
+) -> Result<&'static str, RunError> {
+    for row in rows(results, index) {
+        for &measure in measures {
+            if results.values(row, measure, point, Windows::default())?.bounds() > 0 {
+                return Ok(
+                    "An arrow: some seeds never reached it and count with a lower bound, so the mean is larger.",
+                );
+            }
+        }
+    }
+    Ok("")
+}
+
+/// Which seeds' policies drive the benchmark route.
+fn driven_note(results: &Results<'_>, index: usize) -> String {
+    let first = |row| results.arm_runs(row).next().map(|(seed, _)| seed);
+    let seeds: BTreeSet<u64> = rows(results, index).into_iter().filter_map(first).collect();
+    let seeds: Vec<u64> = seeds.into_iter().collect();
+    let (of, s) = (seeds_text(&seeds), if seeds.len() == 1 { "" } else { "s" });
+    format!("Each arm is driven by the policy of its first seed (seed{s} {of}).")
 }
 
 fn dot_plot(

@@ -37,12 +37,22 @@ impl LearningCurves<'_> {
             title: self.figure.title.clone(),
             x_label: if self.axis == Axis::Episodes { "episodes" } else { "env steps" }.into(),
             include_x: Vec::new(),
-            mean_label: "smoothed mean".into(),
+            mean_label: self.mean_label().into(),
             band_label: "95 % interval".into(),
             raw_label: "mean of each episode".into(),
             panels: self.series.iter().map(|&series| self.panel(results, index, series)).collect(),
             markers: self.stage_markers(results, index)?,
         })
+    }
+
+    /// What the curves are. Evaluations are not smoothed.
+    fn mean_label(&self) -> &'static str {
+        let evaluations = self.series.iter().filter(|&&series| series == Series::SuccessRate).count();
+        match evaluations {
+            0 if self.smoothing > 1 => "smoothed mean",
+            n if n < self.series.len() && self.smoothing > 1 => "mean (smoothed, except success)",
+            _ => "mean",
+        }
     }
 
     fn panel(&self, results: &Results<'_>, index: usize, series: Series) -> ChartPanel {

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 pub enum Measure {
     /// The share of test episodes that succeed, in percent.
     Success,
-    /// The mean time on the paper's benchmark route over 25 episodes, in s; a failed episode counts as the time limit.
+    /// The mean time on the scenario's benchmark route over 25 episodes, in s; a failed episode counts as the time limit.
     BenchmarkRouteTime,
     /// The mean time of all test episodes, in s; a failed episode counts as the time limit.
     MeanTime,
@@ -23,7 +23,7 @@ pub enum Measure {
     Goals,
     /// Episodes of the last stage until the moving mean over 50 episodes reaches this number of goals per episode.
     EpisodesTo(f64),
-    /// Thousands of environment steps of the last stage until the moving mean reaches this number of goals per episode.
+    /// Thousands of env steps of the last stage until the moving mean reaches this number of goals per episode.
     StepsTo(f64),
 }
 
@@ -39,8 +39,8 @@ impl Measure {
             Self::BoundRatio => "Time / lower bound".into(),
             Self::Return => "Return".into(),
             Self::Goals => "Goals per episode".into(),
-            Self::EpisodesTo(goals) => format!("Episodes to {goals} goals per episode"),
-            Self::StepsTo(goals) => format!("Steps to {goals} goals per episode"),
+            Self::EpisodesTo(goals) => format!("Episodes to {}", goals_per_episode(goals)),
+            Self::StepsTo(goals) => format!("Env steps to {}", goals_per_episode(goals)),
         }
     }
 
@@ -96,4 +96,8 @@ impl Measure {
             _ => None,
         }
     }
+}
+
+fn goals_per_episode(goals: f64) -> String {
+    format!("{goals} goal{} per episode", if goals == 1.0 { "" } else { "s" })
 }

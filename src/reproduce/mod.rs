@@ -14,7 +14,7 @@
 //! | measure | `results.rs`, `records.rs`, `measured_value.rs`, `optimal_times.rs` | numbers from the run folders |
 //! | compare | `claim_result.rs` | whether a claim held |
 //! | present | `rows.rs`, `data_note.rs`, `figures.rs`, `learning_curves.rs`, `tables/`, `compose.rs`, `provenance.rs` | figures, tables and the page |
-//! | write | `report_folder.rs`, `report_files.rs` | the folder and the files of the report |
+//! | write | `report_folder.rs`, `report_contents.rs`, `report_files.rs` | the folder and the files of the report, and which report they may replace |
 
 pub mod arm_run;
 mod check;
@@ -40,6 +40,7 @@ mod provenance;
 mod queue;
 mod quick;
 mod records;
+mod report_contents;
 mod report_files;
 mod report_folder;
 mod results;
@@ -56,7 +57,7 @@ pub mod test_point;
 mod tests;
 mod training_check;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
@@ -97,10 +98,9 @@ pub fn reproduce(
 ) -> Result<Reproduction, RunError> {
     let selected = select::select(options)?;
     let plan = plan::RunPlan::new(&selected)?;
-    let folder = options.out.clone().unwrap_or_else(|| {
-        Path::new("runs").join(if options.quick { "reproduce-quick" } else { "reproduce" })
-    });
-    let report = report_folder::ReportFolder::open(&folder, options.quick, options.shard)?;
+    let folder = options.out.clone().unwrap_or_else(|| options.default_folder());
+    let contents = report_contents::ReportContents::new(options, &selected);
+    let mut report = report_folder::ReportFolder::open(&folder, contents, options.shard)?;
     let runs = report.join("runs");
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
     let jobs = options.jobs.unwrap_or_else(cores);

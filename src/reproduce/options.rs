@@ -1,6 +1,6 @@
 //! The options of `--reproduce`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::seeds::Seeds;
 use super::shard::Shard;
@@ -17,7 +17,7 @@ pub struct ReproduceOptions {
     pub seeds: Option<Seeds>,
     /// Settings of all stages, after the experiments' own.
     pub settings: Settings,
-    /// Whether to run a short version with a tenth of the episodes.
+    /// Whether to run a short version with a tenth of the training.
     pub quick: bool,
     /// The report's folder, instead of the default one.
     pub out: Option<PathBuf>,
@@ -25,4 +25,17 @@ pub struct ReproduceOptions {
     pub shard: Option<Shard>,
     /// The number of runs in parallel, instead of one per core.
     pub jobs: Option<usize>,
+}
+
+impl ReproduceOptions {
+    /// The report's folder if `out` names none: `runs/reproduce`, followed by the names of the user's experiments and
+    /// by `quick` if that applies.
+    #[must_use]
+    pub fn default_folder(&self) -> PathBuf {
+        let mut name = "reproduce".to_owned();
+        for experiment in &self.experiments {
+            name += &format!("-{}", experiment.file_stem().unwrap_or_default().to_string_lossy());
+        }
+        Path::new("runs").join(name + if self.quick { "-quick" } else { "" })
+    }
 }

@@ -5,8 +5,7 @@ use std::collections::BTreeSet;
 use super::plan::{RunPlan, Training};
 use super::results::Results;
 use super::seeds::seeds_text;
-use crate::report::format::number;
-use crate::run::preset::Budget;
+use crate::report::format::counted;
 use crate::run::provenance::{COMMIT, VERSION};
 use crate::scenario::{printable_path, quoted};
 
@@ -14,10 +13,6 @@ use crate::scenario::{printable_path, quoted};
 pub fn provenance(results: &Results<'_>, plan: &RunPlan, jobs: usize, wall_s: f64) -> Vec<(String, String)> {
     let seeds: BTreeSet<u64> = plan.trainings.iter().map(|training| training.config.seed).collect();
     let seeds: Vec<u64> = seeds.into_iter().collect();
-    let episodes = plan.trainings.iter().map(|training| match training.config.preset.budget {
-        Budget::Episodes(n) => n,
-        Budget::EnvSteps(_) => 0,
-    });
     let command: Vec<String> = std::env::args_os().skip(1).map(quoted).collect();
     let entries = [
         ("Version", version()),
@@ -26,10 +21,10 @@ pub fn provenance(results: &Results<'_>, plan: &RunPlan, jobs: usize, wall_s: f6
         (
             "Trainings",
             format!(
-                "{}: {} episodes (trainings with a budget in environment steps not counted), {} environment steps",
+                "{}: {} in {}",
                 plan.trainings.len(),
-                number(episodes.sum::<u64>() as f64, 0),
-                number(results.total_env_steps() as f64, 0)
+                counted(results.total_env_steps() as f64, "env step"),
+                counted(results.total_episodes() as f64, "episode")
             ),
         ),
         ("Machine", machine()),
@@ -37,8 +32,9 @@ pub fn provenance(results: &Results<'_>, plan: &RunPlan, jobs: usize, wall_s: f6
         (
             "Time",
             format!(
-                "{:.1} minutes with {jobs} runs in parallel; {:.1} minutes as the sum of all runs",
+                "{:.1} minutes with {} in parallel; {:.1} minutes as the sum of all runs",
                 wall_s / 60.0,
+                counted(jobs as f64, "run"),
                 results.total_wall_minutes()
             ),
         ),

@@ -1,4 +1,4 @@
-//! The option `--quick`: a short version of an experiment, with a tenth of the episodes and tests, and two seeds.
+//! The option `--quick`: a short version of an experiment, with a tenth of the training and tests, and at most two seeds.
 //!
 //! The results do not test the paper's claims. They show within a minute what the full report looks like, and that every
 //! step works.
@@ -14,16 +14,18 @@ const SHORTER: u64 = 10;
 /// The number of seeds.
 const SEEDS: u64 = 2;
 
+/// The most episodes of an evaluation during training.
+const MAX_EVALUATION_EPISODES: usize = 20;
+
 /// Shortens `experiment`. `budget_of` returns a preset's budget by the preset's name, for stages without their own.
 pub fn make_quick(experiment: &mut Experiment, budget_of: impl Fn(&str) -> Option<Budget>) {
     experiment.seeds = experiment.seeds.at_most(SEEDS);
     experiment.test.episodes = (experiment.test.episodes / SHORTER as usize).max(1);
-    experiment.evaluation =
-        Some(EvaluationConfig { every_env_steps: 10_000, episodes: 20, ..EvaluationConfig::default() });
+    experiment.evaluation = Some(experiment.evaluation.map_or_else(default_evaluation, quick_evaluation));
     for stage in experiment.arms.iter_mut().flat_map(|arm| &mut arm.stages) {
         stage.budget = stage.budget.or_else(|| budget_of(&stage.preset)).map(shortened);
     }
-    let suffix = " (quick: a tenth of the episodes)";
+    let suffix = " (quick: a tenth of the training)";
     for figure in &mut experiment.figures {
         figure.title += suffix;
         match &mut figure.draw {
@@ -55,6 +57,21 @@ pub fn make_quick(experiment: &mut Experiment, budget_of: impl Fn(&str) -> Optio
         claim.statement += suffix;
         claim.after = claim.after.map(shortened);
     }
+}
+
+/// The evaluation of an experiment that names none.
+fn default_evaluation() -> EvaluationConfig {
+    EvaluationConfig {
+        every_env_steps: 10_000,
+        episodes: MAX_EVALUATION_EPISODES,
+        ..EvaluationConfig::default()
+    }
+}
+
+/// The experiment's own evaluation, as often during the shorter training, and with its own final test.
+fn quick_evaluation(own: EvaluationConfig) -> EvaluationConfig {
+    let every_env_steps = (own.every_env_steps / SHORTER).max(1);
+    EvaluationConfig { every_env_steps, episodes: own.episodes.min(MAX_EVALUATION_EPISODES), ..own }
 }
 
 fn shortened(length: Budget) -> Budget {

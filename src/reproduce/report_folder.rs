@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
+use super::report_contents::ReportContents;
 use super::report_files;
 use super::shard::Shard;
 use crate::report::page::Page;
@@ -29,27 +30,33 @@ pub struct ReportFolder {
     earlier_s: f64,
     /// Wall time that shards spent, in s.
     of_shards_s: f64,
-    quick: bool,
+    /// What the report in the folder is made of, if it is a full one; and the one to be made.
+    shown: Option<ReportContents>,
+    contents: ReportContents,
     _locks: Vec<Lock>,
 }
 
 /// The time spent on a report so far, as stored in `spent.json`.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct Spent {
     /// Wall time of all processes, in s.
     wall_s: f64,
     /// Whether all of them made quick reports.
     #[serde(default)]
     quick: bool,
+    /// What the full report in the folder is made of; absent before it is written.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    report: Option<ReportContents>,
 }
 
 impl ReportFolder {
     /// Creates the folder, or continues one that an earlier reproduction created. Checks that the report can be written to it,
-    /// and that a `quick` report does not replace a full one. Several shards can use the folder at the same time.
+    /// and that it does not replace a full report of other experiments or more seeds, or by a quick one. Several shards can
+    /// use the folder at the same time.
     ///
     /// # Errors
-    /// Another process uses the folder, it holds something else, or it cannot be written.
-    pub fn open(path: &Path, quick: bool, shard: Option<Shard>) -> Result<Self, RunError> {
+    /// Another process uses the folder, it holds something else or such a report, or it cannot be written.
+    pub fn open(path: &Path, contents: ReportContents, shard: Option<Shard>) -> Result<Self, RunError> {
         check_own(path)?;
         let unwritable = |error: io::Error| {
             let why = format!("cannot be written ({error}); help: choose another folder with --out");
@@ -61,15 +68,17 @@ impl ReportFolder {
             // A shard writes no report, and must leave the temporary files of the others alone.
             report_files::prepare(path)?;
         }
-        if quick && Spent::read(&path.join(spent_file(None))).is_some_and(|report| !report.quick) {
-            let why =
-                "holds a full report, which --quick would overwrite; help: choose another folder with --out";
+        let earlier = Spent::read(&path.join(spent_file(None)));
+        if let Some(why) = earlier.as_ref().and_then(|earlier| earlier.keeps_out(&contents)) {
+            let why = format!("{why}; help: choose another folder with --out");
             return Err(RunError::invalid_input(path, why));
         }
+        let shown = earlier.and_then(|earlier| earlier.report);
         let spent = path.join(spent_file(shard));
         let earlier_s = Spent::read(&spent).unwrap_or_default().wall_s;
         let of_shards_s = if shard.is_none() { shards_wall_s(path) } else { 0.0 };
-        let folder = Self { path: path.into(), spent, earlier_s, of_shards_s, quick, _locks: locks };
+        let path = path.to_path_buf();
+        let folder = Self { path, spent, earlier_s, of_shards_s, shown, contents, _locks: locks };
         // The first file marks the folder: a process that is started now must not take it for another's.
         folder.write_spent(earlier_s).map_err(unwritable)?;
         fs::create_dir_all(folder.join("runs")).map_err(unwritable)?;
@@ -95,12 +104,15 @@ impl ReportFolder {
     ///
     /// # Errors
     /// A figure cannot be drawn, or a file cannot be written. An earlier report then is as it was.
-    pub fn write(&self, page: &Page) -> Result<(), RunError> {
-        report_files::write(&self.path, page)
+    pub fn write(&mut self, page: &Page) -> Result<(), RunError> {
+        report_files::write(&self.path, page)?;
+        self.shown = (!self.contents.quick).then(|| self.contents.clone());
+        Ok(())
     }
 
     fn write_spent(&self, wall_s: f64) -> io::Result<()> {
-        let text = serde_json::to_string(&Spent { wall_s, quick: self.quick })?;
+        let spent = Spent { wall_s, quick: self.contents.quick, report: self.shown.clone() };
+        let text = serde_json::to_string(&spent)?;
         check_entry(&self.spent)?;
         replace(&self.spent, |file| file.write_all(text.as_bytes()))
     }
@@ -111,6 +123,14 @@ impl Spent {
     fn read(path: &Path) -> Option<Self> {
         let text = fs::read_to_string(path).ok()?;
         Some(serde_json::from_str(&text).unwrap_or_default())
+    }
+
+    /// Why a report of `contents` must not be made in the folder of this file.
+    fn keeps_out(&self, contents: &ReportContents) -> Option<String> {
+        if contents.quick && !self.quick {
+            return Some("holds a full report, which --quick would overwrite".into());
+        }
+        contents.cannot_replace(self.report.as_ref()?)
     }
 }
 

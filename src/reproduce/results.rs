@@ -273,4 +273,9 @@ impl<'a> Results<'a> {
     pub fn total_env_steps(&self) -> u64 {
         self.records.iter().map(Records::total_env_steps).sum()
     }
+
+    /// The sum of all trainings' episodes.
+    pub fn total_episodes(&self) -> usize {
+        self.records.iter().map(|records| records.episodes(PolicyId::Last)).sum()
+    }
 }

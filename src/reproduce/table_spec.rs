@@ -62,7 +62,7 @@ pub enum TableKind {
     Contrast {
         /// The measures, a group of columns each.
         measures: Vec<Measure>,
-        /// The arm that the paper expects to be better.
+        /// The arm that is expected to be better.
         better: String,
         /// The other arm.
         than: String,

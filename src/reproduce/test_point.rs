@@ -1,6 +1,6 @@
 //! Points at which an arm is tested.
 
-use crate::report::format::number;
+use crate::report::format::counted;
 use crate::run::preset::Budget;
 
 /// A point of an arm's training: after a number of episodes or env steps, or at its end.
@@ -32,7 +32,10 @@ impl TestPoint {
 
 /// A length in words: "1,000 episodes", or "20,000 env steps".
 fn length_words(length: Budget) -> String {
-    format!("{} {}", number(amount(length) as f64, 0), unit_name(length))
+    match length {
+        Budget::Episodes(n) => counted(n as f64, "episode"),
+        Budget::EnvSteps(n) => counted(n as f64, "env step"),
+    }
 }
 
 /// The points of a table of one arm against another: those in `after`, or the end.

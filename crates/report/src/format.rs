@@ -29,6 +29,20 @@ pub fn number(value: f64, decimals: usize) -> String {
     text
 }
 
+/// A whole number with its noun, in the singular for 1.
+///
+/// ```
+/// use wayfield_report::format::counted;
+/// assert_eq!(counted(1.0, "episode"), "1 episode");
+/// assert_eq!(counted(2000.0, "env step"), "2,000 env steps");
+/// ```
+#[must_use]
+pub fn counted(value: f64, noun: &str) -> String {
+    let count = number(value, 0);
+    let plural = if count == "1" { "" } else { "s" };
+    format!("{count} {noun}{plural}")
+}
+
 /// A share from 0 to 1 in percent, 0.987 as 98.7%. Rounded down, so that 100% means that nothing failed. An en dash if
 /// `share` is not finite.
 #[must_use]

@@ -1,5 +1,6 @@
 //! The notes below a table: how its numbers were obtained.
 
+use crate::report::format::counted;
 use crate::report::statistics::small_sample_note;
 use crate::reproduce::data_note::{data_note, fewest_seeds};
 use crate::reproduce::experiment::{Experiment, TestedPolicy};
@@ -62,9 +63,10 @@ fn measure_notes(experiment: &Experiment, measures: &[Measure]) -> Vec<String> {
     let mut notes = Vec::new();
     if measures.contains(&Measure::Success) {
         notes.push(format!(
-            "Success: the share of successful episodes. Each seed's policy is tested in {} rounds of {} episodes that it \
-             was not trained on.",
-            experiment.test.rounds, experiment.test.episodes
+            "Success: the share of successful episodes. Each seed's policy is tested in {} of {} that it was not \
+             trained on.",
+            counted(experiment.test.rounds as f64, "round"),
+            counted(experiment.test.episodes as f64, "episode")
         ));
     }
     if measures.contains(&Measure::BenchmarkRouteTime) {
@@ -97,7 +99,7 @@ fn measure_notes(experiment: &Experiment, measures: &[Measure]) -> Vec<String> {
     }
     if measures.iter().any(|m| matches!(m, Measure::EpisodesTo(_) | Measure::StepsTo(_))) {
         notes.push(
-            "Episodes (steps) to a number of goals: those of the last stage until the moving mean over 50 training \
+            "Episodes (env steps) to a number of goals: those of the last stage until the moving mean over 50 training \
              episodes reaches it. \"> n\": some seeds never reached it and count with the length of their run."
                 .into(),
         );

@@ -1,4 +1,4 @@
-//! The figure of a single training run: success rate, return and goals over environment steps.
+//! The figure of a single training run: success rate, return and goals over env steps.
 //!
 //! It shows what the app shows on the screen: the same smoothing, marks and reference lines.
 
@@ -63,7 +63,7 @@ pub struct RunMark {
     pub text: String,
 }
 
-/// The curves of the training before a transfer, as (environment steps, value).
+/// The curves of the training before a transfer, as (env steps, value).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EarlierRun {
     /// Success rate of the greedy policy, 0 to 1.
@@ -104,7 +104,7 @@ impl RunFigure {
         let single = self.episodes.len() <= MAX_SINGLE_EPISODES;
         let chart = CurveChart {
             title: self.title.clone(),
-            x_label: "environment steps (thousands)".into(),
+            x_label: "env steps (thousands)".into(),
             include_x: vec![0.0, steps.max().filter(|&steps| steps > 0).map_or(1.0, thousands)],
             mean_label: format!("mean of {MEAN_EPISODES} episodes"),
             band_label: "lowest to highest episode".into(),

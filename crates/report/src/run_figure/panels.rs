@@ -12,7 +12,7 @@ use crate::style::is_drawable;
 const MAIN: usize = 0;
 const BACKGROUND: usize = 6;
 
-/// (x, y) values: thousands of environment steps, and the value measured there.
+/// (x, y) values: thousands of env steps, and the value measured there.
 type Series = Vec<(f64, f64)>;
 
 impl RunFigure {
@@ -128,7 +128,7 @@ fn extremes(raw: &Series) -> Vec<BandPoint> {
     raw.chunks(raw.len().div_ceil(MAX_VERTICES).max(1)).map(group).collect()
 }
 
-/// The finite values, in order of environment steps.
+/// The finite values, in order of env steps.
 fn in_order(points: impl Iterator<Item = (u64, f64)>) -> Series {
     let mut points: Vec<_> = points.filter(|point| is_drawable(point.1)).collect();
     points.sort_by_key(|point| point.0);

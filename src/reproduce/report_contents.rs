@@ -1,0 +1,63 @@
+//! What a report was made of, as its folder records it, and which report may replace it.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::options::ReproduceOptions;
+use super::selected::SelectedExperiment;
+use crate::scenario::printable_path;
+
+/// Stands for the shipped experiments in the list of files.
+const SHIPPED: &str = "the paper's experiments";
+
+/// What a report is made of.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct ReportContents {
+    /// Whether it is a quick report.
+    pub quick: bool,
+    /// The user's experiment files, absolute if that is known, or one entry for the shipped experiments.
+    pub experiments: Vec<String>,
+    /// The number of seeds of each experiment that is shown, by its name.
+    pub seeds: BTreeMap<String, u64>,
+}
+
+impl ReportContents {
+    /// The contents of the report that `options` ask for.
+    pub fn new(options: &ReproduceOptions, selected: &[SelectedExperiment]) -> Self {
+        let mut experiments: Vec<String> = options.experiments.iter().map(|path| absolute(path)).collect();
+        if experiments.is_empty() {
+            experiments.push(SHIPPED.into());
+        }
+        let seeds = |of: &SelectedExperiment| (of.source.name(), of.source.experiment.seeds.count());
+        Self { quick: options.quick, experiments, seeds: selected.iter().map(seeds).collect() }
+    }
+
+    /// Why this report must not replace the full report `old`: it leaves out an experiment, or seeds of one.
+    pub fn cannot_replace(&self, old: &Self) -> Option<String> {
+        if let Some(other) = old.experiments.iter().find(|other| !self.is_of(other)) {
+            let other = printable_path(Path::new(other));
+            return Some(format!("holds a full report of {other}, which this one would replace"));
+        }
+        let fewer = |(name, &more): (&String, &u64)| {
+            let now = *self.seeds.get(name)?;
+            (now < more).then(|| {
+                format!("holds a full report with {more} seeds of {name}, which one with {now} would replace")
+            })
+        };
+        old.seeds.iter().find_map(fewer)
+    }
+
+    /// Whether `other` is one of these experiments, perhaps under the path that it had before it was moved.
+    fn is_of(&self, other: &String) -> bool {
+        let path = Path::new(other);
+        let moved = |own: &String| Path::new(own).file_name() == path.file_name() && !path.exists();
+        self.experiments.iter().any(|own| own == other || moved(own))
+    }
+}
+
+fn absolute(path: &Path) -> String {
+    fs::canonicalize(path).unwrap_or_else(|_| path.into()).display().to_string()
+}
