@@ -76,7 +76,7 @@ pub fn run(paths: &[PathBuf], args: &EvalArgs, shared: &SharedArgs) -> Result<()
     for (path, (_, policy)) in paths.iter().zip(&policies) {
         policy::check(path, policy, &scenario, &shared.extensions)?;
         if let Some(note) = policy_card::note(policy, &scenario) {
-            print_stderr(&format!("note: {note}"));
+            print_stderr(&format!("note: {}: {note}", path.display()));
         }
     }
     let (count, per_round) = episode_counts(args.rounds, shared.episodes.unwrap_or(100))?;

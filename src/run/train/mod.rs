@@ -299,6 +299,7 @@ impl Run {
             evaluations: self.metrics_writer.evaluations()?,
             best_success_rate: best.map(|b| b.success_rate),
             best_mean_time_s: best.and_then(|b| b.mean_time_s),
+            best_env_steps: best.and_then(BestPolicy::env_steps),
             last_success_rate: self.trainer_state.last_success_rate,
             first_96: self.trainer_state.first_96,
             first_99: self.trainer_state.first_99,
