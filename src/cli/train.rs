@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 
+use super::check::kind::{FileKind, expect_kind};
 use super::output::{print_json, print_stdout};
 use super::policy;
 use super::shared::SharedArgs;
@@ -138,6 +139,7 @@ fn earlier_run(
         return Err(RunError::InvalidInput(format!("{flag}: {why}")));
     }
     let file = if path.is_dir() { path.join("config.ron") } else { path.into() };
+    expect_kind(&file, FileKind::RunConfig)?;
     let mut config = RunConfig::load(&file)?.resume_with_extensions(&shared.extensions, &file)?;
     config.version = VERSION.into();
     config.commit = COMMIT.map(String::from);
