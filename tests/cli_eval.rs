@@ -76,7 +76,7 @@ fn the_training_says_which_number_to_quote() {
     assert!(line.ends_with(&format!("20 fresh episodes (seed {}): quote this one", test["seed"])), "{text}");
     let at = workspace.json("run/summary.json")["best_env_steps"].clone();
     let rows = workspace.rows("run/evaluations.csv");
-    assert!(rows.iter().any(|row| row["env_steps"] == at.to_string()), "{at} in {rows:?}");
+    assert!(rows.iter().any(|row| row["env_steps"].parse().ok() == at.as_u64()), "{at} in {rows:?}");
     let first = if at == 0 { ", before any training" } else { "" };
     assert!(
         text.contains(&format!("in the best of 2 evaluations (optimistic), at env step {at}{first}\n")),
