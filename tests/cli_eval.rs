@@ -77,7 +77,14 @@ fn the_training_says_which_number_to_quote() {
         line.ends_with(&format!("20 new episodes (seed {}); report this number", test["seed"])),
         "{text}"
     );
-    assert!(text.contains("in the best of 2 evaluations (optimistic)"), "{text}");
+    let at = workspace.json("run/summary.json")["best_env_steps"].clone();
+    let rows = workspace.rows("run/evaluations.csv");
+    assert!(rows.iter().any(|row| row["env_steps"].parse().ok() == at.as_u64()), "{at} in {rows:?}");
+    let first = if at == 0 { ", before any training" } else { "" };
+    assert!(
+        text.contains(&format!("in the best of 2 evaluations (optimistic), at env step {at}{first}\n")),
+        "{text}"
+    );
 
     workspace.write("none.ron", quick_fast().replace("final_episodes: 20", "final_episodes: 0"));
     let done = workspace.run_ok("--train --preset none.ron --steps 64 --out none");
@@ -253,6 +260,8 @@ fn with_actuator_lag_no_optimal_time_is_reported() {
         assert!(note.contains(needle), "`{needle}` is not in {}", with_lag.stderr);
     }
     assert_eq!(with_lag.stderr.matches("no optimal times").count(), 1, "{}", with_lag.stderr);
+    let text = workspace.run_ok(&format!("{} --scenario lag.ron", what.replace(" --json", ""))).stdout;
+    assert!(text.contains("success") && !text.contains("optimal time"), "no second reason: {text}");
 }
 
 #[test]

@@ -99,12 +99,15 @@ fn every_setting_that_differs_from_the_card_is_listed_with_both_values() {
         workspace.write("differs.ron", with(fields));
         let done = workspace.run_ok(&format!("{TEST} differs.ron"));
         let lines: Vec<&str> = done.stderr.lines().collect();
+        let part = fields.split(':').next().unwrap_or_default();
         let head =
             "warning: policy.safetensors: \"Scenario I\" differs from what this policy was trained with:";
         assert_eq!(lines[..2], [head, &format!("  {expected}")], "{fields}");
         assert_eq!(
             lines[2..],
-            ["note: this policy was trained in another version of Scenario I"],
+            [format!(
+                "note: policy.safetensors: this policy was trained in another version of Scenario I, which differs in `{part}`"
+            )],
             "{fields}"
         );
         let done = workspace.run_ok(&format!("{TRANSFER} --scenario differs.ron --out transfer-{number}"));
@@ -123,9 +126,15 @@ fn other_obstacles_under_the_same_name_give_a_note_and_no_warning() {
     assert_eq!(workspace.run_ok(&format!("{TEST} scenario-1")).stderr, "", "its own scenario");
     workspace.write("moved.ron", edited(SCENARIO_1, &[("position_m: (0.6, 0.6)", "position_m: (0.7, 0.6)")]));
     let done = workspace.run_ok(&format!("{TEST} moved.ron"));
-    assert_eq!(done.stderr, "note: this policy was trained in another version of Scenario I\n");
+    assert_eq!(
+        done.stderr,
+        "note: policy.safetensors: this policy was trained in another version of Scenario I, which differs in `obstacles`\n"
+    );
     let done = workspace.run_ok(&format!("{TEST} scenario-2"));
-    assert_eq!(done.stderr, "note: this policy was trained in Scenario I and is tested in Scenario II\n");
+    assert_eq!(
+        done.stderr,
+        "note: policy.safetensors: this policy was trained in Scenario I and is tested in Scenario II\n"
+    );
 }
 
 #[test]
@@ -152,7 +161,11 @@ fn a_policy_without_a_card_is_used_with_a_warning() {
     let done = workspace.run_ok("--eval old.safetensors --rounds 1 --episodes 2");
     assert!(done.stdout.starts_with("old.safetensors in Scenario I, 2 episodes"), "{}", done.stdout);
     assert!(done.stderr.starts_with("warning: old.safetensors: this policy has no card"), "{}", done.stderr);
-    assert!(done.stderr.contains("note: this policy was trained in Scenario II"), "{}", done.stderr);
+    assert!(
+        done.stderr.contains("note: old.safetensors: this policy was trained in Scenario II"),
+        "{}",
+        done.stderr
+    );
     let error = rejection(&workspace, "--card old.safetensors");
     assert!(error.contains("has no card") && error.contains("help: train the policy again"), "{error}");
 }

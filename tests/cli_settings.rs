@@ -3,6 +3,7 @@
 
 mod cli_support;
 
+use cli_support::messages::rejection;
 use cli_support::{SCENARIO_1, Workspace, edited, quick_fast, with_short_episodes};
 
 /// A workspace with a scenario and a preset, and the same with some fields changed.
@@ -88,6 +89,36 @@ fn a_run_that_started_from_a_policy_is_repeated_from_its_own_copy() {
     std::fs::remove_dir_all(workspace.path("source")).expect("the folder exists");
     workspace.run_ok("--train first/config.ron --out again");
     workspace.assert_same_run("first", "again");
+}
+
+#[test]
+fn a_file_of_another_kind_is_named_with_the_way_to_give_it() {
+    let workspace = workspace();
+    workspace.write("exp.ron", "(title: \"x\", arms: [(name: \"a\", stages: [(budget: Episodes(1))])])");
+    for (arguments, expected) in [
+        (
+            "--train one.ron",
+            "one.ron: is a scenario, not a run configuration; help: --train --scenario one.ron",
+        ),
+        (
+            "--train fast.ron",
+            "fast.ron: is a preset, not a run configuration; help: --train --preset fast.ron",
+        ),
+        (
+            "--train --scenario fast.ron",
+            "fast.ron: is a preset, not a scenario; help: --train --preset fast.ron",
+        ),
+        (
+            "--train --preset one.ron",
+            "one.ron: is a scenario, not a preset; help: --train --scenario one.ron",
+        ),
+        (
+            "--train --preset exp.ron",
+            "exp.ron: is an experiment, not a preset; help: --reproduce --experiment exp.ron",
+        ),
+    ] {
+        assert_eq!(rejection(&workspace, arguments).trim_end(), format!("error: {expected}"), "{arguments}");
+    }
 }
 
 #[test]

@@ -25,6 +25,7 @@ mod values;
 #[cfg(feature = "gui")]
 mod window;
 
+use self::check::kind::{FileKind, expect_kind};
 pub use check::{CheckReport, check_files};
 pub use policy::load as load_policy;
 
@@ -196,6 +197,9 @@ fn exit(error: &clap::Error) -> ! {
 fn run(arguments: Arguments, began: Instant) -> Result<(), RunError> {
     let Arguments { mode, shared, .. } = arguments;
     let trains = mode.train.is_some() || arguments.train.resume.is_some();
+    for (file, kind) in [(&shared.scenario, FileKind::Scenario), (&shared.preset, FileKind::Preset)] {
+        file.as_ref().map_or(Ok(()), |file| expect_kind(file.as_ref(), kind))?;
+    }
     let is_headless = trains || !mode.eval.is_empty() || mode.reproduce;
     #[cfg(unix)]
     if is_headless {

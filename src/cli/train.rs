@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 
+use super::check::kind::{FileKind, expect_kind};
 use super::output::{print_json, print_stdout};
 use super::policy;
 use super::shared::SharedArgs;
@@ -138,6 +139,7 @@ fn earlier_run(
         return Err(RunError::InvalidInput(format!("{flag}: {why}")));
     }
     let file = if path.is_dir() { path.join("config.ron") } else { path.into() };
+    expect_kind(&file, FileKind::RunConfig)?;
     let mut config = RunConfig::load(&file)?.resume_with_extensions(&shared.extensions, &file)?;
     config.version = VERSION.into();
     config.commit = COMMIT.map(String::from);
@@ -171,9 +173,14 @@ fn summary_text(folder: &Path, summary: &Summary) -> String {
         None if summary.finished => "none: the preset asks for none".into(),
         None => "none: it follows at the end of the training".into(),
     };
+    let best_at = match summary.best_env_steps {
+        Some(0) => ", at env step 0, before any training".into(),
+        Some(n) => format!(", at env step {n}"),
+        None => String::new(),
+    };
     let Summary { episodes, env_steps, gradient_steps, wall_s, .. } = summary;
     format!(
-        "best policy     {} success, mean time {}, in the best of {} evaluations (optimistic)\n\
+        "best policy     {} success, mean time {}, in the best of {} evaluations (optimistic){}\n\
          final test      {final_test}\n\
          last policy     {} success\n\
          first 96%       {}\n\
@@ -184,6 +191,7 @@ fn summary_text(folder: &Path, summary: &Summary) -> String {
         percent(summary.best_success_rate),
         seconds(summary.best_mean_time_s),
         summary.evaluations,
+        best_at,
         percent(summary.last_success_rate),
         first(&summary.first_96),
         first(&summary.first_99),

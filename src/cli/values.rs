@@ -18,8 +18,7 @@ pub fn whole<N: TryFrom<u64>>(
     move |text: &str| {
         let value = whole_number(text).filter(|n| range.contains(n)).and_then(|n| N::try_from(n).ok());
         value.ok_or_else(|| {
-            let ungrouped = whole_number(&text.replace([',', ' ', '\'', '’', '\u{a0}', '\u{202f}'], ""));
-            let fix = ungrouped.filter(|n| whole_number(text) != Some(*n)).map(|n| format!("; write {n}"));
+            let fix = ungrouped(text).map(|n| format!("; write {n}"));
             format!(
                 "give a whole number from {} to {}{}",
                 range.start(),
@@ -28,6 +27,16 @@ pub fn whole<N: TryFrom<u64>>(
             )
         })
     }
+}
+
+/// The whole number `text` without the separators of its groups of three digits, such as 600,000; `None` if there are none.
+fn ungrouped(text: &str) -> Option<u64> {
+    let mut groups = text.split([',', ' ', '\'', '’', '\u{a0}', '\u{202f}']);
+    let first = groups.next().filter(|first| (1..=3).contains(&first.len()))?;
+    let rest: Vec<&str> = groups.collect();
+    let are_groups = !rest.is_empty() && rest.iter().all(|group| group.len() == 3);
+    let digits = format!("{first}{}", rest.concat());
+    (are_groups && digits.chars().all(|c| c.is_ascii_digit())).then(|| digits.parse().ok())?
 }
 
 /// Parses a number of episodes or env steps.
@@ -107,6 +116,11 @@ mod tests {
         for (text, fix) in [
             ("600,000", "; write 600000"),
             ("600 000", "; write 600000"),
+            ("1,000,000", "; write 1000000"),
+            ("1,2", ""),
+            ("1,2345", ""),
+            ("1000,000", ""),
+            (",600", ""),
             ("6.5", ""),
             ("-1", ""),
             ("_1", ""),

@@ -146,6 +146,10 @@ pub struct Summary {
     pub best_success_rate: Option<f64>,
     /// Mean simulated time of the successful episodes in that evaluation, in s.
     pub best_mean_time_s: Option<f64>,
+    /// Env steps of the training before that evaluation: 0 if the initial policy was never surpassed. `None` without an
+    /// evaluation, or if the policy has no card.
+    #[serde(default)]
+    pub best_env_steps: Option<u64>,
     /// Success rate in the last evaluation, 0 to 1.
     pub last_success_rate: Option<f64>,
     /// The first evaluation with a success rate of at least 96 % (the paper's result).

@@ -3,6 +3,8 @@
 //! In: pairs of a path and a value in RON, such as `learning.gamma=0.97` or `scenario.lidar.noise_std_m=0.02`. Out: the
 //! changed preset and scenario, or errors that name the setting.
 
+mod paths;
+
 use std::fmt;
 use std::str::FromStr;
 
@@ -117,8 +119,13 @@ impl Setting {
             *scenario = with_setting(scenario, rest, &self.value)?;
             return Ok(());
         }
-        let fields = field_names::<Preset>().iter().chain(&["scenario"]);
-        check_name(&self.path, "a preset", &fields.copied().collect::<Vec<_>>())?;
+        let fields: Vec<_> = field_names::<Preset>().iter().copied().chain(["scenario"]).collect();
+        if !fields.contains(&first.split('[').next().unwrap_or_default())
+            && let Some(longer) = paths::longer(&self.path, preset.as_deref(), scenario.as_deref())
+        {
+            return Err(format!("`{}` is not the whole path: did you mean {longer}?", self.path));
+        }
+        check_name(&self.path, "a preset", &fields)?;
         let Some(preset) = preset else {
             return Err(
                 "there is no preset here, only a scenario; help: a field of the scenario starts with `scenario.`".into(),

@@ -3,12 +3,13 @@
 use std::path::Path;
 
 use crate::reproduce::Experiment;
+use crate::run::RunError;
 use crate::run::folder::RunConfig;
 use crate::run::notes::preset_notes;
 use crate::run::policy_card;
 use crate::run::preset::Preset;
 use crate::scenario::{
-    FileError, LocatedDiagnostic, Note, NoteLevel, Scenario, locate, notes, read_text, resemblance,
+    FileError, LocatedDiagnostic, Note, NoteLevel, Scenario, locate, notes, quoted, read_text, resemblance,
 };
 
 /// The kind of a file that can be checked.
@@ -41,15 +42,52 @@ impl FileKind {
     /// The kind of a RON file: the one whose name begins the text, or else the one with most of the text's fields. A text
     /// that could be of any kind is a scenario.
     pub fn of_text(text: &str) -> Self {
-        let resemblances = [
-            (resemblance::<RunConfig>(text, "RunConfig"), Self::RunConfig),
-            (resemblance::<Experiment>(text, "Experiment"), Self::Experiment),
-            (resemblance::<Preset>(text, "Preset"), Self::Preset),
-            (resemblance::<Scenario>(text, "Scenario"), Self::Scenario),
-        ];
         // The last of several kinds with equally many fields.
-        resemblances.into_iter().max_by_key(|(fields, _)| *fields).map_or(Self::Scenario, |(_, kind)| kind)
+        let kinds = [Self::RunConfig, Self::Experiment, Self::Preset, Self::Scenario];
+        kinds.into_iter().max_by_key(|kind| kind.resemblance(text)).unwrap_or(Self::Scenario)
     }
+
+    /// How many of the fields in `text` this kind has.
+    fn resemblance(self, text: &str) -> usize {
+        match self {
+            Self::Scenario => resemblance::<Scenario>(text, "Scenario"),
+            Self::Preset => resemblance::<Preset>(text, "Preset"),
+            Self::Experiment => resemblance::<Experiment>(text, "Experiment"),
+            Self::RunConfig => resemblance::<RunConfig>(text, "RunConfig"),
+            Self::Policy => 0,
+        }
+    }
+
+    /// The way to give a file of this kind in the command line.
+    fn usage(self, file: &str) -> String {
+        match self {
+            Self::Scenario => format!("--train --scenario {file}"),
+            Self::Preset => format!("--train --preset {file}"),
+            Self::Experiment => format!("--reproduce --experiment {file}"),
+            Self::RunConfig => format!("--train {file}"),
+            Self::Policy => format!("--eval {file}"),
+        }
+    }
+}
+
+/// Checks that the RON file `path` is not clearly of another kind than `wanted`. A file that cannot be read, or whose kind is in
+/// doubt, passes: whoever reads it next finds its problems. The configuration of a run passes as its scenario or preset.
+///
+/// # Errors
+/// The file is of another kind: which, and how such a file is given.
+pub fn expect_kind(path: &Path, wanted: FileKind) -> Result<(), RunError> {
+    // Standard input can be read only once.
+    if !path.is_file() {
+        return Ok(());
+    }
+    let Ok(text) = read_text(path) else { return Ok(()) };
+    let kind = FileKind::of_text(&text);
+    if kind.resemblance(&text) <= wanted.resemblance(&text) || kind == FileKind::RunConfig {
+        return Ok(());
+    }
+    let article = if kind == FileKind::Experiment { "an" } else { "a" };
+    let (name, usage) = (kind.name(), kind.usage(&quoted(path)));
+    Err(RunError::invalid_input(path, format!("is {article} {name}, not a {}; help: {usage}", wanted.name())))
 }
 
 /// The notes on a valid file, with their locations.

@@ -1,7 +1,7 @@
 //! The mode `--check`: prints every problem of scenarios, presets, experiments, run configurations and policies.
 
 mod files;
-mod kind;
+pub mod kind;
 
 use std::path::{Path, PathBuf};
 

@@ -76,7 +76,7 @@ pub fn run(paths: &[PathBuf], args: &EvalArgs, shared: &SharedArgs) -> Result<()
     for (path, (_, policy)) in paths.iter().zip(&policies) {
         policy::check(path, policy, &scenario, &shared.extensions)?;
         if let Some(note) = policy_card::note(policy, &scenario) {
-            print_stderr(&format!("note: {note}"));
+            print_stderr(&format!("note: {}: {note}", path.display()));
         }
     }
     let (count, per_round) = episode_counts(args.rounds, shared.episodes.unwrap_or(100))?;
@@ -135,12 +135,16 @@ fn scenario_for(policies: &[Named], shared: &SharedArgs) -> Result<Scenario, Run
         let own = own.map_or_else(|| shipped::scenario(shared.scenario()), Ok)?;
         match &first {
             Some((first_name, first)) if *first != own => {
+                let differing = if first.name == own.name {
+                    policy_card::differing_parts(first, &own)
+                } else {
+                    String::new()
+                };
                 return Err(RunError::InvalidInput(format!(
-                    "{first_name} was trained in scenario \"{}\" and {name} in \"{}\"{}; help: give --scenario, so that \
+                    "{first_name} was trained in scenario \"{}\" and {name} in \"{}\"{differing}; help: give --scenario, so that \
                      they drive the same episodes",
                     printable(&first.name),
                     printable(&own.name),
-                    if first.name == own.name { ", which differs" } else { "" }
                 )));
             }
             Some(_) => {}

@@ -98,12 +98,17 @@ pub struct OptimumReport {
     pub optimum_episodes: usize,
     pub optimum_mean_time_s: Option<f64>,
     pub time_ratio: Option<f64>,
+    /// Whether the planner supports the scenario. If not, the test has said why.
+    #[serde(skip)]
+    pub is_supported: bool,
 }
 
 impl OptimumReport {
-    /// The report on `comparison`, which is `None` if no episode could be compared.
-    pub fn new(comparison: Option<OptimumComparison>) -> Self {
+    /// The report on `comparison`, which is `None` if no episode could be compared, or if the planner does
+    /// not support the scenario (`is_supported`).
+    pub fn new(comparison: Option<OptimumComparison>, is_supported: bool) -> Self {
         Self {
+            is_supported,
             optimum_episodes: comparison.map_or(0, |c| c.episodes),
             optimum_mean_time_s: comparison.map(|c| c.optimum_mean_time_s),
             time_ratio: comparison.map(|c| c.time_ratio),

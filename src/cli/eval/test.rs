@@ -160,7 +160,10 @@ impl Test<'_> {
             evaluation: Evaluation::from_episodes(episodes, self.per_round, &scenario.task, *seed),
             spl: spl.sum::<f64>() / episodes.len() as f64,
             course: self.route.map(course).transpose()?,
-            optimum: self.args.optimum.then(|| OptimumReport::new(compare())),
+            optimum: self
+                .args
+                .optimum
+                .then(|| OptimumReport::new(compare(), unsupported_reason(scenario).is_none())),
         })
     }
 }

@@ -39,7 +39,7 @@ pub fn list(report: &PolicyReport) -> String {
             if course.in_paper_scenario { " (the paper's PER-D3QN: 13.155 s)" } else { "" },
         );
     }
-    if let Some(optimum) = &report.optimum {
+    if let Some(optimum) = report.optimum.as_ref().filter(|optimum| optimum.is_supported) {
         let _ = match optimum.time_ratio {
             Some(ratio) => writeln!(
                 text,

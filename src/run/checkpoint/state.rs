@@ -90,6 +90,12 @@ pub struct BestPolicy {
 impl BestPolicy {
     /// Policies count as equally good up to this multiple of the minimum mean cost.
     pub const COST_TOLERANCE: f64 = 1.01;
+
+    /// Env steps of the training before the policy, from its card; `None` without a card.
+    #[must_use]
+    pub fn env_steps(&self) -> Option<u64> {
+        Some(Policy::from_bytes(&self.bytes).ok()?.card?.training.env_steps)
+    }
 }
 
 impl TrainerState {

@@ -19,6 +19,7 @@ use std::fmt;
 
 use super::folder::RunConfig;
 use super::preset::{Budget, Preset};
+use crate::learning::Exploration;
 use crate::scenario::{Note, NoteLevel, Scenario, notes};
 
 /// The number of env steps of a run, as far as it is known beforehand.
@@ -75,7 +76,7 @@ impl fmt::Display for RunNote {
     }
 }
 
-/// The doubtful settings of a run: of its scenario, then of its preset.
+/// The doubtful settings of a run: of its scenario, then of its preset, whose epsilon starts at that of the transfer.
 #[must_use]
 pub fn run_notes(config: &RunConfig) -> Vec<RunNote> {
     let of = |file: &String, notes: Vec<Note>| {
@@ -83,6 +84,12 @@ pub fn run_notes(config: &RunConfig) -> Vec<RunNote> {
         notes.into_iter().map(move |note| RunNote { file: file.clone(), note })
     };
     let has_reward_terms = !config.reward_terms.is_empty();
-    let of_preset = preset_notes(&config.preset, Some(&config.scenario), has_reward_terms);
+    let mut preset = config.preset.clone();
+    if let Some(epsilon) = config.transfer.as_ref().and_then(|transfer| transfer.epsilon) {
+        let (Exploration::PerEpisode { start, .. } | Exploration::Linear { start, .. }) =
+            &mut preset.learning.exploration;
+        *start = epsilon;
+    }
+    let of_preset = preset_notes(&preset, Some(&config.scenario), has_reward_terms);
     of(&config.scenario_from, notes(&config.scenario)).chain(of(&config.preset_from, of_preset)).collect()
 }

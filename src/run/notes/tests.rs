@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::learning::{Exploration, Sampling, Schedule, TargetUpdate};
+use crate::run::folder::Transfer;
 use crate::run::shipped;
 use crate::task::RewardKind;
 
@@ -240,4 +241,19 @@ fn a_run_names_the_file_of_each_note() {
     assert_eq!(lines.len(), 2, "{lines:?}");
     assert!(lines[0].starts_with("scenario-1: `robot.motions` never turn the robot"), "{lines:?}");
     assert!(lines[1].starts_with("fast: `reward.collided` is 1: collisions are rewarded"), "{lines:?}");
+}
+
+#[test]
+fn a_transferred_run_is_noted_with_its_own_epsilon() {
+    let mut config = RunConfig::resolve("scenario-1", "fast", 0).expect("shipped");
+    config.preset.budget = Budget::EnvSteps(3_000);
+    let exploration = |config: &RunConfig| {
+        let lines: Vec<String> = run_notes(config).iter().map(ToString::to_string).collect();
+        lines.into_iter().find(|line| line.contains("`learning.exploration`")).expect("a note")
+    };
+    assert!(exploration(&config).contains("has come from 1 to "), "{}", exploration(&config));
+    config.transfer = Some(Transfer { policy: "p.safetensors".into(), epsilon: None });
+    assert!(exploration(&config).contains("has come from 1 to "), "without --epsilon, the preset's");
+    config.transfer = Some(Transfer { policy: "p.safetensors".into(), epsilon: Some(0.5) });
+    assert!(exploration(&config).contains("has come from 0.5 to "), "{}", exploration(&config));
 }

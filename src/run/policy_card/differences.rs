@@ -8,7 +8,7 @@ use super::{angles_rad, parse_scenario, printable, scenario_name, write};
 use crate::policy::Policy;
 use crate::policy::card::Action;
 use crate::run::RunError;
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, field_names};
 
 /// The maximum number of differences in a warning.
 const MAX_LISTED: usize = 12;
@@ -78,8 +78,20 @@ pub fn note(policy: &Policy, scenario: &Scenario) -> Option<String> {
         return Some(format!("this policy was trained in {trained} and is tested in {name}"));
     }
     let card = policy.card.as_ref()?;
-    let is_same = parse_scenario(card).is_ok_and(|trained| trained == *scenario);
-    (!is_same).then(|| format!("this policy was trained in another version of {name}"))
+    let trained = parse_scenario(card).ok();
+    let is_same = trained.as_ref() == Some(scenario);
+    let differing = trained.map(|trained| differing_parts(&trained, scenario)).unwrap_or_default();
+    (!is_same).then(|| format!("this policy was trained in another version of {name}{differing}"))
+}
+
+/// The end of a message about two scenarios with the same name: the fields in which they differ, such as
+/// ", which differs in `robot`, `lidar`"; empty if none do.
+#[must_use]
+pub fn differing_parts(one: &Scenario, other: &Scenario) -> String {
+    let [one, other] = [one, other].map(|scenario| serde_json::to_value(scenario).unwrap_or_default());
+    let names = field_names::<Scenario>().iter().filter(|name| one.get(name) != other.get(name));
+    let names: Vec<String> = names.map(|name| format!("`{name}`")).collect();
+    if names.is_empty() { String::new() } else { format!(", which differs in {}", names.join(", ")) }
 }
 
 /// Every setting in which `trained` and `here` differ, with both values.

@@ -16,7 +16,7 @@ use crate::policy::{Card, Encoding, Policy};
 use crate::scenario::{Lidar, Scenario, diagnostics, read_bytes, value_diagnostics};
 use crate::task::{ObservationLayout, ObservationSlice};
 
-pub use differences::{check_actions, note, warning};
+pub use differences::{check_actions, differing_parts, note, warning};
 pub use write::attach;
 
 /// The key for the encoding of the observations in the metadata of policies without a card: `scaled` or `raw`. A policy

@@ -85,6 +85,20 @@ fn the_error_names_the_setting_the_problem_and_the_fix() {
             "unknown field `gama` in `learning`: did you mean `gamma`? the fields are `network`, `double`"
                 .into(),
         ),
+        ("gamma=0.97", "`gamma` is not the whole path: did you mean `learning.gamma`?".into()),
+        (
+            "robot.radius_m=0.2",
+            "`robot.radius_m` is not the whole path: did you mean `scenario.robot.radius_m`?".into(),
+        ),
+        (
+            "obstacles[0].motion=Static",
+            "`obstacles[0].motion` is not the whole path: did you mean `scenario.obstacles[0].motion`?"
+                .into(),
+        ),
+        (
+            "sampling.alpha=0.3",
+            "`sampling.alpha` is not the whole path: did you mean `learning.replay.sampling.alpha`?".into(),
+        ),
         ("learning.gamma=high", "`learning.gamma` must be a number".into()),
         ("learning.gamma=0,97", "a decimal comma: write 0.97".into()),
         ("learning.gamma=0.97, double: false", "`double` appears twice in `learning`: remove one".into()),
@@ -93,6 +107,7 @@ fn the_error_names_the_setting_the_problem_and_the_fix() {
             "`(0.97` has brackets that do not match; help: close each that is open".into(),
         ),
         ("learning.gamma=1.5", "`learning.gamma` is 1.5".into()),
+        ("learning.optimizer=Adam", "`learning.optimizer` must be written with parentheses: Adam()".into()),
         ("arenas=4.5", "`arenas` must be a whole number, without a fraction".into()),
         ("arenas=0", "`arenas` is 0".into()),
         (

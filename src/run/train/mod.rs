@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 
 use super::RunError;
 use super::background_evaluator::{BackgroundEvaluator, EvalResult};
+use super::checkpoint::BestPolicy;
 use super::checkpoint::{self, TrainerState};
 use super::final_test::{self, FinalTest};
 use super::folder::{RunConfig, RunFolder};
@@ -314,6 +315,7 @@ impl Run {
             evaluations: self.metrics_writer.evaluations()?,
             best_success_rate: best.map(|b| b.success_rate),
             best_mean_time_s: best.and_then(|b| b.mean_time_s),
+            best_env_steps: best.and_then(BestPolicy::env_steps),
             last_success_rate: self.trainer_state.last_success_rate,
             first_96: self.trainer_state.first_96,
             first_99: self.trainer_state.first_99,

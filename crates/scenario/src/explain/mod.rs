@@ -70,7 +70,7 @@ fn explain(text: &str, error: &SpannedError, parse: &dyn Fn(&str) -> Option<Span
         .or_else(|| place.number(&error.code))
         .or_else(|| place.name(&error.code))
         .or_else(|| place.choice(&error.code, parse))
-        .or_else(|| place.value(&error.code))
+        .or_else(|| place.value(&error.code, parse))
         .unwrap_or_else(|| place.syntax(&error.code))
 }
 

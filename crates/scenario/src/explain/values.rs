@@ -2,7 +2,7 @@
 
 use ron::error::{Error, SpannedError};
 
-use super::choices::choice_problem;
+use super::choices::{choice_problem, is_read};
 use super::{Place, Problem, Repair, is_about_a_name, last_of};
 
 impl Place<'_> {
@@ -22,7 +22,11 @@ impl Place<'_> {
     }
 
     /// A value of the wrong type.
-    pub(super) fn value(&self, code: &Error) -> Option<Problem> {
+    pub(super) fn value(
+        &self,
+        code: &Error,
+        parse: &dyn Fn(&str) -> Option<SpannedError>,
+    ) -> Option<Problem> {
         let Self { text, start, end, .. } = *self;
         // If there is a bracket or comma instead of a value, the message is about the value before it.
         let at_value = if self.rest().starts_with(value_start) { end } else { last_of(&text[..end]) };
@@ -42,7 +46,15 @@ impl Place<'_> {
             Error::ExpectedBoolean => must("true or false"),
             Error::ExpectedString => must("text in double quotes: \"...\""),
             Error::ExpectedArray => must("a list in square brackets: [...]"),
-            Error::ExpectedStructLike => must("written with parentheses: (...)"),
+            Error::ExpectedStructLike => {
+                let value = self.map.value_at(at_value);
+                let brackets = format!("{}()", &text[value.clone()]);
+                let is_enough = is_read(text, &value, &brackets, parse);
+                must(&format!(
+                    "written with parentheses: {}",
+                    if is_enough { brackets.as_str() } else { "(...)" }
+                ))
+            }
             Error::ExpectedDifferentLength { expected, .. } if expected.ends_with("2 f32 values") => {
                 here(POINT)
             }
