@@ -46,7 +46,7 @@ impl OptimumComparison {
 }
 
 /// Compares the successful episodes with their [`bounds`], computed on all cores. `None` if there is nothing
-/// to compare, or the planner does not support the scenario ([`planner::is_supported`]).
+/// to compare, or the planner does not support the scenario ([`is_supported`](crate::planner::is_supported)).
 #[must_use]
 pub fn compare_with_optimum(scenario: &Scenario, episodes: &[EpisodeResult]) -> Option<OptimumComparison> {
     let succeeded: Vec<EpisodeResult> = episodes.iter().filter(|n| n.succeeded()).copied().collect();
