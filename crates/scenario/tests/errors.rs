@@ -147,7 +147,7 @@ fn syntax_errors_have_a_position_and_a_fix() {
             r#"(name: "a", benchmark_route: (start_m: [0, 0]))"#,
             "1:40: `benchmark_route.start_m` must be a point: (x, y)",
         ),
-        (r#"(name: "a", starts: Random)"#, "1:27: `starts` must be written with parentheses: (...)"),
+        (r#"(name: "a", starts: Random)"#, "1:27: `starts` must be written with parentheses: Random()"),
         (
             r#"(name: "a", benchmark_route: (start_m: (0)))"#,
             "1:42: `benchmark_route.start_m` must be a point: (x, y)",

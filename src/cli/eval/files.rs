@@ -65,11 +65,6 @@ impl TestFiles {
         Ok(files)
     }
 
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.csv.is_none() && self.trace.is_none()
-    }
-
     /// Whether one of them is standard output.
     pub fn use_stdout(&self) -> bool {
         [&self.csv, &self.trace].into_iter().flatten().any(|path| path == Path::new(STDOUT))

@@ -66,6 +66,12 @@ const STOPPING: &str = "stopping; no file is written";
 /// # Errors
 /// The scenario, a policy, an option or a file is invalid.
 pub fn run(paths: &[PathBuf], args: &EvalArgs, shared: &SharedArgs) -> Result<(), RunError> {
+    // Before the first file. Without files, there is nothing to clean up.
+    let has_files = args.csv.is_some() || args.trace.is_some();
+    let stop = has_files.then(|| stop_on_signal(STOPPING));
+    if stop.is_none() {
+        exit_on_signal();
+    }
     let files = TestFiles::new(args.csv.as_deref(), args.trace.as_deref(), shared.json)?;
     let named = |path: &PathBuf| Ok((path.display().to_string(), policy::load(path)?));
     let policies: Vec<Named> = paths.iter().map(named).collect::<Result<_, RunError>>()?;
@@ -80,11 +86,6 @@ pub fn run(paths: &[PathBuf], args: &EvalArgs, shared: &SharedArgs) -> Result<()
         }
     }
     let (count, per_round) = episode_counts(args.rounds, shared.episodes.unwrap_or(100))?;
-    // Without files, there is nothing to clean up.
-    let stop = (!files.is_empty()).then(|| stop_on_signal(STOPPING));
-    if stop.is_none() {
-        exit_on_signal();
-    }
     let (seed, extensions) = (shared.seed(), &shared.extensions);
     let test = Test { scenario, count, per_round, seed, route, args, extensions, stop };
     match files.write(|csv, trace| test.run(&policies, csv, trace)) {
