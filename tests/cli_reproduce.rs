@@ -642,6 +642,28 @@ fn arms_are_compared_over_env_steps_and_with_runs_that_were_trained_elsewhere() 
 }
 
 #[test]
+fn a_report_says_that_the_training_before_a_transfer_elsewhere_is_not_counted() {
+    let workspace = over_steps();
+    let transfer = "--init mine/runs/a/policy.safetensors --seed 3 --out mine/runs/c";
+    workspace.run_ok(&format!("--train --scenario empty --preset mine/per.ron --steps 2000 {transfer}"));
+    workspace.write(
+        "mine/transfer.ron",
+        r#"(
+            title: "Transfer",
+            test: (rounds: 1, episodes: 1),
+            arms: [(name: "scratch", runs: ["runs/a"]), (name: "transferred", runs: ["runs/c"])],
+            tables: [(name: "ends", title: "Ends", show: Seeds(measure: Success))],
+        )"#,
+    );
+    workspace.run_ok("--reproduce --experiment mine/transfer.ron --out report");
+    let page = workspace.text("report/README.md");
+    let note = "Each run of transferred started from a trained policy, whose training is not counted.";
+    assert!(page.contains(note) && !page.contains("Each run of scratch"), "{page}");
+    assert!(page.contains("in 1 round of 1 episode that"), "{page}");
+    assert!(page.contains("2: 4,000 env steps in "), "the trainings' env steps are counted:\n{page}");
+}
+
+#[test]
 fn runs_from_elsewhere_that_do_not_fit_are_rejected_with_a_fix() {
     let workspace = over_steps();
     let train = |name: &str, arguments: &str| {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::ReproduceOptions;
 use super::arm_run::{ArmRun, PolicyId};
-use super::experiment::TestRule;
+use super::experiment::{Experiment, TestRule};
 use super::figure_spec::{Axis, Series};
 use super::measure::Measure;
 use super::measured_value::MeasuredValue;
@@ -13,6 +13,7 @@ use super::optimal_times::OptimalTimesCache;
 use super::plan::{RunPlan, Training};
 use super::policy_test::{self, PolicyTestResult};
 use super::progress::gradient_steps;
+use super::quick::make_quick;
 use super::records::Windows;
 use super::results::{ArmIndex, Results};
 use super::seeds::Seeds;
@@ -68,6 +69,27 @@ fn all_shipped_experiments_can_be_planned_in_full_and_quickly() {
             "origins precede the trainings that start from them"
         );
     }
+}
+
+#[test]
+fn a_quick_version_has_the_experiments_own_evaluation() {
+    let text = |evaluation: &str| {
+        format!(
+            r#"(title: "T", {evaluation}
+                arms: [(name: "a", stages: [(scenario: "empty", preset: "fast", budget: EnvSteps(3000))])],
+                tables: [(name: "t", title: "T", show: Seeds(measure: Success))])"#
+        )
+    };
+    let quick = |evaluation: &str| {
+        let mut experiment = Experiment::parse(&text(evaluation), "t.ron").expect("it is valid");
+        make_quick(&mut experiment, |_| None);
+        assert_eq!(experiment.arms[0].stages[0].budget, Some(Budget::EnvSteps(300)));
+        let evaluation = experiment.evaluation.expect("it has one");
+        (evaluation.every_env_steps, evaluation.episodes, evaluation.final_episodes)
+    };
+    assert_eq!(quick("evaluation: (every_env_steps: 500, episodes: 4, final_episodes: 0),"), (50, 4, 0));
+    assert_eq!(quick("evaluation: (every_env_steps: 500, episodes: 100),"), (50, 20, 500));
+    assert_eq!(quick(""), (10_000, 20, 500));
 }
 
 #[test]
