@@ -174,14 +174,19 @@ def test_an_exception_of_the_callback_is_raised_after_the_run_was_saved(tmp_path
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGINT for one process")
 @pytest.mark.parametrize("call", ["train", "evaluate"])
 def test_ctrl_c_interrupts_long_calls(call, tmp_path):
+    # A background job starts with SIGINT ignored.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
     timer = threading.Timer(0.7, lambda: os.kill(os.getpid(), signal.SIGINT))
     began = time.monotonic()
     timer.start()
-    with pytest.raises(KeyboardInterrupt):
-        if call == "train":
-            wayfield.train(steps=10**12, out=tmp_path / "run", progress=False)
-        else:
-            wayfield.evaluate("scenario-1", episodes=100_000, rounds=10)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            if call == "train":
+                wayfield.train(steps=10**12, out=tmp_path / "run", progress=False)
+            else:
+                wayfield.evaluate("scenario-1", episodes=100_000, rounds=10)
+    finally:
+        signal.signal(signal.SIGINT, before)
     assert time.monotonic() - began < 60
     if call == "train":
         assert wayfield.load_run(tmp_path / "run").summary["finished"] is False
