@@ -2,11 +2,9 @@
 
 use plotters::prelude::*;
 
-use super::super::layout::draw_no_data;
 use super::floor_plan::FloorPlan;
 use super::model::{MapRobot, ScenarioMap};
-use super::{MARGIN, OUTSIDE, THUMBNAIL};
-use crate::style::{Canvas, DrawError, DrawResult, HAIRLINE, INK, STROKE, is_drawable, line, picture};
+use crate::style::{Canvas, DrawError, DrawResult, HAIRLINE, INK, STROKE, is_drawable, line};
 
 const BEAM: RGBColor = RGBColor(214, 108, 30);
 const BODY: RGBColor = RGBColor(90, 140, 200);
@@ -18,18 +16,7 @@ impl ScenarioMap {
     /// # Errors
     /// The drawing library failed. No input is known to cause this.
     pub fn frame_svg(&self, robot: &MapRobot) -> Result<String, DrawError> {
-        let (width, height) = THUMBNAIL;
-        picture((width as u32, height as u32), |root| {
-            let available = (f64::from(width - 2 * MARGIN), f64::from(height - 2 * MARGIN));
-            let Some(plan) = FloorPlan::new(&self.enclosure, (MARGIN, MARGIN), available) else {
-                return draw_no_data(root, (MARGIN, width - MARGIN), (MARGIN, height - MARGIN));
-            };
-            let plan = plan.centred(THUMBNAIL);
-            plan.draw_grid(root)?;
-            self.draw_contents(root, &plan)?;
-            robot.draw(root, &plan)?;
-            plan.draw_enclosure(root, &self.enclosure, ((0, 0), THUMBNAIL), OUTSIDE)
-        })
+        self.small_svg(|root, plan| robot.draw(root, plan))
     }
 }
 

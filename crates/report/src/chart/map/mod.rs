@@ -68,6 +68,14 @@ impl ScenarioMap {
     /// # Errors
     /// The drawing library failed. No input is known to cause this.
     pub fn thumbnail_svg(&self) -> Result<String, DrawError> {
+        self.small_svg(|root, plan| self.draw_start(root, plan))
+    }
+
+    /// The picture of a thumbnail's size, with what `draw_robot` draws above tracks, obstacles and goal.
+    fn small_svg(
+        &self,
+        draw_robot: impl FnOnce(&Canvas, &FloorPlan) -> DrawResult,
+    ) -> Result<String, DrawError> {
         let (width, height) = THUMBNAIL;
         picture((width as u32, height as u32), |root| {
             let available = (f64::from(width - 2 * MARGIN), f64::from(height - 2 * MARGIN));
@@ -77,7 +85,7 @@ impl ScenarioMap {
             let plan = plan.centred(THUMBNAIL);
             plan.draw_grid(root)?;
             self.draw_contents(root, &plan)?;
-            self.draw_start(root, &plan)?;
+            draw_robot(root, &plan)?;
             plan.draw_enclosure(root, &self.enclosure, ((0, 0), THUMBNAIL), OUTSIDE)
         })
     }
