@@ -20,10 +20,10 @@ use crate::env_options::{self, scenario as find_scenario};
 use crate::errors::{detached, run_error, setting_errors};
 use crate::policy::NativePolicy;
 
-/// The control steps between two looks for Ctrl-C.
+/// The control steps between two checks for Ctrl-C.
 const STEPS_BETWEEN_SIGNALS: u32 = 50;
 
-/// The episodes that are planned between two looks for Ctrl-C.
+/// The episodes that are planned between two checks for Ctrl-C.
 const PLANNED_AT_ONCE: usize = 50;
 
 /// The options of an evaluation.
@@ -110,7 +110,7 @@ fn run(
                 return Ok(run.episodes);
             }
         }
-        look_for_ctrl_c()?;
+        check_ctrl_c()?;
     }
 }
 
@@ -122,7 +122,7 @@ fn plan(
 ) -> PyResult<(Vec<f64>, Vec<StepBounds>)> {
     let (mut shortest_m, mut bounds) = (Vec::new(), Vec::new());
     for some in results.chunks(PLANNED_AT_ONCE) {
-        look_for_ctrl_c()?;
+        check_ctrl_c()?;
         shortest_m.extend(shortest_paths_m(scenario, some, 0));
         if optimum {
             bounds.extend(step_bounds(scenario, some, 0));
@@ -131,7 +131,7 @@ fn plan(
     Ok((shortest_m, bounds))
 }
 
-fn look_for_ctrl_c() -> PyResult<()> {
+fn check_ctrl_c() -> PyResult<()> {
     Python::attach(|py| {
         py.check_signals()?;
         Ok(())

@@ -2,7 +2,7 @@
 //!
 //! In: numbers, text and numpy's arrays from the Python layer (`python/wayfield/`), which documents them for users. Out:
 //! results, as JSON or written into arrays, and Python exceptions with the texts of the command line. Every long call releases
-//! the GIL and looks for Ctrl-C. A panic becomes a `RuntimeError`.
+//! the GIL and checks for Ctrl-C. A panic becomes a `RuntimeError`.
 //!
 //! | file | duty |
 //! |---|---|

@@ -125,7 +125,7 @@ fn run(
     Ok((folder, summary))
 }
 
-/// Passes the progress to `callback` and looks for Ctrl-C, every 0.1 s.
+/// Passes the progress to `callback` and checks for Ctrl-C, every 0.1 s.
 fn listener(
     callback: Option<Py<PyAny>>,
     stop: Arc<AtomicBool>,

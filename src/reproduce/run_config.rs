@@ -5,10 +5,8 @@ use std::path::{Path, PathBuf};
 use super::experiment::{Arm, Experiment, Stage, TestedPolicy};
 use crate::run::folder::RunConfig;
 use crate::run::preset::Budget;
-use crate::run::provenance::{COMMIT, VERSION};
 use crate::run::{RunError, shipped};
 use crate::scenario::{FileError, to_ron};
-use crate::simulation::Extensions;
 
 /// The configuration of a `stage` of `arm` under a condition, without its transfer. `from` is the experiment's file.
 ///
@@ -46,20 +44,7 @@ pub fn run_config(
             FileError::for_file(Path::new(from), lines.join("\n"))
         })?;
     }
-    Ok(RunConfig {
-        version: VERSION.into(),
-        commit: COMMIT.map(String::from),
-        seed,
-        scenario_from,
-        preset_from: stage.preset.clone(),
-        transfer: None,
-        save_policy_after: Vec::new(),
-        sensors: Vec::new(),
-        reward_terms: Vec::new(),
-        extensions: Extensions::default(),
-        scenario,
-        preset,
-    })
+    Ok(RunConfig::new((scenario_from, scenario), (stage.preset.clone(), preset), seed))
 }
 
 /// The name of a run's folder: equal configurations have equal names. The length is not part of it, unless the

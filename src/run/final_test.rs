@@ -1,6 +1,6 @@
-//! The final test: the best policy of a training, in episodes that it was not selected by.
+//! The final test: the best policy of a training, in episodes that did not select it.
 //!
-//! The best of many evaluations, all in the same episodes, is optimistic. This test is not, so its numbers are those to quote.
+//! The best of many evaluations, all in the same episodes, is optimistic. This test is not, so its numbers are those to report.
 
 use serde::{Deserialize, Serialize};
 

@@ -16,7 +16,7 @@ use crate::scenario::{BenchmarkRoute, Scenario, printable};
 use crate::simulation::Extensions;
 use crate::task::EpisodeSetup;
 
-/// The number of episodes that the planner gets between two looks at the signals.
+/// The number of episodes that the planner gets between two checks for signals.
 const PLANNED_AT_ONCE: usize = 64;
 
 /// A policy under test, with its file or shipped name.
