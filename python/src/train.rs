@@ -78,13 +78,9 @@ fn config(options: TrainOptions, transfers: bool) -> PyResult<RunConfig> {
         options.seed,
     )
     .with_settings(&settings(options.settings))
-    .map_err(setting_errors)?;
-    let preset = &mut config.preset;
-    preset.budget = budget(options.steps, options.episodes).unwrap_or(preset.budget);
-    preset.arenas = options.arenas.unwrap_or(preset.arenas);
-    if let Some(diagnostic) = preset.diagnostics().first() {
-        return Err(PyValueError::new_err(format!("{}: {diagnostic}", config.preset_from)));
-    }
+    .map_err(setting_errors)?
+    .with_length(budget(options.steps, options.episodes), options.arenas)
+    .map_err(run_error)?;
     config.transfer = transfers.then_some(Transfer { policy: options.init_from, epsilon: options.epsilon });
     Ok(config)
 }

@@ -104,16 +104,11 @@ fn new_run(
         Some(path) => earlier_run(path, &args, &shared)?,
         None => (RunConfig::resolve(shared.scenario(), shared.preset(), shared.seed())?, args.init.clone()),
     };
-    let mut config = config.with_settings(&settings)?.with_extensions(&shared.extensions);
+    let config = config.with_settings(&settings)?.with_extensions(&shared.extensions);
     if !settings.is_empty() {
         print_stderr(&format!("set {settings}"));
     }
-    let preset = &mut config.preset;
-    preset.budget = budget.unwrap_or(preset.budget);
-    preset.arenas = args.arenas.unwrap_or(preset.arenas);
-    if let Some(diagnostic) = preset.diagnostics().first() {
-        return Err(RunError::InvalidInput(format!("{}: {diagnostic}", shared.preset())));
-    }
+    let mut config = config.with_length(budget, args.arenas)?;
     let read = |path: &PathBuf| policy::read(path, &config.scenario, &shared.extensions);
     let policy = init.as_ref().map(read).transpose()?;
     if let Some(init) = args.init {

@@ -4,7 +4,7 @@
 import assert from 'node:assert/strict';
 import { readFile } from 'node:fs/promises';
 import { test } from 'node:test';
-import { centre, click, closeWithoutErrors, crash, isShown, open, pageUnderTest, picture, status, until } from './support.mjs';
+import { centre, click, closeWithoutErrors, crash, isShown, offeredOnlyOnceClosed, open, pageUnderTest, picture, status, until } from './support.mjs';
 
 const app = pageUnderTest();
 
@@ -60,19 +60,7 @@ test('after a reload, the last session can be continued to the next step', async
 test('a session of an open tab is not offered in another tab', async () => {
     const page = await open(app.browser, `${app.address}?pace=full`);
     await trainAndSave(page);
-    const other = await page.context().newPage();
-    await other.goto(`${app.address}?paused`);
-    await until(other, (now) => now.paused);
-    await isShown(other, 'Continue');
-    await other.waitForTimeout(2000);
-    assert.equal(await isShown(other, 'Continue'), false);
-    await page.close();
-    await other.reload();
-    await until(other, (now) => now.paused);
-    await centre(other, 'Continue');
-    await click(other, 'Not now');
-    assert.equal(await isShown(other, 'Continue'), false);
-    await other.context().close();
+    await offeredOnlyOnceClosed(app, page, 'Continue');
 });
 
 test('after a lost WebGL context, one click reloads the page and continues the training', async () => {

@@ -2,7 +2,7 @@
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { centre, click, closeWithoutErrors, crash, isShown, open, pageUnderTest, picture, until } from './support.mjs';
+import { centre, click, closeWithoutErrors, crash, isShown, offeredOnlyOnceClosed, open, pageUnderTest, picture, until } from './support.mjs';
 
 const app = pageUnderTest();
 
@@ -45,17 +45,5 @@ test('after a crash, the unsaved changes of the editor can be restored, and are 
 test('what is edited in an open tab is not offered in another one', async () => {
     const page = await open(app.browser, `${app.address}?scenario=empty&edit`);
     await addCircle(page);
-    const other = await page.context().newPage();
-    await other.goto(`${app.address}?paused`);
-    await until(other, (now) => now.paused);
-    await isShown(other, 'Restore');
-    await other.waitForTimeout(2000);
-    assert.equal(await isShown(other, 'Restore'), false);
-    await page.close();
-    await other.reload();
-    await until(other, (now) => now.paused);
-    await centre(other, 'Restore');
-    await click(other, 'Not now');
-    assert.equal(await isShown(other, 'Restore'), false);
-    await other.context().close();
+    await offeredOnlyOnceClosed(app, page, 'Restore');
 });

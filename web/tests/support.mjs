@@ -121,6 +121,23 @@ export async function centre(page, name, seconds = 30) {
 /// Whether a control or arena object with this accessible name is displayed.
 export const isShown = (page, name) => page.evaluate((name) => wayfieldPage.app.control(name) !== undefined, name);
 
+/// Asserts that what `page` has stored is offered by the button `name` in another tab only after `page` is closed, and can be
+/// refused. Closes both.
+export async function offeredOnlyOnceClosed(app, page, name) {
+    const other = await page.context().newPage();
+    await other.goto(`${app.address}?paused`);
+    await until(other, (now) => now.paused);
+    await other.waitForTimeout(2000);
+    assert.equal(await isShown(other, name), false);
+    await page.close();
+    await other.reload();
+    await until(other, (now) => now.paused);
+    await centre(other, name);
+    await click(other, 'Not now');
+    assert.equal(await isShown(other, name), false);
+    await other.context().close();
+}
+
 /// Stops the app as a panic does, and waits until the page says so.
 export async function crash(page) {
     // A module whose start function is the instruction `unreachable`: what a panic compiles to.

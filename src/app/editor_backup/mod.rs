@@ -72,6 +72,7 @@ pub struct EditorBackup {
     written: Option<Arc<Scenario>>,
     /// When a backup was last written, successfully or not; `None` without unsaved changes.
     last_attempt: Option<Instant>,
+    /// Whether the last failure has been reported, and no backup was written since.
     has_failed: bool,
     /// The backup to offer.
     found: Option<FoundBackup>,
@@ -108,6 +109,7 @@ impl EditorBackup {
         let text = to_ron(&Backup::of(editor)).map_err(|error| RunError::Failed(error.to_string()))?;
         store.write(&text)?;
         self.written = Some(editor.scenario().clone());
+        self.has_failed = false;
         Ok(())
     }
 

@@ -95,6 +95,19 @@ impl RunConfig {
         Ok(self)
     }
 
+    /// This configuration with another budget and number of arenas, where they are given.
+    ///
+    /// # Errors
+    /// The preset is then invalid. The message names it.
+    pub fn with_length(mut self, budget: Option<Budget>, arenas: Option<usize>) -> Result<Self, RunError> {
+        self.preset.budget = budget.unwrap_or(self.preset.budget);
+        self.preset.arenas = arenas.unwrap_or(self.preset.arenas);
+        match self.preset.diagnostics().first() {
+            None => Ok(self),
+            Some(found) => Err(RunError::InvalidInput(format!("{}: {found}", self.preset_from))),
+        }
+    }
+
     /// The configuration in the file at `path`, the `config.ron` of a run folder.
     ///
     /// # Errors
