@@ -157,7 +157,7 @@ pub struct Summary {
     /// The first evaluation with a success rate of at least 99 %.
     pub first_99: Option<Milestone>,
     /// The test of the best policy in fresh episodes, after the training; `None` if the run has not finished or the preset asks
-    /// for no test. These are the numbers to quote.
+    /// for no test. These are the numbers to report.
     #[serde(default)]
     pub final_test: Option<FinalTest>,
 }
