@@ -16,6 +16,7 @@ use wayfield::run::policy_card;
 use wayfield::scenario::Scenario;
 use wayfield::task::EpisodeSetup;
 
+use crate::act_function::ActFunction;
 use crate::env_options::{self, scenario as find_scenario};
 use crate::errors::{detached, run_error, setting_errors};
 use crate::policy::NativePolicy;
@@ -42,6 +43,7 @@ pub struct EvaluateOptions {
 /// What the Python layer gets, as JSON.
 #[derive(Serialize)]
 struct Report {
+    weights_crc32c: Option<String>,
     scenario: String,
     warning: Option<String>,
     #[serde(flatten)]
@@ -58,6 +60,30 @@ pub fn evaluate(
     policy: PyRef<'_, NativePolicy>,
     options: EvaluateOptions,
 ) -> PyResult<String> {
+    report(py, &Chooser::Policy(&policy.policy), options)
+}
+
+/// Tests the function `act`, which gets observations in `observation` (`scaled` or `raw`), as bytes, and their number. It returns
+/// an array of actions (i64), or with `is_continuous` of motions (f32, rows x 2: m/s, rad/s). Returns the report as JSON.
+#[pyfunction]
+pub fn evaluate_function(
+    py: Python<'_>,
+    act: Py<PyAny>,
+    observation: &str,
+    is_continuous: bool,
+    options: EvaluateOptions,
+) -> PyResult<String> {
+    let encoding = env_options::encoding(observation)?;
+    report(py, &Chooser::Function(&ActFunction { act, encoding, is_continuous }), options)
+}
+
+/// What chooses the actions.
+enum Chooser<'a> {
+    Policy(&'a Policy),
+    Function(&'a ActFunction),
+}
+
+fn report(py: Python<'_>, chooser: &Chooser<'_>, options: EvaluateOptions) -> PyResult<String> {
     let count = options.episodes.saturating_mul(options.rounds);
     if !(1..=MAX_EVAL_EPISODES).contains(&count) {
         return Err(PyValueError::new_err(format!(
@@ -65,10 +91,10 @@ pub fn evaluate(
             options.episodes, options.rounds
         )));
     }
-    let policy = &policy.policy;
-    let mut scenario = match &options.scenario {
-        Some(wanted) => find_scenario(wanted)?,
-        None => own_scenario(policy)?,
+    let mut scenario = match (&options.scenario, chooser) {
+        (Some(wanted), _) => find_scenario(wanted)?,
+        (None, Chooser::Policy(policy)) => own_scenario(policy)?,
+        (None, Chooser::Function(_)) => find_scenario("scenario-1")?,
     };
     let settings = env_options::settings(options.settings);
     settings.apply_to_scenario(&mut scenario).map_err(setting_errors)?;
@@ -76,15 +102,22 @@ pub fn evaluate(
     let setup = if options.benchmark_route { route(&scenario)? } else { EpisodeSetup::Random };
     let (seed, per_round, optimum) = (options.seed, options.episodes as usize, options.optimum);
     detached(py, || {
-        let results = run(policy, &scenario, seed, count as usize, setup)?;
+        let results = run(chooser, &scenario, seed, count as usize, setup)?;
         let (shortest_m, bounds) = plan(&scenario, &results, optimum)?;
         let comparison = OptimumComparison::from_episodes(&results, &bounds, &scenario.task);
         let records = results.iter().zip(&shortest_m).enumerate().map(|(index, (episode, shortest_m))| {
             EpisodeRecord::new("", index + 1, episode, &scenario, *shortest_m, bounds.get(index).copied())
         });
         let report = Report {
+            weights_crc32c: match chooser {
+                Chooser::Policy(policy) => Some(policy.weights_crc32c()),
+                Chooser::Function(_) => None,
+            },
             scenario: scenario.name.clone(),
-            warning: policy_card::warning(policy, &scenario).map_err(run_error)?,
+            warning: match chooser {
+                Chooser::Policy(policy) => policy_card::warning(policy, &scenario).map_err(run_error)?,
+                Chooser::Function(_) => None,
+            },
             evaluation: Evaluation::from_episodes(&results, per_round, &scenario.task, seed),
             optimum_mean_time_s: comparison.as_ref().map(|c| c.optimum_mean_time_s),
             time_ratio: comparison.as_ref().map(|c| c.time_ratio),
@@ -96,16 +129,22 @@ pub fn evaluate(
 
 /// The results of `count` episodes.
 fn run(
-    policy: &Policy,
+    chooser: &Chooser<'_>,
     scenario: &Arc<Scenario>,
     seed: u64,
     count: usize,
     setup: EpisodeSetup,
 ) -> PyResult<Vec<EpisodeResult>> {
     let mut evaluator = Evaluator::new(scenario, count).measuring_paths();
-    let mut run = evaluator.start(policy, seed, count, setup).map_err(run_error)?;
+    let mut run = match chooser {
+        Chooser::Policy(policy) => evaluator.start(policy, seed, count, setup).map_err(run_error)?,
+        Chooser::Function(function) => evaluator.start_commanded(function.encoding, seed, count, setup),
+    };
     loop {
         for _ in 0..STEPS_BETWEEN_SIGNALS {
+            if let Chooser::Function(function) = chooser {
+                function.command(&mut evaluator, &mut run, scenario.robot.motions.len())?;
+            }
             if evaluator.step(&mut run).map_err(run_error)? {
                 return Ok(run.episodes);
             }

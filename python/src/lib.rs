@@ -8,14 +8,18 @@
 //! |---|---|
 //! | `env.rs` | environments |
 //! | `env_options.rs` | the options of an environment |
+//! | `commands.rs` | actions and motions from arrays |
 //! | `benchmark.rs` | steps without Python, for comparison |
 //! | `policy.rs` | policies |
 //! | `train.rs` | training runs |
 //! | `evaluate.rs` | evaluations |
+//! | `act_function.rs` | functions of Python that are evaluated |
 //! | `files.rs` | shipped files, checks, drawings, the command line |
 //! | `errors.rs` | exceptions |
 
+mod act_function;
 mod benchmark;
+mod commands;
 mod env;
 mod env_options;
 mod errors;
@@ -38,7 +42,7 @@ mod _native {
     #[pymodule_export]
     use super::env::NativeEnv;
     #[pymodule_export]
-    use super::evaluate::evaluate;
+    use super::evaluate::{evaluate, evaluate_function};
     #[pymodule_export]
     use super::files::{check, draw, main, presets, scenario_text, scenarios, version};
     #[pymodule_export]
