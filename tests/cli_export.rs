@@ -74,7 +74,11 @@ fn the_model_card_lists_the_results_of_tests() {
             assert!(metric["name"].as_str().is_some_and(|name| name.contains("20 episodes, seed 4")));
         }
         assert!(result["metrics"].as_array().is_some_and(|metrics| metrics.len() >= 3), "{result}");
-        let row = format!("| {} | {:.1} % (", test["scenario"].as_str().expect("a name"), 100.0 * test["success_rate"].as_f64().expect("a rate"));
+        let row = format!(
+            "| {} | {:.1} % (",
+            test["scenario"].as_str().expect("a name"),
+            100.0 * test["success_rate"].as_f64().expect("a rate")
+        );
         assert!(page.contains(&row), "{row}: {page}");
     }
 }
@@ -145,7 +149,10 @@ fn what_cannot_be_exported_is_refused_in_one_line() {
         ("no results of a test", "--export policy.safetensors --onnx policy.onnx --eval-results no.json"),
         ("other JSON", "--export policy.safetensors --onnx policy.onnx --eval-results text.json"),
         ("a rate beyond 1", "--export policy.safetensors --onnx policy.onnx --eval-results rate.json"),
-        ("results of another policy", "--export policy.safetensors --onnx policy.onnx --eval-results other.json"),
+        (
+            "results of another policy",
+            "--export policy.safetensors --onnx policy.onnx --eval-results other.json",
+        ),
     ] {
         messages.case(comment);
         messages.line(&workspace, arguments);

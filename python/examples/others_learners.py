@@ -84,13 +84,26 @@ def cleanrls(name: str, script: Path, env_steps: int, scale: float = 1.0, **opti
     return Learner(name, env_steps, train, load)
 
 
+# One guess each after the defaults, with wayfield's discount factor and reward scale; no search was made.
+TUNED_PPO: dict[str, Any] = {"envs": 16, "scale": 0.01, "gamma": 0.95, "n_steps": 128}
+TUNED_DQN: dict[str, Any] = {
+    "scale": 0.01,
+    "gamma": 0.95,
+    "learning_rate": 1e-3,
+    "target_update_interval": 1000,
+    "exploration_final_eps": 0.02,
+}
+
+
 def learners(cleanrl: Path | None) -> list[Learner]:
     """The rows of the table."""
     rows = [
         wayfields("wayfield, preset `fast`", 200_000),
         wayfields("wayfield, preset `fast`, all of its steps", 600_000),
         sb3s("SB3 PPO, defaults", stable_baselines3.PPO, 200_000),
+        sb3s("SB3 PPO, 16 robots, tuned", stable_baselines3.PPO, 200_000, **TUNED_PPO),
         sb3s("SB3 DQN, defaults", stable_baselines3.DQN, 200_000),
+        sb3s("SB3 DQN, tuned", stable_baselines3.DQN, 200_000, **TUNED_DQN),
     ]
     if cleanrl is not None:
         rows.append(cleanrls("CleanRL DQN, defaults", cleanrl / "cleanrl/dqn.py", 200_000))

@@ -40,7 +40,7 @@ pub struct NativeEnv {
 
 /// The results of a step.
 #[derive(Default)]
-struct Results {
+pub(crate) struct Results {
     numbers: Vec<f64>,
     flags: Vec<u8>,
     any_ended: bool,
@@ -223,7 +223,7 @@ impl NativeEnv {
     }
 
     /// Runs `work` without the GIL. After a panic, the environments are gone.
-    fn run<T: Send>(
+    pub(crate) fn run<T: Send>(
         &mut self,
         py: Python<'_>,
         work: impl FnOnce(&mut VecEnv, &mut Results) -> Result<T, VecEnvError> + Send,
