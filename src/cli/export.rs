@@ -18,7 +18,7 @@ pub struct ExportArgs {
     #[arg(long, value_name = "FILE")]
     onnx: Option<PathBuf>,
 
-    /// Results of tests for the model card: files with the output of `--eval POLICY --json`, one per scenario
+    /// Results of tests for the model card: files with the output of --eval with --json, one per scenario
     #[arg(long, value_name = "FILE", num_args = 1..)]
     eval_results: Vec<PathBuf>,
 }
