@@ -95,7 +95,8 @@ impl NativePolicy {
     /// card if it was written.
     fn export_onnx(&self, path: PathBuf, results: Vec<String>) -> PyResult<Option<PathBuf>> {
         let parse = |json: &String| {
-            EvalResults::parse(json, &self.policy).map_err(|error| PyValueError::new_err(error.to_string()))
+            EvalResults::parse(json.as_bytes(), &self.policy)
+                .map_err(|error| PyValueError::new_err(error.to_string()))
         };
         let results = results.iter().map(parse).collect::<PyResult<Vec<_>>>()?;
         let card = export_policy(&self.policy, Path::new("the policy"), &path, &results);

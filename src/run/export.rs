@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use crate::export::{EvalResults, MODEL_CARD_MARK, model_card, to_onnx};
 use crate::limits::MAX_EVAL_RESULTS_BYTES;
 use crate::policy::Policy;
-use crate::scenario::read_text_with_limit;
+use crate::scenario::read_bytes;
 
 use super::output_file::{check_writable, is_stream, write_atomic};
 use super::{RunError, policy_card};
@@ -38,11 +38,8 @@ pub fn export_onnx(policy: &Path, onnx: &Path, eval_results: &[PathBuf]) -> Resu
     check_extension(onnx)?;
     let from = policy;
     let policy = policy_card::read(from)?;
-    let read = |path: &PathBuf| {
-        let text = read_text_with_limit(path, MAX_EVAL_RESULTS_BYTES)?;
-        EvalResults::parse(&text, &policy).map_err(|error| RunError::invalid_input(path, error))
-    };
-    let results = eval_results.iter().map(read).collect::<Result<Vec<_>, RunError>>()?;
+    let results = eval_results.iter().map(|path| read_results(path, &policy));
+    let results = results.collect::<Result<Vec<_>, RunError>>()?;
     export_policy(&policy, from, onnx, &results)
 }
 
@@ -69,6 +66,21 @@ pub fn export_policy(
     }
     write(&path, page.as_bytes())?;
     Ok(ModelCardFile::Written(path))
+}
+
+fn read_results(path: &Path, policy: &Policy) -> Result<EvalResults, RunError> {
+    let refuse = |why: String| {
+        RunError::invalid_input(
+            path,
+            format!("{why}; help: give a file with the output of --eval with --json"),
+        )
+    };
+    let bytes = read_bytes(path, MAX_EVAL_RESULTS_BYTES + 1)
+        .map_err(|error| refuse(format!("can't be read ({error})")))?;
+    if bytes.len() as u64 > MAX_EVAL_RESULTS_BYTES {
+        return Err(refuse(format!("is larger than {MAX_EVAL_RESULTS_BYTES} bytes")));
+    }
+    EvalResults::parse(&bytes, policy).map_err(|error| RunError::invalid_input(path, error))
 }
 
 fn check_extension(onnx: &Path) -> Result<(), RunError> {

@@ -44,9 +44,7 @@ pub enum ExportError {
     #[error("the policy's card has an unreadable scenario: {0}; help: use the file as wayfield wrote it")]
     Scenario(String),
     /// A text is not the results of a test.
-    #[error(
-        "not the results of a test: {0}; help: give the output of `wayfield --eval POLICY --json`, with one policy"
-    )]
+    #[error("not the results of a test: {0}; help: give the output of --eval with --json and one policy")]
     Results(String),
     /// The results are those of another policy.
     #[error(

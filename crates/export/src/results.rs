@@ -29,13 +29,13 @@ pub struct EvalResults {
 }
 
 impl EvalResults {
-    /// The results in the JSON object `json`, which must be those of `policy`.
+    /// The results in the JSON object `json`, as UTF-8, which must be those of `policy`.
     ///
     /// # Errors
-    /// The text is not such an object, a number is out of range, or the results are those of another policy.
-    pub fn parse(json: &str, policy: &Policy) -> Result<Self, ExportError> {
+    /// It is not such an object, a number is out of range, or the results are those of another policy.
+    pub fn parse(json: &[u8], policy: &Policy) -> Result<Self, ExportError> {
         let results: Self =
-            serde_json::from_str(json).map_err(|error| ExportError::Results(error.to_string()))?;
+            serde_json::from_slice(json).map_err(|error| ExportError::Results(error.to_string()))?;
         results.check()?;
         let weights = policy.weights_crc32c();
         if results.weights_crc32c != weights {
