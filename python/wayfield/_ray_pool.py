@@ -5,8 +5,8 @@ from typing import Any
 
 
 class RayPool:
-    """The nodes of a Ray cluster. Connects to the running cluster, or else starts Ray on this machine alone, unless the caller
-    did so by ``ray.init``.
+    """The nodes of a Ray cluster. The first task connects to the running cluster, or else starts Ray on this machine alone,
+    unless the caller did so by ``ray.init``.
 
     Args:
         cpus: The CPUs that a task needs, at least 1.
@@ -24,22 +24,26 @@ class RayPool:
         if cpus < 1 or retries < 0:
             raise ValueError(f"cpus={cpus}, retries={retries}; help: give at least 1 CPU and 0 retries")
         self._ray: Any = ray
-        if not ray.is_initialized():
-            ray.init()
         self._cpus, self._retries = cpus, retries
-        # An exception of wayfield's would come again; only lost processes and nodes are worth another try.
-        self._call = ray.remote(_call).options(num_cpus=cpus, max_retries=retries, retry_exceptions=False)
         self._names: dict[Hashable, str] = {}
 
     @property
     def parallel(self) -> int:
         """The number of tasks that the cluster can run at the same time."""
+        self._connect()
         return max(1, int(self._ray.cluster_resources().get("CPU", 1)) // self._cpus)
 
     def submit(self, name: str, work: Callable[..., Any], arguments: tuple[Any, ...]) -> Hashable:
-        handle: Hashable = self._call.options(name=name).remote(work, arguments)
+        self._connect()
+        # An exception of wayfield's would come again; only lost processes and nodes are worth another try.
+        options = {"name": name, "num_cpus": self._cpus, "max_retries": self._retries, "retry_exceptions": False}
+        handle: Hashable = self._ray.remote(_call).options(**options).remote(work, arguments)
         self._names[handle] = name
         return handle
+
+    def _connect(self) -> None:
+        if not self._ray.is_initialized():
+            self._ray.init()
 
     def wait(self, handles: Sequence[Hashable]) -> tuple[Hashable, Any, str]:
         (handle,), _ = self._ray.wait(list(handles), num_returns=1)

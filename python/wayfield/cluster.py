@@ -75,6 +75,7 @@ def reproduce(
         RuntimeError: A training failed. Finished trainings stay; the same call continues.
         ImportError: Ray is not installed.
     """
+    pool = pool or RayPool(cpus, retries)
     report = _native.NativeReport(
         {
             "experiments": [os.fspath(path) for path in experiments],
@@ -86,7 +87,6 @@ def reproduce(
         }
     )
     runs = Path(report.runs)
-    pool = pool or RayPool(cpus, retries)
     run_tasks([_training(record, runs, cpus, {}) for record in json.loads(report.tasks())], pool, progress)
     folder, text = report.finish(pool.parallel)
     fields = json.loads(text)
@@ -118,7 +118,7 @@ def sweep(
         RuntimeError: A training failed. Finished trainings stay; the same call continues.
         ImportError: Ray is not installed.
     """
-    folder = Path(out)
+    folder, pool = Path(out), pool or RayPool(cpus, retries)
     tasks = []
     for run in runs:
         options, init = training_options(**run)
@@ -130,7 +130,7 @@ def sweep(
         record = json.loads(_native.training_task(options, init is not None))
         tasks.append(_training(record, folder, cpus, inputs))
     folder.mkdir(parents=True, exist_ok=True)
-    run_tasks(tasks, pool or RayPool(cpus, retries), progress)
+    run_tasks(tasks, pool, progress)
     return [load_run(folder / task.name) for task in tasks]
 
 
@@ -159,10 +159,10 @@ def evaluate(
         RuntimeError: A test failed. Finished tests stay; the same call continues.
         ImportError: Ray is not installed.
     """
-    folder = Path(out)
+    folder, pool = Path(out), pool or RayPool(cpus, retries)
     tasks = [_evaluation(dict(case), folder, cpus) for case in cases]
     folder.mkdir(parents=True, exist_ok=True)
-    run_tasks(tasks, pool or RayPool(cpus, retries), progress)
+    run_tasks(tasks, pool, progress)
     results = [json.loads((folder / f"{task.name}.json").read_text(encoding="utf-8")) for task in tasks]
     return [evaluation_from(report, stacklevel=3) for report in results]
 
