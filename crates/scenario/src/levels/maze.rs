@@ -30,8 +30,17 @@ pub(super) fn add(
 fn edges(size_m: f32, passage_m: f32, wall_m: f32) -> Vec<f32> {
     let passages = (((size_m + wall_m) / (passage_m + wall_m) * (1.0 + 1e-6)) as usize).max(1);
     let wide = (size_m - (passages - 1) as f32 * wall_m) / passages as f32;
-    let edge = |k: usize| (k / 2) as f32 * (wide + wall_m) + if k % 2 == 0 { 0.0 } else { wide };
+    let edge = |k: usize| (k / 2) as f32 * (wide + wall_m) + if k.is_multiple_of(2) { 0.0 } else { wide };
     (0..2 * passages).map(|k| edge(k) - size_m / 2.0).collect()
+}
+
+/// The blocks in even columns and rows.
+fn nodes_of(blocks: &Blocks) -> Vec<usize> {
+    let (columns, rows) = (blocks.columns(), blocks.rows());
+    (0..rows)
+        .step_by(2)
+        .flat_map(|row| (0..columns).step_by(2).map(move |column| row * columns + column))
+        .collect()
 }
 
 /// A maze: the blocks in even columns and rows are its nodes, those between two of them are passages or walls.
@@ -67,10 +76,7 @@ impl Maze {
 
     /// Opens a second passage at the share `loops` of the dead ends.
     fn open_dead_ends(&mut self, loops: f32, stream: &mut Stream) {
-        let (columns, rows) = (self.blocks.columns(), self.blocks.rows());
-        for node in
-            (0..rows).step_by(2).flat_map(|row| (0..columns).step_by(2).map(move |c| row * columns + c))
-        {
+        for node in nodes_of(&self.blocks) {
             let (closed, open): (Vec<_>, Vec<_>) =
                 self.steps(node).into_iter().partition(|&(_, between)| self.blocks.solid[between]);
             if open.len() == 1
@@ -111,13 +117,11 @@ mod tests {
     fn without_loops_the_passages_form_a_tree_and_with_all_loops_there_are_no_dead_ends() {
         let open = |blocks: &Blocks| blocks.solid.iter().filter(|&&solid| !solid).count();
         let tree = maze(0.0);
-        let nodes = (tree.columns() / 2 + 1) * (tree.rows() / 2 + 1);
+        let nodes = nodes_of(&tree).len();
         assert_eq!(open(&tree), 2 * nodes - 1, "a tree of {nodes} nodes");
         let looped = maze(1.0);
         assert!(open(&looped) > open(&tree));
-        for node in (0..looped.solid.len())
-            .filter(|node| node % looped.columns() % 2 == 0 && node / looped.columns() % 2 == 0)
-        {
+        for node in nodes_of(&looped) {
             assert!(looped.neighbours(node).filter(|&next| !looped.solid[next]).count() > 1, "{node}");
         }
     }
