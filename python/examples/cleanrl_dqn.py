@@ -89,7 +89,7 @@ def main() -> None:
     def act(observations: np.ndarray) -> np.ndarray:
         return network(torch.from_numpy(observations)).argmax(dim=1).numpy()
 
-    print(f"success rate: {100 * wayfield.evaluate(act, options.scenario).success_rate:.1f} %")
+    print(f"success rate: {100 * wayfield.evaluate_function(act, options.scenario).success_rate:.1f} %")
 
 
 if __name__ == "__main__":

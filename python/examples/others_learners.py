@@ -41,7 +41,7 @@ class Learner:
     name: str
     env_steps: int
     train: Callable[[str, int, Path], None]
-    load: Callable[[Path], Act | wayfield.Policy]
+    load: Callable[[Path], Act]
     actions: str = "discrete"
 
 
@@ -52,7 +52,7 @@ def wayfields(name: str, env_steps: int) -> Learner:
         result = wayfield.train(scenario, seed=SEED, steps=steps, out=path.with_suffix(".run"), progress=False)
         result.last_policy.save(path)
 
-    return Learner(name, env_steps, train, wayfield.Policy.load)
+    return Learner(name, env_steps, train, lambda path: wayfield.Policy.load(path).act)
 
 
 def sb3s(name: str, algorithm: type[BaseAlgorithm], env_steps: int, envs: int = 1, scale: float = 1.0, **options: Any) -> Learner:
@@ -120,7 +120,7 @@ def row(learner: Learner, scenario: str, out: Path) -> str:
         learner.train(scenario, learner.env_steps, path)
         record.write_text(json.dumps({"cpu_s": time.process_time() - began}))
     cpu_s = json.loads(record.read_text())["cpu_s"]
-    result = wayfield.evaluate(learner.load(path), scenario, actions=learner.actions)
+    result = wayfield.evaluate_function(learner.load(path), scenario, actions=learner.actions)
     low, high = (100 * bound for bound in result.success_interval)
     rates = f"{100 * result.success_rate:.1f} % ({low:.1f} to {high:.1f}) | {100 * result.collision_rate:.1f} %"
     return f"| {scenario} | {learner.name} | {rates} | {learner.env_steps:,} | {cpu_s:,.0f} |"

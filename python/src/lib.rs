@@ -9,6 +9,7 @@
 //! | `env.rs` | environments |
 //! | `env_options.rs` | the options of an environment |
 //! | `commands.rs` | actions and motions from arrays |
+//! | `cluster.rs` | trainings as tasks for other machines |
 //! | `benchmark.rs` | steps without Python, for comparison |
 //! | `policy.rs` | policies |
 //! | `train.rs` | training runs |
@@ -19,6 +20,7 @@
 
 mod act_function;
 mod benchmark;
+mod cluster;
 mod commands;
 mod env;
 mod env_options;
@@ -40,13 +42,15 @@ mod _native {
     #[pymodule_export]
     use super::benchmark::benchmark;
     #[pymodule_export]
+    use super::cluster::{NativeReport, build, is_task_done, run_task};
+    #[pymodule_export]
     use super::env::NativeEnv;
     #[pymodule_export]
-    use super::evaluate::{evaluate, evaluate_function};
+    use super::evaluate::{evaluate, evaluate_function, evaluation_scenario};
     #[pymodule_export]
     use super::files::{check, draw, main, presets, scenario_text, scenarios, version};
     #[pymodule_export]
     use super::policy::NativePolicy;
     #[pymodule_export]
-    use super::train::{resume, train};
+    use super::train::{resume, train, training_task};
 }
