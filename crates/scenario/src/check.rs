@@ -32,6 +32,8 @@ mod swept_path;
 mod time_limit;
 mod turning;
 
+pub(crate) use numbers::check_texts;
+
 use std::fmt;
 use std::ops::RangeInclusive;
 
@@ -81,15 +83,20 @@ pub fn value_diagnostics(scenario: &Scenario) -> Vec<Diagnostic> {
 }
 
 /// The diagnostics collected so far.
-struct Diagnostics(Vec<Diagnostic>);
+#[derive(Default)]
+pub(crate) struct Diagnostics(Vec<Diagnostic>);
 
 impl Diagnostics {
-    fn push(&mut self, path: fmt::Arguments<'_>, message: impl Into<String>) {
+    pub(crate) fn into_vec(self) -> Vec<Diagnostic> {
+        self.0
+    }
+
+    pub(crate) fn push(&mut self, path: fmt::Arguments<'_>, message: impl Into<String>) {
         self.0.push(Diagnostic { path: path.to_string(), message: message.into() });
     }
 
     /// Reports `value` if it lies outside `range`; NaN always does.
-    fn check_range<T>(&mut self, path: fmt::Arguments<'_>, value: T, range: RangeInclusive<T>, unit: &str)
+    pub(crate) fn check_range<T>(&mut self, path: fmt::Arguments<'_>, value: T, range: RangeInclusive<T>, unit: &str)
     where
         T: PartialOrd + fmt::Display,
     {
@@ -106,7 +113,7 @@ impl Diagnostics {
     }
 
     /// Reports a list whose length `count` lies outside `range`.
-    fn check_count(&mut self, path: fmt::Arguments<'_>, count: usize, range: RangeInclusive<usize>) {
+    pub(crate) fn check_count(&mut self, path: fmt::Arguments<'_>, count: usize, range: RangeInclusive<usize>) {
         if !range.contains(&count) {
             let (low, high) = (range.start(), range.end());
             self.push(path, format!("has {count} entries: write {low} to {high}"));
