@@ -14,9 +14,9 @@ use super::{obstacles, robot};
 use crate::control_step::Reset;
 use crate::scenario::Scenario;
 use crate::task::{
-    Actions, Arena, ArenaLayout, ArenaScenario, ArenaState, Clock, CurrentScenario, Episode, ExtraRewards, Goal,
-    ObservationLayout, Observations, PendingReset, Pose, Scan, ScenarioPool, SensorReadings, StepOutcome, StepOutcomes,
-    Streams, TaskFault, Twist, observation,
+    Actions, Arena, ArenaLayout, ArenaScenario, ArenaState, Clock, CurrentScenario, Episode, ExtraRewards,
+    Goal, ObservationLayout, Observations, PendingReset, Pose, Scan, ScenarioPool, SensorReadings,
+    StepOutcome, StepOutcomes, Streams, TaskFault, Twist, observation,
 };
 
 /// Replaces all arenas by `arenas` new arenas of `scenario` with the random streams of `seed`, and starts an episode in
@@ -80,6 +80,15 @@ pub fn assign_scenarios(world: &mut World, member: impl Fn(usize) -> usize) {
     }
 }
 
+/// Lets the selected arenas draw the scenarios of their next episodes by the random streams of `seed`. Without a
+/// [`ScenarioPool`], it does nothing.
+pub(crate) fn seed_scenarios(world: &mut World, seed: u64, is_selected: impl Fn(usize) -> bool) {
+    let mut arenas = world.query::<(&Arena, &mut ArenaScenario)>();
+    for (arena, mut scenario) in arenas.iter_mut(world).filter(|(arena, _)| is_selected(arena.0)) {
+        *scenario = ArenaScenario::new(seed, arena.0 as u64);
+    }
+}
+
 /// Restarts the arenas for whose number `reset` returns a reset. Those with streams get them, and a clock at 0. The other
 /// arenas stay as they are.
 pub fn restart_arenas(
@@ -140,12 +149,7 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
     let encoding = world.resource::<ObservationLayout>().encoding;
     let mut arenas = world.query::<(
         &Arena,
-        (
-            &mut Bodies,
-            &mut RapierContextSimulation,
-            &mut RapierRigidBodySet,
-            &mut RapierContextColliders,
-        ),
+        (&mut Bodies, &mut RapierContextSimulation, &mut RapierRigidBodySet, &mut RapierContextColliders),
         (
             (&mut ArenaLayout, Option<&mut ArenaScenario>),
             &mut Pose,

@@ -27,12 +27,14 @@ mod robot;
 use bevy::prelude::*;
 
 pub use arena::{
-    assign_scenarios, change_scenario, move_goal, move_robot, reset_arenas, reset_with_scenario, restart_arenas, restore,
-    snapshot, spawn_arenas,
+    assign_scenarios, change_scenario, move_goal, move_robot, reset_arenas, reset_with_scenario,
+    restart_arenas, restore, snapshot, spawn_arenas,
 };
 pub use physics::Bodies;
 pub use probe::Probe;
 pub use robot::{ActuatorLag, chord_velocity, integrate_heading};
+
+pub(crate) use arena::seed_scenarios;
 
 use crate::control_step::{ControlSet, ControlStep, Reset, ResetSet, SenseSet};
 

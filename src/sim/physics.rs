@@ -161,7 +161,8 @@ fn make_bodies(
     let (own, mut obstacles) = (&scenario.obstacles, vec![None; scenario.obstacles.len()]);
     let mut solids = vec![ColliderHandle::invalid(); own.len()];
     for (index, obstacle) in own.iter().enumerate().filter(|(_, obstacle)| !is_moving(obstacle)) {
-        solids[index] = colliders.insert(still(shared_shape(&obstacle.shape), pose_at(obstacle, 0, period_s)));
+        solids[index] =
+            colliders.insert(still(shared_shape(&obstacle.shape), pose_at(obstacle, 0, period_s)));
     }
     let inner = scenario.walls.iter().flat_map(Wall::segments);
     let inner = inner.map(|Obstacle { shape, position_m: Vec2 { x, y }, rotation_rad, .. }| {

@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{ArenaScenario, Clock, Episode, Goal, ObservationLayout, PendingReset, Pose, Scan, Streams, Twist};
+use super::{
+    ArenaScenario, Clock, Episode, Goal, ObservationLayout, PendingReset, Pose, Scan, Streams, Twist,
+};
 use crate::random;
 use crate::scenario::Scenario;
 use crate::scenario::limits::{
@@ -53,7 +55,8 @@ impl ArenaState {
     /// # Errors
     /// A noun phrase that names the first invalid part, such as "the robot's pose".
     pub(crate) fn check(&self, scenario: &Scenario, layout: &ObservationLayout) -> Result<(), &'static str> {
-        let Self { pose, twist, scan, readings, goal, clock, layout_seed: _, scenario: _, episode, streams } = self;
+        let Self { pose, twist, scan, readings, goal, clock, layout_seed: _, scenario: _, episode, streams } =
+            self;
         let beams = scenario.lidar.beams;
         let within = |value: f32, max: f32| value.abs() <= max;
         let is_pose = |pose: &Pose| {

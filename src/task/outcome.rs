@@ -7,8 +7,8 @@ use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Arena, ArenaLayout, ArenaScenario, DeferResets, Episode, Goal, PendingReset, Pose, RewardConfig, RewardTerms, Scan,
-    TaskMode,
+    Arena, ArenaLayout, ArenaScenario, DeferResets, Episode, Goal, PendingReset, Pose, RewardConfig,
+    RewardTerms, Scan, TaskMode,
 };
 
 /// The outcome of one step in one arena.

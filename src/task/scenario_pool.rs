@@ -105,10 +105,11 @@ impl ArenaScenario {
         Self { member: 0, stream: Some(random::stream(seed, "scenario", index)) }
     }
 
-    /// Whether this can be the state of an arena in a training with `pool`.
+    /// The scenario of an arena in a training with `pool`; `None` if no such arena can have this state.
     #[must_use]
-    pub(crate) fn is_valid(&self, pool: &ScenarioPool) -> bool {
-        (self.member as usize) < pool.members() && self.stream.as_ref().is_some_and(random::is_valid)
+    pub(crate) fn scenario_in<'a>(&self, pool: &'a ScenarioPool) -> Option<&'a Scenario> {
+        self.stream.as_ref().filter(|stream| random::is_valid(stream))?;
+        pool.scenario(self.member as usize).map(|scenario| &**scenario)
     }
 }
 
@@ -155,7 +156,11 @@ mod tests {
         let drawn: Vec<usize> = (0..8_000).map(|_| pool.draw(&mut stream)).collect();
         for (member, expected) in [(0, 4_000_usize), (1, 2_000), (3, 2_000)] {
             // Four standard deviations of a binomial distribution are below 180.
-            assert!(count(&drawn, member).abs_diff(expected) < 180, "member {member}: {}", count(&drawn, member));
+            assert!(
+                count(&drawn, member).abs_diff(expected) < 180,
+                "member {member}: {}",
+                count(&drawn, member)
+            );
         }
         assert!(count(&drawn, 2) < 20);
     }

@@ -96,8 +96,13 @@ impl Diagnostics {
     }
 
     /// Reports `value` if it lies outside `range`; NaN always does.
-    pub(crate) fn check_range<T>(&mut self, path: fmt::Arguments<'_>, value: T, range: RangeInclusive<T>, unit: &str)
-    where
+    pub(crate) fn check_range<T>(
+        &mut self,
+        path: fmt::Arguments<'_>,
+        value: T,
+        range: RangeInclusive<T>,
+        unit: &str,
+    ) where
         T: PartialOrd + fmt::Display,
     {
         if !range.contains(&value) {
@@ -113,7 +118,12 @@ impl Diagnostics {
     }
 
     /// Reports a list whose length `count` lies outside `range`.
-    pub(crate) fn check_count(&mut self, path: fmt::Arguments<'_>, count: usize, range: RangeInclusive<usize>) {
+    pub(crate) fn check_count(
+        &mut self,
+        path: fmt::Arguments<'_>,
+        count: usize,
+        range: RangeInclusive<usize>,
+    ) {
         if !range.contains(&count) {
             let (low, high) = (range.start(), range.end());
             self.push(path, format!("has {count} entries: write {low} to {high}"));

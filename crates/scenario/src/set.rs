@@ -62,12 +62,15 @@ impl ScenarioSetFile {
         found.check_count(format_args!("scenarios"), self.scenarios.len(), SET_SCENARIOS);
         for (k, entry) in self.scenarios.iter().enumerate() {
             found.check_range(format_args!("scenarios[{k}].share"), entry.share, SET_SHARE, "");
-            let name = entry.name();
-            if name.trim().is_empty() {
-                found.push(format_args!("scenarios[{k}].scenario"), "is empty: write a scenario's file or name");
-            } else if self.scenarios[..k].iter().any(|other| other.name() == name) {
-                let message = format!("is the second entry called `{name}`: give it another `name`");
-                found.push(format_args!("scenarios[{k}]"), message);
+            let name = column_name(&entry.name());
+            if name.is_empty() {
+                found.push(
+                    format_args!("scenarios[{k}].scenario"),
+                    "is empty: write a scenario's file or name",
+                );
+            } else if self.scenarios[..k].iter().any(|other| column_name(&other.name()) == name) {
+                let message = format!("is the second one called `{name}`: give this entry another `name`");
+                found.push(format_args!("scenarios[{k}].scenario"), message);
             }
         }
         found.into_vec()
@@ -83,6 +86,12 @@ impl SetEntry {
             None => Path::new(&self.scenario).file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         }
     }
+}
+
+/// `name` as a part of the name of a column: characters other than letters and digits become underscores.
+#[must_use]
+pub fn column_name(name: &str) -> String {
+    name.chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect()
 }
 
 /// A set of scenarios with the same observations and actions. Each episode of each arena draws one of them.
