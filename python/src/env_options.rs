@@ -42,7 +42,9 @@ pub fn scenario_or_set(source: &str) -> PyResult<(Scenario, Option<ScenarioSet>)
         return Ok((scenario(source)?, None));
     }
     let set = scenario_set::parse(source, Path::new(TEXT)).map_err(|error| run_error(error.into()))?;
-    Ok((set.members.first().map(|member| member.scenario.clone()).unwrap_or_default(), Some(set)))
+    let first = set.members.first().map(|member| member.source.first()).transpose();
+    let first = first.map_err(|error| PyValueError::new_err(error.to_string()))?;
+    Ok((first.unwrap_or_default(), Some(set)))
 }
 
 /// The preset `source`: a shipped name, a file's path, or RON text.
@@ -88,16 +90,14 @@ impl EnvOptions {
         let mut preset = preset(&self.preset)?;
         let encoding = self.encoding()?;
         let settings = settings(self.settings);
-        let members = set.iter_mut().flat_map(|set| &mut set.members).map(|member| &mut member.scenario);
-        let given = preset.clone();
-        for scenario in members.chain([scenario]) {
-            preset = given.clone();
-            settings.apply(scenario, &mut preset).map_err(setting_errors)?;
-            preset.arenas = num_envs;
-            preset
-                .check_memory(scenario, &ObservationLayout::default())
-                .map_err(|error| PyValueError::new_err(format!("num_envs={num_envs}: {error}")))?;
+        if let Some(set) = &mut set {
+            settings.apply_to_set(set, &preset).map_err(setting_errors)?;
         }
+        settings.apply(scenario, &mut preset).map_err(setting_errors)?;
+        preset.arenas = num_envs;
+        preset
+            .check_memory(scenario, &ObservationLayout::default())
+            .map_err(|error| PyValueError::new_err(format!("num_envs={num_envs}: {error}")))?;
         Ok(VecEnvConfig {
             num_envs,
             encoding: encoding.unwrap_or(preset.observation),

@@ -7,7 +7,8 @@ use std::path::Path;
 use super::preset::Preset;
 use super::shipped;
 use crate::scenario::{
-    Diagnostic, FileError, Scenario, ScenarioSet, ScenarioSetFile, SetMember, resemblance,
+    Diagnostic, FileError, LevelGenerator, Scenario, ScenarioSet, ScenarioSetFile, SetEntry, SetMember,
+    SetSource, resemblance,
 };
 
 /// Whether the text of a file is meant as a set of scenarios, by its fields.
@@ -27,25 +28,38 @@ pub fn parse(text: &str, path: &Path) -> Result<ScenarioSet, FileError> {
     let mut problems = Vec::new();
     for (k, entry) in file.scenarios.iter().enumerate() {
         let mut problem = |message| {
-            problems.push(Diagnostic { path: format!("scenarios[{k}].scenario"), message });
+            let field = if entry.generator.is_some() { "generator" } else { "scenario" };
+            problems.push(Diagnostic { path: format!("scenarios[{k}].{field}"), message });
         };
-        let wanted = beside(path, &entry.scenario);
+        let wanted = beside(path, entry.file());
         // An untrusted set must not name a pipe or a device, because reading it might never end.
         if Path::new(&wanted).exists() && !Path::new(&wanted).is_file() && !shipped::is_scenario(&wanted) {
             problem("names something that is not a file: give the file of a scenario".into());
             continue;
         }
-        match shipped::scenario(&wanted) {
-            Ok(scenario) => {
-                set.members.push(SetMember { name: entry.name(), share: entry.share, scenario });
+        match source(entry, &wanted) {
+            Ok(source) => {
+                set.members.push(SetMember { name: entry.name(), share: entry.share(), source });
                 if let Some(difference) = set.misfit(set.members.len() - 1) {
                     problem(difference);
                 }
             }
-            Err(error) => problem(format!("can't be used: {error}")),
+            Err(why) => problem(format!("can't be used: {why}")),
         }
     }
     if problems.is_empty() { Ok(set) } else { Err(FileError::from_diagnostics(path, text, &problems)) }
+}
+
+/// The scenario, or the generator, in the file `wanted`, which `entry` names.
+fn source(entry: &SetEntry, wanted: &str) -> Result<SetSource, String> {
+    if entry.generator.is_none() {
+        let scenario = shipped::scenario(wanted).map_err(|error| error.to_string())?;
+        return Ok(SetSource::Scenario(Box::new(scenario)));
+    }
+    let generator = LevelGenerator::load(wanted).map_err(|error| error.to_string())?;
+    let levels = SetSource::Levels { generator, levels: entry.levels() };
+    levels.first().map_err(|error| error.to_string())?;
+    Ok(levels)
 }
 
 /// The path of a file relative to the folder of the set's file at `set` if it exists there, else `name` itself.

@@ -161,7 +161,9 @@ pub fn scenario_or_set(wanted: &str) -> Result<(Scenario, Option<ScenarioSet>), 
             return Ok((Scenario::parse(text, wanted)?, None));
         }
         let set = scenario_set::parse(text, Path::new(wanted))?;
-        let first = set.members.first().map(|member| member.scenario.clone());
+        let first = set.members.first().map(|member| member.source.first());
+        let first =
+            first.transpose().map_err(|error| FileError::for_file(Path::new(wanted), error.to_string()))?;
         Ok((first.unwrap_or_default(), Some(set)))
     };
     user_file(wanted, SCENARIOS, parse, |config| (config.scenario, config.scenario_set))

@@ -15,8 +15,8 @@ use crate::control_step::Reset;
 use crate::scenario::Scenario;
 use crate::task::{
     Actions, Arena, ArenaLayout, ArenaScenario, ArenaState, Clock, CurrentScenario, Episode, ExtraRewards,
-    Goal, ObservationLayout, Observations, PendingReset, Pose, Scan, ScenarioPool, SensorReadings,
-    StepOutcome, StepOutcomes, Streams, TaskFault, Twist, observation,
+    Goal, ObservationLayout, Observations, PendingReset, Pose, Scan, ScenarioChoice, ScenarioPool,
+    SensorReadings, StepOutcome, StepOutcomes, Streams, TaskFault, Twist, observation,
 };
 
 /// Replaces all arenas by `arenas` new arenas of `scenario` with the random streams of `seed`, and starts an episode in
@@ -71,12 +71,12 @@ pub fn reset_arenas(world: &mut World, mut start: impl FnMut(usize) -> Option<(S
     world.run_schedule(Reset);
 }
 
-/// Sets the scenario of the next episode of each arena, by the number of a member of the [`ScenarioPool`]. These arenas draw no
+/// Sets the scenario of the next episode of each arena, one of the [`ScenarioPool`]. These arenas draw no
 /// scenarios any more. Without a pool, it does nothing.
-pub fn assign_scenarios(world: &mut World, member: impl Fn(usize) -> usize) {
+pub fn assign_scenarios(world: &mut World, choice: impl Fn(usize) -> ScenarioChoice) {
     let mut arenas = world.query::<(&Arena, &mut ArenaScenario)>();
     for (arena, mut scenario) in arenas.iter_mut(world) {
-        *scenario = ArenaScenario { member: member(arena.0) as u32, stream: None };
+        *scenario = ArenaScenario { choice: choice(arena.0), stream: None };
     }
 }
 
@@ -178,9 +178,9 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
         if let (Some(mut member), Some(saved)) = (member, &state.scenario) {
             *member = saved.clone();
         }
-        let saved = state.scenario.as_ref().map(|saved| saved.member as usize);
-        let scenario = pool.as_ref().zip(saved).and_then(|(pool, member)| pool.scenario(member));
-        *layout = ArenaLayout::new(scenario.unwrap_or(&layout.written), state.layout_seed);
+        let saved = pool.as_ref().zip(state.scenario.as_ref());
+        let scenario = saved.and_then(|(pool, saved)| pool.scenario(saved.choice).ok().flatten());
+        *layout = ArenaLayout::new(scenario.as_ref().unwrap_or(&layout.written), state.layout_seed);
         physics::replace_bodies_of(&layout, &mut bodies, &mut context, &mut set, &mut colliders);
         *pose = state.pose;
         *twist = state.twist;

@@ -38,7 +38,7 @@ pub use observation::{
 pub use outcome::{EpisodeEnd, EpisodeEnded, StepOutcome, StepOutcomes};
 pub use reset::EpisodeSetup;
 pub use reward::{Potential, RewardConfig, RewardKind, RewardTerms};
-pub use scenario_pool::{ArenaScenario, ScenarioPool};
+pub use scenario_pool::{ArenaScenario, ScenarioChoice, ScenarioPool};
 pub use state::{
     Arena, ArenaLayout, Clock, Episode, Goal, PendingReset, Pose, Scan, Streams, Twist, wrap_angle,
 };

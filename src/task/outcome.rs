@@ -162,7 +162,7 @@ pub(super) fn close_episodes(
         if let Some(end) = outcome.episode_end(*mode) {
             ended.write(EpisodeEnded {
                 arena: arena.0,
-                scenario: scenario.map_or(0, |scenario| scenario.member as usize),
+                scenario: scenario.map_or(0, |scenario| scenario.choice.member as usize),
                 end,
                 steps: episode.steps,
                 goals: episode.goals,

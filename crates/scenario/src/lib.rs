@@ -53,7 +53,7 @@ pub use note::{Note, NoteLevel};
 pub use outline::Outline;
 pub use placement::{NoFreeSpace, draw_goal, draw_start, draw_start_and_goal};
 pub use schema::*;
-pub use set::{ScenarioSet, ScenarioSetFile, SetEntry, SetMember, column_name};
+pub use set::{ScenarioSet, ScenarioSetFile, SetEntry, SetMember, SetSource, column_name};
 pub use setting::with_setting;
 pub use shape::RoundedBox;
 pub use shape_fields::Sizes;

@@ -1,6 +1,7 @@
 //! The state of a run in a checkpoint, and the check of its values.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 use bevy::prelude::World;
 use serde::{Deserialize, Serialize};
@@ -148,17 +149,18 @@ impl TrainerState {
         if self.arenas.len() != arenas || self.exploration.len() != arenas {
             return Err("has a different number of arenas than config.ron".into());
         }
+        let own = Arc::new(config.scenario.clone());
         let pool = config.scenario_set.as_ref().map(ScenarioPool::new);
         for (number, arena) in self.arenas.iter().enumerate() {
             let scenario = match (&pool, &arena.scenario) {
-                (None, None) => Some(&config.scenario),
+                (None, None) => Some(own.clone()),
                 (Some(pool), Some(arena)) => arena.scenario_in(pool),
                 _ => None,
             };
             let scenario = scenario
                 .ok_or_else(|| format!("is damaged: arena {number} has an invalid value for the scenario"))?;
             arena
-                .check(scenario, &config.observation_layout())
+                .check(&scenario, &config.observation_layout())
                 .map_err(|what| format!("is damaged: arena {number} has an invalid value for {what}"))?;
         }
         let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());

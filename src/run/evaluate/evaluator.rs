@@ -139,8 +139,8 @@ impl Evaluator {
         let (seed, first) = (run.seed, run.episodes.len());
         let world = self.simulation.world_mut();
         if let Some(pool) = world.get_resource::<ScenarioPool>() {
-            let members = pool.in_fixed_shares(first + batch);
-            sim::assign_scenarios(world, |arena| members.get(first + arena).copied().unwrap_or(0));
+            let scenarios = pool.evaluation(seed, first + batch);
+            sim::assign_scenarios(world, |arena| scenarios.get(first + arena).copied().unwrap_or_default());
         }
         sim::reset_arenas(world, |arena| {
             (arena < batch).then(|| episode_streams(seed, (first + arena) as u64))

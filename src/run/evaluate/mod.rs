@@ -163,15 +163,15 @@ impl Evaluation {
         for (episode, member) in episodes.iter().zip(pool.in_fixed_shares(episodes.len())) {
             groups[member].push(*episode);
         }
-        let rules = |member: usize| pool.scenario(member).map(|scenario| scenario.task.clone());
         let of_member = |(member, group): (usize, &Vec<EpisodeResult>)| {
-            let rules = rules(member).filter(|_| !group.is_empty())?;
-            Some((pool.name(member).to_string(), Self::from_episodes(group, group.len(), &rules, seed)))
+            let of = Self::from_episodes(group, group.len(), &pool.rules(member), seed);
+            (pool.name(member).to_string(), of)
         };
-        let members: Vec<(String, Self)> = groups.iter().enumerate().filter_map(of_member).collect();
+        let groups = groups.iter().enumerate().filter(|(_, group)| !group.is_empty());
+        let members: Vec<(String, Self)> = groups.map(of_member).collect();
         // The cost of a failure is the time limit of its own scenario.
         let cost_s: f64 = members.iter().map(|(_, of)| of.mean_cost_s * of.episodes as f64).sum();
-        let all = Self::from_episodes(episodes, round, &rules(0).unwrap_or_default(), seed);
+        let all = Self::from_episodes(episodes, round, &pool.rules(0), seed);
         let mean_cost_s = round_to_microsecond(cost_s / episodes.len() as f64);
         let scenarios = members.into_iter().map(|(name, of)| ScenarioResult {
             name,

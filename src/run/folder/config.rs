@@ -97,8 +97,8 @@ impl RunConfig {
     /// # Errors
     /// As [`Settings::apply`].
     pub fn with_settings(mut self, settings: &Settings) -> Result<Self, Vec<SettingError>> {
-        for member in self.scenario_set.iter_mut().flat_map(|set| &mut set.members) {
-            settings.apply(&mut member.scenario, &mut self.preset.clone())?;
+        if let Some(set) = &mut self.scenario_set {
+            settings.apply_to_set(set, &self.preset)?;
         }
         settings.apply(&mut self.scenario, &mut self.preset)?;
         Ok(self)
@@ -226,8 +226,11 @@ impl RunConfig {
     /// It needs too much memory. The message names the fields to reduce.
     pub fn check_memory(&self) -> Result<(), String> {
         let layout = self.observation_layout();
-        let members = self.scenario_set.iter().flat_map(|set| &set.members).map(|member| &member.scenario);
-        members.chain([&self.scenario]).try_for_each(|scenario| self.preset.check_memory(scenario, &layout))
+        for member in self.scenario_set.iter().flat_map(|set| &set.members) {
+            let scenario = member.source.first().map_err(|error| error.to_string())?;
+            self.preset.check_memory(&scenario, &layout)?;
+        }
+        self.preset.check_memory(&self.scenario, &layout)
     }
 
     /// Checks that all episodes have the same scenario, as in the app.
