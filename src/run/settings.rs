@@ -15,7 +15,9 @@ use serde::{Deserialize, Serialize};
 
 use super::RunError;
 use super::preset::Preset;
-use crate::scenario::{Diagnostic, Scenario, choose, diagnostics, field_names, with_setting};
+use crate::scenario::{
+    Diagnostic, Scenario, ScenarioSet, SetSource, choose, diagnostics, field_names, with_setting,
+};
 
 /// A setting: a field of the preset, such as `learning.replay.sampling.alpha`, or of the scenario, such as
 /// `scenario.obstacles[0].motion.speed_rad_s`, and its new value.
