@@ -12,6 +12,7 @@ mod generate;
 mod geometry;
 #[cfg(not(target_arch = "wasm32"))]
 mod input;
+mod levels;
 pub mod limits;
 mod load;
 mod motion;
@@ -22,6 +23,7 @@ mod placement;
 mod placement_rule;
 pub mod polygon;
 mod schema;
+mod set;
 mod setting;
 mod shape;
 mod shape_fields;
@@ -39,6 +41,7 @@ pub use geometry::{Solid, clearance, enclosure_distance, inner_wall_distance, ne
 pub use glam::{Vec2, vec2};
 #[cfg(not(target_arch = "wasm32"))]
 pub use input::{is_special_file, path_exists, read_bytes};
+pub use levels::{Clutter, LevelError, LevelGenerator, Route, WallLayout, level_generator_diagnostics};
 pub use limits::MAX_FILE_BYTES;
 pub use load::{
     field_names, parse_checked, parse_ron, parse_ron_with_limit, read_ron, read_ron_with_limit, read_text,
@@ -50,6 +53,7 @@ pub use note::{Note, NoteLevel};
 pub use outline::Outline;
 pub use placement::{NoFreeSpace, draw_goal, draw_start, draw_start_and_goal};
 pub use schema::*;
+pub use set::{ScenarioSet, ScenarioSetFile, SetEntry, SetMember, SetSource, column_name};
 pub use setting::with_setting;
 pub use shape::RoundedBox;
 pub use shape_fields::Sizes;
