@@ -214,15 +214,21 @@ impl ScenarioSet {
     /// with the member; `None` if it can.
     #[must_use]
     pub fn misfit(&self, k: usize) -> Option<String> {
-        let (first, other) = (self.members.first()?, self.members.get(k)?);
-        let fields = differing_fields(first.source.task(), other.source.task());
+        let other = self.members.get(k)?;
+        self.misfit_of(&other.name, other.source.task())
+    }
+
+    /// The same for a scenario that is not a member.
+    #[must_use]
+    pub fn misfit_of(&self, name: &str, task: (&Robot, &Lidar, &TaskRules)) -> Option<String> {
+        let first = self.members.first()?;
+        let fields = differing_fields(first.source.task(), task);
         if fields.is_empty() {
             return None;
         }
         Some(format!(
-            "(`{}`) needs another policy than `{}`, because of its {}: give all scenarios of a set the same LIDAR beams and \
+            "(`{name}`) needs another policy than `{}`, because of its {}: give all scenarios of a set the same LIDAR beams and \
              field of view, motions and control period",
-            other.name,
             first.name,
             fields.join(" and "),
         ))

@@ -152,8 +152,14 @@ impl RunConfig {
             move |found: Diagnostic| Diagnostic { path: format!("{part}.{}", found.path), ..found }
         };
         let preset = self.preset.diagnostics().into_iter().map(inside("preset"));
-        let set = self.scenario_set.as_ref().map(ScenarioSet::diagnostics).unwrap_or_default();
-        let set = set.into_iter().map(inside("scenario_set"));
+        let of_set = |set: &ScenarioSet| {
+            let Scenario { name, robot, lidar, task, .. } = &self.scenario;
+            let misfit = set.misfit_of(name, (robot, lidar, task));
+            let misfit = misfit.map(|message| Diagnostic { path: "scenario".into(), message });
+            let inside = set.diagnostics().into_iter().map(inside("scenario_set"));
+            inside.chain(misfit).collect()
+        };
+        let set: Vec<Diagnostic> = self.scenario_set.as_ref().map(of_set).unwrap_or_default();
         preset.chain(set).chain(diagnostics(&self.scenario).into_iter().map(inside("scenario"))).collect()
     }
 
