@@ -189,3 +189,15 @@ fn modes_for_one_scenario_name_those_of_a_set() {
     let expected = "set.ron: is a set of scenarios (one, moving, clutter), which only --train takes; help: give one of them";
     assert!(done.stderr.contains(expected), "{}", done.stderr);
 }
+
+#[test]
+fn a_configuration_whose_scenario_does_not_fit_its_set_is_rejected() {
+    let workspace = workspace();
+    workspace.run_ok(&format!("{TRAIN} --steps 1 --out run"));
+    let config = workspace.text("run/config.ron");
+    let (before, after) = config.rsplit_once("beams: 24").expect("the LIDAR of the scenario");
+    workspace.write("run/config.ron", format!("{before}beams: 25{after}"));
+    let done = workspace.run("--resume run");
+    assert_eq!(done.status, Some(2), "{}", done.stderr);
+    assert!(done.stderr.contains("lidar.beams (25, not 24)"), "{}", done.stderr);
+}
