@@ -56,7 +56,7 @@ fn source(entry: &SetEntry, wanted: &str) -> Result<SetSource, String> {
         let scenario = shipped::scenario(wanted).map_err(|error| error.to_string())?;
         return Ok(SetSource::Scenario(Box::new(scenario)));
     }
-    let generator = LevelGenerator::load(wanted).map_err(|error| error.to_string())?;
+    let generator = Box::new(LevelGenerator::load(wanted).map_err(|error| error.to_string())?);
     let levels = SetSource::Levels { generator, levels: entry.levels() };
     levels.first().map_err(|error| error.to_string())?;
     Ok(levels)

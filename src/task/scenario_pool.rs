@@ -61,7 +61,7 @@ impl ScenarioPool {
         let source = |source: &SetSource| match source {
             SetSource::Scenario(scenario) => PoolSource::Scenario(Arc::new(Scenario::clone(scenario))),
             SetSource::Levels { generator, levels } => {
-                PoolSource::Levels(Box::new(generator.clone()), *levels, Mutex::default())
+                PoolSource::Levels(generator.clone(), *levels, Mutex::default())
             }
         };
         let member = |member: &SetMember| PoolMember {

@@ -151,7 +151,7 @@ pub enum SetSource {
     /// Levels of a generator.
     Levels {
         /// The generator.
-        generator: LevelGenerator,
+        generator: Box<LevelGenerator>,
         /// The number of levels that episodes of a training draw from. Their seeds are 0, 1, and so on.
         levels: u32,
     },
