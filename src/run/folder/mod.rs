@@ -29,6 +29,7 @@ use super::output_file::{Sink, is_temporary, replace};
 use super::output_file::{check_entry, remove_temporary_files};
 use super::preset::Budget;
 use super::write_points::write_point;
+use crate::limits::MAX_CONFIG_BYTES;
 use crate::scenario::to_ron;
 
 pub use config::{PAPER_TRANSFER_EPSILON, RunConfig, Transfer};
