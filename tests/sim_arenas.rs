@@ -174,7 +174,7 @@ fn a_system_with_an_ambiguous_order_is_rejected() {
 #[test]
 fn an_arena_whose_scenario_has_changed_computes_the_same_bits_as_a_new_one() {
     use wayfield::scenario::{ScenarioSet, SetMember, SetSource};
-    use wayfield::task::{ScenarioChoice, ScenarioPool};
+    use wayfield::task::{ScenarioChoice, ScenarioPool, StepOutcome, StepOutcomes};
 
     let scenarios = [common::four_cylinders(), common::moving_obstacles()];
     let member = |scenario: &Scenario| SetMember {
@@ -191,6 +191,7 @@ fn an_arena_whose_scenario_has_changed_computes_the_same_bits_as_a_new_one() {
     let restart = |lab: &mut Lab| {
         let streams = |arena| Some((Streams::new(9, arena as u64), Clock(17)));
         sim::reset_arenas(lab.simulation.world_mut(), streams);
+        lab.simulation.world_mut().resource_mut::<StepOutcomes>().0.fill(StepOutcome::default());
     };
     for member in [1, 0, 1] {
         let choice = ScenarioChoice { member, level: 0 };
