@@ -283,6 +283,9 @@ impl VecEnv {
     ) -> Result<&[f32], VecEnvError> {
         let world = self.simulation.world_mut();
         world.insert_resource(TaskFault::default());
+        if let Some(seed) = seed {
+            sim::seed_scenarios(world, seed, &selected);
+        }
         let pending = &self.pending;
         sim::restart_arenas(world, |env| {
             selected(env).then(|| match (seed, pending[env]) {

@@ -170,3 +170,38 @@ fn a_system_with_an_ambiguous_order_is_rejected() {
     let extensions = Extensions::default().plugin(AmbiguousPlugin);
     let _ = SimulationBuilder::new(&scenario).extensions(&extensions).build().step();
 }
+
+#[test]
+fn an_arena_whose_scenario_has_changed_computes_the_same_bits_as_a_new_one() {
+    use wayfield::scenario::{ScenarioSet, SetMember, SetSource};
+    use wayfield::task::{ScenarioChoice, ScenarioPool, StepOutcome, StepOutcomes};
+
+    let scenarios = [common::four_cylinders(), common::moving_obstacles()];
+    let member = |scenario: &Scenario| SetMember {
+        name: scenario.name.clone(),
+        share: 1.0,
+        source: SetSource::Scenario(Box::new(scenario.clone())),
+    };
+    let members = scenarios.iter().map(member).collect();
+    let pool = ScenarioPool::new(&ScenarioSet { name: "both".into(), members });
+    let extensions = Extensions::default().plugin(pool);
+    let first = std::sync::Arc::new(scenarios[0].clone());
+    let simulation = SimulationBuilder::new(&first).arenas(3).seed(5).extensions(&extensions).build();
+    let mut changed = Lab { simulation, scenario: first };
+    let restart = |lab: &mut Lab| {
+        let streams = |arena| Some((Streams::new(9, arena as u64), Clock(17)));
+        sim::reset_arenas(lab.simulation.world_mut(), streams);
+        lab.simulation.world_mut().resource_mut::<StepOutcomes>().0.fill(StepOutcome::default());
+    };
+    for member in [1, 0, 1] {
+        let choice = ScenarioChoice { member, level: 0 };
+        sim::assign_scenarios(changed.simulation.world_mut(), |_| choice);
+        restart(&mut changed);
+        let mut new = Lab::new(&scenarios[member as usize], 3, 5);
+        restart(&mut new);
+        let (one, other) = (tracks(&mut changed, 3), tracks(&mut new, 3));
+        for arena in 0..3 {
+            assert_same(&format!("scenario {member}"), arena, &one[arena], &other[arena]);
+        }
+    }
+}

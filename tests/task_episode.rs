@@ -83,6 +83,7 @@ fn a_collision_costs_200_and_ends_the_episode() {
     );
     let ended = EpisodeEnded {
         arena: 0,
+        scenario: 0,
         end: EpisodeEnd::Collided,
         steps: 3,
         goals: 1,
@@ -116,6 +117,7 @@ fn the_time_limit_truncates_an_episode_without_terminating_it() {
     }
     let ended = EpisodeEnded {
         arena: 0,
+        scenario: 0,
         end: EpisodeEnd::TimedOut,
         steps: 20,
         goals: 0,

@@ -15,7 +15,7 @@ use wayfield::sim;
 use wayfield::task::StepOutcome;
 
 use crate::commands;
-use crate::env_options::{EnvOptions, scenario};
+use crate::env_options::{EnvOptions, scenario_or_set};
 use crate::errors::{detached, env_error};
 
 /// The names of the reward's terms, as in `episodes.csv`.
@@ -73,8 +73,8 @@ impl NativeEnv {
     /// Environments of the scenario with the shipped name, path or text `wanted`. They must be reset before the first step.
     #[new]
     fn new(py: Python<'_>, wanted: &str, options: EnvOptions) -> PyResult<Self> {
-        let mut scenario = scenario(wanted)?;
-        let config = options.config(&mut scenario)?;
+        let (mut scenario, set) = scenario_or_set(wanted)?;
+        let config = options.config(&mut scenario, set)?;
         let encoding = config.encoding;
         let env = detached(py, || VecEnv::new(&scenario, config).map(Box::new).map_err(env_error))?;
         Ok(Self { env: Some(env), scenario, encoding, results: Results::default() })

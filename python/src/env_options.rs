@@ -9,9 +9,10 @@ use wayfield::limits::MAX_ARENAS;
 use wayfield::policy::Encoding;
 use wayfield::run::preset::Preset;
 use wayfield::run::settings::{Setting, Settings};
-use wayfield::run::shipped;
-use wayfield::scenario::Scenario;
-use wayfield::task::{ObservationLayout, TaskMode};
+use wayfield::run::{scenario_set, shipped};
+use wayfield::scenario::{Scenario, ScenarioSet};
+use wayfield::simulation::Extensions;
+use wayfield::task::{ObservationLayout, ScenarioPool, TaskMode};
 
 use crate::errors::{file_error, run_error, setting_errors};
 
@@ -30,6 +31,20 @@ pub fn scenario(source: &str) -> PyResult<Scenario> {
         return Scenario::parse(source, TEXT).map_err(|error| run_error(error.into()));
     }
     shipped::scenario(source).map_err(|error| file_error(source, error))
+}
+
+/// The scenario `source`, as for [`scenario`], or the first scenario of the set `source`, and the set.
+pub fn scenario_or_set(source: &str) -> PyResult<(Scenario, Option<ScenarioSet>)> {
+    if !is_text(source) {
+        return shipped::scenario_or_set(source).map_err(|error| file_error(source, error));
+    }
+    if !scenario_set::is_meant_by(source) {
+        return Ok((scenario(source)?, None));
+    }
+    let set = scenario_set::parse(source, Path::new(TEXT)).map_err(|error| run_error(error.into()))?;
+    let first = set.members.first().map(|member| member.source.first()).transpose();
+    let first = first.map_err(|error| PyValueError::new_err(error.to_string()))?;
+    Ok((first.unwrap_or_default(), Some(set)))
 }
 
 /// The preset `source`: a shipped name, a file's path, or RON text.
@@ -64,8 +79,8 @@ pub struct EnvOptions {
 }
 
 impl EnvOptions {
-    /// The configuration of environments of `scenario`, which the settings may change.
-    pub fn config(self, scenario: &mut Scenario) -> PyResult<VecEnvConfig> {
+    /// The configuration of environments of `scenario`, or of the scenarios of `set`, which the settings may change.
+    pub fn config(self, scenario: &mut Scenario, mut set: Option<ScenarioSet>) -> PyResult<VecEnvConfig> {
         let num_envs = self.num_envs;
         if !(1..=MAX_ARENAS).contains(&num_envs) {
             return Err(PyValueError::new_err(format!(
@@ -74,7 +89,11 @@ impl EnvOptions {
         }
         let mut preset = preset(&self.preset)?;
         let encoding = self.observation.as_deref().map(encoding).transpose()?;
-        settings(self.settings).apply(scenario, &mut preset).map_err(setting_errors)?;
+        let settings = settings(self.settings);
+        if let Some(set) = &mut set {
+            settings.apply_to_set(set, &preset).map_err(setting_errors)?;
+        }
+        settings.apply(scenario, &mut preset).map_err(setting_errors)?;
         preset.arenas = num_envs;
         preset
             .check_memory(scenario, &ObservationLayout::default())
@@ -89,7 +108,9 @@ impl EnvOptions {
                 &[("navigation", TaskMode::Episodic), ("continuing", TaskMode::Continuing)],
             )?,
             autoreset: autoreset_mode(&self.autoreset)?,
-            ..VecEnvConfig::default()
+            extensions: set.map_or_else(Extensions::default, |set| {
+                Extensions::default().plugin(ScenarioPool::new(&set))
+            }),
         })
     }
 }

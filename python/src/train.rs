@@ -16,7 +16,7 @@ use wayfield::run::train::{Job, train as run_job};
 use wayfield::simulation::Extensions;
 
 use crate::cluster::{TaskRecord, json};
-use crate::env_options::{is_text, preset, scenario, settings};
+use crate::env_options::{is_text, preset, scenario_or_set, settings};
 use crate::errors::{detached, run_error, setting_errors};
 use crate::policy::NativePolicy;
 
@@ -81,15 +81,14 @@ fn budget(steps: Option<u64>, episodes: Option<u64>) -> Option<Budget> {
 
 /// The configuration of a new run.
 fn config(options: TrainOptions, transfers: bool) -> PyResult<RunConfig> {
-    let mut config = RunConfig::new(
-        (name(&options.scenario), scenario(&options.scenario)?),
-        (name(&options.preset), preset(&options.preset)?),
-        options.seed,
-    )
-    .with_settings(&settings(options.settings))
-    .map_err(setting_errors)?
-    .with_length(budget(options.steps, options.episodes), options.arenas)
-    .map_err(run_error)?;
+    let (scenario, scenario_set) = scenario_or_set(&options.scenario)?;
+    let preset = (name(&options.preset), preset(&options.preset)?);
+    let config = RunConfig::new((name(&options.scenario), scenario), preset, options.seed);
+    let mut config = RunConfig { scenario_set, ..config }
+        .with_settings(&settings(options.settings))
+        .map_err(setting_errors)?
+        .with_length(budget(options.steps, options.episodes), options.arenas)
+        .map_err(run_error)?;
     config.transfer = transfers.then_some(Transfer { policy: options.init_from, epsilon: options.epsilon });
     Ok(config)
 }

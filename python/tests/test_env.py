@@ -53,6 +53,21 @@ def test_a_scenario_is_a_name_a_path_or_a_text(tmp_path):
     assert all((a == b).all() for a, b in zip(by_copy, by_text, strict=True)), "a path may have parentheses"
 
 
+def test_each_episode_draws_a_scenario_of_a_set(tmp_path):
+    path = tmp_path / "set.ron"
+    path.write_text('(name: "Two", scenarios: [(scenario: "scenario-1"), (scenario: "scenario-2")])')
+    once, again, one = (
+        rollout(gymnasium.make_vec(ENV, num_envs=8, scenario=scenario), 200)
+        for scenario in (path, path, "scenario-1")
+    )
+    assert all((a == b).all() for a, b in zip(once, again, strict=True))
+    same = [(once[0][0, env] == one[0][0, env]).all() for env in range(8)]
+    assert any(same), "some environments begin in the first scenario"
+    assert not all(same), "some begin in the second"
+    with pytest.raises(ValueError, match="is a set of scenarios"):
+        wayfield.draw(path, tmp_path / "set.svg")
+
+
 def test_environment_k_is_the_same_for_any_number_of_environments():
     many, few = (rollout(gymnasium.make_vec(ENV, num_envs=n, scenario="crossing"), 0)[0] for n in (9, 3))
     assert (many[0, :3] == few[0]).all()

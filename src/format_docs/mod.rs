@@ -14,9 +14,10 @@ use crate::generated_section::check;
 use crate::reproduce::Experiment;
 use crate::run::folder::RunConfig;
 use crate::run::preset::Preset;
-use crate::scenario::{Scenario, parse_ron, to_ron};
+use crate::scenario::{Scenario, ScenarioSetFile, parse_ron, to_ron};
 
 const SCENARIO: &[&str] = &["crates/scenario/src/schema.rs"];
+const SET: &[&str] = &["crates/scenario/src/set.rs"];
 const PRESET: &[&str] = &[
     "src/run/preset.rs",
     "src/task/reward.rs",
@@ -78,6 +79,12 @@ fn the_preset_format_in_the_docs_is_that_of_the_types() {
         "\n## {whole}\n\nEvery field with its default, as a run records it:\n\n```ron\n{example}\n```\n"
     );
     check("docs/preset-format.md", &(reference + &last));
+}
+
+#[test]
+fn the_format_of_sets_in_the_docs_is_that_of_the_types() {
+    let reference = reference("ScenarioSetFile", SET, read::<ScenarioSetFile>, None);
+    check("docs/scenario-sets.md", &reference);
 }
 
 #[test]

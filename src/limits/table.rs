@@ -53,6 +53,7 @@ const fn reals(range: &RangeInclusive<f32>) -> Value {
 const TABLES: &[Table] = &[
     Table { title: "RON files", limits: RON_FILES },
     Table { title: "Scenarios", limits: SCENARIOS },
+    Table { title: "Sets of scenarios", limits: SETS },
     Table { title: "Presets", limits: PRESETS },
     Table { title: "Preset and scenario together", limits: TRAINING },
     Table { title: "Experiments", limits: EXPERIMENTS },
@@ -82,6 +83,12 @@ const RON_FILES: &[Limit] = &[
         "",
         "the message stays readable; the rest are counted",
     ),
+];
+
+const SETS: &[Limit] = &[
+    Limit("entries", counts(&scenario::SET_SCENARIOS), "", "memory"),
+    Limit("share of an entry, relative to the others", reals(&scenario::SET_SHARE), "", "mistyped values"),
+    Limit("levels of a generator", counts32(&scenario::SET_LEVELS), "", "evaluations use the seeds above"),
 ];
 
 const SCENARIOS: &[Limit] = &[

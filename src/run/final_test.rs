@@ -7,13 +7,13 @@ use serde::{Deserialize, Serialize};
 use super::RunError;
 use super::background_evaluator::{Candidate, EpisodeSet};
 use super::checkpoint::TrainerState;
-use super::evaluate::Evaluation;
+use super::evaluate::{Evaluation, ScenarioResult};
 use super::folder::RunConfig;
 use crate::policy::Policy;
 use crate::random;
 
 /// The test of the best policy after a training, in episodes that are not those of the evaluations.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FinalTest {
     /// Share of episodes that succeeded, 0 to 1.
     pub success_rate: f64,
@@ -33,6 +33,9 @@ pub struct FinalTest {
     pub episodes: usize,
     /// The seed of the episodes. `--eval` with this seed, and with as many episodes, gives the same numbers.
     pub seed: u64,
+    /// The results in each scenario of a set; empty if all episodes had the same scenario.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub scenarios: Vec<ScenarioResult>,
     /// Wall time of the test, in s. It is not part of the run's wall time.
     pub wall_s: f64,
 }
@@ -40,7 +43,7 @@ pub struct FinalTest {
 impl FinalTest {
     /// The test with the result `evaluation`, which took `wall_s` seconds of wall time.
     #[must_use]
-    pub fn new(evaluation: &Evaluation, wall_s: f64) -> Self {
+    pub fn new(evaluation: Evaluation, wall_s: f64) -> Self {
         Self {
             success_rate: evaluation.success_rate,
             success_interval: evaluation.success_interval,
@@ -51,6 +54,7 @@ impl FinalTest {
             mean_time_s: evaluation.mean_time_s,
             episodes: evaluation.episodes,
             seed: evaluation.seed,
+            scenarios: evaluation.scenarios,
             wall_s,
         }
     }

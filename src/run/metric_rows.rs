@@ -35,6 +35,9 @@ pub struct EpisodeRow {
     pub reward_attraction: f32,
     /// Part of the return: the decrease of the repulsive potential U_r.
     pub reward_repulsion: f32,
+    /// The scenario of the episode, by its name in the run's set. With a set, it is the column `scenario` after all others.
+    #[serde(skip)]
+    pub scenario: Option<String>,
     /// Parts of the return from plugin reward terms. They are written as extra columns `reward_<name>` after
     /// all others.
     #[serde(skip)]
@@ -91,6 +94,9 @@ pub struct EvaluationRow {
     pub mean_cost_s: f64,
     /// Wall time from the start of the process, in s; summed over all processes of a resumed run.
     pub wall_s: f64,
+    /// The success rates in the scenarios of a set, 0 to 1, by name. With a set, they are columns `success_rate_<name>` after all others.
+    #[serde(skip)]
+    pub scenario_success_rates: Vec<(String, f64)>,
 }
 
 impl EvaluationRow {

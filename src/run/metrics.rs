@@ -14,7 +14,7 @@ use crate::agent::{ActiveLearner, TrainingStats};
 use crate::limits::MAX_RECENT_RETURNS;
 use crate::policy::Policy;
 use crate::random::{self, Stream};
-use crate::task::EpisodeEnded;
+use crate::task::{EpisodeEnded, ScenarioPool};
 
 /// The rows of all episodes that ended since the last call, with the wall time `wall_s`. Their messages are
 /// removed from `world`.
@@ -31,6 +31,7 @@ pub fn take_episode_rows(
         trainer_state.means = Some(means);
     }
     let learner = &world.resource::<ActiveLearner>().0;
+    let pool = world.get_resource::<ScenarioPool>();
     let means = trainer_state.means;
     let before = learner.episodes() - ended.len() as u64;
     let row = |(number, ended): (u64, &EpisodeEnded)| EpisodeRow {
@@ -44,6 +45,7 @@ pub fn take_episode_rows(
         reward_collision: ended.rewards.collided,
         reward_attraction: ended.rewards.attraction,
         reward_repulsion: ended.rewards.repulsion,
+        scenario: pool.map(|pool| pool.name(ended.scenario).into()),
         extra_rewards: ended.extra_rewards.clone(),
         goals: ended.goals,
         collision: EpisodeRow::collision_flag(ended.end),
@@ -116,6 +118,7 @@ pub fn record_evaluation(
         mean_time_s: result.mean_time_s,
         mean_cost_s: result.mean_cost_s,
         wall_s,
+        scenario_success_rates: result.scenarios.into_iter().map(|of| (of.name, of.success_rate)).collect(),
     };
     let milestone = Milestone { env_steps: row.env_steps, episodes: row.episodes, wall_s };
     trainer_state.last_success_rate = Some(row.success_rate);

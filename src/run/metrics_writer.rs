@@ -13,6 +13,7 @@ use super::metric_rows::{EpisodeRow, EvaluationRow};
 use super::run_image;
 use super::tensorboard::{EventWriter, cut_back};
 use super::write_points::write_point;
+use crate::scenario::column_name;
 
 pub(super) const EPISODES: &str = "episodes.csv";
 pub(super) const EVALUATIONS: &str = "evaluations.csv";
@@ -30,7 +31,9 @@ pub struct MetricsWriter {
     evaluations: csv::Writer<File>,
     events: EventWriter,
     /// The names of the columns for plugin reward terms.
-    extra_columns: Vec<String>,
+    reward_columns: Vec<String>,
+    /// The names of the scenarios of a set.
+    scenarios: Vec<String>,
     flushed: Instant,
 }
 
@@ -44,22 +47,33 @@ impl MetricsWriter {
         folder: &RunFolder,
         trainer_state: &TrainerState,
         env_steps: u64,
-        reward_terms: &[String],
+        config: &RunConfig,
     ) -> Result<Self, RunError> {
-        let extra_columns: Vec<String> = reward_terms.iter().map(|name| column(name)).collect();
+        let reward_columns: Vec<String> =
+            config.reward_terms.iter().map(|term| format!("reward_{}", column_name(term))).collect();
+        let scenarios: Vec<String> = config.member_names().map(String::from).collect();
+        let scenario_column = config.scenario_set.iter().map(|_| "scenario".into());
+        let episode_columns: Vec<String> = scenario_column.chain(reward_columns.clone()).collect();
+        let rate_columns: Vec<String> =
+            scenarios.iter().map(|name| format!("success_rate_{}", column_name(name))).collect();
         let is_kept = |tag: &str, step: u64| {
             let latest =
                 if tag.starts_with(EVALUATION_TAGS) { trainer_state.evaluated_at } else { Some(env_steps) };
             latest.is_some_and(|latest| step <= latest)
         };
         Ok(Self {
-            episodes: folder.csv::<EpisodeRow>(EPISODES, trainer_state.episodes_bytes, &extra_columns)?,
-            evaluations: folder.csv::<EvaluationRow>(EVALUATIONS, trainer_state.evaluations_bytes, &[])?,
+            episodes: folder.csv::<EpisodeRow>(EPISODES, trainer_state.episodes_bytes, &episode_columns)?,
+            evaluations: folder.csv::<EvaluationRow>(
+                EVALUATIONS,
+                trainer_state.evaluations_bytes,
+                &rate_columns,
+            )?,
             events: cut_back(folder.path(), is_kept)
                 .and_then(|latest_s| EventWriter::create(folder.path(), latest_s))
                 .map_err(|error| RunError::InvalidInput(error.to_string()))?,
             folder: folder.clone(),
-            extra_columns,
+            reward_columns,
+            scenarios,
             flushed: Instant::now(),
         })
     }
@@ -69,8 +83,14 @@ impl MetricsWriter {
     /// # Errors
     /// The row cannot be written.
     pub fn episode(&mut self, row: &EpisodeRow) -> Result<(), RunError> {
-        self.episodes.serialize((row, &row.extra_rewards)).map_err(|error| self.failed(EPISODES, error))?;
-        for (column, &reward) in self.extra_columns.iter().zip(&row.extra_rewards) {
+        let scenario = row.scenario.as_slice();
+        self.episodes
+            .serialize((row, scenario, &row.extra_rewards))
+            .map_err(|error| self.failed(EPISODES, error))?;
+        if let Some(name) = &row.scenario {
+            self.scalars(row.env_steps, &[(&format!("episode/return/{name}"), Some(row.total_return))])?;
+        }
+        for (column, &reward) in self.reward_columns.iter().zip(&row.extra_rewards) {
             let tag = format!("episode/{column}");
             self.events.scalar(&tag, row.env_steps, reward).map_err(|error| self.failed("events", error))?;
         }
@@ -93,7 +113,12 @@ impl MetricsWriter {
     /// # Errors
     /// The row cannot be written.
     pub fn evaluation(&mut self, row: &EvaluationRow) -> Result<(), RunError> {
-        self.evaluations.serialize(row).map_err(|error| self.failed(EVALUATIONS, error))?;
+        let rate = |name: &String| row.scenario_success_rates.iter().find(|(other, _)| other == name);
+        let rates: Vec<Option<f64>> = self.scenarios.iter().map(|name| Some(rate(name)?.1)).collect();
+        self.evaluations.serialize((row, &rates)).map_err(|error| self.failed(EVALUATIONS, error))?;
+        for (name, rate) in &row.scenario_success_rates {
+            self.scalars(row.env_steps, &[(&format!("{EVALUATION_TAGS}success_rate/{name}"), Some(*rate))])?;
+        }
         self.scalars(
             row.env_steps,
             &[
@@ -175,10 +200,4 @@ impl MetricsWriter {
     fn failed(&self, name: &str, error: impl std::fmt::Display) -> RunError {
         RunError::not_written(&self.folder.path().join(name), error)
     }
-}
-
-/// The column name for a plugin's reward term. Characters other than letters and digits become underscores.
-fn column(term: &str) -> String {
-    let plain = term.chars().map(|c| if c.is_alphanumeric() { c } else { '_' });
-    format!("reward_{}", plain.collect::<String>())
 }

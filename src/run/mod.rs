@@ -8,6 +8,7 @@
 //! | `settings.rs` | single fields of a preset or scenario that are set from outside of their files |
 //! | `notes/` | doubtful settings of a run |
 //! | `memory.rs`, `memory_limit.rs` | the memory that a run needs, and the limit of the process |
+//! | `scenario_set.rs` | the files of sets of scenarios |
 //! | `shipped.rs` | the shipped scenarios, presets and policies, by name |
 //! | `training_setup.rs` | the learner and the simulation of a new run |
 //! | `train/` | the training loop |
@@ -63,6 +64,7 @@ pub mod provenance;
 pub mod run_image;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod scenario_image;
+pub mod scenario_set;
 pub mod settings;
 pub mod shipped;
 #[cfg(not(target_arch = "wasm32"))]

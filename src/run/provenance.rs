@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::folder::RunConfig;
 use crate::policy::card::RawJson;
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, ScenarioSet};
 
 /// The version of wayfield.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -25,6 +26,16 @@ pub struct Provenance {
 }
 
 impl Provenance {
+    /// The provenance of a record about the run of `config`, with the checksum of its scenario or of its set of scenarios.
+    #[must_use]
+    pub fn of_run(config: &RunConfig) -> Self {
+        let of_scenario = Self::of(&config.scenario);
+        match &config.scenario_set {
+            Some(set) => Self { scenario_crc32c: set_crc32c(set), ..of_scenario },
+            None => of_scenario,
+        }
+    }
+
     /// The provenance of a record that this program writes about `scenario`.
     #[must_use]
     pub fn of(scenario: &Scenario) -> Self {
@@ -34,6 +45,12 @@ impl Provenance {
             scenario_crc32c: scenario_json(scenario).map(|json| json.crc32c()).unwrap_or_default(),
         }
     }
+}
+
+/// The checksum of a set of scenarios: the CRC-32C of its JSON text, as eight hexadecimal digits.
+#[must_use]
+pub fn set_crc32c(set: &ScenarioSet) -> String {
+    serde_json::to_string(set).and_then(RawJson::new).map(|json| json.crc32c()).unwrap_or_default()
 }
 
 /// The scenario as policy cards have it.

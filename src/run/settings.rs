@@ -15,7 +15,9 @@ use serde::{Deserialize, Serialize};
 
 use super::RunError;
 use super::preset::Preset;
-use crate::scenario::{Diagnostic, Scenario, choose, diagnostics, field_names, with_setting};
+use crate::scenario::{
+    Diagnostic, Scenario, ScenarioSet, SetSource, choose, diagnostics, field_names, with_setting,
+};
 
 /// A setting: a field of the preset, such as `learning.replay.sampling.alpha`, or of the scenario, such as
 /// `scenario.obstacles[0].motion.speed_rad_s`, and its new value.
@@ -58,6 +60,32 @@ impl Settings {
     /// All problems: there is no such field, it does not take the value, or the result is invalid.
     pub fn apply(&self, scenario: &mut Scenario, preset: &mut Preset) -> Result<(), Vec<SettingError>> {
         self.apply_to(Some(scenario), Some(preset))
+    }
+
+    /// Changes the scenarios of `set` as [`apply`](Self::apply) changes a scenario next to `preset`, which stays.
+    ///
+    /// # Errors
+    /// As [`Settings::apply`]; also a setting of the scenario where the set has a level generator.
+    pub fn apply_to_set(&self, set: &mut ScenarioSet, preset: &Preset) -> Result<(), Vec<SettingError>> {
+        for member in &mut set.members {
+            match &mut member.source {
+                SetSource::Scenario(scenario) => self.apply(scenario, &mut preset.clone())?,
+                SetSource::Levels { .. } => {
+                    let of_scenario = self.0.iter().filter(|setting| setting.path.starts_with("scenario."));
+                    let why = || {
+                        format!(
+                            "does not change the levels of `{}`; help: change its generator's file",
+                            member.name
+                        )
+                    };
+                    let errors: Vec<SettingError> = of_scenario.map(|setting| setting.error(why())).collect();
+                    if !errors.is_empty() {
+                        return Err(errors);
+                    }
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Changes the scenario, where there is no preset.

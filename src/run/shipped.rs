@@ -9,8 +9,9 @@ use std::sync::LazyLock;
 use super::folder::RunConfig;
 use super::policy_card;
 use super::preset::Preset;
+use super::scenario_set;
 use crate::policy::Policy;
-use crate::scenario::{FileError, Scenario, closest_name, path_exists, read_text};
+use crate::scenario::{FileError, Scenario, ScenarioSet, closest_name, path_exists, read_text};
 
 /// A shipped file.
 struct Shipped {
@@ -134,12 +135,38 @@ pub fn presets() -> impl Iterator<Item = (&'static str, Preset)> {
 /// The scenario in the file `wanted`, which may be the `config.ron` of a run, or the shipped scenario of that name.
 ///
 /// # Errors
-/// As for [`Scenario::load`]; for an unknown name, the closest shipped one.
+/// As for [`Scenario::load`]; for an unknown name, the closest shipped one; for a set of scenarios, its scenarios.
 pub fn scenario(wanted: &str) -> Result<Scenario, FileError> {
-    match find(SCENARIOS, wanted) {
-        Some(file) => Scenario::parse(file.text, file.path),
-        None => user_file(wanted, SCENARIOS, |text| Scenario::parse(text, wanted), |config| config.scenario),
+    let (scenario, set) = scenario_or_set(wanted)?;
+    let Some(set) = set else { return Ok(scenario) };
+    let names: Vec<&str> = set.members.iter().map(|member| member.name.as_str()).collect();
+    let why = format!(
+        "is a set of scenarios ({}), which only --train takes; help: give one of them",
+        names.join(", ")
+    );
+    Err(FileError::for_file(Path::new(wanted), why))
+}
+
+/// The scenario `wanted`, as for [`scenario`]; or, if `wanted` is the file of a set of scenarios or the `config.ron` of a run
+/// with a set, the first scenario of the set, and the set.
+///
+/// # Errors
+/// As for [`scenario`]; a scenario of the set cannot be used.
+pub fn scenario_or_set(wanted: &str) -> Result<(Scenario, Option<ScenarioSet>), FileError> {
+    if let Some(file) = find(SCENARIOS, wanted) {
+        return Ok((Scenario::parse(file.text, file.path)?, None));
     }
+    let parse = |text: &str| {
+        if !scenario_set::is_meant_by(text) {
+            return Ok((Scenario::parse(text, wanted)?, None));
+        }
+        let set = scenario_set::parse(text, Path::new(wanted))?;
+        let first = set.members.first().map(|member| member.source.first());
+        let first =
+            first.transpose().map_err(|error| FileError::for_file(Path::new(wanted), error.to_string()))?;
+        Ok((first.unwrap_or_default(), Some(set)))
+    };
+    user_file(wanted, SCENARIOS, parse, |config| (config.scenario, config.scenario_set))
 }
 
 /// The preset in the file `wanted`, which may be the `config.ron` of a run, or the shipped preset of that name.

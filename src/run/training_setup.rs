@@ -64,8 +64,8 @@ pub fn create_learner(config: &RunConfig, policy: Option<&Policy>) -> Result<Lea
     let inputs = config.observation_layout().width(config.scenario.lidar.beams);
     let actions = config.scenario.robot.motions.len();
     let preset = &config.preset;
-    preset
-        .check_memory(&config.scenario, &config.observation_layout())
+    config
+        .check_memory()
         .map_err(|error| RunError::InvalidInput(format!("{}: {error}", config.preset_from)))?;
     let mut learner = Learner::new(&preset.learning, inputs, actions, preset.arenas, config.seed)
         .map_err(|error| RunError::InvalidInput(format!("{}: {error}", config.preset_from)))?;

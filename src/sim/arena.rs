@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use bevy::prelude::*;
-use bevy_rapier2d::prelude::*;
+use bevy_rapier2d::prelude::{RapierContextColliders, RapierContextSimulation, RapierRigidBodySet};
 
 use super::lidar::BeamDirections;
 use super::physics::{self, Bodies};
@@ -14,15 +14,18 @@ use super::{obstacles, robot};
 use crate::control_step::Reset;
 use crate::scenario::Scenario;
 use crate::task::{
-    Actions, Arena, ArenaLayout, ArenaState, Clock, CurrentScenario, Episode, ExtraRewards, Goal,
-    ObservationLayout, Observations, PendingReset, Pose, Scan, SensorReadings, StepOutcome, StepOutcomes,
-    Streams, TaskFault, Twist, observation,
+    Actions, Arena, ArenaLayout, ArenaScenario, ArenaState, Clock, CurrentScenario, Episode, ExtraRewards,
+    Goal, ObservationLayout, Observations, PendingReset, Pose, Scan, ScenarioChoice, ScenarioPool,
+    SensorReadings, StepOutcome, StepOutcomes, Streams, TaskFault, Twist, observation,
 };
 
 /// Replaces all arenas by `arenas` new arenas of `scenario` with the random streams of `seed`, and starts an episode in
 /// each.
 pub fn spawn_arenas(world: &mut World, scenario: &Arc<Scenario>, arenas: usize, seed: u64) {
-    physics::despawn_all(world);
+    let mut old = world.query_filtered::<Entity, With<RapierContextSimulation>>();
+    for arena in old.iter(world).collect::<Vec<_>>() {
+        world.despawn(arena);
+    }
     world.insert_resource(CurrentScenario(scenario.clone()));
     world.insert_resource(BeamDirections::from_lidar(&scenario.lidar));
     let layout = world.resource::<ObservationLayout>();
@@ -31,24 +34,24 @@ pub fn spawn_arenas(world: &mut World, scenario: &Arc<Scenario>, arenas: usize, 
     world.resource_mut::<ExtraRewards>().resize(arenas);
     world.resource_mut::<Actions>().0 = vec![0; arenas];
     world.resource_mut::<StepOutcomes>().0 = vec![StepOutcome::default(); arenas];
+    let has_pool = world.contains_resource::<ScenarioPool>();
     for index in 0..arenas {
-        let arena = world
-            .spawn((
-                Arena(index),
-                ArenaLayout { written: scenario.clone(), layout_seed: 0, scenario: scenario.clone() },
-                Pose::default(),
-                Twist::default(),
-                (Scan::default(), SensorReadings::zeros(extra)),
-                Goal::default(),
-                Clock::default(),
-                Episode { pending_reset: PendingReset::Full, ..Episode::default() },
-                Streams::new(seed, index as u64),
-                physics::context(scenario.task.control_period_s),
-            ))
-            .id();
-        physics::spawn_bodies(world, scenario, arena);
+        let mut arena = world.spawn((
+            Arena(index),
+            ArenaLayout::undrawn(scenario),
+            Pose::default(),
+            Twist::default(),
+            (Scan::default(), SensorReadings::zeros(extra)),
+            Goal::default(),
+            Clock::default(),
+            Episode { pending_reset: PendingReset::Full, ..Episode::default() },
+            Streams::new(seed, index as u64),
+            physics::context(scenario),
+        ));
+        if has_pool {
+            arena.insert(ArenaScenario::new(seed, index as u64));
+        }
     }
-    physics::make_bodies(world);
     world.run_schedule(Reset);
 }
 
@@ -66,6 +69,24 @@ pub fn reset_arenas(world: &mut World, mut start: impl FnMut(usize) -> Option<(S
         };
     }
     world.run_schedule(Reset);
+}
+
+/// Sets the scenario of the next episode of each arena, one of the [`ScenarioPool`]. These arenas draw no
+/// scenarios any more. Without a pool, it does nothing.
+pub fn assign_scenarios(world: &mut World, choice: impl Fn(usize) -> ScenarioChoice) {
+    let mut arenas = world.query::<(&Arena, &mut ArenaScenario)>();
+    for (arena, mut scenario) in arenas.iter_mut(world) {
+        *scenario = ArenaScenario { choice: choice(arena.0), stream: None };
+    }
+}
+
+/// Lets the selected arenas draw the scenarios of their next episodes by the random streams of `seed`. Without a
+/// [`ScenarioPool`], it does nothing.
+pub(crate) fn seed_scenarios(world: &mut World, seed: u64, is_selected: impl Fn(usize) -> bool) {
+    let mut arenas = world.query::<(&Arena, &mut ArenaScenario)>();
+    for (arena, mut scenario) in arenas.iter_mut(world).filter(|(arena, _)| is_selected(arena.0)) {
+        *scenario = ArenaScenario::new(seed, arena.0 as u64);
+    }
 }
 
 /// Restarts the arenas for whose number `reset` returns a reset. Those with streams get them, and a clock at 0. The other
@@ -89,7 +110,7 @@ pub fn restart_arenas(
 pub fn snapshot(world: &mut World) -> Vec<ArenaState> {
     let mut arenas = world.query::<(
         &Arena,
-        &ArenaLayout,
+        (&ArenaLayout, Option<&ArenaScenario>),
         &Pose,
         &Twist,
         (&Scan, &SensorReadings),
@@ -100,7 +121,7 @@ pub fn snapshot(world: &mut World) -> Vec<ArenaState> {
     )>();
     let mut states: Vec<(usize, ArenaState)> = arenas
         .iter(world)
-        .map(|(arena, layout, pose, twist, (scan, readings), goal, clock, episode, streams)| {
+        .map(|(arena, (layout, scenario), pose, twist, (scan, readings), goal, clock, episode, streams)| {
             let state = ArenaState {
                 pose: *pose,
                 twist: *twist,
@@ -109,6 +130,7 @@ pub fn snapshot(world: &mut World) -> Vec<ArenaState> {
                 goal: *goal,
                 clock: *clock,
                 layout_seed: layout.layout_seed,
+                scenario: scenario.cloned(),
                 episode: episode.clone(),
                 streams: streams.clone(),
             };
@@ -127,11 +149,9 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
     let encoding = world.resource::<ObservationLayout>().encoding;
     let mut arenas = world.query::<(
         &Arena,
-        &mut Bodies,
-        &mut RapierRigidBodySet,
-        &mut RapierContextColliders,
+        (&mut Bodies, &mut RapierContextSimulation, &mut RapierRigidBodySet, &mut RapierContextColliders),
         (
-            &mut ArenaLayout,
+            (&mut ArenaLayout, Option<&mut ArenaScenario>),
             &mut Pose,
             &mut Twist,
             (&mut Scan, &mut SensorReadings),
@@ -141,10 +161,12 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
             &mut Streams,
         ),
     )>();
-    for (arena, mut bodies, mut set, mut colliders, components) in arenas.iter_mut(world) {
+    let pool = world.get_resource::<ScenarioPool>().cloned();
+    for (arena, physics, components) in arenas.iter_mut(world) {
+        let (mut bodies, mut context, mut set, mut colliders) = physics;
         let Some(state) = states.get(arena.0) else { continue };
         let (
-            mut layout,
+            (mut layout, member),
             mut pose,
             mut twist,
             (mut scan, mut readings),
@@ -153,7 +175,13 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
             mut episode,
             mut streams,
         ) = components;
-        *layout = ArenaLayout::new(&layout.written, state.layout_seed);
+        if let (Some(mut member), Some(saved)) = (member, &state.scenario) {
+            *member = saved.clone();
+        }
+        let saved = pool.as_ref().zip(state.scenario.as_ref());
+        let scenario = saved.and_then(|(pool, saved)| pool.scenario(saved.choice).ok().flatten());
+        *layout = ArenaLayout::new(scenario.as_ref().unwrap_or(&layout.written), state.layout_seed);
+        physics::replace_bodies_of(&layout, &mut bodies, &mut context, &mut set, &mut colliders);
         *pose = state.pose;
         *twist = state.twist;
         *scan = state.scan.clone();

@@ -5,8 +5,8 @@
 //! | file | duty |
 //! |---|---|
 //! | `arena.rs` | arenas: spawned from a scenario, reset, saved, restored, edited |
-//! | `physics.rs` | the interface to bevy_rapier: plugin, bodies, physics step |
-//! | `colliders.rs` | the rapier colliders of shapes and of the enclosure |
+//! | `physics.rs` | the interface to bevy_rapier: bodies, physics step |
+//! | `colliders.rs` | the rapier shapes of obstacles and of the enclosure |
 //! | `robot.rs` | the differential drive and its actuator lag |
 //! | `contact.rs` | the moment in a step at which the robot first touches something |
 //! | `obstacles.rs` | moving obstacles as a function of the clock, and generated obstacles |
@@ -27,12 +27,14 @@ mod robot;
 use bevy::prelude::*;
 
 pub use arena::{
-    change_scenario, move_goal, move_robot, reset_arenas, reset_with_scenario, restart_arenas, restore,
-    snapshot, spawn_arenas,
+    assign_scenarios, change_scenario, move_goal, move_robot, reset_arenas, reset_with_scenario,
+    restart_arenas, restore, snapshot, spawn_arenas,
 };
 pub use physics::Bodies;
 pub use probe::Probe;
 pub use robot::{ActuatorLag, chord_velocity, integrate_heading};
+
+pub(crate) use arena::seed_scenarios;
 
 use crate::control_step::{ControlSet, ControlStep, Reset, ResetSet, SenseSet};
 
@@ -53,7 +55,7 @@ impl Plugin for SimPlugin {
             .add_systems(
                 Reset,
                 (
-                    (obstacles::place, robot::place).chain().in_set(ResetSet::Place),
+                    (physics::replace_bodies, obstacles::place, robot::place).chain().in_set(ResetSet::Place),
                     lidar::scan_after_reset.in_set(ResetSet::Scan),
                 ),
             );

@@ -1,26 +1,31 @@
-//! The interface to bevy_rapier: its plugin, the creation of bodies, and the physics step.
+//! The interface to bevy_rapier: an arena's bodies and the physics step.
 //!
 //! In: a scenario's shapes. Out: [`Bodies`], the handles with which the other files of this module control and read
 //! rapier's bodies directly. Every arena is a separate physics context, so arenas cannot interact, and arena k computes the
 //! same bits for any number of arenas.
 //!
-//! bevy_rapier's `SyncBackend` systems make bodies and colliders from components when arenas are spawned. In a control
-//! step, [`step`] steps all contexts with one [`Pipeline`]. Poses are not copied into `Transform`s, because that would cost
-//! more than the step and lose precision. Displays read [`Pose`](crate::task::Pose).
+//! Bodies and colliders are made in the sets of bevy_rapier's components ([`make_bodies`]), without an entity for each. In a
+//! control step, [`step`] steps all contexts with one [`Pipeline`]. Poses are not copied into `Transform`s, because that would
+//! cost more than the step and lose precision. Displays read [`Pose`](crate::task::Pose).
 
-use bevy::ecs::schedule::{Schedule, ScheduleLabel, SingleThreadedExecutor};
+use std::sync::Arc;
+
+use bevy::math::Vec3Swizzles;
 use bevy::prelude::*;
-use bevy::transform::TransformPlugin;
-use bevy_rapier2d::prelude::*;
-use bevy_rapier2d::rapier::prelude::{ColliderHandle, PhysicsPipeline, RigidBodyHandle};
+use bevy_rapier2d::prelude::{
+    RapierConfiguration, RapierContextColliders, RapierContextJoints, RapierContextSimulation,
+    RapierRigidBodySet,
+};
+use bevy_rapier2d::rapier::dynamics::{LockedAxes, RigidBodyBuilder};
+use bevy_rapier2d::rapier::math::Pose as BodyPose;
+use bevy_rapier2d::rapier::prelude::{
+    ColliderBuilder, ColliderHandle, PhysicsPipeline, RigidBody, RigidBodyHandle, SharedShape,
+};
 
-use super::colliders::{collider, enclosure_colliders};
+use super::colliders::{enclosure_colliders, shared_shape};
 use crate::control_step::{ControlSet, ControlStep};
-use crate::scenario::{Obstacle, ObstacleMotion, Scenario, pose_at};
-
-/// The schedule that makes rapier's bodies from the components of spawned arenas.
-#[derive(ScheduleLabel, Debug, Clone, PartialEq, Eq, Hash)]
-struct MakeBodies;
+use crate::scenario::{Obstacle, ObstacleMotion, Scenario, Wall, pose_at};
+use crate::task::ArenaLayout;
 
 /// The prediction distance of rapier's soft CCD, in m. With it, most bodies stop at a surface instead of inside it;
 /// `contact.rs` handles the others.
@@ -30,6 +35,8 @@ const LOOK_AHEAD_M: f32 = 50.0;
 /// body, which costs rapier less.
 #[derive(Component, Clone, Debug)]
 pub struct Bodies {
+    /// The scenario as written, from which they were made.
+    pub scenario: Arc<Scenario>,
     /// The robot.
     pub robot: RigidBodyHandle,
     /// The bodies of the scenario's obstacles, in the scenario's order; None for a static obstacle.
@@ -41,43 +48,61 @@ pub struct Bodies {
     pub solids: Vec<ColliderHandle>,
 }
 
-/// The role of a body or collider in its arena. Its order is the order of the handles.
-#[derive(Component, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Part {
-    Robot,
-    Obstacle(usize),
-    Wall(usize),
-    Generated(usize),
-}
-
-/// Installs rapier in [`ControlStep`].
+/// Adds the physics step to [`ControlStep`].
 pub(super) fn build(app: &mut App) {
-    if !app.is_plugin_added::<TransformPlugin>() {
-        app.add_plugins(TransformPlugin);
-    }
-    app.add_plugins(
-        RapierPhysicsPlugin::<NoUserData>::default()
-            .in_schedule(ControlStep)
-            .with_default_system_setup(false)
-            .with_custom_initialization(RapierContextInitialization::NoAutomaticRapierContext),
-    );
     app.init_resource::<Pipeline>().add_systems(ControlStep, step.in_set(ControlSet::Simulate));
-    let mut make = Schedule::new(MakeBodies);
-    make.set_executor(SingleThreadedExecutor::new());
-    make.add_systems(RapierPhysicsPlugin::<NoUserData>::get_systems(PhysicsSet::SyncBackend));
-    app.add_schedule(make);
 }
 
-/// The components that make an arena's entity a physics context without gravity, with steps of `control_period_s`.
+/// The components that make an arena's entity a physics context without gravity, with the bodies of `scenario`.
+pub(super) fn context(scenario: &Arc<Scenario>) -> impl Bundle {
+    let (mut set, mut colliders) = (RapierRigidBodySet::default(), RapierContextColliders::default());
+    let bodies = make_bodies(scenario, &mut set, &mut colliders);
+    let configuration = RapierConfiguration { gravity: Vec2::ZERO, ..RapierConfiguration::new(1.0) };
+    (bodies, simulation(scenario.task.control_period_s), configuration, set, colliders)
+}
+
+/// The components of an arena that [`replace_bodies`] reads and writes.
+type Replaced = (
+    &'static ArenaLayout,
+    &'static mut Bodies,
+    &'static mut RapierContextSimulation,
+    &'static mut RapierRigidBodySet,
+    &'static mut RapierContextColliders,
+);
+
+/// `Place`: replaces the bodies of every arena whose scenario has changed.
+pub(super) fn replace_bodies(mut arenas: Query<Replaced>) {
+    for (layout, mut bodies, mut context, mut set, mut colliders) in &mut arenas {
+        replace_bodies_of(layout, &mut bodies, &mut context, &mut set, &mut colliders);
+    }
+}
+
+/// Replaces an arena's bodies if its scenario has changed. Nothing of the old ones remains, so that rapier computes the same
+/// bits as in a new arena.
+pub(super) fn replace_bodies_of(
+    layout: &ArenaLayout,
+    bodies: &mut Bodies,
+    context: &mut RapierContextSimulation,
+    set: &mut RapierRigidBodySet,
+    colliders: &mut RapierContextColliders,
+) {
+    if !Arc::ptr_eq(&bodies.scenario, &layout.written) {
+        *context = simulation(layout.written.task.control_period_s);
+        (*set, *colliders) = (RapierRigidBodySet::default(), RapierContextColliders::default());
+        *bodies = make_bodies(&layout.written, set, colliders);
+    }
+}
+
+/// The state of a physics context with steps of `control_period_s`.
 ///
 /// One solver iteration is enough. Rapier divides a step into as many substeps as iterations, which helps if contacts and
 /// joints depend on each other. Here a single disc touches something once, and that ends its episode. With one
 /// iteration, a free robot's translation is rounded once instead of four times, and rapier's step takes an eighth less time.
-pub(super) fn context(control_period_s: f32) -> impl Bundle {
+fn simulation(control_period_s: f32) -> RapierContextSimulation {
     let mut simulation = RapierContextSimulation::default();
     simulation.integration_parameters.dt = control_period_s;
     simulation.integration_parameters.num_solver_iterations = 1;
-    (simulation, RapierConfiguration { gravity: Vec2::ZERO, ..RapierConfiguration::new(1.0) })
+    simulation
 }
 
 /// Rapier's working memory, shared by all arenas so that it stays in the cache.
@@ -122,79 +147,71 @@ fn step(mut pipeline: ResMut<Pipeline>, mut arenas: Query<Stepped>) {
     }
 }
 
-/// Spawns the bodies and colliders of `scenario` in the arena `context`, in an order that depends on the scenario alone.
-pub(super) fn spawn_bodies(world: &mut World, scenario: &Scenario, context: Entity) {
-    let link = RapierContextEntityLink(context);
-    let at = |x: f32, y: f32, angle: f32| {
-        Transform::from_xyz(x, y, 0.0).with_rotation(Quat::from_rotation_z(angle))
-    };
-    world.spawn((
-        Part::Robot,
-        link,
-        RigidBody::Dynamic,
-        Collider::ball(scenario.robot.radius_m),
-        LockedAxes::ROTATION_LOCKED,
-        Friction::coefficient(0.0),
-        Sleeping::disabled(),
-        SoftCcd { prediction: LOOK_AHEAD_M },
-        at(0.0, 0.0, 0.0),
-    ));
+/// Makes the bodies and colliders of `scenario` in the empty sets of an arena.
+///
+/// Rapier's numbers depend on their order, which depends on the scenario alone: everything that stands still, the robot,
+/// then the moving obstacles.
+fn make_bodies(
+    scenario: &Arc<Scenario>,
+    set: &mut RapierRigidBodySet,
+    colliders: &mut RapierContextColliders,
+) -> Bodies {
+    let (bodies, colliders) = (&mut set.bodies, &mut colliders.colliders);
     let period_s = scenario.task.control_period_s;
-    for (index, obstacle) in scenario.obstacles.iter().enumerate() {
-        let (x, y, rotation) = pose_at(obstacle, 0, period_s);
-        let mut entity =
-            world.spawn((Part::Obstacle(index), link, collider(&obstacle.shape), at(x, y, rotation)));
-        if obstacle.motion != ObstacleMotion::Static {
-            entity.insert(RigidBody::KinematicPositionBased);
-        }
+    let (own, mut obstacles) = (&scenario.obstacles, vec![None; scenario.obstacles.len()]);
+    let mut solids = vec![ColliderHandle::invalid(); own.len()];
+    for (index, obstacle) in own.iter().enumerate().filter(|(_, obstacle)| !is_moving(obstacle)) {
+        solids[index] =
+            colliders.insert(still(shared_shape(&obstacle.shape), pose_at(obstacle, 0, period_s)));
     }
-    let inner = scenario.walls.iter().flat_map(wayfield_scenario::Wall::segments);
+    let inner = scenario.walls.iter().flat_map(Wall::segments);
     let inner = inner.map(|Obstacle { shape, position_m: Vec2 { x, y }, rotation_rad, .. }| {
-        (collider(&shape), at(x, y, rotation_rad))
+        (shared_shape(&shape), (x, y, rotation_rad))
     });
-    let walls = enclosure_colliders(&scenario.enclosure).into_iter().chain(inner);
-    for (index, (collider, at)) in walls.enumerate() {
-        world.spawn((Part::Wall(index), link, collider, at));
+    for (shape, pose) in enclosure_colliders(&scenario.enclosure).into_iter().chain(inner) {
+        solids.push(colliders.insert(still(shape, pose)));
     }
-    for index in 0..scenario.max_obstacles() - scenario.obstacles.len() {
-        // A placeholder. Its shape and pose are set when an episode begins, or it is disabled. If it were disabled here,
-        // rapier would not make the colliders without a body in this order.
-        world.spawn((Part::Generated(index), link, Collider::ball(1.0), at(0.0, 0.0, 0.0)));
+    // Placeholders. Their shapes and poses are set when an episode begins, or they are disabled.
+    let placeholder = || still(SharedShape::ball(1.0), (0.0, 0.0, 0.0));
+    let reserved = scenario.max_obstacles() - own.len();
+    let generated = (0..reserved).map(|_| colliders.insert(placeholder())).collect();
+    let robot = bodies.insert(robot_body());
+    let disc = ColliderBuilder::ball(scenario.robot.radius_m).friction(0.0);
+    colliders.insert_with_parent(disc, robot, bodies);
+    for (index, obstacle) in own.iter().enumerate().filter(|(_, obstacle)| is_moving(obstacle)) {
+        let pose = body_pose(pose_at(obstacle, 0, period_s));
+        let body = bodies.insert(RigidBodyBuilder::kinematic_position_based().pose(pose));
+        let shape = ColliderBuilder::new(shared_shape(&obstacle.shape));
+        (obstacles[index], solids[index]) = (Some(body), colliders.insert_with_parent(shape, body, bodies));
     }
+    Bodies { scenario: scenario.clone(), robot, obstacles, generated, solids }
 }
 
-/// Makes rapier's bodies and colliders from the spawned components, and adds [`Bodies`] to each arena.
-pub(super) fn make_bodies(world: &mut World) {
-    world.run_schedule(MakeBodies);
-    let mut found: Vec<(Entity, Part, Option<RigidBodyHandle>, ColliderHandle)> = world
-        .query::<(&RapierContextEntityLink, &Part, Option<&RapierRigidBodyHandle>, &RapierColliderHandle)>()
-        .iter(world)
-        .map(|(link, part, body, collider)| (link.0, *part, body.map(|body| body.0), collider.0))
-        .collect();
-    found.sort_by_key(|&(arena, part, ..)| (arena, part));
-    for parts in found.chunk_by(|a, b| a.0 == b.0) {
-        // The robot, which always has a body, sorts first; then the obstacles, the walls and the generated obstacles.
-        let (arena, _, Some(robot), _) = parts[0] else { continue };
-        let is_obstacle = |part: &Part| matches!(part, Part::Obstacle(_));
-        let (permanent, generated) =
-            parts[1..].split_at(parts[1..].partition_point(|p| !matches!(p.1, Part::Generated(_))));
-        world.entity_mut(arena).insert(Bodies {
-            robot,
-            obstacles: permanent.iter().filter(|p| is_obstacle(&p.1)).map(|p| p.2).collect(),
-            generated: generated.iter().map(|p| p.3).collect(),
-            solids: permanent.iter().map(|p| p.3).collect(),
-        });
-    }
+fn is_moving(obstacle: &Obstacle) -> bool {
+    obstacle.motion != ObstacleMotion::Static
 }
 
-/// Despawns all arenas and bodies.
-pub(super) fn despawn_all(world: &mut World) {
-    let mut all: Vec<Entity> =
-        world.query_filtered::<Entity, With<RapierContextEntityLink>>().iter(world).collect();
-    all.extend(world.query_filtered::<Entity, With<RapierContextSimulation>>().iter(world));
-    for entity in all {
-        world.despawn(entity);
-    }
-    // Lets bevy_rapier process the removed bodies.
-    world.run_schedule(MakeBodies);
+/// The collider of something that stands still at a pose, in m and rad.
+fn still(shape: SharedShape, pose: (f32, f32, f32)) -> ColliderBuilder {
+    ColliderBuilder::new(shape).position(body_pose(pose))
+}
+
+/// The robot's body at the origin: it does not turn in a contact, and never sleeps.
+fn robot_body() -> RigidBody {
+    let mut body = RigidBodyBuilder::dynamic()
+        .locked_axes(LockedAxes::ROTATION_LOCKED)
+        .soft_ccd_prediction(LOOK_AHEAD_M)
+        .sleeping(false)
+        .build();
+    let activation = body.activation_mut();
+    (activation.normalized_linear_threshold, activation.angular_threshold) = (-1.0, -1.0);
+    body
+}
+
+/// A pose in m and rad as rapier's. The rotation is rounded as in Bevy's transforms, on which the results of earlier versions
+/// depend.
+fn body_pose((x, y, rotation_rad): (f32, f32, f32)) -> BodyPose {
+    let local = Transform::from_xyz(x, y, 0.0).with_rotation(Quat::from_rotation_z(rotation_rad));
+    let global = GlobalTransform::from(local).compute_transform();
+    BodyPose::new(global.translation.xy(), global.rotation.to_scaled_axis().z)
 }

@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Clock, Episode, Goal, ObservationLayout, PendingReset, Pose, Scan, Streams, Twist};
+use super::{
+    ArenaScenario, Clock, Episode, Goal, ObservationLayout, PendingReset, Pose, Scan, Streams, Twist,
+};
 use crate::random;
 use crate::scenario::Scenario;
 use crate::scenario::limits::{
@@ -27,6 +29,9 @@ pub struct ArenaState {
     pub clock: Clock,
     /// The seed of the generated obstacles ([`ArenaLayout`](super::ArenaLayout)).
     pub layout_seed: u64,
+    /// The member of the scenario pool, if there is one. Checkpoints store it separately.
+    #[serde(skip)]
+    pub scenario: Option<ArenaScenario>,
     /// The current episode.
     pub episode: Episode,
     /// The current states of the random streams.
@@ -50,7 +55,8 @@ impl ArenaState {
     /// # Errors
     /// A noun phrase that names the first invalid part, such as "the robot's pose".
     pub(crate) fn check(&self, scenario: &Scenario, layout: &ObservationLayout) -> Result<(), &'static str> {
-        let Self { pose, twist, scan, readings, goal, clock, layout_seed: _, episode, streams } = self;
+        let Self { pose, twist, scan, readings, goal, clock, layout_seed: _, scenario: _, episode, streams } =
+            self;
         let beams = scenario.lidar.beams;
         let within = |value: f32, max: f32| value.abs() <= max;
         let is_pose = |pose: &Pose| {
@@ -117,6 +123,7 @@ mod tests {
             goal: Goal { x_m: 0.5, y_m: 0.5 },
             clock: Clock(1_000),
             layout_seed: u64::MAX,
+            scenario: None,
             episode: Episode { steps: 7, goals: 1, ..Episode::default() },
             streams: Streams::new(1, 0),
         };

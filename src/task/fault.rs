@@ -9,7 +9,7 @@ use super::{
     Arena, Clock, Episode, ExtraRewards, Goal, ObservationLayout, Observations, Pose, Scan, StepOutcome,
     StepOutcomes, Twist,
 };
-use crate::scenario::NoFreeSpace;
+use crate::scenario::{LevelError, NoFreeSpace};
 
 /// The fault of a step, if there was one. The caller of the step must check it and stop.
 #[derive(Resource, Clone, Debug, Default)]
@@ -27,6 +27,16 @@ pub enum Fault {
         step: u64,
         /// The start or goal that could not be placed.
         why: NoFreeSpace,
+    },
+    /// A generator of the run's set has no level with the drawn seed.
+    #[error("arena {arena}, step {step}: {why}")]
+    NoLevel {
+        /// The arena's number.
+        arena: usize,
+        /// The arena's clock, in control steps.
+        step: u64,
+        /// The generator and the seed.
+        why: LevelError,
     },
     /// A number is NaN or infinite. All later numbers are meaningless.
     #[error("arena {arena}, step {step}: {what}")]

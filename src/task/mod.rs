@@ -21,6 +21,7 @@ pub mod observation;
 mod outcome;
 mod reset;
 mod reward;
+mod scenario_pool;
 mod state;
 
 use std::sync::Arc;
@@ -37,6 +38,7 @@ pub use observation::{
 pub use outcome::{EpisodeEnd, EpisodeEnded, StepOutcome, StepOutcomes};
 pub use reset::EpisodeSetup;
 pub use reward::{Potential, RewardConfig, RewardKind, RewardTerms};
+pub use scenario_pool::{ArenaScenario, ScenarioChoice, ScenarioPool};
 pub use state::{
     Arena, ArenaLayout, Clock, Episode, Goal, PendingReset, Pose, Scan, Streams, Twist, wrap_angle,
 };
@@ -113,7 +115,7 @@ impl Plugin for TaskPlugin {
             .add_systems(
                 Reset,
                 (
-                    reset::draw.in_set(ResetSet::Draw),
+                    (scenario_pool::draw_scenarios, reset::draw).chain().in_set(ResetSet::Draw),
                     (observation::observe_first, reset::clear_pending_resets)
                         .chain()
                         .in_set(ResetSet::Observe),

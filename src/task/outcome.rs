@@ -7,8 +7,8 @@ use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Arena, ArenaLayout, DeferResets, Episode, Goal, PendingReset, Pose, RewardConfig, RewardTerms, Scan,
-    TaskMode,
+    Arena, ArenaLayout, ArenaScenario, DeferResets, Episode, Goal, PendingReset, Pose, RewardConfig,
+    RewardTerms, Scan, TaskMode,
 };
 
 /// The outcome of one step in one arena.
@@ -96,6 +96,8 @@ pub enum EpisodeEnd {
 pub struct EpisodeEnded {
     /// The arena.
     pub arena: usize,
+    /// The member of the [`ScenarioPool`](super::ScenarioPool) that the episode took place in; 0 without a pool.
+    pub scenario: usize,
     /// The reason for the end.
     pub end: EpisodeEnd,
     /// The episode's length in control steps.
@@ -153,13 +155,14 @@ pub(super) fn close_episodes(
     (mode, defer_resets): (Res<TaskMode>, Res<DeferResets>),
     outcomes: Res<StepOutcomes>,
     mut ended: MessageWriter<EpisodeEnded>,
-    mut arenas: Query<(&Arena, &mut Episode)>,
+    mut arenas: Query<(&Arena, Option<&ArenaScenario>, &mut Episode)>,
 ) {
-    for (arena, mut episode) in &mut arenas {
+    for (arena, scenario, mut episode) in &mut arenas {
         let outcome = &outcomes.0[arena.0];
         if let Some(end) = outcome.episode_end(*mode) {
             ended.write(EpisodeEnded {
                 arena: arena.0,
+                scenario: scenario.map_or(0, |scenario| scenario.choice.member as usize),
                 end,
                 steps: episode.steps,
                 goals: episode.goals,

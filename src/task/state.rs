@@ -29,12 +29,18 @@ pub struct ArenaLayout {
 }
 
 impl ArenaLayout {
+    /// The layout of `scenario` before its generators are used.
+    #[must_use]
+    pub(crate) fn undrawn(scenario: &Arc<Scenario>) -> Self {
+        Self { written: scenario.clone(), layout_seed: 0, scenario: scenario.clone() }
+    }
+
     /// The layout of `scenario` with the obstacles generated from `layout_seed`. Ignores the seed if the scenario has no
     /// generators.
     #[must_use]
     pub(crate) fn new(scenario: &Arc<Scenario>, layout_seed: u64) -> Self {
         if scenario.generators.is_empty() {
-            return Self { written: scenario.clone(), layout_seed: 0, scenario: scenario.clone() };
+            return Self::undrawn(scenario);
         }
         let generated = Arc::new(scenario.with_generated_obstacles(layout_seed));
         Self { written: scenario.clone(), layout_seed, scenario: generated }

@@ -171,11 +171,16 @@ impl Workspace {
             .collect()
     }
 
-    /// The lines of a CSV file without the last column, which must be `wall_s`.
+    /// The lines of a CSV file without the column `wall_s`.
     fn lines_without_wall_time(&self, name: &str) -> Vec<String> {
         let text = self.text(name);
-        assert!(text.lines().next().is_some_and(|head| head.ends_with(",wall_s")), "{name}: {text}");
-        text.lines().map(|line| line.rsplit_once(',').unwrap().0.to_owned()).collect()
+        let head = text.lines().next().unwrap_or_default();
+        let wall = head.split(',').position(|column| column == "wall_s").expect("a column wall_s");
+        let without = |line: &str| {
+            let cells = line.split(',').enumerate().filter(|(column, _)| *column != wall);
+            cells.map(|(_, cell)| cell).collect::<Vec<_>>().join(",")
+        };
+        text.lines().map(without).collect()
     }
 
     /// All contents of a run folder that must be equal in two runs with the same seed.

@@ -38,6 +38,7 @@ fn random(shape: NetworkShape, encoding: Encoding, sensors: &[(&str, usize)]) ->
         program: Program { name: "wayfield".into(), version: "1.2.3".into(), commit: None },
         training: Training {
             scenario_from: "room.ron".into(),
+            scenario_set: None,
             preset: "my_preset".into(),
             seed: 3,
             init: None,

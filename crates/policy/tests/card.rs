@@ -34,6 +34,7 @@ fn policy_of(shape: NetworkShape, encoding: Encoding) -> Policy {
         program: Program { name: "wayfield".into(), version: "1.2.3".into(), commit: None },
         training: Training {
             scenario_from: "mine.ron".into(),
+            scenario_set: None,
             preset: "fast".into(),
             seed: u64::MAX,
             init: None,

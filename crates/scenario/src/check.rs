@@ -34,6 +34,7 @@ mod turning;
 
 pub(crate) use convex::RoundedArea;
 pub(crate) use grid::{CellGrid, ConnectedRegions};
+pub(crate) use numbers::check_texts;
 pub(crate) use obstacles::check_random_shape;
 pub(crate) use reachability::{RegionSite, blocked, sites};
 

@@ -21,6 +21,15 @@ pub const MAX_NAME_CHARS: usize = 100;
 /// Longest description of a scenario, in characters.
 pub const MAX_ABOUT_CHARS: usize = 2_000;
 
+// Sets of scenarios.
+
+/// Number of scenarios of a set.
+pub const SET_SCENARIOS: RangeInclusive<usize> = 1..=64;
+/// Share of a scenario of a set, relative to the others.
+pub const SET_SHARE: RangeInclusive<f32> = 0.001..=1000.0;
+/// Number of levels of a generator in a set.
+pub const SET_LEVELS: RangeInclusive<u32> = 1..=1_000_000;
+
 // Enclosure and walls.
 
 /// Coordinates of points, in m.

@@ -55,6 +55,7 @@ impl SavedRun {
     /// The folder has no run, or an invalid one.
     pub(super) fn from_folder(path: &Path, extensions: &Extensions) -> Result<Self, RunError> {
         let (folder, config) = RunFolder::open(path)?;
+        config.check_no_set()?;
         let config = config.resume_with_extensions(extensions, path)?;
         let LoadedCheckpoint { trainer_state, learner, skipped } = checkpoint::load(&folder, &config)?;
         let journal = Journal::load(&folder, &config, &learner)?;
@@ -90,9 +91,9 @@ impl SavedRun {
         let config: RunConfig =
             parse_ron_with_limit(text(RunFolder::CONFIG_FILE)?, RunFolder::CONFIG_FILE, MAX_CONFIG_BYTES)?;
         let problem = config.diagnostics().first().map(ToString::to_string);
-        let problem = problem
-            .map_or_else(|| config.preset.check_memory(&config.scenario, &config.observation_layout()), Err);
+        let problem = problem.map_or_else(|| config.check_memory(), Err);
         problem.map_err(|why| RunError::invalid_input(Path::new(RunFolder::CONFIG_FILE), why))?;
+        config.check_no_set()?;
         let config = config.resume_with_extensions(extensions, Path::new(RunFolder::CONFIG_FILE))?;
         let (trainer_state, learner) = checkpoint::read_from(&bytes(checkpoint::LATEST)?[..], &config)
             .map_err(|why| RunError::invalid_input(Path::new(checkpoint::LATEST), why))?;

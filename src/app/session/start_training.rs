@@ -50,6 +50,7 @@ pub(super) fn scenario_topic(scenario: &str, is_broken: bool) -> NoticeTopic {
 }
 
 fn prepare(config: RunConfig, initial_policy: Option<Policy>) -> Result<PreparedTraining, RunError> {
+    config.check_no_set()?;
     let learner = training_setup::create_learner(&config, initial_policy.as_ref())?;
     Ok(PreparedTraining { config, initial_policy, learner, trainer_state: TrainerState::default() })
 }

@@ -8,8 +8,10 @@ use crate::run::folder::RunConfig;
 use crate::run::notes::preset_notes;
 use crate::run::policy_card;
 use crate::run::preset::Preset;
+use crate::run::scenario_set;
 use crate::scenario::{
-    FileError, LocatedDiagnostic, Note, NoteLevel, Scenario, locate, notes, quoted, read_text, resemblance,
+    FileError, LocatedDiagnostic, Note, NoteLevel, Scenario, ScenarioSetFile, locate, notes, quoted,
+    read_text, resemblance,
 };
 
 /// The kind of a file that can be checked.
@@ -17,6 +19,8 @@ use crate::scenario::{
 pub enum FileKind {
     /// A scenario.
     Scenario,
+    /// A set of scenarios.
+    ScenarioSet,
     /// A training preset.
     Preset,
     /// An experiment.
@@ -32,6 +36,7 @@ impl FileKind {
     pub fn name(self) -> &'static str {
         match self {
             Self::Scenario => "scenario",
+            Self::ScenarioSet => "set of scenarios",
             Self::Preset => "preset",
             Self::Experiment => "experiment",
             Self::RunConfig => "run configuration",
@@ -43,7 +48,7 @@ impl FileKind {
     /// that could be of any kind is a scenario.
     pub fn of_text(text: &str) -> Self {
         // The last of several kinds with equally many fields.
-        let kinds = [Self::RunConfig, Self::Experiment, Self::Preset, Self::Scenario];
+        let kinds = [Self::ScenarioSet, Self::RunConfig, Self::Experiment, Self::Preset, Self::Scenario];
         kinds.into_iter().max_by_key(|kind| kind.resemblance(text)).unwrap_or(Self::Scenario)
     }
 
@@ -51,6 +56,7 @@ impl FileKind {
     fn resemblance(self, text: &str) -> usize {
         match self {
             Self::Scenario => resemblance::<Scenario>(text, "Scenario"),
+            Self::ScenarioSet => resemblance::<ScenarioSetFile>(text, "ScenarioSet"),
             Self::Preset => resemblance::<Preset>(text, "Preset"),
             Self::Experiment => resemblance::<Experiment>(text, "Experiment"),
             Self::RunConfig => resemblance::<RunConfig>(text, "RunConfig"),
@@ -61,7 +67,7 @@ impl FileKind {
     /// The way to give a file of this kind in the command line.
     fn usage(self, file: &str) -> String {
         match self {
-            Self::Scenario => format!("--train --scenario {file}"),
+            Self::Scenario | Self::ScenarioSet => format!("--train --scenario {file}"),
             Self::Preset => format!("--train --preset {file}"),
             Self::Experiment => format!("--reproduce --experiment {file}"),
             Self::RunConfig => format!("--train {file}"),
@@ -82,7 +88,10 @@ pub fn expect_kind(path: &Path, wanted: FileKind) -> Result<(), RunError> {
     }
     let Ok(text) = read_text(path) else { return Ok(()) };
     let kind = FileKind::of_text(&text);
-    if kind.resemblance(&text) <= wanted.resemblance(&text) || kind == FileKind::RunConfig {
+    // A run has a scenario and a preset, and some modes take a set in place of a scenario.
+    let holds_it =
+        kind == FileKind::RunConfig || (kind, wanted) == (FileKind::ScenarioSet, FileKind::Scenario);
+    if kind.resemblance(&text) <= wanted.resemblance(&text) || holds_it {
         return Ok(());
     }
     let article = if kind == FileKind::Experiment { "an" } else { "a" };
@@ -112,6 +121,7 @@ pub fn check(path: &Path) -> (Option<FileKind>, Result<LocatedNotes, FileError>)
             Experiment::parse(&text, path).and_then(|experiment| experiment.training_notes(path, &text))
         }
         FileKind::RunConfig => RunConfig::parse(&text, path).map(|_| Vec::new()),
+        FileKind::ScenarioSet => scenario_set::parse(&text, path).map(|_| Vec::new()),
         FileKind::Scenario | FileKind::Policy => {
             Scenario::parse(&text, path).map(|scenario| notes(&scenario))
         }
@@ -136,6 +146,7 @@ mod tests {
             ("(name: \"arenas\", // learning is fun\n obstacles: [(shap: 1)])", FileKind::Scenario),
             ("(title: \"x\", arms: [(name: \"a\", stages: [(budget: Episodes(1))])])", FileKind::Experiment),
             ("(version: \"1\", seed: 1, scenario: (name: \"a\"), preset: ())", FileKind::RunConfig),
+            ("(name: \"a\", scenarios: [(scenario: \"b\")])", FileKind::ScenarioSet),
             ("Preset()", FileKind::Preset),
             ("", FileKind::Scenario),
         ] {

@@ -7,7 +7,7 @@ use std::time::Duration;
 use bevy::platform::time::Instant;
 
 use super::{Candidate, EpisodeSet, EvalResult};
-use crate::run::evaluate::{Evaluation, EvaluationRun, Evaluator};
+use crate::run::evaluate::{EvaluationRun, Evaluator};
 use crate::scenario::Scenario;
 use crate::simulation::Extensions;
 use crate::task::EpisodeSetup;
@@ -17,7 +17,6 @@ const SLICE: Duration = Duration::from_millis(3);
 
 /// The evaluator, with the state of the evaluation in progress.
 pub struct SlicedEvaluator {
-    scenario: Arc<Scenario>,
     episodes: EpisodeSet,
     pending: VecDeque<Candidate>,
     evaluator: Evaluator,
@@ -30,8 +29,7 @@ impl SlicedEvaluator {
     pub fn new(scenario: &Arc<Scenario>, episodes: EpisodeSet, extensions: &Extensions) -> Self {
         // Built here, because building a simulation takes longer than a slice.
         let evaluator = Evaluator::with_extensions(scenario, episodes.count, extensions);
-        let scenario = scenario.clone();
-        Self { scenario, episodes, pending: VecDeque::new(), evaluator, run: None }
+        Self { episodes, pending: VecDeque::new(), evaluator, run: None }
     }
 
     /// Submits a candidate.
@@ -44,7 +42,7 @@ impl SlicedEvaluator {
     pub fn poll(&mut self, wait: bool) -> Option<EvalResult> {
         let candidate = self.pending.front()?;
         let began = Instant::now();
-        let (scenario, evaluator) = (&self.scenario, &mut self.evaluator);
+        let evaluator = &mut self.evaluator;
         let EpisodeSet { count, seed } = candidate.test.unwrap_or(self.episodes);
         let result = loop {
             let is_done = match &mut self.run {
@@ -59,7 +57,7 @@ impl SlicedEvaluator {
                 Ok(false) => return None,
                 Ok(true) => {
                     let episodes = self.run.take().map_or_else(Vec::new, |run| run.episodes);
-                    break Ok(Evaluation::from_episodes(&episodes, count, &scenario.task, seed));
+                    break Ok(evaluator.evaluation(&episodes, count, seed));
                 }
                 Err(error) => {
                     self.run = None;
@@ -76,6 +74,7 @@ impl SlicedEvaluator {
 mod tests {
     use super::*;
     use crate::run::background_evaluator::threaded::ThreadedEvaluator;
+    use crate::run::evaluate::Evaluation;
     use crate::run::shipped;
 
     #[test]

@@ -9,7 +9,7 @@ use bevy::platform::time::Instant;
 
 use super::{Candidate, EpisodeSet, EvalResult};
 use crate::run::RunError;
-use crate::run::evaluate::{Evaluation, Evaluator};
+use crate::run::evaluate::Evaluator;
 use crate::scenario::Scenario;
 use crate::simulation::Extensions;
 use crate::task::EpisodeSetup;
@@ -40,8 +40,7 @@ impl ThreadedEvaluator {
             for candidate in inbox {
                 let EpisodeSet { count, seed } = candidate.test.unwrap_or(episodes);
                 let episodes = evaluator.run(&candidate.policy, seed, count, EpisodeSetup::Random);
-                let result = episodes
-                    .map(|episodes| Evaluation::from_episodes(&episodes, count, &scenario.task, seed));
+                let result = episodes.map(|episodes| evaluator.evaluation(&episodes, count, seed));
                 if outbox.send(EvalResult { candidate, result, done: Instant::now() }).is_err() {
                     return;
                 }

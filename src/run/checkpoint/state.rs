@@ -1,6 +1,7 @@
 //! The state of a run in a checkpoint, and the check of its values.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 use bevy::prelude::World;
 use serde::{Deserialize, Serialize};
@@ -12,7 +13,7 @@ use crate::random::{self, Stream};
 use crate::run::folder::RunConfig;
 use crate::run::metric_rows::Milestone;
 use crate::sim;
-use crate::task::ArenaState;
+use crate::task::{ArenaScenario, ArenaState, ScenarioPool};
 
 /// The state of a run, apart from its learner.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -47,6 +48,8 @@ pub struct TrainerState {
     pub wall_s: f64,
     /// The plugin data of every arena; empty without plugins.
     pub arena_extensions: Vec<ArenaExtension>,
+    /// The scenario of every arena in the run's set of scenarios; empty without a set.
+    pub arena_scenarios: Vec<ArenaScenario>,
 }
 
 /// The plugin data of an arena: sensor readings, and the sums of reward terms in the current episode.
@@ -112,15 +115,16 @@ impl TrainerState {
         self.collect_extensions();
     }
 
-    /// Copies the plugin data out of the arenas, whose serialized form does not include it.
+    /// Copies the plugin data and the scenarios out of the arenas, whose serialized form does not include them.
     fn collect_extensions(&mut self) {
         self.arena_extensions = self.arenas.iter().map(ArenaExtension::from_state).collect();
         if self.arena_extensions.iter().all(ArenaExtension::is_empty) {
             self.arena_extensions.clear();
         }
+        self.arena_scenarios = self.arenas.iter().filter_map(|arena| arena.scenario.clone()).collect();
     }
 
-    /// Copies the plugin data back into the arenas.
+    /// Copies the plugin data and the scenarios back into the arenas.
     pub(super) fn distribute_extensions(&mut self) -> Result<(), String> {
         if !self.arena_extensions.is_empty() && self.arena_extensions.len() != self.arenas.len() {
             return Err("is damaged: it has plugin data of a different number of arenas".into());
@@ -128,6 +132,12 @@ impl TrainerState {
         for (arena, extension) in self.arenas.iter_mut().zip(&self.arena_extensions) {
             arena.readings.clone_from(&extension.readings);
             arena.episode.extra_rewards.clone_from(&extension.extra_rewards);
+        }
+        if !self.arena_scenarios.is_empty() && self.arena_scenarios.len() != self.arenas.len() {
+            return Err("is damaged: it has scenarios of a different number of arenas".into());
+        }
+        for (arena, scenario) in self.arenas.iter_mut().zip(&self.arena_scenarios) {
+            arena.scenario = Some(scenario.clone());
         }
         self.collect_extensions();
         Ok(())
@@ -139,9 +149,18 @@ impl TrainerState {
         if self.arenas.len() != arenas || self.exploration.len() != arenas {
             return Err("has a different number of arenas than config.ron".into());
         }
+        let own = Arc::new(config.scenario.clone());
+        let pool = config.scenario_set.as_ref().map(ScenarioPool::new);
         for (number, arena) in self.arenas.iter().enumerate() {
+            let scenario = match (&pool, &arena.scenario) {
+                (None, None) => Some(own.clone()),
+                (Some(pool), Some(arena)) => arena.scenario_in(pool),
+                _ => None,
+            };
+            let scenario = scenario
+                .ok_or_else(|| format!("is damaged: arena {number} has an invalid value for the scenario"))?;
             arena
-                .check(&config.scenario, &config.observation_layout())
+                .check(&scenario, &config.observation_layout())
                 .map_err(|what| format!("is damaged: arena {number} has an invalid value for {what}"))?;
         }
         let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 
-use super::EpisodeResult;
 use super::path::{PathQuery, PathTracker};
+use super::{EpisodeResult, Evaluation};
 use crate::agent::{ActionSelection, GreedyPolicy};
 use crate::learning::QNetwork;
 use crate::limits::MAX_BODIES;
@@ -17,7 +17,8 @@ use crate::scenario::Scenario;
 use crate::sim;
 use crate::simulation::{self, Extensions, Simulation, SimulationBuilder};
 use crate::task::{
-    ArenaState, Clock, CommandedMotions, EpisodeEnd, EpisodeEnded, EpisodeSetup, ObservationLayout, Streams,
+    ArenaState, Clock, CommandedMotions, EpisodeEnd, EpisodeEnded, EpisodeSetup, ObservationLayout, ScenarioPool,
+    Streams,
     TaskMode,
 };
 
@@ -156,6 +157,10 @@ impl Evaluator {
     pub(super) fn begin(&mut self, run: &mut EvaluationRun, batch: usize) {
         let (seed, first) = (run.seed, run.episodes.len());
         let world = self.simulation.world_mut();
+        if let Some(pool) = world.get_resource::<ScenarioPool>() {
+            let scenarios = pool.evaluation(seed, first + batch);
+            sim::assign_scenarios(world, |arena| scenarios.get(first + arena).copied().unwrap_or_default());
+        }
         sim::reset_arenas(world, |arena| {
             (arena < batch).then(|| episode_streams(seed, (first + arena) as u64))
         });
@@ -199,6 +204,15 @@ impl Evaluator {
             }));
         }
         Ok(())
+    }
+
+    /// The evaluation of all `episodes` of a run with `seed`, with `round` episodes per round.
+    #[must_use]
+    pub fn evaluation(&self, episodes: &[EpisodeResult], round: usize, seed: u64) -> Evaluation {
+        match self.simulation.world().get_resource::<ScenarioPool>() {
+            Some(pool) => Evaluation::over_pool(episodes, round, pool, seed),
+            None => Evaluation::from_episodes(episodes, round, &self.scenario.task, seed),
+        }
     }
 
     pub(super) fn world_mut(&mut self) -> &mut World {

@@ -17,11 +17,11 @@ mod per_episode;
 mod record;
 mod trace;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::report::rate::rate_interval;
 use crate::scenario::TaskRules;
-use crate::task::{Clock, EpisodeEnd, Goal, Pose};
+use crate::task::{Clock, EpisodeEnd, Goal, Pose, ScenarioPool};
 
 pub use evaluator::{EvaluationRun, Evaluator, check_compatible, episode_streams};
 pub use optimum::{OptimumComparison, compare_with_optimum};
@@ -110,6 +110,28 @@ pub struct Evaluation {
     pub episodes: usize,
     /// The seed of the episodes' starts and goals.
     pub seed: u64,
+    /// The results in each scenario of a set; empty if all episodes had the same scenario.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub scenarios: Vec<ScenarioResult>,
+}
+
+/// The result of an evaluation in one scenario of a set.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ScenarioResult {
+    /// The scenario's name in the set.
+    pub name: String,
+    /// Share of the episodes in this scenario that succeeded, 0 to 1.
+    pub success_rate: f64,
+    /// The 95 % confidence interval of the success rate, within 0 to 1.
+    pub success_interval: [f64; 2],
+    /// Share of these episodes that ended in a collision, 0 to 1.
+    pub collision_rate: f64,
+    /// Share of these episodes that ended at the time limit, 0 to 1.
+    pub timeout_rate: f64,
+    /// Mean simulated time of the successful episodes, in s; `None` if none succeeded.
+    pub mean_time_s: Option<f64>,
+    /// Number of episodes in this scenario.
+    pub episodes: usize,
 }
 
 impl Evaluation {
@@ -131,7 +153,37 @@ impl Evaluation {
             mean_cost_s: mean_cost_s(episodes, rules),
             episodes: episodes.len(),
             seed,
+            scenarios: Vec::new(),
         }
+    }
+
+    /// The evaluation of `episodes` in the scenarios of `pool`, in their fixed shares; with `round` episodes per round.
+    #[must_use]
+    pub fn over_pool(episodes: &[EpisodeResult], round: usize, pool: &ScenarioPool, seed: u64) -> Self {
+        let mut groups = vec![Vec::new(); pool.members()];
+        for (episode, member) in episodes.iter().zip(pool.in_fixed_shares(episodes.len())) {
+            groups[member].push(*episode);
+        }
+        let of_member = |(member, group): (usize, &Vec<EpisodeResult>)| {
+            let of = Self::from_episodes(group, group.len(), &pool.rules(member), seed);
+            (pool.name(member).to_string(), of)
+        };
+        let groups = groups.iter().enumerate().filter(|(_, group)| !group.is_empty());
+        let members: Vec<(String, Self)> = groups.map(of_member).collect();
+        // The cost of a failure is the time limit of its own scenario.
+        let cost_s: f64 = members.iter().map(|(_, of)| of.mean_cost_s * of.episodes as f64).sum();
+        let all = Self::from_episodes(episodes, round, &pool.rules(0), seed);
+        let mean_cost_s = round_to_microsecond(cost_s / episodes.len() as f64);
+        let scenarios = members.into_iter().map(|(name, of)| ScenarioResult {
+            name,
+            success_rate: of.success_rate,
+            success_interval: of.success_interval,
+            collision_rate: of.collision_rate,
+            timeout_rate: of.timeout_rate,
+            mean_time_s: of.mean_time_s,
+            episodes: of.episodes,
+        });
+        Self { scenarios: scenarios.collect(), mean_cost_s, ..all }
     }
 }
 

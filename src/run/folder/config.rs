@@ -12,11 +12,11 @@ use crate::run::provenance::{COMMIT, VERSION};
 use crate::run::settings::{SettingError, Settings};
 use crate::run::shipped;
 use crate::scenario::{
-    Diagnostic, FileError, Scenario, diagnostics, is_unprintable, parse_checked, read_ron_with_limit,
-    read_text_with_limit, resemblance,
+    Diagnostic, FileError, Scenario, ScenarioSet, diagnostics, is_unprintable, parse_checked,
+    read_ron_with_limit, read_text_with_limit, resemblance,
 };
 use crate::simulation::Extensions;
-use crate::task::{ObservationLayout, ObservationSlice};
+use crate::task::{ObservationLayout, ObservationSlice, ScenarioPool};
 
 /// The resolved configuration of a run: everything needed to repeat the run bit for bit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -49,7 +49,10 @@ pub struct RunConfig {
     /// The plugins. They are not part of the file.
     #[serde(skip)]
     pub extensions: Extensions,
-    /// The scenario.
+    /// The set of scenarios from which the episodes draw; `None` if all have the same one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scenario_set: Option<ScenarioSet>,
+    /// The scenario; of a set, the first.
     pub scenario: Scenario,
     /// The preset, including overrides from the command line.
     pub preset: Preset,
@@ -62,8 +65,10 @@ impl RunConfig {
     /// # Errors
     /// A file cannot be read or is invalid. The message gives line, column and a fix.
     pub fn resolve(scenario_from: &str, preset_from: &str, seed: u64) -> Result<Self, FileError> {
-        let (scenario, preset) = (shipped::scenario(scenario_from)?, shipped::preset(preset_from)?);
-        Ok(Self::new((scenario_from.into(), scenario), (preset_from.into(), preset), seed))
+        let (scenario, scenario_set) = shipped::scenario_or_set(scenario_from)?;
+        let preset = shipped::preset(preset_from)?;
+        let config = Self::new((scenario_from.into(), scenario), (preset_from.into(), preset), seed);
+        Ok(Self { scenario_set, ..config })
     }
 
     /// The configuration of a run that starts from random weights, with a scenario and a preset that come from the files
@@ -82,16 +87,20 @@ impl RunConfig {
             sensors: Vec::new(),
             reward_terms: Vec::new(),
             extensions: Extensions::default(),
+            scenario_set: None,
             scenario,
             preset,
         }
     }
 
-    /// This configuration with changes to its scenario and preset.
+    /// This configuration with changes to its scenario, or to all scenarios of its set, and to its preset.
     ///
     /// # Errors
     /// As [`Settings::apply`].
     pub fn with_settings(mut self, settings: &Settings) -> Result<Self, Vec<SettingError>> {
+        if let Some(set) = &mut self.scenario_set {
+            settings.apply_to_set(set, &self.preset)?;
+        }
         settings.apply(&mut self.scenario, &mut self.preset)?;
         Ok(self)
     }
@@ -144,7 +153,15 @@ impl RunConfig {
             move |found: Diagnostic| Diagnostic { path: format!("{part}.{}", found.path), ..found }
         };
         let preset = self.preset.diagnostics().into_iter().map(inside("preset"));
-        preset.chain(diagnostics(&self.scenario).into_iter().map(inside("scenario"))).collect()
+        let of_set = |set: &ScenarioSet| {
+            let Scenario { name, robot, lidar, task, .. } = &self.scenario;
+            let misfit = set.misfit_of(name, (robot, lidar, task));
+            let misfit = misfit.map(|message| Diagnostic { path: "scenario".into(), message });
+            let inside = set.diagnostics().into_iter().map(inside("scenario_set"));
+            inside.chain(misfit).collect()
+        };
+        let set: Vec<Diagnostic> = self.scenario_set.as_ref().map(of_set).unwrap_or_default();
+        preset.chain(set).chain(diagnostics(&self.scenario).into_iter().map(inside("scenario"))).collect()
     }
 
     /// This configuration with the user's plugins; their sensors and reward terms are recorded.
@@ -184,10 +201,57 @@ impl RunConfig {
         let arenas = self.preset.arenas;
         format!(
             "{}, preset {name}, seed {}, {arenas} arena{}{from}",
-            self.scenario.name,
+            self.scenario_title(),
             self.seed,
             if arenas == 1 { "" } else { "s" }
         )
+    }
+
+    /// The name of the scenario, or of the set of scenarios.
+    #[must_use]
+    pub fn scenario_title(&self) -> &str {
+        self.scenario_set.as_ref().map_or(&self.scenario.name, |set| &set.name)
+    }
+
+    /// The names of the set's members; empty without a set.
+    pub fn member_names(&self) -> impl Iterator<Item = &str> {
+        self.scenario_set.iter().flat_map(|set| &set.members).map(|member| member.name.as_str())
+    }
+
+    /// The plugins of the run's simulations: the user's, and the set of scenarios.
+    #[must_use]
+    pub fn simulation_plugins(&self) -> Extensions {
+        match &self.scenario_set {
+            Some(set) => self.extensions.clone().plugin(ScenarioPool::new(set)),
+            None => self.extensions.clone(),
+        }
+    }
+
+    /// Checks that the training needs no more memory than allowed, in any of its scenarios.
+    ///
+    /// # Errors
+    /// It needs too much memory. The message names the fields to reduce.
+    pub fn check_memory(&self) -> Result<(), String> {
+        let layout = self.observation_layout();
+        for member in self.scenario_set.iter().flat_map(|set| &set.members) {
+            let scenario = member.source.first().map_err(|error| error.to_string())?;
+            self.preset.check_memory(&scenario, &layout)?;
+        }
+        self.preset.check_memory(&self.scenario, &layout)
+    }
+
+    /// Checks that all episodes have the same scenario, as in the app.
+    ///
+    /// # Errors
+    /// The run has a set of scenarios.
+    pub fn check_no_set(&self) -> Result<(), RunError> {
+        match &self.scenario_set {
+            Some(set) => Err(RunError::InvalidInput(format!(
+                "{}: the app cannot show a training over a set of scenarios; help: use --train, or open one of its scenarios",
+                set.name
+            ))),
+            None => Ok(()),
+        }
     }
 
     /// A name for the run's folder: `<scenario>-<preset>-<seed>`.

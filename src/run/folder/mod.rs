@@ -29,6 +29,7 @@ use super::output_file::{Sink, is_temporary, replace};
 use super::output_file::{check_entry, remove_temporary_files};
 use super::preset::Budget;
 use super::write_points::write_point;
+use crate::limits::MAX_CONFIG_BYTES;
 use crate::scenario::to_ron;
 
 pub use config::{PAPER_TRANSFER_EPSILON, RunConfig, Transfer};
@@ -163,8 +164,7 @@ impl RunFolder {
         }
         folder.check_files_are_regular()?;
         let config = RunConfig::load(&folder.config())?;
-        let memory = config.preset.check_memory(&config.scenario, &config.observation_layout());
-        memory.map_err(|error| RunError::invalid_input(&folder.config(), error))?;
+        config.check_memory().map_err(|error| RunError::invalid_input(&folder.config(), error))?;
         Ok((folder, config))
     }
 
@@ -196,6 +196,13 @@ impl RunFolder {
     /// The file cannot be written.
     pub fn write_config(&self, config: &RunConfig) -> Result<(), RunError> {
         let text = to_ron(config).map_err(|error| RunError::failed(&self.config(), error))?;
+        if text.len() as u64 > MAX_CONFIG_BYTES {
+            let why = format!(
+                "would have {} bytes, more than {MAX_CONFIG_BYTES}; help: use fewer or smaller scenarios",
+                text.len()
+            );
+            return Err(RunError::invalid_input(&self.config(), why));
+        }
         self.write(Self::CONFIG_FILE, |file| file.write_all(text.as_bytes()))
     }
 

@@ -1,10 +1,10 @@
 //! The card of a policy that is about to be saved.
 
 use super::{angles_rad, sensor};
-use crate::policy::card::{Action, Card, Example, Program, Training, inputs, q_value_formula};
+use crate::policy::card::{Action, Card, Example, Program, TrainedSet, Training, inputs, q_value_formula};
 use crate::policy::{Policy, Scratch};
 use crate::run::folder::RunConfig;
-use crate::run::provenance::{COMMIT, VERSION, scenario_json};
+use crate::run::provenance::{COMMIT, VERSION, scenario_json, set_crc32c};
 use crate::scenario::Scenario;
 
 /// Gives `policy`, which the run of `config` has trained for these env steps and gradient steps, its card.
@@ -17,6 +17,11 @@ pub fn attach(
 ) {
     let training = Training {
         scenario_from: config.scenario_from.clone(),
+        scenario_set: config.scenario_set.as_ref().map(|set| TrainedSet {
+            name: set.name.clone(),
+            scenarios: config.member_names().map(String::from).collect(),
+            crc32c: set_crc32c(set),
+        }),
         preset: config.preset_name(),
         seed: config.seed,
         init: config.transfer.as_ref().map(|transfer| transfer.policy.clone()),

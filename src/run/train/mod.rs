@@ -271,7 +271,7 @@ impl Run {
         };
         self.evaluator.submit(candidate)?;
         let Some(tested) = self.evaluator.poll(true)? else { return Ok(None) };
-        Ok(Some(FinalTest::new(&tested.result?, began.elapsed().as_secs_f64())))
+        Ok(Some(FinalTest::new(tested.result?, began.elapsed().as_secs_f64())))
     }
 
     /// Writes the last checkpoint, evaluation and policy, the learning curves and the summary.
@@ -309,8 +309,8 @@ impl Run {
         let best = self.trainer_state.best.as_ref();
         let learner = self.learner();
         Ok(Summary {
-            provenance: Provenance::of(&self.config.scenario),
-            scenario: self.config.scenario.name.clone(),
+            provenance: Provenance::of_run(&self.config),
+            scenario: self.config.scenario_title().into(),
             scenario_from: self.config.scenario_from.clone(),
             preset: self.config.preset_from.clone(),
             seed: self.config.seed,

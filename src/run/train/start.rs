@@ -115,7 +115,7 @@ impl Run {
         listener: Option<ProgressListener>,
     ) -> Result<Self, RunError> {
         processor::record(&folder)?;
-        let scenario = Arc::new(config.scenario.clone());
+        let (scenario, plugins) = (Arc::new(config.scenario.clone()), config.simulation_plugins());
         let preset = &config.preset;
         let env_steps = learner.env_steps();
         let budget = match preset.budget {
@@ -123,13 +123,9 @@ impl Run {
             Budget::EnvSteps(n) => ProgressTotal::EnvSteps(n),
         };
         Ok(Self {
-            simulation: training_setup::training(&scenario, preset, config.seed, learner, &config.extensions),
-            evaluator: BackgroundEvaluator::new(
-                &scenario,
-                metrics::evaluation_episodes(&config),
-                &config.extensions,
-            ),
-            metrics_writer: MetricsWriter::open(&folder, &trainer_state, env_steps, &config.reward_terms)?,
+            simulation: training_setup::training(&scenario, preset, config.seed, learner, &plugins),
+            evaluator: BackgroundEvaluator::new(&scenario, metrics::evaluation_episodes(&config), &plugins),
+            metrics_writer: MetricsWriter::open(&folder, &trainer_state, env_steps, &config)?,
             progress: listener
                 .map_or_else(|| ProgressReporter::new(budget, false), ProgressReporter::with_listener),
             earlier_s: trainer_state.wall_s,

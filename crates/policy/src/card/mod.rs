@@ -56,11 +56,26 @@ pub struct Program {
     pub commit: Option<String>,
 }
 
+/// The set of scenarios that a policy was trained in.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TrainedSet {
+    /// The set's name.
+    pub name: String,
+    /// The names of its scenarios.
+    pub scenarios: Vec<String>,
+    /// The CRC-32C of the set and its scenarios as JSON, as eight hexadecimal digits.
+    pub crc32c: String,
+}
+
 /// How a policy was trained.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Training {
     /// The scenario's file or shipped name, as the user gave it.
     pub scenario_from: String,
+    /// The set of scenarios that the episodes were drawn from; missing if all had the card's scenario. With a set, the card's
+    /// scenario is its first.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scenario_set: Option<TrainedSet>,
     /// The preset's name.
     pub preset: String,
     /// The seed of the run.

@@ -11,7 +11,7 @@ use crate::schema::*;
 use crate::text::{code_point, is_noncharacter};
 
 pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
-    check_texts(scenario, diagnostics);
+    check_texts(&scenario.name, &scenario.about, diagnostics);
     check_enclosure(&scenario.enclosure, diagnostics);
     obstacles::check(scenario, diagnostics);
     check_robot(&scenario.robot, diagnostics);
@@ -25,16 +25,16 @@ pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     speeds::check(scenario, diagnostics);
 }
 
-fn check_texts(scenario: &Scenario, diagnostics: &mut Diagnostics) {
-    let name = &scenario.name;
+/// Checks the name and the description of a scenario, or of a set of them.
+pub(crate) fn check_texts(name: &str, about: &str, diagnostics: &mut Diagnostics) {
     let is_too_long = name.chars().count() > MAX_NAME_CHARS;
     if name.trim().is_empty() || is_too_long || name.contains(['\n', '\r', '\t']) {
         let message = format!("must have 1 to {MAX_NAME_CHARS} characters on one line");
         diagnostics.push(format_args!("name"), message);
     }
     check_characters("name", name, diagnostics);
-    check_characters("about", &scenario.about, diagnostics);
-    if scenario.about.chars().count() > MAX_ABOUT_CHARS {
+    check_characters("about", about, diagnostics);
+    if about.chars().count() > MAX_ABOUT_CHARS {
         let message = format!("is too long: write at most {MAX_ABOUT_CHARS} characters");
         diagnostics.push(format_args!("about"), message);
     }

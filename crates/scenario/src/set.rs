@@ -1,0 +1,258 @@
+//! Sets of scenarios: several scenarios and level generators in one training run, each with its share of the episodes.
+//!
+//! In: a set's file ([`ScenarioSetFile`]), which names scenarios. Out, once these are read: a [`ScenarioSet`], whose members
+//! have the same observations and actions, so that one policy can drive in all of them.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::check::{Diagnostics, check_texts, diagnostics};
+use super::file_error::{Diagnostic, FileError};
+use super::levels::{LevelError, LevelGenerator, level_generator_diagnostics};
+use super::limits::{SET_LEVELS, SET_SCENARIOS, SET_SHARE};
+use super::load::parse_checked;
+use super::schema::{Lidar, Robot, Scenario, TaskRules};
+
+/// The file of a set of scenarios. Each episode of each arena draws one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ScenarioSetFile {
+    /// Name of the set, 1 to 100 characters on one line.
+    pub name: String,
+    /// Purpose of the set, at most 2,000 characters.
+    #[serde(default)]
+    pub about: String,
+    /// The scenarios and level generators, 1 to 64. They must have the same LIDAR beams and field of view, motions and control period.
+    pub scenarios: Vec<SetEntry>,
+}
+
+/// A scenario of a set, or a level generator, as the set's file names it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SetEntry {
+    /// A scenario: its file, relative to the folder of the set's file, or the name of a shipped one.
+    pub scenario: Option<String>,
+    /// In place of a scenario, a level generator: its file, relative to the folder of the set's file. Each episode has a level.
+    pub generator: Option<String>,
+    /// Number of levels of the generator that episodes draw from, 1 to 1,000,000: those with the seeds 0, 1, and so on.
+    /// Evaluations use other levels [default: 1,000].
+    pub levels: Option<u32>,
+    /// Name of the entry in files, tables and curves, different from all others [default: the file's name without folder and
+    /// extension].
+    pub name: Option<String>,
+    /// Share of the episodes, relative to those of the other entries, 0.001 to 1,000 [default: 1].
+    pub share: Option<f32>,
+}
+
+impl ScenarioSetFile {
+    /// The checked set in `text`. Errors name `path`. The files that it names are not read.
+    ///
+    /// # Errors
+    /// [`FileError`] if the text is not a set, or has diagnostics; it lists all of them.
+    pub fn parse(text: &str, path: impl AsRef<Path>) -> Result<Self, FileError> {
+        parse_checked(text, path, Self::diagnostics, Self::diagnostics)
+    }
+
+    /// All problems of the set itself.
+    #[must_use]
+    pub fn diagnostics(&self) -> Vec<Diagnostic> {
+        let mut found = Diagnostics::default();
+        check_texts(&self.name, &self.about, &mut found);
+        found.check_count(format_args!("scenarios"), self.scenarios.len(), SET_SCENARIOS);
+        for (k, entry) in self.scenarios.iter().enumerate() {
+            entry.check(k, &mut found);
+            let name = column_name(&entry.name());
+            if self.scenarios[..k].iter().any(|other| column_name(&other.name()) == name) {
+                let message = format!("is the second one called `{name}`: give this entry another `name`");
+                found.push(format_args!("scenarios[{k}]"), message);
+            }
+        }
+        found.into_vec()
+    }
+}
+
+impl SetEntry {
+    /// The file, or the shipped name, that the entry names.
+    #[must_use]
+    pub fn file(&self) -> &str {
+        self.scenario.as_ref().or(self.generator.as_ref()).map_or("", String::as_str)
+    }
+
+    /// The entry's name.
+    #[must_use]
+    pub fn name(&self) -> String {
+        match &self.name {
+            Some(name) => name.clone(),
+            None => Path::new(self.file()).file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+        }
+    }
+
+    /// The share of the episodes, relative to those of the other entries.
+    #[must_use]
+    pub fn share(&self) -> f32 {
+        self.share.unwrap_or(1.0)
+    }
+
+    /// The number of levels, if the entry is a generator.
+    #[must_use]
+    pub fn levels(&self) -> u32 {
+        self.levels.unwrap_or(1_000)
+    }
+
+    /// Checks entry `k`.
+    fn check(&self, k: usize, found: &mut Diagnostics) {
+        if self.scenario.is_some() == self.generator.is_some() || column_name(&self.name()).is_empty() {
+            let message = "must name one file: write either `scenario: \"FILE\"` or `generator: \"FILE\"`";
+            found.push(format_args!("scenarios[{k}]"), message);
+        }
+        if self.levels.is_some() && self.generator.is_none() {
+            found.push(format_args!("scenarios[{k}].levels"), "belongs to a generator: remove it");
+        }
+        found.check_range(format_args!("scenarios[{k}].share"), self.share(), SET_SHARE, "");
+        found.check_range(format_args!("scenarios[{k}].levels"), self.levels(), SET_LEVELS, "");
+    }
+}
+
+/// `name` as a part of the name of a column: characters other than letters and digits become underscores.
+#[must_use]
+pub fn column_name(name: &str) -> String {
+    name.chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect()
+}
+
+/// A set of scenarios with the same observations and actions. Each episode of each arena draws one of them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ScenarioSet {
+    /// Name of the set.
+    pub name: String,
+    /// The members, at least one.
+    pub members: Vec<SetMember>,
+}
+
+/// A member of a set.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SetMember {
+    /// Name in files, tables and curves.
+    pub name: String,
+    /// Share of the episodes, relative to those of the other members.
+    pub share: f32,
+    /// The scenario, or the levels.
+    pub source: SetSource,
+}
+
+/// The scenarios of a set's member.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum SetSource {
+    /// One scenario.
+    Scenario(Box<Scenario>),
+    /// Levels of a generator.
+    Levels {
+        /// The generator.
+        generator: Box<LevelGenerator>,
+        /// The number of levels that episodes of a training draw from. Their seeds are 0, 1, and so on.
+        levels: u32,
+    },
+}
+
+impl SetSource {
+    /// The first scenario.
+    ///
+    /// # Errors
+    /// The generator has no level that the robot can solve.
+    pub fn first(&self) -> Result<Scenario, LevelError> {
+        match self {
+            Self::Scenario(scenario) => Ok(Scenario::clone(scenario)),
+            Self::Levels { generator, .. } => generator.level(0),
+        }
+    }
+
+    /// Robot, LIDAR and rules, which all scenarios of this source have in common.
+    #[must_use]
+    pub fn task(&self) -> (&Robot, &Lidar, &TaskRules) {
+        match self {
+            Self::Scenario(scenario) => (&scenario.robot, &scenario.lidar, &scenario.task),
+            Self::Levels { generator, .. } => (&generator.robot, &generator.lidar, &generator.task),
+        }
+    }
+
+    fn diagnostics(&self) -> Vec<Diagnostic> {
+        match self {
+            Self::Scenario(scenario) => diagnostics(scenario),
+            Self::Levels { generator, .. } => level_generator_diagnostics(generator),
+        }
+    }
+}
+
+impl ScenarioSet {
+    /// All problems of the set and of its scenarios.
+    #[must_use]
+    pub fn diagnostics(&self) -> Vec<Diagnostic> {
+        let mut found = Diagnostics::default();
+        found.check_count(format_args!("members"), self.members.len(), SET_SCENARIOS);
+        for (k, member) in self.members.iter().enumerate() {
+            found.check_range(format_args!("members[{k}].share"), member.share, SET_SHARE, "");
+            if let SetSource::Levels { levels, .. } = member.source {
+                found.check_range(format_args!("members[{k}].source.levels"), levels, SET_LEVELS, "");
+            }
+            let problems = member.source.diagnostics();
+            if problems.is_empty()
+                && let Some(difference) = self.misfit(k)
+            {
+                found.push(format_args!("members[{k}].source"), difference);
+            }
+            for Diagnostic { path, message } in problems {
+                found.push(format_args!("members[{k}].source.{path}"), message);
+            }
+        }
+        found.into_vec()
+    }
+
+    /// The reason why one policy cannot drive in both the first member and member `k`, as the rest of a sentence that begins
+    /// with the member; `None` if it can.
+    #[must_use]
+    pub fn misfit(&self, k: usize) -> Option<String> {
+        let other = self.members.get(k)?;
+        self.misfit_of(&other.name, other.source.task())
+    }
+
+    /// The same for a scenario that is not a member.
+    #[must_use]
+    pub fn misfit_of(&self, name: &str, task: (&Robot, &Lidar, &TaskRules)) -> Option<String> {
+        let first = self.members.first()?;
+        let fields = differing_fields(first.source.task(), task);
+        if fields.is_empty() {
+            return None;
+        }
+        Some(format!(
+            "(`{name}`) needs another policy than `{}`, because of its {}: give all scenarios of a set the same LIDAR beams and \
+             field of view, motions and control period",
+            first.name,
+            fields.join(" and "),
+        ))
+    }
+}
+
+/// The fields that fix observations and actions, and differ, with both values.
+fn differing_fields(first: (&Robot, &Lidar, &TaskRules), other: (&Robot, &Lidar, &TaskRules)) -> Vec<String> {
+    let mut fields = Vec::new();
+    let mut compare = |field: &str, first: String, other: String| {
+        if first != other {
+            fields.push(format!("{field} ({other}, not {first})"));
+        }
+    };
+    let (a, b) = (first.1, other.1);
+    compare("lidar.beams", a.beams.to_string(), b.beams.to_string());
+    compare("lidar.field_of_view_rad", a.field_of_view_rad.to_string(), b.field_of_view_rad.to_string());
+    let (a, b) = (first.2, other.2);
+    compare("task.control_period_s", a.control_period_s.to_string(), b.control_period_s.to_string());
+    let (a, b) = (&first.0.motions, &other.0.motions);
+    if a.len() != b.len() {
+        fields.push(format!("robot.motions ({} motions, not {})", b.len(), a.len()));
+    } else if a != b {
+        fields.push("robot.motions (other speeds)".into());
+    }
+    fields
+}

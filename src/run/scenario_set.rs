@@ -1,0 +1,69 @@
+//! The files of sets of scenarios, and the scenarios that they name.
+//!
+//! In: the text of a set's file. Out: a checked [`ScenarioSet`].
+
+use std::path::Path;
+
+use super::preset::Preset;
+use super::shipped;
+use crate::scenario::{
+    Diagnostic, FileError, LevelGenerator, Scenario, ScenarioSet, ScenarioSetFile, SetEntry, SetMember,
+    SetSource, resemblance,
+};
+
+/// Whether the text of a file is meant as a set of scenarios, by its fields.
+#[must_use]
+pub fn is_meant_by(text: &str) -> bool {
+    let others = [resemblance::<Scenario>(text, "Scenario"), resemblance::<Preset>(text, "Preset")];
+    others.iter().all(|other| resemblance::<ScenarioSetFile>(text, "ScenarioSet") > *other)
+}
+
+/// The set in `text`, the contents of the file at `path`, with the scenarios that it names.
+///
+/// # Errors
+/// The text is not a set, or a scenario cannot be read, is invalid, or needs another policy than the first.
+pub fn parse(text: &str, path: &Path) -> Result<ScenarioSet, FileError> {
+    let file = ScenarioSetFile::parse(text, path)?;
+    let mut set = ScenarioSet { name: file.name.clone(), members: Vec::new() };
+    let mut problems = Vec::new();
+    for (k, entry) in file.scenarios.iter().enumerate() {
+        let mut problem = |message| {
+            let field = if entry.generator.is_some() { "generator" } else { "scenario" };
+            problems.push(Diagnostic { path: format!("scenarios[{k}].{field}"), message });
+        };
+        let wanted = beside(path, entry.file());
+        // An untrusted set must not name a pipe or a device, because reading it might never end.
+        if Path::new(&wanted).exists() && !Path::new(&wanted).is_file() && !shipped::is_scenario(&wanted) {
+            problem("names something that is not a file: give the file of a scenario".into());
+            continue;
+        }
+        match source(entry, &wanted) {
+            Ok(source) => {
+                set.members.push(SetMember { name: entry.name(), share: entry.share(), source });
+                if let Some(difference) = set.misfit(set.members.len() - 1) {
+                    problem(difference);
+                }
+            }
+            Err(why) => problem(format!("can't be used: {why}")),
+        }
+    }
+    if problems.is_empty() { Ok(set) } else { Err(FileError::from_diagnostics(path, text, &problems)) }
+}
+
+/// The scenario, or the generator, in the file `wanted`, which `entry` names.
+fn source(entry: &SetEntry, wanted: &str) -> Result<SetSource, String> {
+    if entry.generator.is_none() {
+        let scenario = shipped::scenario(wanted).map_err(|error| error.to_string())?;
+        return Ok(SetSource::Scenario(Box::new(scenario)));
+    }
+    let generator = Box::new(LevelGenerator::load(wanted).map_err(|error| error.to_string())?);
+    let levels = SetSource::Levels { generator, levels: entry.levels() };
+    levels.first().map_err(|error| error.to_string())?;
+    Ok(levels)
+}
+
+/// The path of a file relative to the folder of the set's file at `set` if it exists there, else `name` itself.
+fn beside(set: &Path, name: &str) -> String {
+    let beside = set.parent().map(|folder| folder.join(name));
+    beside.filter(|path| path.is_file()).map_or_else(|| name.into(), |path| path.display().to_string())
+}
