@@ -5,8 +5,39 @@ use wayfield::scenario::{Obstacle, Scenario, Shape, pose_at};
 
 /// The distance from `origin` along `angle_rad` to the nearest surface at `step`, at most `max_m`; 0 inside an obstacle.
 pub fn range(scenario: &Scenario, step: u64, origin: (f64, f64), angle_rad: f64, max_m: f64) -> f64 {
+    range_to_grown(scenario, step, origin, angle_rad, max_m, Growth::NONE)
+}
+
+/// By how much the rounding of f32 may let shapes appear larger or smaller to a beam.
+#[derive(Clone, Copy)]
+struct Growth {
+    /// How far the sides of polygons reach past their corners, as a fraction of their length. The simulator extends them
+    /// by 1e-5, so that no beam slips through a corner.
+    sides: f64,
+    /// What is added to the square of a circle's radius, as a fraction of the squared distance to its centre: the
+    /// rounding of the quadratic equation's terms.
+    circles: f64,
+}
+
+impl Growth {
+    const NONE: Self = Self { sides: 0.0, circles: 0.0 };
+    const LARGEST: Self = Self { sides: 1.1e-5, circles: 4e-7 };
+    const SMALLEST: Self = Self { sides: 0.0, circles: -4e-7 };
+}
+
+/// [`range`] to shapes that are larger or smaller by `growth`.
+fn range_to_grown(
+    scenario: &Scenario,
+    step: u64,
+    origin: (f64, f64),
+    angle_rad: f64,
+    max_m: f64,
+    growth: Growth,
+) -> f64 {
     let (sin, cos) = angle_rad.sin_cos();
     let corners = scenario.enclosure.corners_m();
+    let to_side = |from, direction, side| to_side(from, direction, side, growth.sides);
+    let to_circle = |from, direction, radius| to_circle(from, direction, radius, growth.circles);
     let walls = sides(&corners);
     let mut nearest = walls.filter_map(|side| to_side(origin, (cos, sin), side)).fold(max_m, f64::min);
     for obstacle in obstacles_and_walls(scenario) {
@@ -34,8 +65,8 @@ pub fn range(scenario: &Scenario, step: u64, origin: (f64, f64), angle_rad: f64,
     nearest.max(0.0)
 }
 
-/// The smallest and largest [`range`] of the beam shifted sideways by at most 10 um. If a beam grazes a surface or a
-/// corner, the rounding of f32 decides whether it hits.
+/// The smallest and largest [`range`] of the beam shifted sideways by at most 10 um, to shapes within their [`Growth`]. If
+/// a beam grazes a surface or a corner, the rounding of f32 decides whether it hits.
 pub fn range_bounds(
     scenario: &Scenario,
     step: u64,
@@ -44,9 +75,12 @@ pub fn range_bounds(
     max_m: f64,
 ) -> (f64, f64) {
     let (sin, cos) = angle_rad.sin_cos();
-    let shifted = [-1e-5, 0.0, 1e-5]
-        .map(|by| range(scenario, step, (origin.0 - by * sin, origin.1 + by * cos), angle_rad, max_m));
-    (shifted.into_iter().fold(f64::INFINITY, f64::min), shifted.into_iter().fold(0.0, f64::max))
+    let bounds = [-1e-5, 0.0, 1e-5].map(|by| {
+        let shifted = (origin.0 - by * sin, origin.1 + by * cos);
+        let at = |growth| range_to_grown(scenario, step, shifted, angle_rad, max_m, growth);
+        (at(Growth::LARGEST), at(Growth::SMALLEST))
+    });
+    bounds.into_iter().fold((f64::INFINITY, 0.0), |(low, high), (a, b)| (a.min(low), b.max(high)))
 }
 
 /// The distance from a point to the nearest surface at `step`; negative inside an obstacle or beyond a wall.
@@ -106,12 +140,12 @@ fn depth(corners: &[Vec2], point: Pair) -> f64 {
 }
 
 /// The distance along a ray to a segment, if the ray hits it.
-fn to_side(from: Pair, direction: Pair, (a, b): (Pair, Pair)) -> Option<f64> {
+fn to_side(from: Pair, direction: Pair, (a, b): (Pair, Pair), extension: f64) -> Option<f64> {
     let (side, gap) = ((b.0 - a.0, b.1 - a.1), (a.0 - from.0, a.1 - from.1));
     let cross = direction.0 * side.1 - direction.1 * side.0;
     let distance = (gap.0 * side.1 - gap.1 * side.0) / cross;
     let fraction = (gap.0 * direction.1 - gap.1 * direction.0) / cross;
-    (distance >= 0.0 && (0.0..=1.0).contains(&fraction)).then_some(distance)
+    (distance >= 0.0 && (-extension..=1.0 + extension).contains(&fraction)).then_some(distance)
 }
 
 /// A point and a direction in the frame with its origin at `centre`, rotated by `turn_rad`.
@@ -122,8 +156,9 @@ fn in_frame(point: Pair, direction: Pair, centre: Pair, turn_rad: f64) -> (Pair,
 }
 
 /// The distance along a ray to a circle around the origin, if the ray hits it.
-fn to_circle(from: Pair, direction: Pair, radius: f64) -> Option<f64> {
-    let outside = from.0 * from.0 + from.1 * from.1 - radius * radius;
+fn to_circle(from: Pair, direction: Pair, radius: f64, growth: f64) -> Option<f64> {
+    let squared = from.0 * from.0 + from.1 * from.1;
+    let outside = squared * (1.0 - growth) - radius * radius;
     if outside <= 0.0 {
         return Some(0.0);
     }
