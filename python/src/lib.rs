@@ -13,6 +13,7 @@
 //! | `train.rs` | training runs |
 //! | `evaluate.rs` | evaluations |
 //! | `files.rs` | shipped files, checks, drawings, the command line |
+//! | `import.rs` | imports of maps and worlds |
 //! | `errors.rs` | exceptions |
 
 mod benchmark;
@@ -21,6 +22,7 @@ mod env_options;
 mod errors;
 mod evaluate;
 mod files;
+mod import;
 mod policy;
 mod train;
 
@@ -41,6 +43,8 @@ mod _native {
     use super::evaluate::evaluate;
     #[pymodule_export]
     use super::files::{check, draw, main, presets, scenario_text, scenarios, version};
+    #[pymodule_export]
+    use super::import::import_scenario;
     #[pymodule_export]
     use super::policy::NativePolicy;
     #[pymodule_export]

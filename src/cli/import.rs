@@ -1,5 +1,6 @@
 //! The mode `--import`: a scenario from somebody else's world.
 
+use std::fs;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -10,19 +11,19 @@ use super::output::{print_json, print_stdout};
 use super::shared::SharedArgs;
 use super::values;
 use crate::import::limits::{LIDAR_HEIGHT_M, MAX_CELLS, RESOLUTION_M, TOLERANCE_M};
-use crate::import::{ImportOptions, import};
+use crate::import::{ImportOptions, Imported, import, import_barn};
 use crate::run::output_file::{check_writable, is_stream, write_atomic};
 use crate::run::progress::print_stderr;
 use crate::run::{RunError, shipped};
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, printable_path};
 
 /// The options of `--import`.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Options of --import")]
 pub struct ImportArgs {
-    /// The side of a pixel of a plain picture in m; a map's file says it itself
+    /// The side of a pixel of a plain picture in m; a map's file says it itself. Also with --draw and --over
     #[arg(long, value_name = "M", value_parser = values::metres(RESOLUTION_M), allow_negative_numbers = true)]
-    resolution: Option<f64>,
+    pub resolution: Option<f64>,
 
     /// How far the walls may be from the cells of a map, in m; with 0, every cell is kept [default: the side of a cell and 0.01, half
     /// the thickness of a wall]
@@ -51,17 +52,22 @@ pub struct ImportArgs {
     robot: Option<String>,
 }
 
-/// Imports `file` into the scenario's file that `--out` names, prints its path, and what was not imported on stderr.
+/// Imports `file` into the scenario's file that `--out` names, or all worlds of a BARN file into the folder that it names. Prints
+/// the path, and on stderr what was not imported.
 ///
 /// # Errors
-/// No output file is given, `file` cannot be imported, or the scenario's file cannot be written.
+/// No output is given, `file` cannot be imported, or a scenario's file cannot be written.
 pub fn run(file: &Path, args: &ImportArgs, shared: &SharedArgs) -> Result<(), RunError> {
     let Some(out) = &shared.out else {
         return Err(RunError::InvalidInput(
             "--import needs an output file; help: add --out SCENARIO.ron".into(),
         ));
     };
-    if !is_stream(out) && out.extension() != Some("ron".as_ref()) {
+    let is_file = is_stream(out) || out.extension() == Some("ron".as_ref());
+    if !is_file && file.extension() == Some("json".as_ref()) && args.world.is_none() {
+        return all_worlds(file, &options(args, shared)?, out);
+    }
+    if !is_file {
         return Err(RunError::invalid_input(
             out,
             "not a scenario's file; help: give a name that ends in .ron",
@@ -69,11 +75,9 @@ pub fn run(file: &Path, args: &ImportArgs, shared: &SharedArgs) -> Result<(), Ru
     }
     check_writable(out)?;
     let imported = import(file, &options(args, shared)?)?;
-    let text = imported.text();
-    write_atomic(out, |file| file.write_all(text.as_bytes()))
-        .map_err(|error| RunError::not_written(out, error))?;
+    write(out, &imported)?;
     for finding in &imported.findings {
-        print_stderr(&format!("note: {}: {finding}", file.display()));
+        print_stderr(&format!("note: {}: {finding}", printable_path(file)));
     }
     if shared.json {
         return print_json(&json!({
@@ -84,6 +88,26 @@ pub fn run(file: &Path, args: &ImportArgs, shared: &SharedArgs) -> Result<(), Ru
         }));
     }
     if is_stream(out) { Ok(()) } else { print_stdout(&format!("{}\n", out.display())) }
+}
+
+/// Imports all BARN worlds in `file` into `folder`, and prints the paths.
+fn all_worlds(file: &Path, options: &ImportOptions, folder: &Path) -> Result<(), RunError> {
+    let worlds = import_barn(file, options)?;
+    fs::create_dir_all(folder)
+        .map_err(|error| RunError::not_writable(folder, format!("{error}; help: choose another folder")))?;
+    let mut printed = String::new();
+    for (number, imported) in worlds {
+        let path = folder.join(format!("barn-{number:03}.ron"));
+        write(&path, &imported)?;
+        printed += &format!("{}\n", path.display());
+    }
+    print_stdout(&printed)
+}
+
+fn write(path: &Path, imported: &Imported) -> Result<(), RunError> {
+    let text = imported.text();
+    write_atomic(path, |file| file.write_all(text.as_bytes()))
+        .map_err(|error| RunError::not_written(path, error))
 }
 
 fn options(args: &ImportArgs, shared: &SharedArgs) -> Result<ImportOptions, RunError> {

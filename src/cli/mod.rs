@@ -231,7 +231,7 @@ fn run(arguments: Arguments, began: Instant) -> Result<(), RunError> {
     } else if !mode.check.is_empty() {
         check::run(&mode.check, shared.json)
     } else if let Some(file) = mode.draw {
-        draw::run(&file, &arguments.draw, &shared)
+        draw::run(&file, &arguments.draw, arguments.import.resolution, &shared)
     } else {
         #[cfg(feature = "gui")]
         return match mode.replay {

@@ -62,7 +62,7 @@ const MODES: &[(&str, &[&str])] = &[
     ("reproduce", &["set", "out", "json", "ReproduceArgs"]),
     ("import", &["set", "out", "json", "ImportArgs"]),
     ("check", &["json"]),
-    ("draw", &["scenario", "set", "size", "DrawArgs"]),
+    ("draw", &["scenario", "set", "size", "resolution", "DrawArgs"]),
     #[cfg(feature = "gui")]
     ("replay", &[]),
 ];

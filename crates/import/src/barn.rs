@@ -97,14 +97,23 @@ pub fn import_world(
     let fail = |message: String| FileError::for_file(path_file, message);
     let bytes =
         read_bytes(path_file, MAX_PATH_BYTES).map_err(|error| fail(format!("can't be read: {error}")))?;
-    let cells = npy::points(&bytes).map_err(|error| fail(format!("{error}; help: fetch the file again")))?;
-    let mut task = Task::usual(None);
+    let task = Task::usual(Some(path_length_m(&bytes, path_file)?));
+    scenario(path, file_name(path), solids, &task, findings, options)
+}
+
+/// The length in m of the path in the bytes of the file `path_file`, with the ways from the start and to the goal.
+///
+/// # Errors
+/// The bytes are no path.
+pub fn path_length_m(bytes: &[u8], path_file: &Path) -> Result<f64, FileError> {
+    let cells = npy::points(bytes)
+        .map_err(|error| FileError::for_file(path_file, format!("{error}; help: fetch the file again")))?;
+    let task = Task::usual(None);
     // BARN counts cells of its grid from a corner of the field.
     let corner = dvec2(-RADIUS_M - 60.0 * RADIUS_M, RADIUS_M + 5.0);
     let way = cells.into_iter().map(|cell| corner + cell * 2.0 * RADIUS_M);
     let way: Vec<DVec2> = [task.start_m].into_iter().chain(way).chain([task.goal_m]).collect();
-    task.path_length_m = Some(way.windows(2).map(|ends| ends[0].distance(ends[1])).sum());
-    scenario(path, file_name(path), solids, &task, findings, options)
+    Ok(way.windows(2).map(|ends| ends[0].distance(ends[1])).sum())
 }
 
 /// The scenarios in a JSON file of worlds, with their numbers: that of `options.world`, or all.

@@ -14,6 +14,7 @@
 //! | `floor.rs` | the part of a map that the robot can reach |
 //! | `trace.rs`, `contour.rs`, `rectangles.rs` | walls and obstacles around that part |
 //! | `draft.rs`, `frame.rs` | the scenario around them: starts, goals, time limit, description, position in the source |
+//! | `findings.rs` | what could not be represented |
 //! | `grid.rs` | cells, their connected parts, and distances |
 //!
 //! ```no_run
@@ -83,6 +84,7 @@ impl Imported {
 /// The file or one that it names is missing, invalid or too large; or there is no valid scenario in it. The message names file,
 /// line and fix.
 pub fn import(path: &Path, options: &ImportOptions) -> Result<Imported, FileError> {
+    options.check(path)?;
     match kind(path) {
         Some(Kind::Map) => map::Map::read_yaml(path)?.import(path, options),
         Some(Kind::Picture) => map::Map::read_picture(path, options.resolution_m)?.import(path, options),
@@ -99,6 +101,46 @@ pub fn import(path: &Path, options: &ImportOptions) -> Result<Imported, FileErro
              or BARN worlds (.json)",
         )),
     }
+}
+
+/// The scenario in the `bytes` of a picture, an SDF world or BARN worlds, whose kind the extension of `path` names; also for
+/// messages. Models that a world includes are read from files.
+///
+/// # Errors
+/// As for [`import`].
+pub fn import_bytes(path: &Path, bytes: &[u8], options: &ImportOptions) -> Result<Imported, FileError> {
+    options.check(path)?;
+    let text = || std::str::from_utf8(bytes).map_err(|_| FileError::for_file(path, "the text is not UTF-8"));
+    match kind(path) {
+        Some(Kind::Picture) => {
+            map::Map::parse_picture(bytes, path, options.resolution_m)?.import(path, options)
+        }
+        Some(Kind::Sdf) => import_solids(path, &sdf::SdfWorld::parse(text()?, path, options)?, options),
+        Some(Kind::Barn) => Ok(barn::parse_file(text()?, path, options)?.swap_remove(0).1),
+        _ => Err(FileError::for_file(path, "not a kind of file that can be imported from memory")),
+    }
+}
+
+/// The scenario of a map of `map_server` with the description `yaml` and the bytes of its picture. Errors name `path`.
+///
+/// # Errors
+/// As for [`import`].
+pub fn import_map(
+    yaml: &str,
+    picture: &[u8],
+    path: &Path,
+    options: &ImportOptions,
+) -> Result<Imported, FileError> {
+    options.check(path)?;
+    map::Map::from_parts(yaml, picture, path)?.import(path, options)
+}
+
+/// The length in m of the path in the bytes of one of BARN's path files, from start to goal.
+///
+/// # Errors
+/// The bytes are no path. Errors name `path`.
+pub fn barn_path_length_m(bytes: &[u8], path: &Path) -> Result<f64, FileError> {
+    barn::path_length_m(bytes, path)
 }
 
 /// The scenarios of all BARN worlds in the `.json` file at `path`, each with its number.
@@ -126,6 +168,10 @@ fn import_sdf(path: &Path, options: &ImportOptions) -> Result<Imported, FileErro
     if let Some(file) = barn::path_file(path) {
         return barn::import_world(path, &file, &world.solids, &world.findings, options);
     }
+    import_solids(path, &world, options)
+}
+
+fn import_solids(path: &Path, world: &sdf::SdfWorld, options: &ImportOptions) -> Result<Imported, FileError> {
     let base = options.robot_from.clone().unwrap_or_default();
     let (count, height_m) = (world.solids.len(), options.lidar_height_m);
     let about = format!("{count} shapes, cut {height_m} m above the ground.");

@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 /// Largest picture file, in bytes.
 pub const MAX_PICTURE_BYTES: u64 = 1 << 26;
 /// Most pixels of a picture, or cells of the grid over an SDF world.
-pub const MAX_CELLS: usize = 1 << 24;
+pub const MAX_CELLS: usize = 1 << 23;
 /// Largest SDF or JSON file, in bytes; also of all included models together.
 pub const MAX_WORLD_BYTES: u64 = 1 << 25;
 /// Most elements of an XML file, with texts and attributes.

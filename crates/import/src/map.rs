@@ -59,19 +59,38 @@ impl Map {
         Ok(Self { pixels, reading: file.reading, cell_m: file.resolution_m, origin: file.origin })
     }
 
+    /// The map with this description and this picture. Errors name `path`.
+    ///
+    /// # Errors
+    /// The description or the picture is invalid.
+    pub fn from_parts(yaml: &str, picture: &[u8], path: &Path) -> Result<Self, FileError> {
+        let file = MapFile::parse(yaml, path)?;
+        let pixels = picture::decode(picture).map_err(|message| FileError::for_file(path, message))?;
+        Ok(Self { pixels, reading: file.reading, cell_m: file.resolution_m, origin: file.origin })
+    }
+
     /// The plain picture at `path`, with dark walls and pixels of `resolution_m`. The source's frame has its origin in the
     /// lower left corner.
     ///
     /// # Errors
     /// The picture is missing or invalid, or the scale.
     pub fn read_picture(path: &Path, resolution_m: Option<f64>) -> Result<Self, FileError> {
-        let Some(cell_m) = resolution_m.filter(|side| RESOLUTION_M.contains(side)) else {
-            let message =
-                "a picture has no scale; help: give the side of a pixel in m, such as --resolution 0.05";
-            return Err(FileError::for_file(path, message));
-        };
-        let pixels = picture::read(path)?;
-        Ok(Self { pixels, reading: PixelReading::PICTURE, cell_m, origin: [0.0; 3] })
+        let cell_m = scale(path, resolution_m)?;
+        Ok(Self::from_picture(picture::read(path)?, cell_m))
+    }
+
+    /// The same with the bytes of the picture.
+    ///
+    /// # Errors
+    /// The picture is invalid, or the scale.
+    pub fn parse_picture(bytes: &[u8], path: &Path, resolution_m: Option<f64>) -> Result<Self, FileError> {
+        let cell_m = scale(path, resolution_m)?;
+        let pixels = picture::decode(bytes).map_err(|message| FileError::for_file(path, message))?;
+        Ok(Self::from_picture(pixels, cell_m))
+    }
+
+    fn from_picture(pixels: Pixels, cell_m: f64) -> Self {
+        Self { pixels, reading: PixelReading::PICTURE, cell_m, origin: [0.0; 3] }
     }
 
     /// The cells that are free.
@@ -138,6 +157,7 @@ impl Map {
                     return Ok(Imported {
                         scenario,
                         deviation_m: found.deviation_m,
+                        path_length_m: None,
                         findings: findings.lines(),
                     });
                 }
@@ -166,6 +186,15 @@ impl Map {
             self.pixels.columns, self.pixels.rows, self.cell_m, deviation_m
         )
     }
+}
+
+/// The side of a pixel of the picture at `path`, in m.
+fn scale(path: &Path, resolution_m: Option<f64>) -> Result<f64, FileError> {
+    resolution_m.filter(|side| RESOLUTION_M.contains(side)).ok_or_else(|| {
+        let message =
+            "a picture has no scale; help: give the side of a pixel in m, such as --resolution 0.05";
+        FileError::for_file(path, message)
+    })
 }
 
 /// `free` with the blocked parts of up to `most` cells added, and the number of these parts.

@@ -7,6 +7,7 @@ use std::path::Path;
 
 use wayfield_scenario::FileError;
 
+use crate::findings::shown;
 use crate::limits::{COORDINATE_M, RESOLUTION_M};
 
 /// A map of `map_server`.
@@ -132,7 +133,10 @@ impl Keys<'_> {
         let entry = self.required(key, help)?;
         let wrong = || {
             let (low, high) = (range.start(), range.end());
-            self.error(&entry, format!("is {}, not a number from {low} to {high}; help: {help}", entry.text))
+            self.error(
+                &entry,
+                format!("is {}, not a number from {low} to {high}; help: {help}", shown(&entry.text)),
+            )
         };
         number(&entry.text).filter(|value| range.contains(value)).ok_or_else(wrong)
     }
@@ -145,7 +149,9 @@ impl Keys<'_> {
         let parts: Option<Vec<f64>> = inner.split(',').map(|part| number(part.trim())).collect();
         let valid = parts.filter(|parts| parts.iter().all(|part| COORDINATE_M.contains(part)));
         let Some([x, y, yaw]) = valid.as_deref() else {
-            return Err(self.error(&entry, format!("is {}, not three numbers; help: {HELP}", entry.text)));
+            return Err(
+                self.error(&entry, format!("is {}, not three numbers; help: {HELP}", shown(&entry.text)))
+            );
         };
         Ok([*x, *y, *yaw])
     }
@@ -158,7 +164,9 @@ impl Keys<'_> {
             "false" | "no" | "off" | "n" => Ok(false),
             text => match text.parse::<i64>() {
                 Ok(number) => Ok(number != 0),
-                Err(_) => Err(self.error(&entry, format!("is {}, not 0 or 1; help: {HELP}", entry.text))),
+                Err(_) => {
+                    Err(self.error(&entry, format!("is {}, not 0 or 1; help: {HELP}", shown(&entry.text))))
+                }
             },
         }
     }
@@ -169,7 +177,7 @@ impl Keys<'_> {
             "trinary" => Ok(MapMode::Trinary),
             "scale" => Ok(MapMode::Scale),
             "raw" => Ok(MapMode::Raw),
-            text => Err(self.error(&entry, format!("is {text}; help: write trinary, scale or raw"))),
+            text => Err(self.error(&entry, format!("is {}; help: write trinary, scale or raw", shown(text)))),
         }
     }
 }
@@ -196,7 +204,7 @@ fn entries(text: &str) -> Vec<Entry> {
             }
             entry.text.push_str(item.trim());
         } else if let Some(entry) = entries.last_mut().filter(|entry| is_open(&entry.text)) {
-            entry.text = format!("{} {}", entry.text, content.trim());
+            entry.text.push_str(content.trim());
         } else if let Some((key, value)) = content.split_once(':').filter(|_| indent == 0) {
             let start = offset + key.len() + 1 + (value.len() - value.trim_start().len());
             entries.push(Entry { key: unquoted(key).into(), text: unquoted(value).into(), at: start });

@@ -1,8 +1,10 @@
 //! The choices of an import.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use wayfield_scenario::Scenario;
+use wayfield_scenario::{FileError, Scenario};
+
+use crate::limits::{LIDAR_HEIGHT_M, RESOLUTION_M, TOLERANCE_M};
 
 /// The choices of an import. The defaults suit a map of ROS and a TurtleBot3.
 #[derive(Clone, Debug)]
@@ -36,5 +38,27 @@ impl Default for ImportOptions {
             world: None,
             robot_from: None,
         }
+    }
+}
+
+impl ImportOptions {
+    /// Checks that all numbers are in their ranges ([`limits`](crate::limits)).
+    ///
+    /// # Errors
+    /// One is not. The error names `path`.
+    pub(crate) fn check(&self, path: &Path) -> Result<(), FileError> {
+        let numbers = [
+            ("the resolution", self.resolution_m, RESOLUTION_M),
+            ("the tolerance", self.tolerance_m, TOLERANCE_M),
+            ("the height of the LIDAR", Some(self.lidar_height_m), LIDAR_HEIGHT_M),
+        ];
+        for (what, value, range) in numbers {
+            if let Some(value) = value.filter(|value| !range.contains(value)) {
+                let (low, high) = (range.start(), range.end());
+                let message = format!("{what} is {value}; help: give {low} to {high} (metres)");
+                return Err(FileError::for_file(path, message));
+            }
+        }
+        Ok(())
     }
 }

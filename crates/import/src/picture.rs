@@ -82,7 +82,7 @@ mod tests {
     fn incomplete_and_foreign_files_are_errors_and_huge_ones_are_not_decoded() {
         for (bytes, expected) in [
             (&b"P5\n4 4\n255\n\0\0\0"[..], "not a complete picture: "),
-            (b"P5\n400000 400000\n255\n", "400000 x 400000 pixels, more than 16777216; help: "),
+            (b"P5\n400000 400000\n255\n", "400000 x 400000 pixels, more than 8388608; help: "),
             (b"P5\n4 4\n", "not a complete picture: "),
             (b"GIF89a......", "not a picture that can be read; help: give a PGM, PPM, PBM or PNG file"),
             (b"", "not a picture that can be read; help: "),

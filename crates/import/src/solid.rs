@@ -1,6 +1,6 @@
 //! A shape of a world, seen from above.
 
-use glam::{DVec2, dvec2};
+use glam::DVec2;
 use wayfield_scenario::{Obstacle, ObstacleMotion, Shape};
 
 use crate::round::{metres, point};
@@ -87,6 +87,7 @@ pub fn bounds(solids: &[Solid], points: &[DVec2]) -> (DVec2, DVec2) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::dvec2;
     use std::f64::consts::FRAC_PI_2;
 
     #[test]

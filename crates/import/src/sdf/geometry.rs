@@ -7,7 +7,8 @@ use roxmltree::Node;
 use wayfield_scenario::FileError;
 
 use super::pose::Pose;
-use super::xml::{XmlFile, children, numbers};
+use super::xml::{XmlFile, numbers};
+use crate::findings::shown;
 use crate::solid::{Outline, Solid};
 
 /// Sizes of shapes in m; those of a scenario.
@@ -56,7 +57,7 @@ pub fn section(
             (Outline::Circle(slice(radius, above_m)), radius)
         }
         "mesh" => return Ok(Section::LeftOut("meshes are left out".into())),
-        kind => return Ok(Section::LeftOut(format!("shapes of the kind `{kind}` are left out"))),
+        _ => return Ok(Section::LeftOut("heightmaps, polylines and other shapes are left out".into())),
     };
     if pose.is_tilted {
         return Ok(Section::LeftOut("rolled or pitched shapes are left out".into()));
@@ -88,7 +89,7 @@ fn sizes<const N: usize>(file: &XmlFile<'_>, shape: Node<'_, '_>, tag: &str) -> 
         let (low, high) = (SIZE_M.start(), SIZE_M.end());
         let message = format!(
             "<{tag}> of the {kind} is `{}`; help: write sizes from {low} to {high} m",
-            super::xml::text(child)
+            shown(super::xml::text(child))
         );
         return Err(file.error(child, message));
     }

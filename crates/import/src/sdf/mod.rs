@@ -9,6 +9,7 @@ mod models;
 mod pose;
 mod xml;
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use roxmltree::Node;
@@ -117,9 +118,10 @@ impl SdfWorld {
         for include in children(parent, "include") {
             self.include(file, include, at, options)?;
         }
+        let saved = saved_poses(parent);
         for model in children(parent, "model") {
-            let own_pose = match saved_pose(parent, name(model)) {
-                Some(saved) => pose::read(file, saved)?,
+            let own_pose = match saved.get(name(model)) {
+                Some(&node) => pose::read(file, node)?,
                 None => None,
             };
             self.add_model(file, model, Placement { own_pose, name: None, ..at }, options)?;
@@ -247,11 +249,10 @@ impl SdfWorld {
     }
 }
 
-/// The pose of the model `label` in a saved state of the world, which replaces the model's own.
-fn saved_pose<'a, 'input>(world: Node<'a, 'input>, label: &str) -> Option<Node<'a, 'input>> {
-    let state = children(world, "state").next()?;
-    let model = children(state, "model").find(|model| name(*model) == label)?;
-    children(model, "pose").next()
+/// The poses in the saved state of a world, by model. They replace the models' own.
+fn saved_poses<'a, 'input>(world: Node<'a, 'input>) -> BTreeMap<&'a str, Node<'a, 'input>> {
+    let models = children(world, "state").take(1).flat_map(|state| children(state, "model"));
+    models.filter_map(|model| Some((name(model), children(model, "pose").next()?))).collect()
 }
 
 /// The name of a plugin for messages.

@@ -5,6 +5,7 @@ use std::path::Path;
 use roxmltree::{Document, Node, ParsingOptions};
 use wayfield_scenario::FileError;
 
+use crate::findings::shown;
 use crate::limits::MAX_XML_NODES;
 
 /// An XML file, for messages.
@@ -69,7 +70,10 @@ pub fn numbers<const N: usize>(file: &XmlFile<'_>, node: Node<'_, '_>) -> Result
         let tag = node.tag_name().name();
         file.error(
             node,
-            format!("<{tag}> is `{}`; help: write {N} finite numbers of at most a million", text(node)),
+            format!(
+                "<{tag}> is `{}`; help: write {N} finite numbers of at most a million",
+                shown(text(node))
+            ),
         )
     })
 }
