@@ -262,7 +262,7 @@ def test_a_map_is_imported_as_a_scenario_to_train_in(tmp_path):
     (tmp_path / "room.pgm").write_bytes(b"P5\n40 30\n255\n" + bytes(v for row in rows for v in row))
     imported = wayfield.import_scenario(tmp_path / "room.pgm", resolution=0.1, set={"scenario.lidar.beams": 36})
     assert "beams: 36" in imported.text and imported.deviation_m <= 0.11 and imported.findings == []
-    assert gym.make("wayfield/Navigation-v0", scenario=imported.text).observation_space.shape == (40,)
+    assert gymnasium.make("wayfield/Navigation-v0", scenario=imported.text).observation_space.shape == (40,)
     with pytest.raises(ValueError, match="help: give the side of a pixel"):
         wayfield.import_scenario(tmp_path / "room.pgm")
     with pytest.raises(FileNotFoundError):
