@@ -8,6 +8,7 @@
 //! |---|---|
 //! | `env.rs` | environments |
 //! | `env_options.rs` | the options of an environment |
+//! | `cluster.rs` | trainings as tasks for other machines |
 //! | `benchmark.rs` | steps without Python, for comparison |
 //! | `policy.rs` | policies |
 //! | `train.rs` | training runs |
@@ -17,6 +18,7 @@
 //! | `errors.rs` | exceptions |
 
 mod benchmark;
+mod cluster;
 mod env;
 mod env_options;
 mod errors;
@@ -38,9 +40,11 @@ mod _native {
     #[pymodule_export]
     use super::benchmark::benchmark;
     #[pymodule_export]
+    use super::cluster::{NativeReport, build, is_task_done, run_task};
+    #[pymodule_export]
     use super::env::NativeEnv;
     #[pymodule_export]
-    use super::evaluate::evaluate;
+    use super::evaluate::{evaluate, evaluation_scenario};
     #[pymodule_export]
     use super::files::{check, draw, main, presets, scenario_text, scenarios, version};
     #[pymodule_export]
@@ -48,5 +52,5 @@ mod _native {
     #[pymodule_export]
     use super::policy::NativePolicy;
     #[pymodule_export]
-    use super::train::{resume, train};
+    use super::train::{resume, train, training_task};
 }
