@@ -142,7 +142,7 @@ mod tests {
     fn the_areas_of_all_rings_add_up_to_the_cells() {
         let cells = set(&[".#.#..", "#.#.#.", "..#..#", ".#.###"]);
         let total: f64 = rings(&cells).iter().map(|ring| area(ring)).sum();
-        assert_eq!(total, cells.count() as f64);
+        assert_eq!(total, cells.members().count() as f64);
     }
 
     #[test]

@@ -33,9 +33,9 @@ pub struct Floor {
 }
 
 impl Floor {
-    /// The largest part of the `free` cells through which the robot fits, or the part around the cell `start`. `None` if the
-    /// robot fits nowhere, or not at `start`.
-    pub fn new(free: &Grid<bool>, margins: Margins, start: Option<Cell>) -> Option<Self> {
+    /// The part of the `free` cells through which the robot fits that has the most cells between two corners, of which the upper
+    /// right one is exclusive. `None` if the robot fits nowhere there.
+    pub fn new(free: &Grid<bool>, margins: Margins, (low, high): (Cell, Cell)) -> Option<Self> {
         let distances = free.map(|is_free| !is_free).squared_distances(true);
         // From the centre of a cell to the side of the nearest one that is not free.
         let room = |cell: Cell| f64::from(distances.at(cell)).sqrt() - 0.5;
@@ -44,10 +44,14 @@ impl Floor {
             centres.set(cell, room(cell) > margins.collision);
         }
         let (numbers, sizes) = centres.components();
-        let part = match start {
-            Some(start) => centres.at(start).then(|| numbers.at(start))?,
-            None => (0..sizes.len()).max_by_key(|&number| (sizes[number], usize::MAX - number))? as u32,
-        };
+        let mut counts = vec![0_usize; sizes.len()];
+        for row in low.1..high.1 {
+            for cell in (low.0..high.0).map(|column| (column, row)).filter(|&cell| centres.at(cell)) {
+                counts[numbers.at(cell) as usize] += 1;
+            }
+        }
+        let part = (0..counts.len()).max_by_key(|&part| (counts[part], usize::MAX - part));
+        let part = part.filter(|&part| counts[part] > 0)? as u32;
         let centres = numbers.map(|number| number == part);
         let rooms: Vec<f64> = centres.members().map(room).collect();
         let clearance = clearance(&rooms, margins);
@@ -128,24 +132,23 @@ mod tests {
         rows[10..13].fill(&door);
         let map = free(&rows);
         let margins = Margins { collision: 2.0, clearance: 5.0 };
-        let floor = Floor::new(&map, margins, None).expect("the robot fits");
+        let floor = Floor::new(&map, margins, map.corners()).expect("the robot fits");
         assert_eq!(floor.clearance, 5.0);
         assert!(
             floor.cells.at((1, 1)) && floor.cells.at((24, 20)),
             "the large room is floor up to its corners"
         );
         assert!(!floor.cells.at((31, 10)), "the small one is not");
-        let other = Floor::new(&map, margins, Some((31, 10))).expect("the robot fits");
-        assert!(other.cells.at((36, 20)) && !other.cells.at((3, 3)), "unless the start is there");
-        assert!(Floor::new(&map, margins, Some((25, 10))).is_none(), "the robot does not fit in the door");
-        assert!(Floor::new(&map, Margins { collision: 11.0, clearance: 12.0 }, None).is_none());
+        let other = Floor::new(&map, margins, ((26, 0), (38, 22))).expect("the robot fits");
+        assert!(other.cells.at((36, 20)) && !other.cells.at((3, 3)), "unless only its side counts");
+        assert!(Floor::new(&map, Margins { collision: 11.0, clearance: 12.0 }, map.corners()).is_none());
     }
 
     #[test]
     fn the_clearance_shrinks_in_narrow_corridors() {
         let map = free(&["..........", "..........", "..........", "..........", ".........."]);
-        let floor =
-            Floor::new(&map, Margins { collision: 1.0, clearance: 4.0 }, None).expect("the robot fits");
+        let floor = Floor::new(&map, Margins { collision: 1.0, clearance: 4.0 }, map.corners())
+            .expect("the robot fits");
         assert_eq!(floor.clearance, 1.8);
         assert_eq!(floor.longest_way, 5, "between columns 2 and 7");
     }

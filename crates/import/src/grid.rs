@@ -53,6 +53,11 @@ impl<T: Copy> Grid<T> {
             .flat_map(move |row| (column.saturating_sub(1)..right).map(move |column| (column, row)))
     }
 
+    /// The corners of the grid: lower left and upper right, the latter exclusive.
+    pub fn corners(&self) -> (Cell, Cell) {
+        ((0, 0), (self.columns, self.rows))
+    }
+
     /// The same cells with other values.
     pub fn map<U>(&self, value: impl Fn(T) -> U) -> Grid<U> {
         Grid {
@@ -64,11 +69,6 @@ impl<T: Copy> Grid<T> {
 }
 
 impl Grid<bool> {
-    /// The number of cells in the set.
-    pub fn count(&self) -> usize {
-        self.values.iter().filter(|&&is_in| is_in).count()
-    }
-
     /// The cells in the set.
     pub fn members(&self) -> impl Iterator<Item = Cell> + '_ {
         self.cells().filter(|&cell| self.at(cell))

@@ -126,7 +126,7 @@ impl Map {
         let base = options.robot_from.clone().unwrap_or_default();
         let (free, dropped) = without_specks(self.free(), options.speck_cells);
         let margins = draft::margins(&base, self.cell_m);
-        let floor = Floor::new(&free, margins, None).ok_or_else(|| fail(self.no_floor(&base)))?;
+        let floor = Floor::new(&free, margins, free.corners()).ok_or_else(|| fail(self.no_floor(&base)))?;
         let Some(((left, low), (right, high))) = floor.cells.bounds() else {
             return Err(fail(self.no_floor(&base)));
         };

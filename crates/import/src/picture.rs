@@ -43,9 +43,8 @@ pub fn read(path: &Path) -> Result<Pixels, FileError> {
 /// As a message: it is no picture in one of the formats, incomplete, or too large.
 pub fn decode(bytes: &[u8]) -> Result<Pixels, String> {
     let broken = |error: image::ImageError| format!("not a complete picture: {error}; help: save it again");
-    let format = match image::guess_format(bytes) {
-        Ok(format @ (ImageFormat::Pnm | ImageFormat::Png)) => format,
-        _ => return Err(format!("not a picture that can be read; help: {FORMATS}")),
+    let Ok(format @ (ImageFormat::Pnm | ImageFormat::Png)) = image::guess_format(bytes) else {
+        return Err(format!("not a picture that can be read; help: {FORMATS}"));
     };
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut limits = Limits::default();

@@ -10,7 +10,7 @@ use crate::draft::{self, Source};
 use crate::findings::Findings;
 use crate::floor::Floor;
 use crate::frame::Frame;
-use crate::grid::Grid;
+use crate::grid::{Cell, Grid};
 use crate::map::file_name;
 use crate::solid::{Solid, bounds};
 use crate::trace::{Scale, Surroundings, filled};
@@ -69,12 +69,19 @@ impl Raster {
         Ok(raster)
     }
 
-    fn centre_m(&self, (column, row): (usize, usize)) -> DVec2 {
+    /// The cells within the margin: lower left and upper right corner, the latter exclusive. Only these count for which part of
+    /// the world is the largest, because the space around a building is as large as the margin makes it.
+    fn inner(&self) -> (Cell, Cell) {
+        let beyond = (MARGIN_M / self.cell_m) as usize;
+        ((beyond, beyond), (self.free.columns - beyond, self.free.rows - beyond))
+    }
+
+    fn centre_m(&self, (column, row): Cell) -> DVec2 {
         self.low_m + dvec2(column as f64 + 0.5, row as f64 + 0.5) * self.cell_m
     }
 
     /// The cells around a solid: lower left and upper right corner, the latter exclusive.
-    fn around(&self, solid: &Solid) -> ((usize, usize), (usize, usize)) {
+    fn around(&self, solid: &Solid) -> (Cell, Cell) {
         let (low, high) = solid.bounds();
         let at = |point: DVec2, more: f64| {
             let cells = ((point - self.low_m) / self.cell_m + DVec2::splat(more)).max(DVec2::ZERO);
@@ -114,7 +121,7 @@ pub fn import(
             "the robot fits nowhere in this world: it needs {needed_m:.2} m to each side; help: use a smaller robot (--robot)"
         ))
     };
-    let floor = Floor::new(&raster.free, margins, None).ok_or_else(no_floor)?;
+    let floor = Floor::new(&raster.free, margins, raster.inner()).ok_or_else(no_floor)?;
     let ((left, bottom), (right, top)) = floor.cells.bounds().ok_or_else(no_floor)?;
     let kept: Vec<Solid> =
         solids.iter().filter(|solid| raster.touches(solid, &floor.cells)).copied().collect();

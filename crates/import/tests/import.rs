@@ -323,11 +323,11 @@ fn invalid_worlds_are_rejected_with_their_place() {
     for (text, expected) in [
         (
             world(&model("m", "", "<box><size>1 nan 1</size></box>")),
-            "w.world:3:131: <size> is `1 nan 1`; help: write 3 finite numbers",
+            "w.world:3:111: <size> is `1 nan 1`; help: write 3 finite numbers",
         ),
         (
             world(&model("m", "", "<box><size>1 -1 1</size></box>")),
-            "w.world:3:131: <size> of the box is `1 -1 1`; help: write sizes from 0.001 to 1000 m",
+            "w.world:3:111: <size> of the box is `1 -1 1`; help: write sizes from 0.001 to 1000 m",
         ),
         (
             world(&model("m", "", "<cylinder><radius>1</radius></cylinder>")),
