@@ -34,7 +34,7 @@ pub struct Floor {
 
 impl Floor {
     /// The part of the `free` cells through which the robot fits that has the most cells between two corners, of which the upper
-    /// right one is exclusive. `None` if the robot fits nowhere there.
+    /// right one is exclusive. `None` if the robot fits nowhere.
     pub fn new(free: &Grid<bool>, margins: Margins, (low, high): (Cell, Cell)) -> Option<Self> {
         let distances = free.map(|is_free| !is_free).squared_distances(true);
         // From the centre of a cell to the side of the nearest one that is not free.
@@ -50,8 +50,8 @@ impl Floor {
                 counts[numbers.at(cell) as usize] += 1;
             }
         }
-        let part = (0..counts.len()).max_by_key(|&part| (counts[part], usize::MAX - part));
-        let part = part.filter(|&part| counts[part] > 0)? as u32;
+        let most = |&part: &usize| (counts[part], sizes[part], usize::MAX - part);
+        let part = (0..counts.len()).max_by_key(most)? as u32;
         let centres = numbers.map(|number| number == part);
         let rooms: Vec<f64> = centres.members().map(room).collect();
         let clearance = clearance(&rooms, margins);

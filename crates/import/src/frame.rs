@@ -19,7 +19,8 @@ const ADD: &str = " rad, then add (";
 impl fmt::Display for Frame {
     /// The sentence that [`Frame::find`] reads.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let DVec2 { x, y } = (self.origin_m * 1e6).round() / 1e6;
+        // Adding 0 turns -0 into 0.
+        let DVec2 { x, y } = (self.origin_m * 1e6).round() / 1e6 + DVec2::ZERO;
         write!(f, "{ROTATE}{}{ADD}{x}, {y}) m.", self.yaw_rad)
     }
 }

@@ -331,7 +331,7 @@ fn invalid_worlds_are_rejected_with_their_place() {
         ),
         (
             world(&model("m", "", "<cylinder><radius>1</radius></cylinder>")),
-            "w.world:3:126: <cylinder> has no <length>; help: add it",
+            "w.world:3:106: <cylinder> has no <length>; help: add it",
         ),
         (
             world(&model("m", "<pose>1 2 3</pose>", BOX)),
@@ -411,7 +411,7 @@ fn barn_worlds_have_their_start_goal_and_path_length() {
     assert_eq!((scenario.obstacles.len(), scenario.task.max_episode_steps), (2, 500));
     let route = scenario.benchmark_route.expect("a route");
     assert!((route.goal_m - route.start_m - vec2(0.0, 10.0)).length() < 1e-4);
-    assert!((distance(&imported, -2.25, 8.0) - (4.35_f32 / 2.0).hypot(3.0) + 0.075).abs() < 1e-3);
+    assert!((distance(&imported, -0.5, 5.0) - 0.35).abs() < 1e-3);
     assert!(
         one(4)
             .expect_err("no such world")

@@ -98,6 +98,7 @@ impl SdfWorld {
     ) -> Result<(), FileError> {
         for element in world.children().filter(Node::is_element) {
             match element.tag_name().name() {
+                "plugin" if is_simulators_own(plugin(element)) => {}
                 "plugin" => self.findings.add("plugins do not run", plugin(element)),
                 "actor" => self.findings.add("actors are left out", name(element)),
                 kind @ ("population" | "road") => self.findings.add("other parts are left out", kind),
@@ -253,6 +254,11 @@ impl SdfWorld {
 fn saved_poses<'a, 'input>(world: Node<'a, 'input>) -> BTreeMap<&'a str, Node<'a, 'input>> {
     let models = children(world, "state").take(1).flat_map(|state| children(state, "model"));
     models.filter_map(|model| Some((name(model), children(model, "pose").next()?))).collect()
+}
+
+/// Whether a plugin is a part of Gazebo itself, such as its physics.
+fn is_simulators_own(plugin: &str) -> bool {
+    ["gz-sim-", "ignition-gazebo-", "libignition-gazebo"].iter().any(|start| plugin.starts_with(start))
 }
 
 /// The name of a plugin for messages.
