@@ -13,7 +13,7 @@ from gymnasium.envs.registration import register
 
 from . import _native
 from .env import NavigationEnv
-from .evaluation import Evaluation, evaluate
+from .evaluation import Evaluation, evaluate, evaluate_function
 from .files import Problem, check, draw, presets, scenario_text, scenarios
 from .importing import ImportedScenario, import_scenario
 from .policy import Policy
@@ -33,6 +33,7 @@ __all__ = [
     "check",
     "draw",
     "evaluate",
+    "evaluate_function",
     "import_scenario",
     "load_run",
     "presets",
