@@ -6,6 +6,8 @@ use std::ops::RangeInclusive;
 pub const MAX_PICTURE_BYTES: u64 = 1 << 26;
 /// Most pixels of a picture, or cells of the grid over an SDF world.
 pub const MAX_CELLS: usize = 1 << 23;
+/// Most corners of one outline of a map's floor.
+pub const MAX_RING_CORNERS: usize = 50_000;
 /// Largest SDF or JSON file, in bytes; also of all included models together.
 pub const MAX_WORLD_BYTES: u64 = 1 << 25;
 /// Most elements of an XML file, with texts and attributes.

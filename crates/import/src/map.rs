@@ -138,28 +138,21 @@ impl Map {
         let mut problem = String::new();
         // Simplified walls may close a gap. Then the next tolerance is tried, and at last the cells themselves.
         for tolerance_m in [asked_m, asked_m / 2.0, asked_m / 4.0, 0.0] {
-            let found = surroundings(&floor.cells, scale, tolerance_m, clearance_m);
-            let source = Source {
-                file: file_name(path),
-                about: self.about(found.deviation_m, dropped),
-                frame: self.frame(centre),
-            };
-            let scenario = draft::scenario(&base, &source, size * self.cell_m, &floor, scale, &found);
-            match draft::check(&scenario) {
-                Ok(()) => {
+            let checked = surroundings(&floor.cells, scale, tolerance_m, clearance_m).and_then(|found| {
+                let about = self.about(found.deviation_m, dropped);
+                let source = Source { file: file_name(path), about, frame: self.frame(centre) };
+                let scenario = draft::scenario(&base, &source, size * self.cell_m, &floor, scale, &found);
+                draft::check(&scenario).map(|()| (scenario, found.deviation_m))
+            });
+            match checked {
+                Ok((scenario, deviation_m)) => {
                     let mut findings = Findings::default();
                     if tolerance_m < asked_m {
-                        findings.add(
-                            "the walls are closer to the map than asked, because a gap would have closed",
-                            &format!("{tolerance_m} m"),
-                        );
+                        let what = "a gap would have closed, so the walls are closer to the map than asked";
+                        findings.add(what, &format!("{tolerance_m} m"));
                     }
-                    return Ok(Imported {
-                        scenario,
-                        deviation_m: found.deviation_m,
-                        path_length_m: None,
-                        findings: findings.lines(),
-                    });
+                    let findings = findings.lines();
+                    return Ok(Imported { scenario, deviation_m, path_length_m: None, findings });
                 }
                 Err(message) if problem.is_empty() => problem = message,
                 Err(_) => {}

@@ -10,6 +10,7 @@ use wayfield_scenario::{Obstacle, ObstacleMotion, Shape, Wall};
 
 use crate::contour::{convex_hull, deviation, rings, simplified};
 use crate::grid::{Cell, Grid};
+use crate::limits::MAX_RING_CORNERS;
 use crate::rectangles::{rectangles, whole_blocks};
 use crate::round::point;
 
@@ -75,8 +76,16 @@ pub fn filled(set: &Grid<bool>, scale: Scale, clearance_m: f64) -> Vec<Obstacle>
 
 /// The walls and obstacles around the `floor`, which deviate from its cells by up to `tolerance_m`. No point behind them has a
 /// clearance of `clearance_m`.
-pub fn surroundings(floor: &Grid<bool>, scale: Scale, tolerance_m: f64, clearance_m: f64) -> Surroundings {
-    let Some(bounds) = floor.bounds() else { return Surroundings::default() };
+///
+/// # Errors
+/// An outline has too many corners.
+pub fn surroundings(
+    floor: &Grid<bool>,
+    scale: Scale,
+    tolerance_m: f64,
+    clearance_m: f64,
+) -> Result<Surroundings, String> {
+    let Some(bounds) = floor.bounds() else { return Ok(Surroundings::default()) };
     let inside = |(column, row): Cell| {
         let ((left, low), (right, high)) = bounds;
         (left..right).contains(&column) && (low..high).contains(&row)
@@ -84,10 +93,13 @@ pub fn surroundings(floor: &Grid<bool>, scale: Scale, tolerance_m: f64, clearanc
     let mut blocked = floor.map(|is_floor| !is_floor);
     blocked.cells().filter(|&cell| !inside(cell)).for_each(|cell| blocked.set(cell, false));
     if tolerance_m < THICKNESS_M / 2.0 {
-        return Surroundings { obstacles: covered(&blocked, scale), ..Surroundings::default() };
+        return Ok(Surroundings { obstacles: covered(&blocked, scale), ..Surroundings::default() });
     }
     let mut found = Surroundings::default();
     for ring in rings(floor) {
+        if ring.len() > MAX_RING_CORNERS {
+            return Err(format!("an outline has {} corners, more than {MAX_RING_CORNERS}", ring.len()));
+        }
         found.add(&ring, scale, tolerance_m, &mut blocked, bounds);
     }
     // Not closer to the floor than the walls may be.
@@ -96,7 +108,7 @@ pub fn surroundings(floor: &Grid<bool>, scale: Scale, tolerance_m: f64, clearanc
     let deep = |cell: Cell| f64::from(near.at(cell)) > margin * margin;
     blocked.cells().for_each(|cell| blocked.set(cell, blocked.at(cell) && deep(cell)));
     found.obstacles.extend(filled(&blocked, scale, clearance_m - tolerance_m - THICKNESS_M - scale.cell_m));
-    found
+    Ok(found)
 }
 
 impl Surroundings {
@@ -111,7 +123,7 @@ impl Surroundings {
         bounds: (Cell, Cell),
     ) {
         let tolerance = tolerance_m / scale.cell_m;
-        let hull = simplified(&convex_hull(ring), tolerance / 2.0);
+        let (hull, _) = simplified(&convex_hull(ring), tolerance / 2.0);
         let from_hull = deviation(ring, &hull).max(deviation(&hull, ring));
         if !is_counterclockwise(ring)
             && from_hull <= tolerance
@@ -124,12 +136,12 @@ impl Surroundings {
             return;
         }
         // Half of the wall is on the floor.
-        let corners = simplified(ring, tolerance - THICKNESS_M / 2.0 / scale.cell_m);
+        let (corners, deviation) = simplified(ring, tolerance - THICKNESS_M / 2.0 / scale.cell_m);
         if is_the_box(&corners, bounds) {
-            self.deviation_m = self.deviation_m.max(deviation(ring, &corners) * scale.cell_m);
+            self.deviation_m = self.deviation_m.max(deviation * scale.cell_m);
             return;
         }
-        self.deviation_m = self.deviation_m.max(deviation(ring, &corners) * scale.cell_m + THICKNESS_M / 2.0);
+        self.deviation_m = self.deviation_m.max(deviation * scale.cell_m + THICKNESS_M / 2.0);
         let closed = corners.iter().chain(corners.first().filter(|_| corners.len() > 2));
         let corners_m: Vec<_> = closed.map(|&corner| point(scale.point_m(corner))).collect();
         let mut from = 0;
