@@ -52,6 +52,7 @@
 //! |---|---|
 //! | [`wayfield_random`] | named, seeded streams of random numbers |
 //! | [`wayfield_policy`] | policy files, the encoding of observations, the forward pass |
+//! | [`wayfield_drivers`] | classical drivers: potential field, DWA, A*, ORCA |
 //! | [`wayfield_export`] | a policy as an ONNX file, and its model card |
 //! | `wayfield_protobuf` | a writer and a reader of protobuf messages |
 //! | [`wayfield_scenario`] | scenarios: the RON schema, its checks, geometry, generators |
@@ -98,6 +99,7 @@
 //! [Bevy]: https://bevyengine.org
 //! [rapier]: https://rapier.rs
 
+pub use wayfield_drivers as drivers;
 pub use wayfield_export as export;
 pub use wayfield_learning as learning;
 pub use wayfield_planner as planner;
