@@ -463,10 +463,10 @@ fn a_driver_file_has_other_parameters_and_a_file_comes_before_a_name() {
         workspace.write(file, text);
         let done = workspace.run(&format!("--eval {file}"));
         assert!(done.stderr.contains(message), "{file}: {}", done.stderr);
-        assert_eq!(done.code, Some(2), "{file}");
+        assert_eq!(done.status, Some(2), "{file}");
     }
     workspace.write("dwa", "not a policy");
     let done = workspace.run("--eval dwa");
     assert!(done.stderr.contains("dwa: "), "the file is read, not the driver: {}", done.stderr);
-    assert_eq!(done.code, Some(2));
+    assert_eq!(done.status, Some(2));
 }
