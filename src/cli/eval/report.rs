@@ -26,6 +26,8 @@ pub struct PolicyReport {
     /// What the policy or driver may perceive: `A`, `B` or `C`.
     pub class: DriverClass,
     pub physics: &'static str,
+    /// `None` for a classical driver.
+    pub weights_crc32c: Option<String>,
     #[serde(flatten)]
     pub provenance: Provenance,
     pub scenario: String,

@@ -8,6 +8,7 @@ use super::files::{TestEnd, TestFile};
 use super::report::{CourseReport, OptimumReport, PolicyReport};
 use crate::cli::driver::TestDriver;
 use crate::planner::{StepBounds, unsupported_reason};
+use crate::policy::Policy;
 use crate::run::RunError;
 use crate::run::evaluate::{self, EpisodeRecord, EpisodeResult, Evaluation, Evaluator, OptimumComparison};
 use crate::run::progress::print_stderr;
@@ -158,6 +159,7 @@ impl Test<'_> {
             policy: name.clone(),
             class: evaluated.class(),
             physics: evaluate::PHYSICS,
+            weights_crc32c: driver.policy().map(Policy::weights_crc32c),
             provenance: Provenance::of(scenario),
             scenario: scenario.name.clone(),
             evaluation: Evaluation::from_episodes(episodes, self.per_round, &scenario.task, *seed),
