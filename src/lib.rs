@@ -52,6 +52,7 @@
 //! |---|---|
 //! | [`wayfield_random`] | named, seeded streams of random numbers |
 //! | [`wayfield_policy`] | policy files, the encoding of observations, the forward pass |
+//! | [`wayfield_drivers`] | classical drivers: potential field, DWA, A*, ORCA |
 //! | [`wayfield_export`] | a policy as an ONNX file, and its model card |
 //! | [`wayfield_import`] | scenarios from ROS maps, pictures, SDF worlds and BARN worlds |
 //! | `wayfield_protobuf` | a writer and a reader of protobuf messages |
@@ -99,6 +100,7 @@
 //! [Bevy]: https://bevyengine.org
 //! [rapier]: https://rapier.rs
 
+pub use wayfield_drivers as drivers;
 pub use wayfield_export as export;
 #[cfg(not(target_arch = "wasm32"))]
 pub use wayfield_import as import;

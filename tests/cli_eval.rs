@@ -402,3 +402,71 @@ fn the_printed_eval_command_tests_the_policy_in_the_scenario_of_the_run() {
         workspace.run("--eval run/policy.safetensors --rounds 1 --episodes 2 --scenario scenario-1");
     assert!(elsewhere.stderr.contains("trained in Scenario II"), "{}", elsewhere.stderr);
 }
+
+#[test]
+fn classical_drivers_are_tested_in_the_same_episodes_as_a_policy() {
+    let workspace = Workspace::new();
+    let command = "--eval field dwa dwa-cv grid-dwa astar-dwa astar orca scenario-1 --rounds 1 --episodes 10";
+    let report = workspace.run_ok(&format!("{command} --scenario empty --csv episodes.csv --json")).json();
+    let results = report["policies"].as_array().expect("a list");
+    let classes: Vec<_> = results.iter().map(|result| result["class"].as_str().unwrap()).collect();
+    assert_eq!(classes, ["A", "A", "A", "B", "C", "C", "C", "A"], "{report}");
+    for result in results {
+        assert_eq!(
+            result["success_rate"], 1.0,
+            "every driver reaches every goal of an empty world: {result}"
+        );
+        assert_eq!(result["physics"], "kinematic, rapier contact");
+    }
+    let rows = workspace.rows("episodes.csv");
+    for (index, row) in rows.iter().enumerate() {
+        let same = &rows[index % 10];
+        for column in ["start_x_m", "start_heading_rad", "goal_x_m", "clock_steps"] {
+            assert_eq!(row[column], same[column], "episode {} of {}", row["episode"], row["policy"]);
+        }
+    }
+    let table = workspace.run_ok(&format!("{command} --scenario empty")).stdout;
+    assert!(table.contains("\ngrid-dwa    B      100.0 %"), "{table}");
+    let alone = workspace.run_ok("--eval orca --rounds 1 --episodes 3").stdout;
+    assert!(alone.starts_with("orca in Scenario I, 3 episodes"), "{alone}");
+    assert!(alone.contains("\nclass           C (kinematic, rapier contact)\n"), "{alone}");
+}
+
+#[test]
+fn a_classical_driver_gives_the_same_steps_whether_or_not_they_are_traced() {
+    let workspace = Workspace::new();
+    for driver in ["dwa-cv", "grid-dwa"] {
+        let command = format!("--eval {driver} --scenario scenario-2 --rounds 1 --episodes 4 --json");
+        let together = workspace.run_ok(&command).json();
+        let alone = workspace.run_ok(&format!("{command} --trace steps.jsonl")).json();
+        assert_eq!(together, alone, "{driver}: parallel episodes and single ones are equal");
+        let line: Value =
+            serde_json::from_str(workspace.text("steps.jsonl").lines().next().unwrap()).unwrap();
+        assert_eq!((&line["q_values"], line["policy"].as_str()), (&Value::Null, Some(driver)));
+        assert!(line["action"].is_u64() && line["ranges_m"].is_array(), "{line}");
+    }
+}
+
+#[test]
+fn a_driver_file_has_other_parameters_and_a_file_comes_before_a_name() {
+    let workspace = Workspace::new();
+    workspace.write("weak.ron", "Field(repulsion: 0.0)");
+    let run = "--scenario scenario-1 --rounds 1 --episodes 20 --json";
+    let weak = workspace.run_ok(&format!("--eval weak.ron {run}")).json();
+    let field = workspace.run_ok(&format!("--eval field {run}")).json();
+    assert!(number(&weak, "collision_rate") > number(&field, "collision_rate"), "{weak} {field}");
+    for (file, text, message) in [
+        ("a.ron", "Field(repulsion: -1.0)", "a.ron:1:18: `repulsion` is -1; help: give 0 to 1000"),
+        ("b.ron", "Dwa(horizon: 1.0)", "b.ron:1:"),
+        ("c.ron", "Bug2()", "c.ron:1:"),
+    ] {
+        workspace.write(file, text);
+        let done = workspace.run(&format!("--eval {file}"));
+        assert!(done.stderr.contains(message), "{file}: {}", done.stderr);
+        assert_eq!(done.status, Some(2), "{file}");
+    }
+    workspace.write("dwa", "not a policy");
+    let done = workspace.run("--eval dwa");
+    assert!(done.stderr.contains("dwa: "), "the file is read, not the driver: {}", done.stderr);
+    assert_eq!(done.status, Some(2));
+}

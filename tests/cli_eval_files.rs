@@ -226,7 +226,7 @@ fn a_dash_writes_a_file_to_standard_output_and_the_summary_to_standard_error() {
         (format!("{command} --csv - --trace -"), "name the same file"),
         (format!("{command} --csv same --trace same"), "name the same file"),
         (format!("{command} --csv absent/episodes.csv"), "the folder absent does not exist"),
-        ("--eval scenario-3".into(), "no such file or shipped policy"),
+        ("--eval scenario-3".into(), "no such file, shipped policy or driver"),
     ] {
         let error = rejection(&workspace, &arguments);
         assert!(error.contains(reason) && error.contains("help: "), "{error}");

@@ -6,6 +6,7 @@
 use bevy::prelude::*;
 
 use super::ActiveLearner;
+use super::drive::DriverSource;
 use crate::learning::{QNetwork, epsilon_greedy, greedy};
 use crate::random::{self, Stream};
 use crate::task::{Actions, Observations};
@@ -40,12 +41,14 @@ pub enum ActionSource {
     Policy(QNetwork),
     /// The user, with the action that is selected at the moment.
     Manual(usize),
+    /// A classical driver.
+    Driver(DriverSource),
 }
 
 /// The last decisions, and the random streams of exploration.
 #[derive(Resource)]
 pub struct Decisions {
-    /// The Q-values of the last decision: arenas x actions.
+    /// The Q-values of the last decision: arenas x actions; NaN in arenas whose source has none.
     pub q_values: Vec<f32>,
     /// Whether the last action of each arena was random.
     pub explored: Vec<bool>,
@@ -105,12 +108,13 @@ pub(super) fn decide(
                         network.q_values(observations.row(arena), 1, &mut row);
                         actions.0[arena] = greedy(&row);
                     }
+                    // A user or a classical driver has no Q-values; a row of NaN keeps the rows of the other arenas in place.
                     ActionSource::Manual(action) => {
-                        // The user has no Q-values; a row of NaN keeps the rows of the other arenas in place.
-                        row.clear();
-                        row.resize(sources.num_actions, f32::NAN);
+                        no_q_values(&mut row, sources.num_actions);
                         actions.0[arena] = (*action).min(sources.num_actions.saturating_sub(1));
                     }
+                    // `drive` chooses its action.
+                    ActionSource::Driver(_) => no_q_values(&mut row, sources.num_actions),
                 }
                 decisions.q_values.extend_from_slice(&row);
             }
@@ -118,4 +122,9 @@ pub(super) fn decide(
         // Without a network, the last actions are repeated.
         _ => {}
     }
+}
+
+fn no_q_values(row: &mut Vec<f32>, num_actions: usize) {
+    row.clear();
+    row.resize(num_actions, f32::NAN);
 }

@@ -5,14 +5,17 @@
 //! | file | responsible for |
 //! |---|---|
 //! | `decide.rs` | `Decide`: observations -> actions, epsilon-greedy or greedy |
+//! | `drive.rs` | `Decide`: the actions of classical drivers |
 //! | `train.rs` | `Store` and `Learn`: transitions -> replay buffer -> gradient steps |
 
 mod decide;
+mod drive;
 mod train;
 
 use bevy::prelude::*;
 
 pub use decide::{ActionSelection, ActionSource, ActionSources, Decisions, GreedyPolicy};
+pub use drive::DriverSource;
 pub use train::{ActiveLearner, TrainingFault, TrainingStats, TrainingWarning};
 
 use crate::control_step::{ControlSet, ControlStep};
@@ -32,7 +35,12 @@ impl Plugin for AgentPlugin {
     fn build(&self, app: &mut App) {
         app.insert_resource(self.action_selection)
             .insert_resource(Decisions::new(self.seed, self.arenas))
-            .add_systems(ControlStep, decide::decide.in_set(ControlSet::Decide));
+            .add_systems(
+                ControlStep,
+                (decide::decide, drive::drive.run_if(resource_equals(ActionSelection::PerArena)))
+                    .chain()
+                    .in_set(ControlSet::Decide),
+            );
     }
 }
 

@@ -233,7 +233,7 @@ fn is_floor(scenario: &Scenario, point_m: Vec2) -> bool {
 fn network(source: &ActionSource) -> Option<&QNetwork> {
     match source {
         ActionSource::Policy(network) => Some(network),
-        ActionSource::Manual(_) => None,
+        ActionSource::Manual(_) | ActionSource::Driver(_) => None,
     }
 }
 

@@ -9,6 +9,7 @@
 mod card;
 mod check;
 mod draw;
+mod driver;
 mod eval;
 mod export;
 #[cfg(all(test, feature = "gui"))]

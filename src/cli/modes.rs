@@ -16,8 +16,9 @@ pub struct ModeArgs {
     #[arg(long, value_name = "CONFIG", num_args = 0..=1)]
     pub train: Option<Option<PathBuf>>,
 
-    /// Test policies (files, or shipped ones by name) over rounds of episodes that they have not been trained on; all
-    /// drive the same episodes and act greedily
+    /// Test policies (files, or shipped ones by name) and classical drivers (field, dwa, dwa-cv, grid-dwa, astar-dwa,
+    /// astar, orca, or RON files) over rounds of episodes that they have not been trained on; all drive the same episodes
+    /// and act greedily
     #[arg(long, value_name = "POLICY", num_args = 1..)]
     pub eval: Vec<PathBuf>,
 

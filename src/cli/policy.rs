@@ -20,8 +20,7 @@ pub fn load(path: &Path) -> Result<Policy, RunError> {
     if let Some(shipped) = shipped.filter(|_| !exists) {
         return Ok(shipped.policy.clone());
     }
-    let is_name = path.extension().is_none() && path.components().count() == 1;
-    if is_name && !exists && !path.is_dir() {
+    if is_unknown_name(path) {
         let names: Vec<&str> = shipped::policies().iter().map(|shipped| shipped.scenario_from).collect();
         let why = format!(
             "no such file or shipped policy; help: give the policy.safetensors of a run or a shipped name ({})",
@@ -30,6 +29,13 @@ pub fn load(path: &Path) -> Result<Policy, RunError> {
         return Err(RunError::invalid_input(path, why));
     }
     policy_card::read(path)
+}
+
+/// Whether `path` looks like a name that is not shipped, rather than like a file.
+pub fn is_unknown_name(path: &Path) -> bool {
+    let is_name = path.extension().is_none() && path.components().count() == 1;
+    let is_shipped = shipped::policies().iter().any(|shipped| path == Path::new(shipped.scenario_from));
+    is_name && !is_shipped && !path_exists(path) && !path.is_dir()
 }
 
 /// The policy in the file at `path` (or of that shipped name), which will be used in `scenario`. Warns on stderr of settings there that differ from

@@ -1,4 +1,4 @@
-//! The mode `--eval`: its options, and the policies, scenario and files that a test needs.
+//! The mode `--eval`: its options, and the policies and drivers, scenario and files that a test needs.
 //!
 //! | file | contents |
 //! |---|---|
@@ -17,8 +17,8 @@ use std::sync::Arc;
 
 use clap::Args;
 
+use super::driver::TestDriver;
 use super::output::{print_json, print_stdout};
-use super::policy;
 use super::shared::SharedArgs;
 use super::values;
 use crate::limits::MAX_EVAL_EPISODES;
@@ -61,7 +61,7 @@ pub struct EvalArgs {
 /// What the first signal prints if the test writes files.
 const STOPPING: &str = "stopping; no file is written";
 
-/// Tests the policies in the files (or of the shipped names) `paths` and prints the results.
+/// Tests the policies and drivers in the files (or of the shipped names) `paths` and prints the results.
 ///
 /// # Errors
 /// The scenario, a policy, an option or a file is invalid.
@@ -73,15 +73,15 @@ pub fn run(paths: &[PathBuf], args: &EvalArgs, shared: &SharedArgs) -> Result<()
         exit_on_signal();
     }
     let files = TestFiles::new(args.csv.as_deref(), args.trace.as_deref(), shared.json)?;
-    let named = |path: &PathBuf| Ok((path.display().to_string(), policy::load(path)?));
+    let named = |path: &PathBuf| Ok((path.display().to_string(), TestDriver::load(path)?));
     let policies: Vec<Named> = paths.iter().map(named).collect::<Result<_, RunError>>()?;
     let mut scenario = scenario_for(&policies, shared)?;
     shared.settings().apply_to_scenario(&mut scenario)?;
     let scenario = Arc::new(scenario);
     let route = args.course.then(|| benchmark_route(&scenario)).transpose()?;
-    for (path, (_, policy)) in paths.iter().zip(&policies) {
-        policy::check(path, policy, &scenario, &shared.extensions)?;
-        if let Some(note) = policy_card::note(policy, &scenario) {
+    for (path, (_, driver)) in paths.iter().zip(&policies) {
+        driver.check(path, &scenario, &shared.extensions)?;
+        if let Some(note) = driver.policy().and_then(|policy| policy_card::note(policy, &scenario)) {
             print_stderr(&format!("note: {}: {note}", path.display()));
         }
     }
@@ -129,7 +129,8 @@ fn scenario_for(policies: &[Named], shared: &SharedArgs) -> Result<Scenario, Run
     if shared.scenario.is_some() {
         return Ok(shipped::scenario(shared.scenario())?);
     }
-    policy_card::common_scenario(policies.iter().map(|(name, policy)| (name.as_str(), policy)))
+    let with_policy = policies.iter().filter_map(|(name, driver)| Some((name.as_str(), driver.policy()?)));
+    policy_card::common_scenario(with_policy)
 }
 
 /// The total number of episodes, and the number per round.

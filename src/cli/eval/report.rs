@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use crate::learning::Policy;
+use crate::drivers::DriverClass;
 use crate::report::rate::rate_interval;
 use crate::run::RunError;
-use crate::run::evaluate::{self, Evaluation, Evaluator, OptimumComparison};
+use crate::run::evaluate::{self, Evaluated, Evaluation, Evaluator, OptimumComparison};
 use crate::run::provenance::Provenance;
 use crate::run::shipped;
 use crate::scenario::{BenchmarkRoute, Scenario};
@@ -19,11 +19,15 @@ pub const ROUTE_EPISODES: usize = 25;
 /// The number of these episodes per round.
 const ROUTE_EPISODES_PER_ROUND: usize = 5;
 
-/// The results of one policy: the JSON object that `--eval --json` prints.
+/// The results of one policy or driver: the JSON object that `--eval --json` prints.
 #[derive(Serialize)]
 pub struct PolicyReport {
     pub policy: String,
-    pub weights_crc32c: String,
+    /// What the policy or driver may perceive: `A`, `B` or `C`.
+    pub class: DriverClass,
+    pub physics: &'static str,
+    /// `None` for a classical driver.
+    pub weights_crc32c: Option<String>,
     #[serde(flatten)]
     pub provenance: Provenance,
     pub scenario: String,
@@ -75,12 +79,12 @@ impl CourseReport {
     pub fn new(
         scenario: &Arc<Scenario>,
         route: BenchmarkRoute,
-        policy: &Policy,
+        evaluated: Evaluated,
         seed: u64,
         extensions: &Extensions,
     ) -> Result<Self, RunError> {
         let mut evaluator = Evaluator::with_extensions(scenario, ROUTE_EPISODES, extensions);
-        let episodes = evaluator.run(policy, seed, ROUTE_EPISODES, EpisodeSetup::Route(route))?;
+        let episodes = evaluator.run(evaluated, seed, ROUTE_EPISODES, EpisodeSetup::Route(route))?;
         let evaluation = Evaluation::from_episodes(&episodes, ROUTE_EPISODES_PER_ROUND, &scenario.task, seed);
         let times_s: Vec<f64> = evaluate::times_s(&episodes, scenario.task.control_period_s).collect();
         Ok(Self {

@@ -6,8 +6,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::EvalArgs;
 use super::files::{TestEnd, TestFile};
 use super::report::{CourseReport, OptimumReport, PolicyReport};
-use crate::learning::Policy;
+use crate::cli::driver::TestDriver;
 use crate::planner::{StepBounds, unsupported_reason};
+use crate::policy::Policy;
 use crate::run::RunError;
 use crate::run::evaluate::{self, EpisodeRecord, EpisodeResult, Evaluation, Evaluator, OptimumComparison};
 use crate::run::progress::print_stderr;
@@ -19,8 +20,8 @@ use crate::task::EpisodeSetup;
 /// The number of episodes that the planner gets between two checks for signals.
 const PLANNED_AT_ONCE: usize = 64;
 
-/// A policy under test, with its file or shipped name.
-pub type Named = (String, Policy);
+/// A policy or driver under test, with its file or shipped name.
+pub type Named = (String, TestDriver);
 
 /// A test of policies, which all drive the same episodes.
 pub struct Test<'a> {
@@ -83,17 +84,17 @@ impl Test<'_> {
     fn episodes(
         &self,
         evaluator: &mut Evaluator,
-        (name, policy): &Named,
+        (name, driver): &Named,
         trace: Option<&mut TestFile>,
     ) -> Result<Vec<EpisodeResult>, TestEnd> {
         let (seed, count, setup) = (self.seed, self.count, EpisodeSetup::Random);
         if let Some(trace) = trace {
-            return evaluator.run_traced(policy, seed, count, setup, |step| {
+            return evaluator.run_traced(driver.evaluated(), seed, count, setup, |step| {
                 self.check_signals()?;
                 trace.step(name, &step)
             });
         }
-        let mut run = evaluator.start(policy, seed, count, setup)?;
+        let mut run = evaluator.start(driver.evaluated(), seed, count, setup)?;
         while !evaluator.step(&mut run)? {
             self.check_signals()?;
         }
@@ -139,7 +140,7 @@ impl Test<'_> {
 
     fn report(
         &self,
-        (name, policy): &Named,
+        (name, driver): &Named,
         episodes: &[EpisodeResult],
         references: &References,
     ) -> Result<PolicyReport, RunError> {
@@ -152,10 +153,13 @@ impl Test<'_> {
             Some(bounds) => OptimumComparison::from_episodes(episodes, bounds, &scenario.task),
             None => evaluate::compare_with_optimum(scenario, episodes),
         };
-        let course = |route| CourseReport::new(scenario, route, policy, *seed, self.extensions);
+        let evaluated = driver.evaluated();
+        let course = |route| CourseReport::new(scenario, route, evaluated, *seed, self.extensions);
         Ok(PolicyReport {
             policy: name.clone(),
-            weights_crc32c: policy.weights_crc32c(),
+            class: evaluated.class(),
+            physics: evaluate::PHYSICS,
+            weights_crc32c: driver.policy().map(Policy::weights_crc32c),
             provenance: Provenance::of(scenario),
             scenario: scenario.name.clone(),
             evaluation: Evaluation::from_episodes(episodes, self.per_round, &scenario.task, *seed),

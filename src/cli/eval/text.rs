@@ -5,6 +5,9 @@ use std::fmt::Write as _;
 use super::report::{ComparisonReport, PolicyReport, ROUTE_EPISODES};
 use crate::scenario::printable;
 
+/// The explanation of the classes.
+const CLASSES: &str =
+    "classes: A has the scans, the goal and its own motion, B also a map it builds, C the true scenario";
 /// The explanation of the brackets.
 const BRACKETS: &str = "in brackets: 95 % confidence intervals";
 
@@ -18,7 +21,8 @@ pub fn list(report: &PolicyReport) -> String {
          collision       {}\n\
          timeout         {}\n\
          mean time       {}\n\
-         SPL             {:.3}\n",
+         SPL             {:.3}\n\
+         class           {:?} ({})\n",
         report.policy,
         printable(&report.scenario),
         e.episodes,
@@ -29,6 +33,8 @@ pub fn list(report: &PolicyReport) -> String {
         rate_text(e.timeout_rate, e.timeout_interval),
         seconds(e.mean_time_s),
         report.spl,
+        report.class,
+        report.physics,
     );
     if let Some(course) = &report.course {
         let _ = writeln!(
@@ -63,6 +69,7 @@ pub fn table(comparison: &ComparisonReport) -> String {
     let policies = comparison.policies;
     let mut columns = vec![
         column("policy", policies, |p| printable(&p.policy).into_owned()),
+        column("class", policies, |p| format!("{:?}", p.class)),
         column("success", policies, |p| rate_text(p.evaluation.success_rate, p.evaluation.success_interval)),
         column("collision", policies, |p| {
             rate_text(p.evaluation.collision_rate, p.evaluation.collision_interval)
@@ -90,7 +97,7 @@ pub fn table(comparison: &ComparisonReport) -> String {
     let count = policies.len();
     let title = printable(scenario);
     format!(
-        "{count} policies in {title}, the same {episodes} episodes, seed {seed} ({BRACKETS})\n\n{}",
+        "{count} policies in {title}, the same {episodes} episodes, seed {seed} ({BRACKETS})\n\n{}\n{CLASSES}\n",
         aligned(&columns)
     )
 }

@@ -1,7 +1,7 @@
 //! Evaluations in which the caller chooses the actions, for example with a policy of another library.
 
 use super::{EvaluationRun, Evaluator};
-use crate::agent::GreedyPolicy;
+use crate::agent::{ActionSelection, GreedyPolicy};
 use crate::env::{CommandRules, Commands, VecEnvError};
 use crate::policy::Encoding;
 use crate::task::{EpisodeSetup, ObservationLayout, Observations};
@@ -19,6 +19,7 @@ impl Evaluator {
     ) -> EvaluationRun {
         let world = self.world_mut();
         world.remove_resource::<GreedyPolicy>();
+        world.insert_resource(ActionSelection::Greedy);
         world.resource_mut::<ObservationLayout>().encoding = encoding;
         world.insert_resource(setup);
         EvaluationRun::new(seed, count)

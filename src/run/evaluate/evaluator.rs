@@ -5,8 +5,9 @@ use std::sync::Arc;
 use bevy::prelude::*;
 
 use super::path::{PathQuery, PathTracker};
-use super::{EpisodeResult, Evaluation};
-use crate::agent::{ActionSelection, GreedyPolicy};
+use super::{EpisodeResult, Evaluated, Evaluation};
+use crate::agent::{ActionSelection, ActionSource, ActionSources, DriverSource, GreedyPolicy};
+use crate::drivers::DriverConfig;
 use crate::learning::QNetwork;
 use crate::limits::MAX_BODIES;
 use crate::policy::Policy;
@@ -59,7 +60,7 @@ impl EvaluationRun {
     }
 }
 
-/// A simulation for evaluations. It is built once and can be reused with other policies.
+/// A simulation for evaluations. It is built once and can be reused with other policies and drivers.
 pub struct Evaluator {
     simulation: Simulation,
     scenario: Arc<Scenario>,
@@ -97,21 +98,21 @@ impl Evaluator {
         self
     }
 
-    /// Runs `count` episodes with `policy`, whose card sets the encoding of its observations
+    /// Runs `count` episodes with `evaluated`. The card of a policy sets the encoding of its observations
     /// ([`policy_card::encoding`]). `setup` sets the starts and goals. Those of episode j depend only on the
     /// scenario, `seed` and j.
     ///
     /// # Errors
     /// The policy's observations or actions are not those of the scenario, or there is no free space for a
     /// start.
-    pub fn run(
+    pub fn run<'a>(
         &mut self,
-        policy: &Policy,
+        evaluated: impl Into<Evaluated<'a>>,
         seed: u64,
         count: usize,
         setup: EpisodeSetup,
     ) -> Result<Vec<EpisodeResult>, RunError> {
-        let mut run = self.start(policy, seed, count, setup)?;
+        let mut run = self.start(evaluated, seed, count, setup)?;
         while !self.step(&mut run)? {}
         Ok(run.episodes)
     }
@@ -120,14 +121,18 @@ impl Evaluator {
     ///
     /// # Errors
     /// The policy's observations or actions are not those of the scenario.
-    pub fn start(
+    pub fn start<'a>(
         &mut self,
-        policy: &Policy,
+        evaluated: impl Into<Evaluated<'a>>,
         seed: u64,
         count: usize,
         setup: EpisodeSetup,
     ) -> Result<EvaluationRun, RunError> {
-        self.use_policy(policy, setup)?;
+        match evaluated.into() {
+            Evaluated::Policy(policy) => self.use_policy(policy)?,
+            Evaluated::Driver(driver) => self.use_driver(driver),
+        }
+        self.simulation.world_mut().insert_resource(setup);
         Ok(EvaluationRun::new(seed, count))
     }
 
@@ -223,16 +228,26 @@ impl Evaluator {
         &self.scenario
     }
 
-    /// Makes `policy` choose the actions and `setup` the starts and goals of the next episodes.
-    fn use_policy(&mut self, policy: &Policy, setup: EpisodeSetup) -> Result<(), RunError> {
+    /// Makes a driver choose the actions of the next episodes.
+    fn use_driver(&mut self, driver: &DriverConfig) {
+        let source = |_| ActionSource::Driver(DriverSource::new(driver));
+        let arenas = (0..self.arenas).map(source).collect();
+        let world = self.simulation.world_mut();
+        world.insert_resource(ActionSources { arenas, num_actions: self.scenario.robot.motions.len() });
+        world.insert_resource(ActionSelection::PerArena);
+        world.remove_resource::<CommandedMotions>();
+    }
+
+    /// Makes `policy` choose the actions of the next episodes.
+    fn use_policy(&mut self, policy: &Policy) -> Result<(), RunError> {
         let layout = self.simulation.world().resource::<ObservationLayout>();
         check_compatible(policy, &self.scenario, layout)?;
         let network = QNetwork::from_policy(policy).map_err(|error| RunError::Failed(error.to_string()))?;
         let world = self.simulation.world_mut();
         world.resource_mut::<ObservationLayout>().encoding = policy_card::encoding(policy)?;
         world.insert_resource(GreedyPolicy(network));
+        world.insert_resource(ActionSelection::Greedy);
         world.remove_resource::<CommandedMotions>();
-        world.insert_resource(setup);
         Ok(())
     }
 }

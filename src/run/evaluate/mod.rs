@@ -1,8 +1,8 @@
-//! Evaluation of a policy: success rates and times over rounds of episodes and on the benchmark route, and
+//! Evaluation of a policy or a classical driver: success rates and times over rounds of episodes and on the benchmark route, and
 //! the comparison with optimal times.
 //!
-//! In: a policy, a scenario, a seed. Out: the episodes and an [`Evaluation`]. Episode j depends only on the
-//! policy, the scenario, the seed and j.
+//! In: a policy or driver, a scenario, a seed. Out: the episodes and an [`Evaluation`]. Episode j depends only on the
+//! policy or driver, the scenario, the seed and j.
 //!
 //! **Success**: the robot gets closer to the goal than l_a (0.2 m) before a LIDAR range is below l_c (0.13 m)
 //! or its body touches anything, within the scenario's time limit (500 steps, 100 s). An episode has one
@@ -19,6 +19,8 @@ mod trace;
 
 use serde::{Deserialize, Serialize};
 
+use crate::drivers::{DriverClass, DriverConfig};
+use crate::policy::Policy;
 use crate::report::rate::rate_interval;
 use crate::scenario::TaskRules;
 use crate::task::{Clock, EpisodeEnd, Goal, Pose, ScenarioPool};
@@ -29,6 +31,41 @@ pub use path::PathMeasures;
 pub use per_episode::{bounds, shortest_paths_m};
 pub use record::EpisodeRecord;
 pub use trace::TraceStep;
+
+/// The physics of the simulation, as reports name it: numbers of other simulators do not belong into one column with these.
+pub const PHYSICS: &str = "kinematic, rapier contact";
+
+/// What is evaluated: a policy, or a classical driver.
+#[derive(Clone, Copy, Debug)]
+pub enum Evaluated<'a> {
+    /// The greedy actions of a policy.
+    Policy(&'a Policy),
+    /// A classical driver.
+    Driver(&'a DriverConfig),
+}
+
+impl Evaluated<'_> {
+    /// What it may perceive. A policy has class A.
+    #[must_use]
+    pub fn class(&self) -> DriverClass {
+        match self {
+            Self::Policy(_) => DriverClass::A,
+            Self::Driver(driver) => driver.class(),
+        }
+    }
+}
+
+impl<'a> From<&'a Policy> for Evaluated<'a> {
+    fn from(policy: &'a Policy) -> Self {
+        Self::Policy(policy)
+    }
+}
+
+impl<'a> From<&'a DriverConfig> for Evaluated<'a> {
+    fn from(driver: &'a DriverConfig) -> Self {
+        Self::Driver(driver)
+    }
+}
 
 /// The result of one episode.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,9 +6,8 @@ use bevy::prelude::*;
 use serde::Serialize;
 
 use super::path::Clearance;
-use super::{EpisodeResult, Evaluator};
+use super::{EpisodeResult, Evaluated, Evaluator};
 use crate::agent::Decisions;
-use crate::policy::Policy;
 use crate::run::RunError;
 use crate::task::{
     Actions, Arena, ArenaLayout, Clock, EpisodeEnd, EpisodeSetup, Goal, Pose, Scan, SensorReadings,
@@ -40,7 +39,7 @@ pub struct TraceStep {
     /// The readings of plugins' sensors; empty without such plugins.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub sensors: Vec<f32>,
-    /// The Q-value of each action; `None` in the last state.
+    /// The Q-value of each action; `None` in the last state, and for a driver that has none.
     pub q_values: Option<Vec<f32>>,
     /// The action, an index into the robot's motions; `None` in the last state.
     pub action: Option<usize>,
@@ -91,15 +90,15 @@ impl Evaluator {
     ///
     /// # Errors
     /// As for [`Evaluator::run`], or an error of `each`, which ends the evaluation.
-    pub fn run_traced<E: From<RunError>>(
+    pub fn run_traced<'a, E: From<RunError>>(
         &mut self,
-        policy: &Policy,
+        evaluated: impl Into<Evaluated<'a>>,
         seed: u64,
         count: usize,
         setup: EpisodeSetup,
         mut each: impl FnMut(TraceStep) -> Result<(), E>,
     ) -> Result<Vec<EpisodeResult>, E> {
-        let mut run = self.start(policy, seed, count, setup)?;
+        let mut run = self.start(evaluated, seed, count, setup)?;
         let mut arenas = self.world_mut().query::<Traced>();
         while run.episodes.len() < count {
             let index = run.episodes.len();
@@ -124,14 +123,14 @@ impl Evaluator {
     ///
     /// # Errors
     /// As for [`Evaluator::run`].
-    pub fn trace(
+    pub fn trace<'a>(
         &mut self,
-        policy: &Policy,
+        evaluated: impl Into<Evaluated<'a>>,
         seed: u64,
         setup: EpisodeSetup,
     ) -> Result<(EpisodeResult, Vec<Pose>), RunError> {
         let mut poses = Vec::new();
-        let episodes = self.run_traced::<RunError>(policy, seed, 1, setup, |step| {
+        let episodes = self.run_traced::<RunError>(evaluated, seed, 1, setup, |step| {
             poses.push(step.pose);
             Ok(())
         })?;
@@ -164,8 +163,9 @@ fn state(arenas: &mut QueryState<Traced>, world: &World, episode: usize, step: u
 /// `before` with what arena 0 did in the control step that has just been taken.
 fn with_decision(before: TraceStep, world: &World) -> TraceStep {
     let (actions, q_values) = (&world.resource::<Actions>().0, &world.resource::<Decisions>().q_values);
+    let row = q_values.chunks(q_values.len() / actions.len()).next();
     TraceStep {
-        q_values: q_values.chunks(q_values.len() / actions.len()).next().map(<[f32]>::to_vec),
+        q_values: row.filter(|row| row.iter().all(|q| !q.is_nan())).map(<[f32]>::to_vec),
         action: actions.first().copied(),
         reward: world.resource::<StepOutcomes>().0.first().map(StepOutcome::total_reward),
         ..before

@@ -1,0 +1,282 @@
+//! The dynamic window approach: every motion is simulated some seconds ahead, and the one with the highest score is chosen.
+//!
+//! Source: D. Fox, W. Burgard and S. Thrun, *The dynamic window approach to collision avoidance*, IEEE Robotics and Automation
+//! Magazine 4(1), 1997. The score is their eq. (13) without smoothing: heading, clearance (as time until a collision) and
+//! speed. The window is the robot's set of motions, with the lag of its drive. A motion is admissible if the robot can stop
+//! after it before it collides; a robot that cannot stop needs a free way over the whole horizon. If no motion is admissible,
+//! the one with the latest collision is chosen.
+
+use std::collections::VecDeque;
+use std::f32::consts::PI;
+
+use glam::Vec2;
+use wayfield_scenario::Motion;
+
+use crate::Driver;
+use crate::config::{DwaParameters, TrackingParameters};
+use crate::percept::{Odometry, Percept};
+use crate::robot::{Robot, first_least};
+use crate::tracks::Tracks;
+
+/// The most samples of a simulated motion.
+const MAX_SAMPLES: f32 = 100.0;
+
+/// A point of an obstacle in the robot's frame, with its velocity there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct MovingPoint {
+    pub(crate) at_m: Vec2,
+    pub(crate) velocity_m_s: Vec2,
+}
+
+/// The dynamic window of a robot.
+pub(crate) struct Dwa {
+    robot: Robot,
+    parameters: DwaParameters,
+    /// The time between two samples of a simulated motion, in s.
+    sample_s: f32,
+    /// The time for which an admissible motion must be free, in s.
+    admissible_s: f32,
+}
+
+/// A simulated motion.
+struct Rollout {
+    /// The time until a collision, in s; the horizon if there is none.
+    free_s: f32,
+    /// The alignment with the direction of the goal, 0 to 1.
+    heading: f32,
+}
+
+impl Dwa {
+    pub(crate) fn new(robot: Robot, parameters: DwaParameters) -> Self {
+        let Robot { control_period_s, actuator_lag_s, .. } = robot;
+        let samples = (parameters.horizon_s / control_period_s)
+            .max(2.0 * robot.max_speed_m_s() * parameters.horizon_s / robot.keep_out_m)
+            .ceil()
+            .clamp(1.0, MAX_SAMPLES);
+        let can_stop = robot.motions.iter().any(|motion| motion.v_m_s == 0.0);
+        let stopping_s = 2.0 * control_period_s + 3.0 * actuator_lag_s;
+        let admissible_s = if can_stop { stopping_s.min(parameters.horizon_s) } else { parameters.horizon_s };
+        Self { sample_s: parameters.horizon_s / samples, admissible_s, robot, parameters }
+    }
+
+    /// The best motion towards `target_m` (in the robot's frame) among obstacles. `clearance(point_m, after_s)` is the distance
+    /// in m from a point in the robot's present frame to the nearest surface after that time. A target with a radius ends the
+    /// simulation of a motion that gets within it.
+    pub(crate) fn choose(
+        &self,
+        twist: &Motion,
+        target_m: Vec2,
+        target_radius_m: f32,
+        clearance: impl Fn(Vec2, f32) -> f32,
+    ) -> usize {
+        let DwaParameters { heading, clearance: weight, speed, horizon_s, margin, .. } = self.parameters;
+        // Inside the margin, the robot must not come closer still.
+        let keep_m = self.robot.keep_out_m;
+        let limit_m = (keep_m * (1.0 + margin)).min(clearance(Vec2::ZERO, 0.0) - 1e-4);
+        let max_speed = self.robot.max_speed_m_s();
+        let cost = |motion: &Motion| {
+            let rollout = self.simulate(twist, motion, target_m, target_radius_m, limit_m, &clearance);
+            if rollout.free_s < self.admissible_s {
+                // Worse than any admissible motion; of these, the latest collision is the best.
+                let all = heading + weight + speed;
+                return 1.0 + all + 1.0 - rollout.free_s / horizon_s;
+            }
+            -(heading * rollout.heading
+                + weight * rollout.free_s / horizon_s
+                + speed * (motion.v_m_s / max_speed).max(0.0))
+        };
+        first_least(self.robot.motions.iter().map(cost))
+    }
+
+    fn simulate(
+        &self,
+        twist: &Motion,
+        motion: &Motion,
+        target_m: Vec2,
+        target_radius_m: f32,
+        limit_m: f32,
+        clearance: &impl Fn(Vec2, f32) -> f32,
+    ) -> Rollout {
+        let DwaParameters { horizon_s, heading_time_s, .. } = self.parameters;
+        let mut pose = Odometry::default();
+        let mut actual = *twist;
+        let mut after_s = 0.0;
+        let mut rollout = Rollout { free_s: horizon_s, heading: 0.0 };
+        let mut is_aligned = false;
+        while after_s < horizon_s - 0.5 * self.sample_s {
+            let (mean, next) = self.with_lag(&actual, motion);
+            pose = pose.then(&Robot::arc(&mean, self.sample_s));
+            actual = next;
+            after_s += self.sample_s;
+            let is_there = (target_m - pose.translation_m).length() < target_radius_m;
+            if !is_aligned && (is_there || after_s >= heading_time_s || after_s + self.sample_s > horizon_s) {
+                is_aligned = true;
+                rollout.heading = if is_there { 1.0 } else { alignment(&pose, target_m) };
+            }
+            if clearance(pose.translation_m, after_s) < limit_m {
+                rollout.free_s = after_s - self.sample_s;
+                break;
+            }
+            if is_there {
+                break;
+            }
+        }
+        rollout
+    }
+
+    /// The mean motion over a sample that begins with `actual` while `commanded` is commanded, and the motion at its end.
+    fn with_lag(&self, actual: &Motion, commanded: &Motion) -> (Motion, Motion) {
+        let lag_s = self.robot.actuator_lag_s;
+        if lag_s <= 0.0 {
+            return (*commanded, *commanded);
+        }
+        let lags = self.sample_s / lag_s;
+        let blend = |remaining: f32| Motion {
+            v_m_s: commanded.v_m_s + (actual.v_m_s - commanded.v_m_s) * remaining,
+            w_rad_s: commanded.w_rad_s + (actual.w_rad_s - commanded.w_rad_s) * remaining,
+        };
+        (blend(-libm::expm1f(-lags) / lags), blend(libm::expf(-lags)))
+    }
+
+    /// The clearance from `points`, for [`Dwa::choose`]. Points out of reach are left out.
+    pub(crate) fn clearance_from<I: Iterator<Item = MovingPoint>>(
+        &self,
+        points: I,
+    ) -> impl Fn(Vec2, f32) -> f32 + use<I> {
+        let DwaParameters { horizon_s, margin, .. } = self.parameters;
+        let reach_m = self.robot.keep_out_m * (1.0 + margin) + self.robot.max_speed_m_s() * horizon_s;
+        let near: Vec<MovingPoint> = points
+            .filter(|point| point.at_m.length() <= reach_m + point.velocity_m_s.length() * horizon_s)
+            .collect();
+        move |at_m, after_s| {
+            let squared =
+                |point: &MovingPoint| (point.at_m + point.velocity_m_s * after_s - at_m).length_squared();
+            near.iter().map(squared).fold(f32::INFINITY, f32::min).sqrt()
+        }
+    }
+}
+
+/// How well a robot at `pose` points to `target_m`: 1 if it lies straight ahead, 0 if it lies behind.
+fn alignment(pose: &Odometry, target_m: Vec2) -> f32 {
+    let target = pose.to_inner(target_m);
+    1.0 - libm::atan2f(target.y, target.x).abs() / PI
+}
+
+/// The dynamic window approach on the scan, which is taken as still.
+pub(crate) struct DwaDriver {
+    dwa: Dwa,
+    /// The hits of earlier scans in the present frame, oldest scan first.
+    remembered: VecDeque<Vec<Vec2>>,
+}
+
+impl DwaDriver {
+    pub(crate) fn new(robot: Robot, parameters: DwaParameters) -> Self {
+        Self { dwa: Dwa::new(robot, parameters), remembered: VecDeque::new() }
+    }
+}
+
+impl Driver for DwaDriver {
+    fn act(&mut self, percept: &Percept) -> usize {
+        let Dwa { robot, parameters, .. } = &self.dwa;
+        for point in self.remembered.iter_mut().flatten() {
+            *point = percept.odometry.to_inner(*point);
+        }
+        self.remembered.push_back(robot.hits(percept.ranges_m).collect());
+        let scans = 1 + (parameters.memory_s / robot.control_period_s) as usize;
+        while self.remembered.len() > scans {
+            self.remembered.pop_front();
+        }
+        let still = |at_m: &Vec2| MovingPoint { at_m: *at_m, velocity_m_s: Vec2::ZERO };
+        let clearance = self.dwa.clearance_from(self.remembered.iter().flatten().map(still));
+        self.dwa.choose(&percept.twist, percept.goal_m(), robot.goal_radius_m, clearance)
+    }
+}
+
+/// The dynamic window approach with estimated velocities.
+pub(crate) struct TrackingDwaDriver {
+    dwa: Dwa,
+    tracks: Tracks,
+}
+
+impl TrackingDwaDriver {
+    pub(crate) fn new(robot: Robot, parameters: TrackingParameters) -> Self {
+        Self { dwa: Dwa::new(robot, parameters.dwa), tracks: Tracks::new(parameters) }
+    }
+}
+
+impl Driver for TrackingDwaDriver {
+    fn act(&mut self, percept: &Percept) -> usize {
+        let points = self.tracks.update(&self.dwa.robot, percept);
+        let clearance = self.dwa.clearance_from(points.into_iter());
+        self.dwa.choose(&percept.twist, percept.goal_m(), self.dwa.robot.goal_radius_m, clearance)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::vec2;
+    use wayfield_scenario::Scenario;
+
+    use super::*;
+
+    const STILL: Motion = Motion { v_m_s: 0.0, w_rad_s: 0.0 };
+
+    /// A robot that keeps 0.13 m, drives at up to 0.5 m/s and decides every 0.2 s.
+    fn dwa(motions: &[(f32, f32)]) -> Dwa {
+        let motions = motions.iter().map(|&(v_m_s, w_rad_s)| Motion { v_m_s, w_rad_s }).collect();
+        let robot = Robot { motions, ..Robot::of(&Scenario::default()) };
+        Dwa::new(robot, DwaParameters { margin: 0.0, horizon_s: 2.0, ..DwaParameters::default() })
+    }
+
+    fn point(x: f32, y: f32, velocity: (f32, f32)) -> MovingPoint {
+        MovingPoint { at_m: vec2(x, y), velocity_m_s: velocity.into() }
+    }
+
+    fn choose(dwa: &Dwa, target: (f32, f32), points: &[MovingPoint]) -> usize {
+        dwa.choose(&STILL, target.into(), 0.2, dwa.clearance_from(points.iter().copied()))
+    }
+
+    #[test]
+    fn a_motion_is_admissible_only_if_the_robot_can_stop_after_it() {
+        // At 0.5 m/s it covers 0.2 m in two periods and then stops: a wall 0.13 + 0.25 m ahead allows that, one 0.13 + 0.15 m
+        // ahead doesn't.
+        let dwa = dwa(&[(0.0, 0.0), (0.25, 0.0), (0.5, 0.0)]);
+        assert_eq!(choose(&dwa, (5.0, 0.0), &[]), 2, "as fast as it can where nothing is");
+        let free_s = |distance_m: f32, motion: usize| {
+            let motion = dwa.robot.motions[motion];
+            let clearance = dwa.clearance_from([point(0.13 + distance_m, 0.0, (0.0, 0.0))].into_iter());
+            dwa.simulate(&STILL, &motion, vec2(5.0, 0.0), 0.2, 0.13, &clearance).free_s
+        };
+        assert!(free_s(0.25, 2) >= dwa.admissible_s && free_s(0.15, 2) < dwa.admissible_s);
+        assert!(free_s(0.15, 1) >= dwa.admissible_s, "half as fast, 0.1 m");
+        assert_eq!(
+            choose(&dwa, (5.0, 0.0), &[point(0.28, 0.0, (0.0, 0.0))]),
+            0,
+            "the free motion is to stand"
+        );
+    }
+
+    #[test]
+    fn a_robot_that_cannot_stop_takes_the_way_that_is_free_for_the_whole_horizon() {
+        let dwa = dwa(&[(0.15, 1.5), (0.15, 0.75), (0.15, 0.0), (0.15, -0.75), (0.15, -1.5)]);
+        assert_eq!(choose(&dwa, (2.0, 0.0), &[]), 2);
+        // Walls 0.3 m ahead and to the left.
+        let walls: Vec<MovingPoint> = (0..14)
+            .flat_map(|k| {
+                let along = 0.3 - 0.05 * k as f32;
+                [point(0.3, along, (0.0, 0.0)), point(along, 0.3, (0.0, 0.0))]
+            })
+            .collect();
+        assert_eq!(choose(&dwa, (2.0, 0.0), &walls), 4, "only the tightest arc to the right is free");
+    }
+
+    #[test]
+    fn a_velocity_makes_the_difference_between_a_free_way_and_a_blocked_one() {
+        let dwa = dwa(&[(0.0, 0.0), (0.5, 0.0)]);
+        let crossing = |velocity| choose(&dwa, (5.0, 0.0), &[point(0.5, 0.5, velocity)]);
+        assert_eq!(crossing((0.0, 0.0)), 1, "still, it is beside the way");
+        assert_eq!(crossing((0.0, -1.0)), 1, "it has passed before the robot arrives, or it can still stop");
+        let coming = point(0.6, 0.0, (-1.0, 0.0));
+        assert_eq!(choose(&dwa, (5.0, 0.0), &[coming]), 0, "on collision course in two periods");
+    }
+}

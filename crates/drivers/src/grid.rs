@@ -1,0 +1,66 @@
+//! Grids of square cells over a rectangle.
+
+use glam::{Vec2, vec2};
+
+/// The most cells of a grid.
+pub(crate) const MAX_CELLS: usize = 200_000;
+
+/// A grid of square cells over a rectangle. Cells are numbered row by row from the lower left.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Grid {
+    /// Lower left corner, in m.
+    pub(crate) min_m: Vec2,
+    /// Side of a cell, in m.
+    pub(crate) cell_m: f32,
+    pub(crate) columns: usize,
+    pub(crate) rows: usize,
+}
+
+impl Grid {
+    /// The grid over the rectangle with cells of `cell_m`, or of more where there would be more than [`MAX_CELLS`].
+    pub(crate) fn over(min_m: Vec2, max_m: Vec2, cell_m: f32) -> Self {
+        let size = (max_m - min_m).max(Vec2::splat(cell_m));
+        let least_m = (size.x * size.y / MAX_CELLS as f32).sqrt();
+        let cell_m = cell_m.max(least_m * 1.01);
+        let count = |length: f32| ((length / cell_m).ceil() as usize).clamp(1, MAX_CELLS);
+        Self { min_m, cell_m, columns: count(size.x), rows: count(size.y) }
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.columns * self.rows
+    }
+
+    /// The cell at `point_m`, or the nearest one for a point outside.
+    pub(crate) fn cell(&self, point_m: Vec2) -> usize {
+        let (column, row) = self.column_row(point_m);
+        row * self.columns + column
+    }
+
+    /// Column and row of the cell at `point_m`, or of the nearest one.
+    pub(crate) fn column_row(&self, point_m: Vec2) -> (usize, usize) {
+        let at = (point_m - self.min_m) / self.cell_m;
+        // A negative number or NaN becomes 0.
+        ((at.x as usize).min(self.columns - 1), (at.y as usize).min(self.rows - 1))
+    }
+
+    /// The centre of a cell, in m.
+    pub(crate) fn centre_m(&self, cell: usize) -> Vec2 {
+        let (column, row) = ((cell % self.columns) as f32, (cell / self.columns) as f32);
+        self.min_m + vec2(column + 0.5, row + 0.5) * self.cell_m
+    }
+
+    /// The cells whose centres may lie within `reach_m` of the box from `low_m` to `high_m`.
+    pub(crate) fn cells_near(&self, low_m: Vec2, high_m: Vec2, reach_m: f32) -> impl Iterator<Item = usize> {
+        let (left, bottom) = self.column_row(low_m - reach_m);
+        let (right, top) = self.column_row(high_m + reach_m);
+        let columns = self.columns;
+        (bottom..=top).flat_map(move |row| (left..=right).map(move |column| row * columns + column))
+    }
+
+    /// Whether the straight line from `from_m` to `to_m` passes only through cells for which `is_free` holds.
+    pub(crate) fn sees(&self, from_m: Vec2, to_m: Vec2, is_free: impl Fn(usize) -> bool) -> bool {
+        let way = to_m - from_m;
+        let samples = (2.0 * way.length() / self.cell_m).ceil().clamp(1.0, MAX_CELLS as f32);
+        (0..=samples as usize).all(|k| is_free(self.cell(from_m + way * (k as f32 / samples))))
+    }
+}

@@ -1,0 +1,68 @@
+//! Classical drivers: baselines for trained policies, behind the same interface.
+//!
+//! In: a [`Percept`] per control step. Out: an action, an index into the robot's motions. A driver knows its [`Robot`] and
+//! what it has perceived since its episode began, nothing else, so that its numbers can be compared with a policy's. What it
+//! may perceive is its [`DriverClass`].
+//!
+//! ```
+//! use wayfield_drivers::{Driver, DriverConfig, Odometry, Percept, Robot};
+//! use wayfield_scenario::{Motion, Scenario};
+//!
+//! // The paper's robot, with nothing in sight and its goal to the left: it turns left as fast as it can.
+//! let scenario = Scenario::default();
+//! let mut driver = DriverConfig::shipped("field").ok_or("no such driver")?.driver(&Robot::of(&scenario));
+//! let percept = Percept {
+//!     ranges_m: &[3.5; 24],
+//!     goal_distance_m: 2.0,
+//!     goal_bearing_rad: 1.5,
+//!     twist: Motion { v_m_s: 0.0, w_rad_s: 0.0 },
+//!     odometry: Odometry::default(),
+//!     truth: None,
+//! };
+//! assert_eq!(driver.act(&percept), 0);
+//! # Ok::<(), &str>(())
+//! ```
+//!
+//! | module | duty |
+//! |---|---|
+//! | `config` | the parameters of each driver, as RON |
+//! | `percept` | what a driver perceives |
+//! | `robot` | what a driver knows about its robot; arcs, and the motion that is closest to a wanted velocity |
+//! | `field` | potential field (Khatib 1986) |
+//! | `dwa` | dynamic window approach (Fox, Burgard and Thrun 1997) |
+//! | `tracks` | velocities of moving obstacles, estimated from scans |
+//! | `grid`, `path_search` | grids of cells, and A* over them (Hart, Nilsson and Raphael 1968) |
+//! | `rolling_map` | a map that is built from scans |
+//! | `true_map` | a map of the true scenario |
+//! | `path` | the way along a path: the point to pursue (Coulter 1992) |
+//! | `planned` | the drivers with a map: A* with DWA or pure pursuit |
+//! | `orca` | optimal reciprocal collision avoidance (van den Berg et al. 2011) |
+
+mod config;
+mod dwa;
+mod field;
+mod grid;
+pub mod orca;
+mod path;
+mod path_search;
+mod percept;
+mod planned;
+mod robot;
+mod rolling_map;
+mod tracks;
+mod true_map;
+
+pub use config::{
+    AstarParameters, DriverClass, DriverConfig, DwaParameters, FieldParameters, OrcaParameters,
+    PlannerParameters, TrackingParameters,
+};
+pub use percept::{Odometry, Percept, Truth};
+pub use robot::Robot;
+
+/// A driver in one episode. A new episode gets a [new driver](DriverConfig::driver).
+pub trait Driver: Send + Sync {
+    /// The action for the next control step, an index into the robot's motions.
+    ///
+    /// It depends on the percepts of the episode alone: not on time, threads or chance.
+    fn act(&mut self, percept: &Percept) -> usize;
+}

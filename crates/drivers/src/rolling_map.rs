@@ -1,0 +1,218 @@
+//! A map that is built from scans: an occupancy grid that moves with the robot.
+//!
+//! The frame of the map is the robot's pose at the start of the episode; odometry says where the robot is. A cell in which a beam
+//! ends is occupied; a cell that a beam passes is cleared. Unknown cells are free. The map holds the cells around the robot and
+//! forgets the others.
+
+use glam::{IVec2, Vec2, ivec2};
+
+use crate::config::PlannerParameters;
+use crate::dwa::MovingPoint;
+use crate::grid::{Grid, MAX_CELLS};
+use crate::path_search::{TOO_CLOSE, cheapest_path};
+use crate::percept::{Odometry, Percept};
+use crate::planned::{Map, closeness_cost};
+use crate::robot::Robot;
+
+/// The evidence that a hit adds to a cell, and the most that a cell holds. A beam that passes takes 1 away.
+const HIT: u8 = 3;
+const MAX_EVIDENCE: u8 = 6;
+
+/// A cell of the map.
+#[derive(Clone, Copy)]
+struct Cell {
+    /// Its column and row in the whole plane. Far cells take turns in the same place of memory.
+    at: IVec2,
+    /// It is occupied if this is above 0.
+    evidence: u8,
+}
+
+/// The map.
+pub(crate) struct RollingMap {
+    robot: Robot,
+    cell_m: f32,
+    /// The number of columns, and of rows.
+    side: i32,
+    cells: Vec<Cell>,
+    /// The robot's pose.
+    pose: Odometry,
+    /// The extra costs around an occupied cell, by offset.
+    stamp: Vec<(IVec2, u16)>,
+    /// The window of the last plan and its costs.
+    window: Grid,
+    costs: Vec<u16>,
+}
+
+impl RollingMap {
+    pub(crate) fn new(robot: &Robot, parameters: &PlannerParameters) -> Self {
+        let half_m = 1.5 * robot.max_range_m;
+        let wanted_m = parameters.cell * robot.keep_out_m;
+        let cell_m = wanted_m.max(2.0 * half_m / (MAX_CELLS as f32).sqrt());
+        let side = ((2.0 * half_m / cell_m).ceil() as i32).max(1);
+        let nothing = Cell { at: IVec2::MAX, evidence: 0 };
+        let window = Grid { min_m: Vec2::ZERO, cell_m, columns: side as usize, rows: side as usize };
+        Self {
+            robot: robot.clone(),
+            cell_m,
+            side,
+            cells: vec![nothing; window.len()],
+            pose: Odometry::default(),
+            stamp: stamp(robot.keep_out_m, parameters.margin * robot.keep_out_m, cell_m),
+            window,
+            costs: vec![0; window.len()],
+        }
+    }
+
+    fn at(&self, point_m: Vec2) -> IVec2 {
+        (point_m / self.cell_m).floor().as_ivec2()
+    }
+
+    /// The place in memory of the cell `at`.
+    fn slot(&self, at: IVec2) -> usize {
+        (at.y.rem_euclid(self.side) * self.side + at.x.rem_euclid(self.side)) as usize
+    }
+
+    fn hit(&mut self, at: IVec2) {
+        let slot = self.slot(at);
+        let cell = &mut self.cells[slot];
+        if cell.at != at {
+            *cell = Cell { at, evidence: 0 };
+        }
+        cell.evidence = (cell.evidence + HIT).min(MAX_EVIDENCE);
+    }
+
+    fn pass(&mut self, at: IVec2) {
+        let slot = self.slot(at);
+        let cell = &mut self.cells[slot];
+        if cell.at == at {
+            cell.evidence = cell.evidence.saturating_sub(1);
+        }
+    }
+
+    /// Enters a scan.
+    fn enter(&mut self, ranges_m: &[f32]) {
+        let from = self.pose.translation_m;
+        for (index, &range_m) in ranges_m.iter().enumerate().take(self.robot.beams.len()) {
+            let beam = self.pose.to_outer(self.robot.beams[index]) - from;
+            let end = self.at(from + beam * range_m);
+            let mut last = end;
+            for k in 1..(range_m / self.cell_m) as usize {
+                let at = self.at(from + beam * (k as f32 * self.cell_m));
+                if at != end && at != last {
+                    self.pass(at);
+                    last = at;
+                }
+            }
+            if range_m < self.robot.max_range_m {
+                self.hit(end);
+            }
+        }
+    }
+
+    /// The occupied cells around the robot.
+    fn occupied(&self) -> impl Iterator<Item = IVec2> + '_ {
+        let (centre, half) = (self.at(self.pose.translation_m), self.side / 2);
+        let is_near = move |at: IVec2| (at.x - centre.x).abs() <= half && (at.y - centre.y).abs() <= half;
+        self.cells.iter().filter(move |cell| cell.evidence > 0 && is_near(cell.at)).map(|cell| cell.at)
+    }
+
+    /// Sets the window around the robot, and the costs of its cells.
+    fn make_costs(&mut self) {
+        let low = self.at(self.pose.translation_m) - self.side / 2;
+        self.window.min_m = low.as_vec2() * self.cell_m;
+        let mut costs = std::mem::take(&mut self.costs);
+        costs.fill(0);
+        for occupied in self.occupied() {
+            for (offset, cost) in &self.stamp {
+                let at = occupied - low + *offset;
+                if (0..self.side).contains(&at.x) && (0..self.side).contains(&at.y) {
+                    let cell = &mut costs[(at.y * self.side + at.x) as usize];
+                    *cell = (*cell).max(*cost);
+                }
+            }
+        }
+        self.costs = costs;
+    }
+}
+
+/// The extra costs around an occupied cell.
+fn stamp(keep_out_m: f32, margin_m: f32, cell_m: f32) -> Vec<(IVec2, u16)> {
+    let reach = ((keep_out_m + margin_m) / cell_m).ceil() as i32;
+    let all = (-reach..=reach).flat_map(|y| (-reach..=reach).map(move |x| ivec2(x, y)));
+    let cost = |offset: IVec2| closeness_cost(offset.as_vec2().length() * cell_m - keep_out_m, margin_m);
+    all.map(|offset| (offset, cost(offset))).filter(|(_, cost)| *cost > 0).collect()
+}
+
+impl Map for RollingMap {
+    fn update(&mut self, percept: &Percept) -> Odometry {
+        self.pose = self.pose.then(&percept.odometry);
+        self.enter(percept.ranges_m);
+        self.pose
+    }
+
+    fn plan(&mut self, from_m: Vec2, to_m: Vec2) -> Vec<Vec2> {
+        self.make_costs();
+        let (from, to) = (self.window.cell(from_m), self.window.cell(to_m));
+        let path = cheapest_path(self.window.columns, &self.costs, from, to);
+        path.into_iter().map(|cell| self.window.centre_m(cell)).collect()
+    }
+
+    fn sees(&self, from_m: Vec2, to_m: Vec2) -> bool {
+        self.window.sees(from_m, to_m, |cell| self.costs[cell] < TOO_CLOSE)
+    }
+
+    fn clearance(&self, reach_m: f32) -> impl Fn(Vec2, f32) -> f32 {
+        let cells = self.occupied().map(|at| (at.as_vec2() + 0.5) * self.cell_m);
+        let points = cells.map(|at_m| self.pose.to_inner(at_m)).filter(move |at| at.length() <= reach_m);
+        let points: Vec<MovingPoint> =
+            points.map(|at_m| MovingPoint { at_m, velocity_m_s: Vec2::ZERO }).collect();
+        move |at_m: Vec2, _: f32| {
+            let squared = points.iter().map(|point| (point.at_m - at_m).length_squared());
+            squared.fold(f32::INFINITY, f32::min).sqrt()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::vec2;
+    use wayfield_scenario::{Motion, Scenario};
+
+    use super::*;
+
+    fn percept<'a>(ranges_m: &'a [f32], odometry: Odometry) -> Percept<'a> {
+        Percept {
+            ranges_m,
+            goal_distance_m: 1.0,
+            goal_bearing_rad: 0.0,
+            twist: Motion { v_m_s: 0.0, w_rad_s: 0.0 },
+            odometry,
+            truth: None,
+        }
+    }
+
+    #[test]
+    fn what_was_seen_stays_where_it_was_while_the_robot_drives_and_turns() {
+        let robot = Robot::of(&Scenario::default());
+        let mut map = RollingMap::new(&robot, &PlannerParameters::default());
+        let mut ranges_m = [3.5; 24];
+        ranges_m[0] = 1.0;
+        map.update(&percept(&ranges_m, Odometry::default()));
+        let place = map.at(vec2(1.0, 0.0));
+        assert_eq!(map.occupied().collect::<Vec<_>>(), [place]);
+        // 0.4 m ahead and a turn of a beam to the left: the thing is 0.6 m away in the last beam.
+        let moved = Odometry { translation_m: vec2(0.4, 0.0), rotation_rad: std::f32::consts::TAU / 24.0 };
+        ranges_m[0] = 3.5;
+        ranges_m[23] = 0.6;
+        map.update(&percept(&ranges_m, moved));
+        for at in map.occupied() {
+            assert!((at - place).abs().max_element() <= 1, "{at} is not near {place}");
+        }
+        // It has gone: beams that pass the cell clear it.
+        ranges_m[23] = 3.5;
+        for _ in 0..8 {
+            map.update(&percept(&ranges_m, Odometry::default()));
+        }
+        assert_eq!(map.occupied().count(), 0);
+    }
+}

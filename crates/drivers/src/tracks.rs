@@ -1,0 +1,195 @@
+//! Velocities of moving obstacles, estimated from scans.
+//!
+//! Neighbouring hits of a scan form clusters. A compact cluster may be a moving obstacle: it is followed from scan to scan, in the
+//! robot's present frame, by an alpha-beta filter with constant velocity. All other hits are taken as still.
+//!
+//! Source of the filter: P. R. Kalata, *The tracking index*, IEEE Transactions on Aerospace and Electronic Systems 20(2), 1984.
+
+use std::ops::Range;
+
+use glam::Vec2;
+
+use crate::config::TrackingParameters;
+use crate::dwa::MovingPoint;
+use crate::percept::{Odometry, Percept};
+use crate::robot::Robot;
+
+/// Scans after which a thing that is not seen is forgotten.
+const MAX_MISSED: u32 = 3;
+
+/// The things that may move.
+pub(crate) struct Tracks {
+    parameters: TrackingParameters,
+    tracks: Vec<Track>,
+}
+
+/// A thing that may move, in the robot's present frame.
+struct Track {
+    at_m: Vec2,
+    velocity_m_s: Vec2,
+    /// The number of scans in which it was seen.
+    seen: u32,
+    /// The number of scans since.
+    missed: u32,
+}
+
+/// Neighbouring hits of a scan.
+struct Cluster {
+    hits: Range<usize>,
+    centre_m: Vec2,
+}
+
+impl Tracks {
+    pub(crate) fn new(parameters: TrackingParameters) -> Self {
+        Self { parameters, tracks: Vec::new() }
+    }
+
+    /// The hits of the scan with their velocities.
+    pub(crate) fn update(&mut self, robot: &Robot, percept: &Percept) -> Vec<MovingPoint> {
+        let still = |at_m| MovingPoint { at_m, velocity_m_s: Vec2::ZERO };
+        let mut points: Vec<MovingPoint> = robot.hits(percept.ranges_m).map(still).collect();
+        self.predict(&percept.odometry, robot.control_period_s);
+        let clusters = self.clusters(robot, &points);
+        let mut is_taken = vec![false; clusters.len()];
+        for track in &mut self.tracks {
+            let gate_m = (2.0 * robot.keep_out_m).max(2.0 * robot.beam_spacing_rad * track.at_m.length());
+            let distance = |k: usize| (clusters[k].centre_m - track.at_m).length();
+            let free = (0..clusters.len()).filter(|&k| !is_taken[k] && distance(k) <= gate_m);
+            let nearest = free.reduce(|best, k| if distance(k) < distance(best) { k } else { best });
+            let Some(nearest) = nearest else {
+                track.missed += 1;
+                continue;
+            };
+            is_taken[nearest] = true;
+            track.correct(clusters[nearest].centre_m, &self.parameters, robot.control_period_s);
+            if track.seen >= self.parameters.min_scans
+                && track.velocity_m_s.length() >= self.parameters.min_speed_m_s
+            {
+                for point in &mut points[clusters[nearest].hits.clone()] {
+                    point.velocity_m_s = track.velocity_m_s;
+                }
+            }
+        }
+        self.tracks.retain(|track| track.missed <= MAX_MISSED);
+        let new = clusters.iter().zip(is_taken).filter(|(_, is_taken)| !is_taken);
+        self.tracks.extend(new.map(|(cluster, _)| Track {
+            at_m: cluster.centre_m,
+            velocity_m_s: Vec2::ZERO,
+            seen: 1,
+            missed: 0,
+        }));
+        points
+    }
+
+    /// Moves all tracks into the frame of the robot, which has moved by `odometry` in `seconds`.
+    fn predict(&mut self, odometry: &Odometry, seconds: f32) {
+        let turn = Odometry { translation_m: Vec2::ZERO, ..*odometry };
+        for track in &mut self.tracks {
+            track.at_m = odometry.to_inner(track.at_m + track.velocity_m_s * seconds);
+            track.velocity_m_s = turn.to_inner(track.velocity_m_s);
+        }
+    }
+
+    /// The compact clusters of hits.
+    fn clusters(&self, robot: &Robot, points: &[MovingPoint]) -> Vec<Cluster> {
+        let TrackingParameters { link, max_extent, .. } = self.parameters;
+        let is_linked = |one: Vec2, other: Vec2| {
+            (one - other).length() <= link * robot.beam_spacing_rad * one.length().min(other.length())
+        };
+        let mut clusters = Vec::new();
+        let mut start = 0;
+        for end in 1..=points.len() {
+            if end < points.len() && is_linked(points[end - 1].at_m, points[end].at_m) {
+                continue;
+            }
+            let hits = &points[start..end];
+            let extent_m = (hits[hits.len() - 1].at_m - hits[0].at_m).length();
+            if extent_m <= max_extent * robot.keep_out_m {
+                let mean = hits.iter().map(|hit| hit.at_m).sum::<Vec2>() / hits.len() as f32;
+                // The scan shows only the near side. The centre of a disc lies about half its width behind it.
+                let centre_m = mean + mean.normalize_or_zero() * (0.5 * extent_m);
+                clusters.push(Cluster { hits: start..end, centre_m });
+            }
+            start = end;
+        }
+        clusters
+    }
+}
+
+impl Track {
+    /// Corrects the prediction by a measured position.
+    fn correct(&mut self, measured_m: Vec2, parameters: &TrackingParameters, seconds: f32) {
+        let error = measured_m - self.at_m;
+        self.seen += 1;
+        self.missed = 0;
+        if self.seen == 2 {
+            (self.at_m, self.velocity_m_s) = (measured_m, error / seconds);
+            return;
+        }
+        self.at_m += error * parameters.position_gain;
+        self.velocity_m_s += error * (parameters.velocity_gain / seconds);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::vec2;
+    use wayfield_scenario::{Lidar, Motion, Scenario};
+
+    use super::*;
+
+    /// The range of a beam in direction `beam` from `from` to a disc with radius 0.2 m at `at`, or 3.5 m.
+    fn range(beam: Vec2, from: Vec2, at: Vec2) -> f32 {
+        let along = beam.dot(at - from);
+        let off = beam.perp_dot(at - from);
+        let half = 0.2_f32 * 0.2 - off * off;
+        if along > 0.0 && half > 0.0 { along - half.sqrt() } else { 3.5 }
+    }
+
+    #[test]
+    fn the_velocity_of_a_disc_is_found_while_the_robot_drives_and_turns() {
+        let scenario = Scenario { lidar: Lidar { beams: 180, ..Lidar::default() }, ..Scenario::default() };
+        let robot = Robot::of(&scenario);
+        let mut tracks = Tracks::new(TrackingParameters::default());
+        let motion = Motion { v_m_s: 0.15, w_rad_s: 0.75 };
+        let moved = Robot::arc(&motion, 0.2);
+        let mut pose = Odometry::default();
+        let mut points = Vec::new();
+        for step in 0..15 {
+            let odometry = if step == 0 { Odometry::default() } else { moved };
+            pose = pose.then(&odometry);
+            // In the world it moves at 0.2 m/s along -y, past a still one.
+            let (moving, still) = (vec2(1.5, 0.6 - 0.04 * step as f32), vec2(-1.0, -0.5));
+            let turn = Odometry { translation_m: Vec2::ZERO, ..pose };
+            let ranges_m: Vec<f32> = robot
+                .beams
+                .iter()
+                .map(|beam| {
+                    let beam = turn.to_outer(*beam);
+                    range(beam, pose.translation_m, moving).min(range(beam, pose.translation_m, still))
+                })
+                .collect();
+            let percept = Percept {
+                ranges_m: &ranges_m,
+                goal_distance_m: 1.0,
+                goal_bearing_rad: 0.0,
+                twist: motion,
+                odometry,
+                truth: None,
+            };
+            points = tracks.update(&robot, &percept);
+        }
+        let in_world = |point: &MovingPoint| {
+            let turn = Odometry { translation_m: Vec2::ZERO, ..pose };
+            (pose.to_outer(point.at_m), turn.to_outer(point.velocity_m_s))
+        };
+        let (moving, still): (Vec<_>, Vec<_>) = points.iter().map(in_world).partition(|(at, _)| at.x > 0.0);
+        assert!(moving.len() >= 4 && still.len() >= 4, "both are seen: {points:?}");
+        for (_, velocity) in moving {
+            assert!((velocity - vec2(0.0, -0.2)).length() < 0.07, "{velocity}");
+        }
+        for (_, velocity) in still {
+            assert!(velocity.length() < 0.07, "{velocity}");
+        }
+    }
+}

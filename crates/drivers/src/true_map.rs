@@ -1,0 +1,188 @@
+//! A map of the true scenario: the clearance of its static parts on a grid, and its moving obstacles as they are.
+
+use glam::Vec2;
+use wayfield_scenario::{
+    Obstacle, ObstacleMotion, Scenario, Wall, enclosure_distance, pose_at, shape_distance,
+};
+
+use crate::config::PlannerParameters;
+use crate::grid::Grid;
+use crate::path_search::{TOO_CLOSE, cheapest_path};
+use crate::percept::{Odometry, Percept};
+use crate::planned::{Map, closeness_cost};
+use crate::robot::Robot;
+
+/// The map. It is empty until the first percept.
+pub(crate) struct TrueMap {
+    keep_out_m: f32,
+    margin_m: f32,
+    cell_m: f32,
+    period_s: f32,
+    grid: Grid,
+    /// Clearance of the static parts at the centre of each cell, in m, at most `reach_m`.
+    clearances_m: Vec<f32>,
+    reach_m: f32,
+    /// The extra costs of the last plan.
+    costs: Vec<u16>,
+    moving: Vec<Obstacle>,
+    clock: u64,
+    pose: Odometry,
+}
+
+impl TrueMap {
+    pub(crate) fn new(robot: &Robot, parameters: &PlannerParameters) -> Self {
+        let (keep_out_m, margin_m) = (robot.keep_out_m, parameters.margin * robot.keep_out_m);
+        let cell_m = parameters.cell * keep_out_m;
+        Self {
+            keep_out_m,
+            margin_m,
+            cell_m,
+            period_s: robot.control_period_s,
+            grid: Grid { min_m: Vec2::ZERO, cell_m, columns: 0, rows: 0 },
+            clearances_m: Vec::new(),
+            reach_m: 2.0 * (keep_out_m + margin_m),
+            costs: Vec::new(),
+            moving: Vec::new(),
+            clock: 0,
+            pose: Odometry::default(),
+        }
+    }
+
+    /// Enters the parts of `scenario`.
+    fn enter(&mut self, scenario: &Scenario) {
+        let (low, high) = scenario.enclosure.bounds_m();
+        self.grid = Grid::over(low, high, self.cell_m);
+        let enclosure = |cell| enclosure_distance(&scenario.enclosure, self.grid.centre_m(cell));
+        self.clearances_m = (0..self.grid.len()).map(|cell| enclosure(cell).min(self.reach_m)).collect();
+        let is_static = |obstacle: &&Obstacle| obstacle.motion == ObstacleMotion::Static;
+        let segments = scenario.walls.iter().flat_map(Wall::segments);
+        for obstacle in segments.chain(scenario.obstacles.iter().filter(is_static).cloned()) {
+            self.lower(&obstacle);
+        }
+        self.moving = scenario.obstacles.iter().filter(|obstacle| !is_static(obstacle)).cloned().collect();
+    }
+
+    /// Lowers the clearances around a static obstacle.
+    fn lower(&mut self, obstacle: &Obstacle) {
+        let pose = pose_at(obstacle, 0, self.period_s);
+        let (origin, radius_m) = (Vec2::new(pose.0, pose.1), obstacle.shape.bounding_radius_m());
+        for cell in self.grid.cells_near(origin - radius_m, origin + radius_m, self.reach_m) {
+            let distance_m = shape_distance(&obstacle.shape, pose, self.grid.centre_m(cell));
+            self.clearances_m[cell] = self.clearances_m[cell].min(distance_m);
+        }
+    }
+
+    /// The clearance of the static parts at a point, in m: bilinear between the centres of four cells.
+    fn static_clearance_m(&self, point_m: Vec2) -> f32 {
+        let at = (point_m - self.grid.min_m) / self.grid.cell_m - 0.5;
+        let (low, part) = (at.floor(), at - at.floor());
+        let value = |dx: f32, dy: f32| {
+            let corner = self.grid.min_m + (low + Vec2::new(dx, dy) + 0.5) * self.grid.cell_m;
+            self.clearances_m[self.grid.cell(corner)]
+        };
+        let along = |dy| value(0.0, dy) * (1.0 - part.x) + value(1.0, dy) * part.x;
+        along(0.0) * (1.0 - part.y) + along(1.0) * part.y
+    }
+
+    /// The distance in m from a point to the nearest moving obstacle after `after_s`.
+    fn moving_clearance_m(&self, point_m: Vec2, after_s: f32) -> f32 {
+        let steps = after_s / self.period_s;
+        let clock = self.clock + steps as u64;
+        let distance = |obstacle: &Obstacle| {
+            shape_distance(&obstacle.shape, pose_at(obstacle, clock, self.period_s), point_m)
+        };
+        self.moving.iter().map(distance).fold(f32::INFINITY, f32::min)
+    }
+}
+
+impl Map for TrueMap {
+    fn update(&mut self, percept: &Percept) -> Odometry {
+        if let Some(truth) = &percept.truth {
+            if self.clearances_m.is_empty() {
+                self.enter(truth.scenario);
+            }
+            self.clock = truth.clock;
+            let (x, y, rotation_rad) = truth.pose;
+            self.pose = Odometry { translation_m: Vec2::new(x, y), rotation_rad };
+        }
+        self.pose
+    }
+
+    fn plan(&mut self, from_m: Vec2, to_m: Vec2) -> Vec<Vec2> {
+        if self.clearances_m.is_empty() {
+            return Vec::new();
+        }
+        let cost = |clearance_m: f32| closeness_cost(clearance_m - self.keep_out_m, self.margin_m);
+        let mut costs: Vec<u16> = self.clearances_m.iter().map(|clearance| cost(*clearance)).collect();
+        for obstacle in &self.moving {
+            let pose = pose_at(obstacle, self.clock, self.period_s);
+            let (origin, radius_m) = (Vec2::new(pose.0, pose.1), obstacle.shape.bounding_radius_m());
+            for cell in self.grid.cells_near(origin - radius_m, origin + radius_m, self.reach_m) {
+                let distance_m = shape_distance(&obstacle.shape, pose, self.grid.centre_m(cell));
+                costs[cell] = costs[cell].max(cost(distance_m));
+            }
+        }
+        self.costs = costs;
+        let (from, to) = (self.grid.cell(from_m), self.grid.cell(to_m));
+        let path = cheapest_path(self.grid.columns, &self.costs, from, to);
+        path.into_iter().map(|cell| self.grid.centre_m(cell)).collect()
+    }
+
+    fn sees(&self, from_m: Vec2, to_m: Vec2) -> bool {
+        !self.costs.is_empty() && self.grid.sees(from_m, to_m, |cell| self.costs[cell] < TOO_CLOSE)
+    }
+
+    fn clearance(&self, _: f32) -> impl Fn(Vec2, f32) -> f32 {
+        |at_m: Vec2, after_s: f32| {
+            let point_m = self.pose.to_outer(at_m);
+            if self.clearances_m.is_empty() {
+                return f32::INFINITY;
+            }
+            self.static_clearance_m(point_m).min(self.moving_clearance_m(point_m, after_s))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::vec2;
+    use wayfield_scenario::{Motion, Shape, clearance};
+
+    use super::*;
+    use crate::percept::Truth;
+
+    #[test]
+    fn the_clearance_of_the_map_is_that_of_the_scenario() {
+        let circle = |motion| Obstacle {
+            shape: Shape::Circle { radius_m: 0.15 },
+            position_m: vec2(0.6, 0.6),
+            rotation_rad: 0.0,
+            motion,
+        };
+        let orbit = ObstacleMotion::Orbit { centre_m: Vec2::ZERO, speed_rad_s: -0.5 };
+        let scenario = Scenario {
+            obstacles: vec![circle(ObstacleMotion::Static), circle(orbit)],
+            walls: vec![Wall { corners_m: vec![vec2(-1.0, -1.0), vec2(0.0, -1.0)], thickness_m: 0.1 }],
+            ..Scenario::default()
+        };
+        let robot = Robot::of(&scenario);
+        let mut map = TrueMap::new(&robot, &PlannerParameters::default());
+        let truth = Truth { scenario: &scenario, clock: 10, pose: (0.0, 0.0, 0.0), goal_m: vec2(1.0, 0.0) };
+        map.update(&Percept {
+            ranges_m: &[],
+            goal_distance_m: 1.0,
+            goal_bearing_rad: 0.0,
+            twist: Motion { v_m_s: 0.0, w_rad_s: 0.0 },
+            odometry: Odometry::default(),
+            truth: Some(truth),
+        });
+        let of_map = map.clearance(1.0);
+        for point in [vec2(0.3, 0.5), vec2(-0.5, -0.8), vec2(1.8, -1.7), vec2(0.5, -0.4), vec2(0.7, 0.65)] {
+            for steps in [0, 3, 5] {
+                let expected = clearance(&scenario, point, 10 + steps).min(map.reach_m);
+                let value = of_map(point, steps as f32 * 0.2 + 0.01);
+                assert!((value - expected).abs() < 0.02, "{point} after {steps}: {value}, not {expected}");
+            }
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! Classical drivers as action sources (`Decide`).
+//!
+//! In: the components of an arena. Out: its action. A driver of class A or B gets what a policy's observation is made of and the
+//! robot's own motion; one of class C also gets the true scenario.
+
+use bevy::prelude::*;
+
+use super::{ActionSource, ActionSources};
+use crate::drivers::{Driver, DriverClass, DriverConfig, Odometry, Percept, Robot, Truth};
+use crate::scenario::Motion;
+use crate::task::{Actions, Arena, ArenaLayout, Clock, Episode, Goal, Pose, Scan, Twist};
+
+/// A classical driver in one arena. It starts anew with every episode.
+pub struct DriverSource {
+    config: DriverConfig,
+    /// The driver of the current episode; `None` before the first step.
+    driver: Option<Box<dyn Driver>>,
+    /// The pose at the last decision.
+    last_pose: Pose,
+}
+
+impl DriverSource {
+    /// A driver with the parameters `config`.
+    #[must_use]
+    pub fn new(config: &DriverConfig) -> Self {
+        Self { config: config.clone(), driver: None, last_pose: Pose::default() }
+    }
+}
+
+/// The components of an arena that a driver perceives.
+type Perceived = (
+    &'static Arena,
+    &'static ArenaLayout,
+    &'static Pose,
+    &'static Twist,
+    &'static Scan,
+    &'static Goal,
+    &'static Clock,
+    &'static Episode,
+);
+
+/// `Decide`: lets the classical drivers choose the actions of their arenas.
+pub(super) fn drive(
+    sources: Option<ResMut<ActionSources>>,
+    arenas: Query<Perceived>,
+    mut actions: ResMut<Actions>,
+) {
+    let Some(mut sources) = sources else { return };
+    for (arena, layout, pose, twist, scan, goal, clock, episode) in &arenas {
+        let Some(ActionSource::Driver(source)) = sources.arenas.get_mut(arena.0) else { continue };
+        if episode.inactive {
+            continue;
+        }
+        if episode.steps == 0 || source.driver.is_none() {
+            source.driver = Some(source.config.driver(&Robot::of(&layout.scenario)));
+            source.last_pose = *pose;
+        }
+        let tuple = |pose: &Pose| (pose.x_m, pose.y_m, pose.heading_rad);
+        let truth = Truth {
+            scenario: &layout.scenario,
+            clock: clock.0,
+            pose: tuple(pose),
+            goal_m: Vec2::new(goal.x_m, goal.y_m),
+        };
+        let percept = Percept {
+            ranges_m: &scan.ranges_m,
+            goal_distance_m: pose.distance_m(goal),
+            goal_bearing_rad: pose.bearing_rad(goal),
+            twist: Motion { v_m_s: twist.v_m_s, w_rad_s: twist.w_rad_s },
+            odometry: Odometry::between(tuple(&source.last_pose), tuple(pose)),
+            truth: (source.config.class() == DriverClass::C).then_some(truth),
+        };
+        source.last_pose = *pose;
+        if let (Some(driver), Some(action)) = (&mut source.driver, actions.0.get_mut(arena.0)) {
+            *action = driver.act(&percept);
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! What drives in a test: a policy, or a classical driver, given on the command line.
+
+use std::path::Path;
+
+use super::policy;
+use crate::drivers::DriverConfig;
+use crate::policy::Policy;
+use crate::run::evaluate::Evaluated;
+use crate::run::{RunError, shipped};
+use crate::scenario::{Scenario, parse_checked, path_exists, read_text};
+use crate::simulation::Extensions;
+
+/// A policy or a classical driver.
+pub enum TestDriver {
+    /// A policy.
+    Policy(Policy),
+    /// A classical driver.
+    Classical(DriverConfig),
+}
+
+impl TestDriver {
+    /// The policy in the file at `path`, the driver whose parameters are in that RON file, or the shipped policy or driver of
+    /// that name. A file comes first.
+    ///
+    /// # Errors
+    /// There is no such file or name, or the file is neither a policy nor a driver.
+    pub fn load(path: &Path) -> Result<Self, RunError> {
+        let exists = path_exists(path) && !path.is_dir();
+        let name = path.to_str().unwrap_or_default();
+        if !exists && let Some(driver) = DriverConfig::shipped(name) {
+            return Ok(Self::Classical(driver));
+        }
+        if exists && path.extension().is_some_and(|extension| extension == "ron") {
+            let check = DriverConfig::diagnostics;
+            return Ok(Self::Classical(parse_checked(&read_text(path)?, path, check, check)?));
+        }
+        if !exists && policy::is_unknown_name(path) {
+            let policies: Vec<&str> =
+                shipped::policies().iter().map(|shipped| shipped.scenario_from).collect();
+            let why = format!(
+                "no such file, shipped policy or driver; help: give the policy.safetensors of a run, a shipped policy ({}), a \
+                 driver ({}) or its RON file",
+                policies.join(", "),
+                DriverConfig::NAMES.join(", ")
+            );
+            return Err(RunError::invalid_input(path, why));
+        }
+        policy::load(path).map(Self::Policy)
+    }
+
+    /// Its policy.
+    pub fn policy(&self) -> Option<&Policy> {
+        match self {
+            Self::Policy(policy) => Some(policy),
+            Self::Classical(_) => None,
+        }
+    }
+
+    /// Checks that it can drive in `scenario`: every driver can, and a policy that fits.
+    ///
+    /// # Errors
+    /// The policy's inputs or actions do not match `scenario`.
+    pub fn check(&self, path: &Path, scenario: &Scenario, extensions: &Extensions) -> Result<(), RunError> {
+        self.policy().map_or(Ok(()), |policy| policy::check(path, policy, scenario, extensions))
+    }
+
+    /// What is evaluated.
+    pub fn evaluated(&self) -> Evaluated<'_> {
+        match self {
+            Self::Policy(policy) => policy.into(),
+            Self::Classical(driver) => driver.into(),
+        }
+    }
+}
