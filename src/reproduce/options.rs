@@ -92,7 +92,7 @@ mod tests {
         assert_eq!(
             options.command(),
             "wayfield --reproduce --experiment 'a b.ron' --experiment c.ron --only fig9,table2 --seeds 17, \
-             --set learning.gamma=0.9 --out here --jobs 3 --quick"
+             --set 'learning.gamma=0.9' --out here --jobs 3 --quick"
         );
         assert_eq!(ReproduceOptions::default().command(), "wayfield --reproduce");
         let five = ReproduceOptions { seeds: Some(Seeds::First(5)), ..ReproduceOptions::default() };

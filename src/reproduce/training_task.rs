@@ -19,7 +19,7 @@ use crate::limits::MAX_CONFIG_BYTES;
 use crate::run::RunError;
 use crate::run::folder::RunConfig;
 use crate::run::progress::ProgressListener;
-use crate::scenario::{FileError, parse_ron_with_limit, to_ron};
+use crate::scenario::{Diagnostic, FileError, parse_ron_with_limit, to_ron};
 
 /// The name of a task's text in messages.
 const NAME: &str = "<task>";
@@ -58,7 +58,8 @@ impl TrainingTask {
     /// The text is not a task, or has invalid values.
     pub fn parse(text: &str) -> Result<Self, RunError> {
         let task: Self = parse_ron_with_limit(text, NAME, MAX_CONFIG_BYTES)?;
-        let diagnostics = task.config.diagnostics();
+        let inside = |found: Diagnostic| Diagnostic { path: format!("config.{}", found.path), ..found };
+        let diagnostics: Vec<Diagnostic> = task.config.diagnostics().into_iter().map(inside).collect();
         if !diagnostics.is_empty() {
             return Err(FileError::from_diagnostics(Path::new(NAME), text, &diagnostics).into());
         }
@@ -155,7 +156,7 @@ mod tests {
     fn a_task_with_an_invalid_value_or_name_is_refused() {
         let text = tasks()[0].to_text().expect("it can be written");
         for (from, to, why) in [
-            ("gamma: ", "gamma: 7", "gamma"),
+            ("gamma: ", "gamma: 7", "`config.preset.learning.gamma` is 7"),
             ("name: \"", "name: \"../", "is not that of a folder; help:"),
             ("tests: ", "test: ", "did you mean `tests`"),
         ] {
