@@ -285,6 +285,7 @@ impl Run {
             reward_terms: Vec::new(),
             extensions: Extensions::default(),
             scenario,
+            scenario_set: None,
             preset,
         };
         let learner = Learner::new(&config.preset.learning, 7, 2, 2, 1).expect("a valid configuration");

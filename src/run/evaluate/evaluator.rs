@@ -18,9 +18,8 @@ use crate::scenario::Scenario;
 use crate::sim;
 use crate::simulation::{self, Extensions, Simulation, SimulationBuilder};
 use crate::task::{
-    ArenaState, Clock, CommandedMotions, EpisodeEnd, EpisodeEnded, EpisodeSetup, ObservationLayout, ScenarioPool,
-    Streams,
-    TaskMode,
+    ArenaState, Clock, CommandedMotions, EpisodeEnd, EpisodeEnded, EpisodeSetup, ObservationLayout,
+    ScenarioPool, Streams, TaskMode,
 };
 
 /// Maximum number of parallel episodes. In a browser it is smaller, because the simulation is built within a
