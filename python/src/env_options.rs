@@ -88,7 +88,7 @@ impl EnvOptions {
             )));
         }
         let mut preset = preset(&self.preset)?;
-        let encoding = self.encoding()?;
+        let encoding = self.observation.as_deref().map(encoding).transpose()?;
         let settings = settings(self.settings);
         if let Some(set) = &mut set {
             settings.apply_to_set(set, &preset).map_err(setting_errors)?;
@@ -113,11 +113,11 @@ impl EnvOptions {
             }),
         })
     }
+}
 
-    fn encoding(&self) -> PyResult<Option<Encoding>> {
-        let encodings = [("scaled", Encoding::Scaled), ("raw", Encoding::Raw)];
-        self.observation.as_deref().map(|name| choice("observation", name, &encodings)).transpose()
-    }
+/// The encoding that is called `name`.
+pub fn encoding(name: &str) -> PyResult<Encoding> {
+    choice("observation", name, &[("scaled", Encoding::Scaled), ("raw", Encoding::Raw)])
 }
 
 /// The autoreset mode that is called `name`.
