@@ -7,6 +7,8 @@
 mod allocator;
 #[path = "../tests/common/mod.rs"]
 mod common;
+#[path = "support/worlds.rs"]
+mod worlds;
 
 use bevy::math::Vec2;
 use bevy_rapier2d::prelude::{RapierContextColliders, RapierContextSimulation, RapierRigidBodySet};
@@ -23,10 +25,11 @@ fn main() {
     divan::main();
 }
 
+const WORLDS: [&str; 4] = ["static", "moving", "barn", "office"];
 const BEAMS: usize = 24;
 const POSE: Pose = Pose { x_m: 0.1, y_m: -1.1, heading_rad: 0.7 };
 
-#[divan::bench(args = ["static", "moving"])]
+#[divan::bench(args = WORLDS)]
 fn wayfield_scan(bencher: Bencher, obstacles: &str) {
     let mut lab = lab_after_a_step(obstacles);
     let beams = lidar::BeamDirections::from_lidar(&Lidar { beams: BEAMS, ..Lidar::default() });
@@ -40,7 +43,7 @@ fn wayfield_scan(bencher: Bencher, obstacles: &str) {
     });
 }
 
-#[divan::bench(args = ["static", "moving"])]
+#[divan::bench(args = WORLDS)]
 fn rapier_query_pipeline(bencher: Bencher, obstacles: &str) {
     let mut lab = lab_after_a_step(obstacles);
     let beams = lidar::BeamDirections::from_lidar(&Lidar { beams: BEAMS, ..Lidar::default() });
@@ -69,8 +72,12 @@ fn rapier_query_pipeline(bencher: Bencher, obstacles: &str) {
 
 /// One arena after a step, so that rapier's query pipeline is up to date.
 fn lab_after_a_step(obstacles: &str) -> Lab {
-    let scenario: Scenario =
-        if obstacles == "static" { common::four_cylinders() } else { common::moving_obstacles() };
+    let scenario: Scenario = match obstacles {
+        "static" => common::four_cylinders(),
+        "moving" => common::moving_obstacles(),
+        "barn" => worlds::barn(),
+        _ => worlds::office(),
+    };
     let mut lab = Lab::new(&scenario, 1, 1);
     lab.step(&[2]);
     lab

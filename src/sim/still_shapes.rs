@@ -1,0 +1,137 @@
+//! The still shapes of a world in a grid, for ray casts and contacts in worlds with many shapes.
+//!
+//! In: rapier's colliders of what never moves. Out: ranges along beams, and the shapes near a point. Arenas of the same world
+//! share one [`StillShapes`]. The results are those of a test of every shape, to the bit.
+
+use bevy::prelude::*;
+use bevy_rapier2d::rapier::geometry::{
+    Ball, ColliderHandle, ColliderSet, Cuboid, Ray, Segment, Shape, SharedShape, TypedShape,
+};
+use bevy_rapier2d::rapier::math::Pose as BodyPose;
+
+use super::contact::distance_m;
+use super::ray_cast::{MARGIN, cast_ray};
+use crate::scenario::UniformGrid;
+
+/// The rounding of coordinates in a cast, relative to the coordinates.
+const ROUNDING: f32 = 1e-5;
+
+/// Shapes that never move, and a grid over them.
+#[derive(Debug)]
+pub(super) struct StillShapes {
+    grid: UniformGrid,
+    shapes: Vec<StillShape>,
+    /// The longest beam, in m, for which the grid lists every shape that the beam hits.
+    max_range_m: f32,
+}
+
+/// A shape at its position.
+#[derive(Clone, Debug)]
+pub(super) struct StillShape {
+    pub(super) position: BodyPose,
+    kind: Kind,
+}
+
+/// A copy of a shape: the frequent ones in place, so that a cast follows no pointers.
+#[derive(Clone, Debug)]
+enum Kind {
+    Ball(Ball),
+    Cuboid(Cuboid),
+    Segment(Segment),
+    Other(SharedShape),
+}
+
+impl StillShape {
+    fn new(position: BodyPose, shape: &SharedShape) -> Self {
+        let kind = match shape.as_typed_shape() {
+            TypedShape::Ball(ball) => Kind::Ball(*ball),
+            TypedShape::Cuboid(cuboid) => Kind::Cuboid(*cuboid),
+            TypedShape::Segment(segment) => Kind::Segment(*segment),
+            _ => Kind::Other(shape.clone()),
+        };
+        Self { position, kind }
+    }
+
+    pub(super) fn shape(&self) -> &dyn Shape {
+        match &self.kind {
+            Kind::Ball(ball) => ball,
+            Kind::Cuboid(cuboid) => cuboid,
+            Kind::Segment(segment) => segment,
+            Kind::Other(shape) => &**shape,
+        }
+    }
+
+    /// The distance along `beam`, a unit vector in the robot's frame, if it is at most `max_m`.
+    fn cast(&self, origin: Vec2, heading: Vec2, beam: Vec2, max_m: f32) -> Option<f32> {
+        let local_heading = self.position.inverse_transform_vector(heading);
+        let ray = Ray::new(self.position.inverse_transform_point(origin), local_heading.rotate(beam));
+        match &self.kind {
+            Kind::Ball(ball) => cast_ray(&TypedShape::Ball(ball), &ray, max_m),
+            Kind::Cuboid(cuboid) => cast_ray(&TypedShape::Cuboid(cuboid), &ray, max_m),
+            Kind::Segment(segment) => cast_ray(&TypedShape::Segment(segment), &ray, max_m),
+            Kind::Other(shape) => cast_ray(&shape.as_typed_shape(), &ray, max_m),
+        }
+    }
+}
+
+impl StillShapes {
+    /// The grid over the colliders `still`, for beams of up to `max_range_m`. None if a test of every shape is as fast.
+    pub(super) fn new(
+        colliders: &ColliderSet,
+        still: impl Iterator<Item = ColliderHandle>,
+        max_range_m: f32,
+    ) -> Option<Self> {
+        let still: Vec<_> = still.filter_map(|handle| colliders.get(handle)).collect();
+        if still.len() < UniformGrid::MIN_ITEMS {
+            return None;
+        }
+        let boxes: Vec<_> = still
+            .iter()
+            .map(|solid| solid.compute_aabb())
+            .map(|bounds| (bounds.mins, bounds.maxs))
+            .collect();
+        let shapes: Vec<_> =
+            still.iter().map(|solid| StillShape::new(*solid.position(), solid.shared_shape())).collect();
+        // As in `BeamRange`.
+        let largest_m = shapes.iter().map(|one| one.shape().compute_local_bounding_sphere().radius);
+        let farthest_m = boxes.iter().flat_map(|(low, high)| [low, high]).map(|at| at.abs().max_element());
+        let margin_m = MARGIN * (max_range_m + largest_m.fold(0.0, f32::max))
+            + ROUNDING * farthest_m.fold(0.0, f32::max);
+        let distance_m = |item: usize, at| distance_m(&shapes[item].position, shapes[item].shape(), at);
+        let grid = UniformGrid::new(&boxes, margin_m, distance_m)?;
+        Some(Self { grid, shapes, max_range_m })
+    }
+
+    /// The shapes at most `radius_m` from `at`, and others. A shape may come more than once.
+    pub(super) fn near(&self, at: Vec2, radius_m: f32) -> impl Iterator<Item = &StillShape> {
+        self.grid.near(at, radius_m).map(|item| &self.shapes[item])
+    }
+
+    /// Shortens `ranges_m`, one per beam, to the nearest shapes. `heading` and `beams` are unit vectors; `beams` are in the
+    /// robot's frame.
+    pub(super) fn cast(&self, origin: Vec2, heading: Vec2, beams: &[Vec2], ranges_m: &mut [f32]) {
+        for (beam, range_m) in beams.iter().zip(ranges_m) {
+            if !self.grid.contains(origin) || *range_m > self.max_range_m {
+                self.cast_against_all(origin, heading, *beam, range_m);
+                continue;
+            }
+            self.grid.walk(origin, heading.rotate(*beam), |items, exit_m| {
+                for &item in items {
+                    if let Some(distance) = self.shapes[item as usize].cast(origin, heading, *beam, *range_m)
+                    {
+                        *range_m = distance;
+                    }
+                }
+                *range_m > exit_m
+            });
+        }
+    }
+
+    fn cast_against_all(&self, origin: Vec2, heading: Vec2, beam: Vec2, range_m: &mut f32) {
+        for shape in &self.shapes {
+            if let Some(distance) = shape.cast(origin, heading, beam, *range_m) {
+                *range_m = distance;
+            }
+        }
+    }
+}
