@@ -58,7 +58,9 @@ fn each_of_the_five_motions_ends_on_its_arc_at_the_commanded_speed() {
 
 #[test]
 fn a_thousand_random_motions_stay_on_the_closed_form_path() {
-    let scenario = common::wide_open();
+    let mut scenario = common::wide_open();
+    // Long episodes, so that no reset interrupts the trajectory.
+    scenario.task.max_episode_steps = 1_000_000;
     let arenas = 8;
     let mut lab = Lab::new(&scenario, arenas, 3);
     let mut action_streams = common::action_streams(arenas);
@@ -68,12 +70,6 @@ fn a_thousand_random_motions_stay_on_the_closed_form_path() {
             state.goal.x_m = 90.0;
         });
     }
-    // Long episodes, so that no reset interrupts the trajectory.
-    lab.simulation.world_mut().resource_mut::<wayfield::task::CurrentScenario>().0 = {
-        let mut long = scenario.clone();
-        long.task.max_episode_steps = 1_000_000;
-        long.into()
-    };
     let mut track: Vec<_> = lab.states().iter().map(|state| to_f64(&state.pose)).collect();
     let period = f64::from(scenario.task.control_period_s);
     for step in 1..=1000 {

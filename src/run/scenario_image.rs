@@ -13,7 +13,7 @@ use super::image_file::{self, ImageSize};
 use crate::report::DrawError;
 use crate::report::chart::{MapObstacle, MapObstacleKind, MapRobot, MapShape, MapTrack, ScenarioMap};
 use crate::scenario::{Obstacle, Outline, Scenario, Track, pose_at};
-use crate::task::{Arena, ArenaLayout, Clock, CurrentScenario, Goal, Pose, Scan};
+use crate::task::{Arena, ArenaLayout, Clock, Goal, Pose, Scan};
 
 /// The layout seed of the generated obstacles in thumbnails.
 const LAYOUT_SEED: u64 = 1;
@@ -87,14 +87,14 @@ pub fn draw(scenario: &Scenario, path: &Path) -> Result<(), RunError> {
 /// # Errors
 /// Drawing fails.
 pub fn frame_svg(world: &mut World, arena: usize) -> Option<Result<String, DrawError>> {
-    let scenario = world.resource::<CurrentScenario>().0.clone();
     let mut arenas = world.query::<(&Arena, &ArenaLayout, &Clock, &Pose, &Goal, &Scan)>();
     let (_, layout, clock, pose, goal, scan) = arenas.iter(world).find(|(found, ..)| found.0 == arena)?;
+    let scenario = &*layout.written;
     let goal = wide(vec2(goal.x_m, goal.y_m));
     let goal = (goal.0, goal.1, f64::from(scenario.task.goal_radius_m));
     let map =
-        ScenarioMap { goal: Some(goal), tracks: Vec::new(), ..map(&scenario, layout.layout_seed, clock.0) };
-    Some(map.frame_svg(&robot(&scenario, pose, scan)))
+        ScenarioMap { goal: Some(goal), tracks: Vec::new(), ..map(scenario, layout.layout_seed, clock.0) };
+    Some(map.frame_svg(&robot(&layout.scenario, pose, scan)))
 }
 
 /// The robot of `scenario` at `pose`, with the beams of `scan`.

@@ -35,7 +35,7 @@ pub fn spawn_arenas(world: &mut World, scenario: &Arc<Scenario>, arenas: usize, 
         let arena = world
             .spawn((
                 Arena(index),
-                ArenaLayout { layout_seed: 0, scenario: scenario.clone() },
+                ArenaLayout { written: scenario.clone(), layout_seed: 0, scenario: scenario.clone() },
                 Pose::default(),
                 Twist::default(),
                 (Scan::default(), SensorReadings::zeros(extra)),
@@ -122,7 +122,6 @@ pub fn snapshot(world: &mut World) -> Vec<ArenaState> {
 /// Restores every arena to a state from [`snapshot`], and encodes the current observations from the saved scans.
 /// `states` must have one entry per arena.
 pub fn restore(world: &mut World, states: &[ArenaState]) {
-    let scenario = world.resource::<CurrentScenario>().0.clone();
     let mut observations = world.remove_resource::<Observations>().unwrap_or_default();
     let width = observations.width;
     let encoding = world.resource::<ObservationLayout>().encoding;
@@ -154,7 +153,7 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
             mut episode,
             mut streams,
         ) = components;
-        *layout = ArenaLayout::new(&scenario, state.layout_seed);
+        *layout = ArenaLayout::new(&layout.written, state.layout_seed);
         *pose = state.pose;
         *twist = state.twist;
         *scan = state.scan.clone();
@@ -164,7 +163,7 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
         *episode = state.episode.clone();
         *streams = state.streams.clone();
         robot::place_body(&mut set, &bodies, &pose);
-        obstacles::place_generated_obstacles(&scenario, &layout, &mut bodies, &mut colliders);
+        obstacles::place_generated_obstacles(&layout, &mut bodies, &mut colliders);
         obstacles::place_bodies(&layout, *clock, &bodies, &mut set, &mut colliders);
         let row = &mut observations.current[arena.0 * width..][..width];
         observation::encode(encoding, &scan, &pose, &goal, &readings, row);

@@ -27,6 +27,7 @@ const MIN_ADVANCE_M: f32 = 0.0001;
 
 /// A step of one arena that rapier has just made.
 pub(super) struct ContactQuery<'a> {
+    /// The scenario with generated obstacles.
     pub scenario: &'a Scenario,
     pub colliders: &'a ColliderSet,
     pub bodies: &'a Bodies,
@@ -58,8 +59,9 @@ impl ContactQuery<'_> {
         let solids = self.bodies.solids.iter().enumerate();
         let first = solids.filter_map(|(index, &handle)| {
             let solid = self.colliders.get(handle)?;
-            // The scenario's obstacles come first among the solids; all others are static.
-            let obstacle = self.scenario.obstacles.get(index);
+            // The scenario's own obstacles come first among the solids; all others are static.
+            let is_own = index < self.bodies.obstacles.len();
+            let obstacle = self.scenario.obstacles.get(index).filter(|_| is_own);
             let max_travel_m = (to - self.from).length() + obstacle.map_or(0.0, |o| self.max_travel_m(o));
             if distance(solid, to) - reach_m > max_travel_m {
                 return None;

@@ -12,7 +12,7 @@ pub use super::ray_cast::cast;
 use super::physics::Bodies;
 use crate::random::{self, Stream};
 use crate::scenario::Lidar;
-use crate::task::{CurrentScenario, Episode, Pose, Scan, Streams};
+use crate::task::{ArenaLayout, Episode, Pose, Scan, Streams};
 
 /// The directions of the beams in the robot's frame: one unit vector per beam, in the sensor's order.
 #[derive(Resource, Clone, Debug, Default)]
@@ -30,30 +30,33 @@ impl BeamDirections {
     }
 }
 
+/// The components of an arena that a scan reads and writes.
+type Scanned = (
+    &'static ArenaLayout,
+    &'static Bodies,
+    &'static RapierContextColliders,
+    &'static Pose,
+    &'static Episode,
+    &'static mut Streams,
+    &'static mut Scan,
+);
+
 /// `Sense`: takes the scan of every arena after the physics step.
-pub(super) fn scan(
-    scenario: Res<CurrentScenario>,
-    beams: Res<BeamDirections>,
-    mut arenas: Query<(&Bodies, &RapierContextColliders, &Pose, &Episode, &mut Streams, &mut Scan)>,
-) {
-    for (bodies, colliders, pose, episode, mut streams, mut scan) in &mut arenas {
+pub(super) fn scan(beams: Res<BeamDirections>, mut arenas: Query<Scanned>) {
+    for (layout, bodies, colliders, pose, episode, mut streams, mut scan) in &mut arenas {
         if !episode.inactive {
-            take_scan(&scenario.0.lidar, &beams, bodies, colliders, pose, &mut streams, &mut scan);
+            take_scan(&layout.scenario.lidar, &beams, bodies, colliders, pose, &mut streams, &mut scan);
         }
     }
 }
 
 /// `Reset`: takes the scan of every robot that was placed.
-pub(super) fn scan_after_reset(
-    scenario: Res<CurrentScenario>,
-    beams: Res<BeamDirections>,
-    mut arenas: Query<(&Bodies, &RapierContextColliders, &Pose, &Episode, &mut Streams, &mut Scan)>,
-) {
-    for (bodies, colliders, pose, episode, mut streams, mut scan) in &mut arenas {
+pub(super) fn scan_after_reset(beams: Res<BeamDirections>, mut arenas: Query<Scanned>) {
+    for (layout, bodies, colliders, pose, episode, mut streams, mut scan) in &mut arenas {
         if episode.pending_reset.moves_robot() {
             scan.touching = false;
             scan.delayed.clear();
-            take_scan(&scenario.0.lidar, &beams, bodies, colliders, pose, &mut streams, &mut scan);
+            take_scan(&layout.scenario.lidar, &beams, bodies, colliders, pose, &mut streams, &mut scan);
         }
     }
 }

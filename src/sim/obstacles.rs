@@ -7,25 +7,25 @@
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::*;
 use bevy_rapier2d::rapier::math::{Pose as BodyPose, Rotation, Vector};
+use bevy_rapier2d::rapier::prelude::RigidBodyHandle;
 
 use super::colliders::shared_shape;
 use super::physics::Bodies;
-use crate::scenario::{Obstacle, ObstacleMotion, Scenario, pose_at};
-use crate::task::{ArenaLayout, Clock, CurrentScenario, Episode, PendingReset};
+use crate::scenario::{Obstacle, Scenario, pose_at};
+use crate::task::{ArenaLayout, Clock, Episode, PendingReset};
 
 /// `Actuate`: advances the clock, and sets the pose of every moving obstacle after this step.
 pub(super) fn advance(
-    scenario: Res<CurrentScenario>,
-    mut arenas: Query<(&mut Clock, &Bodies, &Episode, &mut RapierRigidBodySet)>,
+    mut arenas: Query<(&mut Clock, &ArenaLayout, &Bodies, &Episode, &mut RapierRigidBodySet)>,
 ) {
-    for (mut clock, bodies, episode, mut set) in &mut arenas {
+    for (mut clock, layout, bodies, episode, mut set) in &mut arenas {
         if episode.inactive {
             continue;
         }
         clock.0 += 1;
-        for (index, obstacle) in moving(&scenario.0) {
-            if let Some(body) = bodies.obstacles[index].and_then(|body| set.bodies.get_mut(body)) {
-                body.set_next_kinematic_position(body_pose(&scenario.0, obstacle, *clock));
+        for (body, obstacle) in moving(bodies, &layout.scenario) {
+            if let Some(body) = set.bodies.get_mut(body) {
+                body.set_next_kinematic_position(body_pose(&layout.scenario, obstacle, *clock));
             }
         }
     }
@@ -33,7 +33,6 @@ pub(super) fn advance(
 
 /// `Place`: places the generated obstacles of a new episode. If the clock was set, also places the moving obstacles.
 pub(super) fn place(
-    scenario: Res<CurrentScenario>,
     mut arenas: Query<(
         &Clock,
         &ArenaLayout,
@@ -45,7 +44,7 @@ pub(super) fn place(
 ) {
     for (clock, layout, mut bodies, episode, mut set, mut colliders) in &mut arenas {
         if episode.pending_reset.begins_episode() {
-            place_generated_obstacles(&scenario.0, layout, &mut bodies, &mut colliders);
+            place_generated_obstacles(layout, &mut bodies, &mut colliders);
         }
         if episode.pending_reset == PendingReset::Full {
             place_bodies(layout, *clock, &bodies, &mut set, &mut colliders);
@@ -55,7 +54,6 @@ pub(super) fn place(
 
 /// Gives the colliders reserved for generated obstacles the shapes and poses of `layout`, and disables the unused ones.
 pub(super) fn place_generated_obstacles(
-    scenario: &Scenario,
     layout: &ArenaLayout,
     bodies: &mut Bodies,
     colliders: &mut RapierContextColliders,
@@ -64,7 +62,7 @@ pub(super) fn place_generated_obstacles(
         return;
     }
     bodies.solids.retain(|solid| !bodies.generated.contains(solid));
-    let generated = layout.scenario.obstacles.get(scenario.obstacles.len()..).unwrap_or_default();
+    let generated = layout.scenario.obstacles.get(bodies.obstacles.len()..).unwrap_or_default();
     let mut obstacles = generated.iter();
     for &handle in &bodies.generated {
         let Some(collider) = colliders.colliders.get_mut(handle) else { continue };
@@ -87,10 +85,8 @@ pub(super) fn place_bodies(
     colliders: &mut RapierContextColliders,
 ) {
     let scenario = &*layout.scenario;
-    for (index, obstacle) in moving(scenario) {
-        if let Some(body) =
-            bodies.obstacles.get(index).copied().flatten().and_then(|body| set.bodies.get_mut(body))
-        {
+    for (body, obstacle) in moving(bodies, scenario) {
+        if let Some(body) = set.bodies.get_mut(body) {
             let pose = body_pose(scenario, obstacle, clock);
             body.set_position(pose, true);
             body.set_next_kinematic_position(pose);
@@ -99,8 +95,12 @@ pub(super) fn place_bodies(
     set.propagate_modified_body_positions_to_colliders(colliders);
 }
 
-fn moving(scenario: &Scenario) -> impl Iterator<Item = (usize, &Obstacle)> {
-    scenario.obstacles.iter().enumerate().filter(|(_, obstacle)| obstacle.motion != ObstacleMotion::Static)
+/// The moving obstacles and their bodies.
+fn moving<'a>(
+    bodies: &'a Bodies,
+    scenario: &'a Scenario,
+) -> impl Iterator<Item = (RigidBodyHandle, &'a Obstacle)> {
+    bodies.obstacles.iter().zip(&scenario.obstacles).filter_map(|(body, obstacle)| Some(((*body)?, obstacle)))
 }
 
 fn body_pose(scenario: &Scenario, obstacle: &Obstacle, clock: Clock) -> BodyPose {

@@ -8,14 +8,17 @@ use bevy_rapier2d::prelude::RapierContextColliders;
 
 use super::lidar::{BeamDirections, cast};
 use super::physics::Bodies;
-use crate::task::{Arena, CurrentScenario, Pose, Scan};
+use crate::task::{Arena, ArenaLayout, Pose, Scan};
 
 /// Read access to the colliders of all arenas.
 #[derive(SystemParam)]
 pub struct Probe<'w, 's> {
-    scenario: Res<'w, CurrentScenario>,
     beams: Res<'w, BeamDirections>,
-    arenas: Query<'w, 's, (&'static Arena, &'static Bodies, &'static RapierContextColliders)>,
+    arenas: Query<
+        'w,
+        's,
+        (&'static Arena, &'static ArenaLayout, &'static Bodies, &'static RapierContextColliders),
+    >,
 }
 
 impl Probe<'_, '_> {
@@ -23,8 +26,8 @@ impl Probe<'_, '_> {
     /// the arena does not exist.
     #[must_use]
     pub fn of(&self, arena: usize) -> Option<impl Fn(&Pose, &mut Scan) + '_> {
-        let (_, bodies, context) = self.arenas.iter().find(|(other, ..)| other.0 == arena)?;
-        let max_range_m = self.scenario.0.lidar.max_range_m;
+        let (_, layout, bodies, context) = self.arenas.iter().find(|(other, ..)| other.0 == arena)?;
+        let max_range_m = layout.scenario.lidar.max_range_m;
         Some(move |pose: &Pose, scan: &mut Scan| {
             cast(&context.colliders, &bodies.solids, pose, &self.beams.0, max_range_m, &mut scan.ranges_m);
             scan.nearest_m = scan.ranges_m.iter().copied().fold(max_range_m, f32::min);

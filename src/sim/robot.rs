@@ -23,7 +23,7 @@ use super::contact::ContactQuery;
 use super::physics::Bodies;
 use crate::scenario::{Motion, Scenario};
 use crate::task::{
-    Actions, Arena, Clock, CommandedMotions, CurrentScenario, Episode, Pose, Scan, Twist, wrap_angle,
+    Actions, Arena, ArenaLayout, Clock, CommandedMotions, Episode, Pose, Scan, Twist, wrap_angle,
 };
 
 /// The tolerance for rounding: in m for coordinates, relative for distances.
@@ -90,44 +90,43 @@ impl ActuatorLag {
 /// What commands the robots: the scenario's motions by number, or motions that the caller sets.
 #[derive(SystemParam)]
 pub(super) struct MotionCommands<'w> {
-    scenario: Res<'w, CurrentScenario>,
     actions: Res<'w, Actions>,
     motions: Option<Res<'w, CommandedMotions>>,
 }
 
 impl MotionCommands<'_> {
-    /// The motion that is commanded in `arena`.
-    fn motion(&self, arena: &Arena) -> &Motion {
+    /// The motion that is commanded in `arena`, whose scenario is `scenario`.
+    fn motion<'a>(&'a self, arena: &Arena, scenario: &'a Scenario) -> &'a Motion {
         match &self.motions {
             Some(motions) => &motions.0[arena.0],
-            None => &self.scenario.0.robot.motions[self.actions.0[arena.0]],
+            None => &scenario.robot.motions[self.actions.0[arena.0]],
         }
     }
 }
 
+/// The components of an arena that [`actuate`] reads and writes.
+type Actuated = (
+    &'static Arena,
+    &'static ArenaLayout,
+    &'static Bodies,
+    &'static Pose,
+    &'static Twist,
+    &'static Episode,
+    &'static mut RapierRigidBodySet,
+    &'static mut RapierConfiguration,
+);
+
 /// `Actuate`: sets the velocity of every robot's body for this step.
-pub(super) fn actuate(
-    commands: MotionCommands,
-    mut arenas: Query<(
-        &Arena,
-        &Bodies,
-        &Pose,
-        &Twist,
-        &Episode,
-        &mut RapierRigidBodySet,
-        &mut RapierConfiguration,
-    )>,
-) {
-    let scenario = &*commands.scenario.0;
-    let lag = ActuatorLag::of(scenario);
-    for (arena, bodies, pose, twist, episode, mut set, mut configuration) in &mut arenas {
+pub(super) fn actuate(commands: MotionCommands, mut arenas: Query<Actuated>) {
+    for (arena, layout, bodies, pose, twist, episode, mut set, mut configuration) in &mut arenas {
         if configuration.physics_pipeline_active == episode.inactive {
             configuration.physics_pipeline_active = !episode.inactive;
         }
         if episode.inactive {
             continue;
         }
-        let (motion, _) = lag.step(twist, commands.motion(arena));
+        let scenario = &*layout.scenario;
+        let (motion, _) = ActuatorLag::of(scenario).step(twist, commands.motion(arena, scenario));
         let velocity = chord_velocity(pose.heading_rad, &motion, scenario.task.control_period_s);
         if let Some(body) = set.bodies.get_mut(bodies.robot) {
             body.set_linvel(velocity, true);
@@ -138,6 +137,7 @@ pub(super) fn actuate(
 /// The components of an arena that [`read_pose`] reads and writes.
 type Stepped = (
     &'static Arena,
+    &'static ArenaLayout,
     &'static Bodies,
     &'static Clock,
     &'static Episode,
@@ -155,14 +155,16 @@ type Stepped = (
 ///   it first touched.
 /// - A robot that rapier has deflected although it touches nothing is put at the end of its chord.
 pub(super) fn read_pose(commands: MotionCommands, mut arenas: Query<Stepped>) {
-    let scenario = &*commands.scenario.0;
-    let (lag, period_s) = (ActuatorLag::of(scenario), scenario.task.control_period_s);
-    for (arena, bodies, clock, episode, colliders, mut set, mut pose, mut twist, mut scan) in &mut arenas {
+    for (arena, layout, bodies, clock, episode, colliders, mut set, mut pose, mut twist, mut scan) in
+        &mut arenas
+    {
         if episode.inactive {
             continue;
         }
         if let Some(body) = set.bodies.get_mut(bodies.robot) {
-            let (motion, after) = lag.step(&twist, commands.motion(arena));
+            let scenario = &*layout.scenario;
+            let period_s = scenario.task.control_period_s;
+            let (motion, after) = ActuatorLag::of(scenario).step(&twist, commands.motion(arena, scenario));
             *twist = after;
             let from = Vec2::new(pose.x_m, pose.y_m);
             let velocity = chord_velocity(pose.heading_rad, &motion, period_s);

@@ -44,7 +44,7 @@ pub use state::{
 use crate::control_step::{ControlSet, ControlStep, Reset, ResetSet, RewardSet, SenseSet};
 use crate::scenario::{Motion, Scenario};
 
-/// The scenario of the simulation, shared read-only by all systems.
+/// The scenario that the arenas were spawned with. An arena's own is in its [`ArenaLayout`].
 #[derive(Resource, Clone, Debug)]
 pub struct CurrentScenario(pub Arc<Scenario>);
 

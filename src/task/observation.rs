@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 pub use crate::policy::observation::{DISTANCE_SCALE_M, Encoding, RANGE_SCALE_M, width};
 
-use super::{Arena, CurrentScenario, Episode, Goal, PendingReset, Pose, Scan};
+use super::{Arena, Episode, Goal, PendingReset, Pose, Scan};
 use crate::policy;
 
 /// The parts of an observation: the paper's numbers in an encoding, then one named slice per plugin sensor.
@@ -204,13 +204,12 @@ pub(super) fn observe_first(
     layout: Res<ObservationLayout>,
     mut observations: ResMut<Observations>,
     reward: Res<super::RewardConfig>,
-    scenario: Res<CurrentScenario>,
     mut arenas: Query<(&Arena, &Scan, &Pose, &Goal, &SensorReadings, &mut Episode)>,
 ) {
     let width = observations.width;
-    debug_assert_eq!(width, layout.width(scenario.0.lidar.beams));
     for (arena, scan, pose, goal, readings, mut episode) in &mut arenas {
         if episode.pending_reset != PendingReset::None {
+            debug_assert_eq!(width, layout.width(scan.ranges_m.len()));
             let row = &mut observations.current[arena.0 * width..][..width];
             encode(layout.encoding, scan, pose, goal, readings, row);
             episode.potential = reward.potential(pose.distance_m(goal), scan.nearest_m);

@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Arena, CurrentScenario, DeferResets, Episode, Goal, PendingReset, Pose, RewardConfig, RewardTerms, Scan,
+    Arena, ArenaLayout, DeferResets, Episode, Goal, PendingReset, Pose, RewardConfig, RewardTerms, Scan,
     TaskMode,
 };
 
@@ -118,13 +118,12 @@ impl EpisodeEnded {
 
 /// `Reward`: computes reward, collision, goal and time limit.
 pub(super) fn compute_outcomes(
-    scenario: Res<CurrentScenario>,
     reward: Res<RewardConfig>,
     mut outcomes: ResMut<StepOutcomes>,
-    mut arenas: Query<(&Arena, &Pose, &Scan, &Goal, &mut Episode)>,
+    mut arenas: Query<(&Arena, &ArenaLayout, &Pose, &Scan, &Goal, &mut Episode)>,
 ) {
-    let rules = &scenario.0.task;
-    for (arena, pose, scan, goal, mut episode) in &mut arenas {
+    for (arena, layout, pose, scan, goal, mut episode) in &mut arenas {
+        let rules = &layout.scenario.task;
         let outcome = &mut outcomes.0[arena.0];
         if episode.inactive {
             *outcome = StepOutcome { inactive: true, ..StepOutcome::default() };

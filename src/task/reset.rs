@@ -5,10 +5,7 @@
 
 use bevy::prelude::*;
 
-use super::{
-    Arena, ArenaLayout, Clock, CurrentScenario, Episode, Fault, Goal, PendingReset, Pose, Streams, TaskFault,
-    Twist,
-};
+use super::{Arena, ArenaLayout, Clock, Episode, Fault, Goal, PendingReset, Pose, Streams, TaskFault, Twist};
 use crate::control_step::Reset;
 use crate::random;
 use crate::scenario::{BenchmarkRoute, NoFreeSpace, Scenario, draw_goal, draw_start_and_goal};
@@ -49,12 +46,7 @@ type ResetData = (
 type StartAndGoalDraw = (Option<Pose>, Goal);
 
 /// `Draw`: a new goal; for a new episode also a new start, and a new layout if the scenario has generators.
-pub(super) fn draw(
-    scenario: Res<CurrentScenario>,
-    setup: Res<EpisodeSetup>,
-    mut fault: ResMut<TaskFault>,
-    mut arenas: Query<ResetData>,
-) {
+pub(super) fn draw(setup: Res<EpisodeSetup>, mut fault: ResMut<TaskFault>, mut arenas: Query<ResetData>) {
     for (arena, clock, mut layout, mut pose, mut twist, mut goal, mut episode, mut streams) in &mut arenas {
         if matches!(episode.pending_reset, PendingReset::None | PendingReset::Refresh) {
             continue;
@@ -63,12 +55,12 @@ pub(super) fn draw(
             *episode = Episode { pending_reset: episode.pending_reset, ..Episode::default() };
         }
         let kept_pose = (episode.pending_reset == PendingReset::Goal).then_some(*pose);
-        let generates = episode.pending_reset.begins_episode() && !scenario.0.generators.is_empty();
+        let generates = episode.pending_reset.begins_episode() && !layout.written.generators.is_empty();
         // A layout without free space is replaced by another.
         let mut attempts = if generates { MAX_LAYOUT_ATTEMPTS } else { 1 };
         let drawn = loop {
             if generates {
-                *layout = ArenaLayout::new(&scenario.0, random::random_u64(&mut streams.places));
+                *layout = ArenaLayout::new(&layout.written, random::random_u64(&mut streams.places));
             }
             let drawn = match *setup {
                 EpisodeSetup::Route(route) => Ok(ends_of(route)),

@@ -17,9 +17,11 @@ use crate::scenario::Scenario;
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Arena(pub usize);
 
-/// The layout of an arena in the current episode: the scenario with its generated obstacles.
+/// The scenario of an arena, and its layout in the current episode. All systems of an arena read the scenario here.
 #[derive(Component, Clone, Debug)]
 pub struct ArenaLayout {
+    /// The scenario as written, with its generators instead of their obstacles.
+    pub written: Arc<Scenario>,
     /// The seed of the generated obstacles; 0 if the scenario has no generators.
     pub layout_seed: u64,
     /// The scenario with the generated obstacles ([`Scenario::with_generated_obstacles`]).
@@ -32,9 +34,10 @@ impl ArenaLayout {
     #[must_use]
     pub(crate) fn new(scenario: &Arc<Scenario>, layout_seed: u64) -> Self {
         if scenario.generators.is_empty() {
-            return Self { layout_seed: 0, scenario: scenario.clone() };
+            return Self { written: scenario.clone(), layout_seed: 0, scenario: scenario.clone() };
         }
-        Self { layout_seed, scenario: Arc::new(scenario.with_generated_obstacles(layout_seed)) }
+        let generated = Arc::new(scenario.with_generated_obstacles(layout_seed));
+        Self { written: scenario.clone(), layout_seed, scenario: generated }
     }
 }
 

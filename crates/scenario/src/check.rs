@@ -32,6 +32,11 @@ mod swept_path;
 mod time_limit;
 mod turning;
 
+pub(crate) use convex::RoundedArea;
+pub(crate) use grid::{CellGrid, ConnectedRegions};
+pub(crate) use obstacles::check_random_shape;
+pub(crate) use reachability::{RegionSite, blocked, sites};
+
 use std::fmt;
 use std::ops::RangeInclusive;
 
@@ -41,7 +46,7 @@ use super::note::{Note, NoteLevel};
 use super::schema::Scenario;
 use glam::Vec2;
 
-const METRES: &str = " (metres)";
+pub(crate) const METRES: &str = " (metres)";
 const METRES_PER_SECOND: &str = " (metres per second)";
 const SECONDS: &str = " (seconds)";
 const RADIANS: &str = " (radians: a full turn is 6.2832)";
@@ -80,17 +85,42 @@ pub fn value_diagnostics(scenario: &Scenario) -> Vec<Diagnostic> {
     diagnostics.0
 }
 
+/// Checks the single values of a scenario, of which some parts are not final, and the motions of its robot.
+pub(crate) fn check_robot_and_task(scenario: &Scenario, diagnostics: &mut Diagnostics) {
+    numbers::check(scenario, diagnostics);
+    if diagnostics.is_empty() {
+        motions::check(scenario, diagnostics);
+    }
+}
+
 /// The diagnostics collected so far.
-struct Diagnostics(Vec<Diagnostic>);
+#[derive(Default)]
+pub(crate) struct Diagnostics(Vec<Diagnostic>);
 
 impl Diagnostics {
-    fn push(&mut self, path: fmt::Arguments<'_>, message: impl Into<String>) {
+    /// Whether there are none.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// All of them, in the order of the checks.
+    pub(crate) fn into_vec(self) -> Vec<Diagnostic> {
+        self.0
+    }
+
+    /// Reports a problem of the field at `path`.
+    pub(crate) fn push(&mut self, path: fmt::Arguments<'_>, message: impl Into<String>) {
         self.0.push(Diagnostic { path: path.to_string(), message: message.into() });
     }
 
     /// Reports `value` if it lies outside `range`; NaN always does.
-    fn check_range<T>(&mut self, path: fmt::Arguments<'_>, value: T, range: RangeInclusive<T>, unit: &str)
-    where
+    pub(crate) fn check_range<T>(
+        &mut self,
+        path: fmt::Arguments<'_>,
+        value: T,
+        range: RangeInclusive<T>,
+        unit: &str,
+    ) where
         T: PartialOrd + fmt::Display,
     {
         if !range.contains(&value) {
@@ -106,7 +136,12 @@ impl Diagnostics {
     }
 
     /// Reports a list whose length `count` lies outside `range`.
-    fn check_count(&mut self, path: fmt::Arguments<'_>, count: usize, range: RangeInclusive<usize>) {
+    pub(crate) fn check_count(
+        &mut self,
+        path: fmt::Arguments<'_>,
+        count: usize,
+        range: RangeInclusive<usize>,
+    ) {
         if !range.contains(&count) {
             let (low, high) = (range.start(), range.end());
             self.push(path, format!("has {count} entries: write {low} to {high}"));
@@ -124,7 +159,7 @@ impl Diagnostics {
 
     /// Reports `value` if it is not greater than `bound`, which the message calls `what`. A field that was reported before
     /// is not reported again.
-    fn check_above(&mut self, path: fmt::Arguments<'_>, value: f32, bound: f32, what: &str) {
+    pub(crate) fn check_above(&mut self, path: fmt::Arguments<'_>, value: f32, bound: f32, what: &str) {
         if value <= bound && !self.0.iter().any(|found| found.path == path.to_string()) {
             self.push(path, format!("is {value}: write more than {what}, {bound} m"));
         }

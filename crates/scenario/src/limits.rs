@@ -74,6 +74,39 @@ pub const MAX_GENERATED_OBSTACLES: u64 = 200;
 /// Smallest gap around generated obstacles, and the clearance of placement rules, in m.
 pub const CLEARANCE_M: RangeInclusive<f32> = 0.0..=1000.0;
 
+// Level generators.
+
+/// Longest name of a level generator, in characters. A seed follows it in the name of a level.
+pub const MAX_GENERATOR_NAME_CHARS: usize = 79;
+/// Extent of the enclosure of a level along x and along y, in m.
+pub const LEVEL_SIDE_M: RangeInclusive<f32> = 1.0..=100.0;
+/// Width of the passages of a level, in m.
+pub const LEVEL_GAP_M: RangeInclusive<f32> = 0.02..=50.0;
+/// Clearance of the starts and goals of a level, in m.
+pub const LEVEL_CLEARANCE_M: RangeInclusive<f32> = 0.01..=50.0;
+/// Smallest clearance of starts and goals, as a multiple of the width of the passages.
+pub const MIN_CLEARANCE_GAPS: f32 = 0.55;
+/// Depth of the free strips at both ends of a level, in m.
+pub const LEVEL_MARGIN_M: RangeInclusive<f32> = 0.1..=50.0;
+/// Most layouts in a list of a level generator, and most shapes of a layout.
+pub const MAX_LEVEL_LAYOUTS: usize = 16;
+/// Share of cells that a cellular automaton fills at first.
+pub const AUTOMATON_FILL: RangeInclusive<f32> = 0.0..=0.5;
+/// Number of smoothings of a cellular automaton.
+pub const SMOOTHINGS: RangeInclusive<u32> = 0..=10;
+/// Share of solid cells of a level.
+pub const SOLID_FILL: RangeInclusive<f32> = 0.0..=0.8;
+/// Smallest side of a room of a level, in m.
+pub const ROOM_SIDE_M: RangeInclusive<f32> = 0.2..=50.0;
+/// Side of a cell of a level, in m.
+pub const LEVEL_CELL_M: RangeInclusive<f32> = 0.02..=10.0;
+/// Most cells of a level.
+pub const MAX_LEVEL_CELLS: u32 = 10_000;
+/// Number of obstacles of a layout.
+pub const LEVEL_COUNT: RangeInclusive<u32> = 0..=200;
+/// Most cells of the grid on which a level is searched for paths.
+pub const MAX_FLOOR_CELLS: u32 = 1 << 24;
+
 // Robot and LIDAR.
 
 /// Radius of the robot, in m.

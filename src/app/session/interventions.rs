@@ -61,16 +61,15 @@ impl Intervention {
 /// The reason why the object cannot be moved there.
 pub fn resolve(world: &mut World, request: &MoveRequest) -> Result<Intervention, MoveRejection> {
     let &MoveRequest { arena, object, to_m } = request;
-    let scenario = world.resource::<CurrentScenario>().0.clone();
     let mut arenas = world.query::<(&Arena, &ArenaLayout, &Clock, &Pose, &Goal)>();
     let found = arenas.iter(world).find(|(other, ..)| other.0 == arena);
     let (_, layout, clock, robot, goal) = found.ok_or(MoveRejection::NotMovable)?;
-    let layout = &*layout.scenario;
+    let (scenario, layout) = (&*layout.written, &*layout.scenario);
     let period_s = layout.task.control_period_s;
     let obstacles: Vec<ObstaclePose> =
         layout.obstacles.iter().map(|obstacle| pose_at(obstacle, clock.0, period_s)).collect();
     let view = MoveContext {
-        scenario: &scenario,
+        scenario,
         layout,
         obstacles: &obstacles,
         robot_m: vec2(robot.x_m, robot.y_m),

@@ -7,7 +7,7 @@ use glam::Vec2;
 
 /// All points within a radius of a convex polygon, a segment or a point.
 #[derive(Clone, Debug)]
-pub(super) struct RoundedArea {
+pub(crate) struct RoundedArea {
     /// Corners in counterclockwise order; one for a point, two for a segment.
     corners_m: Vec<Vec2>,
     radius_m: f32,
@@ -15,7 +15,7 @@ pub(super) struct RoundedArea {
 
 impl RoundedArea {
     /// The area of `obstacle` at step 0, without a rim of `rim_m`.
-    pub(super) fn within(obstacle: &Obstacle, rim_m: f32) -> Self {
+    pub(crate) fn within(obstacle: &Obstacle, rim_m: f32) -> Self {
         let (points, radius_m) = obstacle.shape.support_points(obstacle.rotation_rad);
         let mut corners_m = convex_hull(points.iter().map(|&point| obstacle.position_m + point).collect());
         if radius_m >= rim_m {
@@ -29,19 +29,19 @@ impl RoundedArea {
     }
 
     /// The area covered while this one moves in a straight line from `from` to `to`, relative to where it is now.
-    pub(super) fn swept(&self, from: Vec2, to: Vec2) -> Self {
+    pub(crate) fn swept(&self, from: Vec2, to: Vec2) -> Self {
         let ends = [from, to].into_iter();
         let points = ends.flat_map(|by| self.corners_m.iter().map(move |&corner| corner + by)).collect();
         Self { corners_m: convex_hull(points), radius_m: self.radius_m }
     }
 
     /// The area with a rim of `rim_m` added.
-    pub(super) fn grown(&self, rim_m: f32) -> Self {
+    pub(crate) fn grown(&self, rim_m: f32) -> Self {
         Self { corners_m: self.corners_m.clone(), radius_m: self.radius_m + rim_m }
     }
 
     /// Whether the two areas have a point in common.
-    pub(super) fn overlaps(&self, other: &Self) -> bool {
+    pub(crate) fn overlaps(&self, other: &Self) -> bool {
         let apart = |corners: &[Vec2], point: Vec2| -signed_distance(corners, point);
         let nearest = |one: &[Vec2], another: &[Vec2]| {
             another.iter().map(|&point| apart(one, point)).fold(f32::INFINITY, f32::min)

@@ -15,7 +15,7 @@ const MIN_CELL_FRACTION: f64 = 1.0 / 32.0;
 const MAX_CELL_FRACTION: f64 = 1.0 / 2.0;
 
 /// The position and size of the cells.
-pub(super) struct CellGrid {
+pub(crate) struct CellGrid {
     origin: DVec2,
     /// The side of a cell, in m.
     pub(super) cell_m: f64,
@@ -31,12 +31,23 @@ impl CellGrid {
     pub(super) fn over(low: DVec2, high: DVec2, room_m: f64) -> Option<Self> {
         let (width, height) = (high.x - low.x, high.y - low.y);
         let cell_m = (room_m * MIN_CELL_FRACTION).max((width * height / f64::from(MAX_CELLS)).sqrt());
+        (cell_m <= room_m * MAX_CELL_FRACTION).then(|| Self::with_cells(low, high, cell_m))
+    }
+
+    /// A grid over the box between two corners, with cells of side `cell_m`.
+    pub(crate) fn with_cells(low: DVec2, high: DVec2, cell_m: f64) -> Self {
+        let (width, height) = (high.x - low.x, high.y - low.y);
         let transposed = height > width;
         let count = |extent: f64| ((extent / cell_m).ceil() as usize).max(1);
         let (columns, rows) =
             if transposed { (count(height), count(width)) } else { (count(width), count(height)) };
         let grid = Self { origin: low, cell_m, columns, rows, transposed };
-        (cell_m <= room_m * MAX_CELL_FRACTION).then(|| Self { origin: grid.swap_axes(low), ..grid })
+        Self { origin: grid.swap_axes(low), ..grid }
+    }
+
+    /// Distance from the centre of a cell to its corner, in m.
+    pub(crate) fn half_diagonal_m(&self) -> f64 {
+        self.cell_m * std::f64::consts::FRAC_1_SQRT_2
     }
 
     /// Converts a point between the scenario's axes and the grid's axes, in either direction.
@@ -74,7 +85,7 @@ impl CellGrid {
 }
 
 /// A set of cells of a grid, one bit per cell.
-pub(super) struct BlockedCells<'a> {
+pub(crate) struct BlockedCells<'a> {
     grid: &'a CellGrid,
     words_a_row: usize,
     bits: Vec<u64>,
@@ -214,7 +225,7 @@ fn crossing(from: DVec2, to: DVec2, y: f64) -> Option<f64> {
 }
 
 /// The free cells, grouped into regions whose cells share sides.
-pub(super) struct ConnectedRegions {
+pub(crate) struct ConnectedRegions {
     /// Runs by row: first column, column after the last, and number of the run.
     runs: Vec<Vec<(usize, usize, u32)>>,
     /// First run of the region of each run; its number is the number of the region.
@@ -222,7 +233,7 @@ pub(super) struct ConnectedRegions {
 }
 
 impl ConnectedRegions {
-    pub(super) fn of(cells: &BlockedCells<'_>) -> Self {
+    pub(crate) fn of(cells: &BlockedCells<'_>) -> Self {
         let mut parts = Self { runs: Vec::new(), parents: Vec::new() };
         for row in cells.rows() {
             let mut runs: Vec<(usize, usize, u32)> = Vec::new();
@@ -254,6 +265,21 @@ impl ConnectedRegions {
         let after = runs.partition_point(|run| run.0 <= column);
         let &(_, to, run) = runs.get(after.checked_sub(1)?)?;
         (column < to).then(|| self.parents[run as usize])
+    }
+
+    /// Whether the centre of a cell of region `part` is closer than `away_m` to `point`.
+    pub(crate) fn is_near(&self, grid: &CellGrid, part: u32, point: DVec2, away_m: f64) -> bool {
+        let (row, _) = grid.cell_at(point);
+        let DVec2 { x, y } = grid.swap_axes(point);
+        let reach = (away_m / grid.cell_m).ceil() as usize + 1;
+        let rows = row.saturating_sub(reach)..(row + reach + 1).min(grid.rows);
+        rows.into_iter().any(|row| {
+            let square = away_m * away_m - (y - grid.y(row)) * (y - grid.y(row));
+            let half = square.max(0.0).sqrt();
+            let (from, to) = (grid.column_beyond(x - half), grid.column_from(x + half));
+            let of_part = |run: &&(usize, usize, u32)| self.parents[run.2 as usize] == part;
+            self.runs[row].iter().filter(of_part).any(|run| run.0.max(from) < run.1.min(to))
+        })
     }
 
     /// Root of the tree that contains `run`, with path halving.

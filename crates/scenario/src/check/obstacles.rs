@@ -83,25 +83,30 @@ fn check_fields(path: Arguments<'_>, fields: Vec<Field<'_>>, diagnostics: &mut D
 
 fn check_generator(k: usize, generator: &Generator, collision_range_m: f32, diagnostics: &mut Diagnostics) {
     diagnostics.check_range(format_args!("generators[{k}].count"), generator.count, GENERATOR_COUNT, "");
+    check_random_shape(format_args!("generators[{k}].shape"), &generator.shape, diagnostics);
+    let path = format_args!("generators[{k}].gap_m");
+    diagnostics.check_range(path, generator.gap_m, CLEARANCE_M, METRES);
+    diagnostics.check_above(path, generator.gap_m, 2.0 * collision_range_m, "twice the collision range");
+    if let Some(Region { min_m, max_m }) = generator.within {
+        check_region(format_args!("generators[{k}].within"), min_m, max_m, diagnostics);
+    }
+}
+
+/// Checks the ranges of the sizes of the shape at `path`.
+pub(crate) fn check_random_shape(path: Arguments<'_>, shape: &RandomShape, diagnostics: &mut Diagnostics) {
     let mut sizes = |name: &str, (low, high): (f32, f32)| {
-        let path = format_args!("generators[{k}].shape.{name}");
+        let path = format_args!("{path}.{name}");
         diagnostics.check_range(format_args!("{path}[0]"), low, SHAPE_SIZE_M, METRES);
         diagnostics.check_range(format_args!("{path}[1]"), high, SHAPE_SIZE_M, METRES);
         if low > high {
             diagnostics.push(path, format!("is ({low}, {high}): write the smaller number first"));
         }
     };
-    match generator.shape {
+    match *shape {
         RandomShape::Circle { radius_m } => sizes("radius_m", radius_m),
         RandomShape::Rectangle { width_m, height_m } => {
             sizes("width_m", width_m);
             sizes("height_m", height_m);
         }
-    }
-    let path = format_args!("generators[{k}].gap_m");
-    diagnostics.check_range(path, generator.gap_m, CLEARANCE_M, METRES);
-    diagnostics.check_above(path, generator.gap_m, 2.0 * collision_range_m, "twice the collision range");
-    if let Some(Region { min_m, max_m }) = generator.within {
-        check_region(format_args!("generators[{k}].within"), min_m, max_m, diagnostics);
     }
 }

@@ -12,11 +12,11 @@ use crate::schema::*;
 use glam::DVec2;
 
 /// A connected region of free space that contains positions of a rule.
-struct RegionSite {
+pub(crate) struct RegionSite {
     /// Number of the region.
-    part: u32,
+    pub(crate) part: u32,
     /// Number of its cells that the rule allows.
-    cells: usize,
+    pub(crate) cells: usize,
     /// One of the positions.
     place: DVec2,
 }
@@ -25,8 +25,7 @@ pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     let room = f64::from(scenario.task.collision_range_m);
     let (low, high) = scenario.enclosure.bounds_m();
     let Some(grid) = CellGrid::over(low.as_dvec2(), high.as_dvec2(), room) else { return };
-    // Distance from the centre of a cell to its corner.
-    let half = grid.cell_m * std::f64::consts::FRAC_1_SQRT_2;
+    let half = grid.half_diagonal_m();
     let parts = ConnectedRegions::of(&blocked(scenario, &grid, (room - half) * (1.0 - 1e-6)));
     check_rules(scenario, &grid, &parts, diagnostics);
     let Some(route) = &scenario.benchmark_route else { return };
@@ -83,7 +82,7 @@ fn required_gap(scenario: &Scenario) -> String {
 }
 
 /// The regions that contain positions of `rule`.
-fn sites(
+pub(crate) fn sites(
     scenario: &Scenario,
     rule: &PlacementRule,
     grid: &CellGrid,
@@ -131,7 +130,7 @@ fn sites(
 }
 
 /// The cells whose centres are outside the enclosure or closer than `margin` to a static object.
-fn blocked<'a>(scenario: &Scenario, grid: &'a CellGrid, margin: f64) -> BlockedCells<'a> {
+pub(crate) fn blocked<'a>(scenario: &Scenario, grid: &'a CellGrid, margin: f64) -> BlockedCells<'a> {
     let mut cells = BlockedCells::empty(grid);
     let corners: Vec<DVec2> = scenario.enclosure.corners_m().iter().map(|corner| corner.as_dvec2()).collect();
     cells.set_outside(&corners);

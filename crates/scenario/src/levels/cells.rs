@@ -1,0 +1,25 @@
+//! Walls by solid cells at random, as in the levels of JaxNav (Rutherford et al. 2024, "No Regrets").
+
+use wayfield_random::{Stream, uniform_01};
+
+use super::blocks::Blocks;
+use super::draft::Draft;
+use super::number;
+
+/// Makes random cells of the enclosure solid. Cells that the robot can't reach become solid, too.
+pub(super) fn add(draft: &mut Draft, cell_m: (f32, f32), fill: (f32, f32), stream: &mut Stream) {
+    let (cell_m, fill) = (number(stream, cell_m), number(stream, fill));
+    let size = draft.size_m();
+    let (xs, ys) = (even_edges(size.x, cell_m), even_edges(size.y, cell_m));
+    let count = (xs.len() - 1) * (ys.len() - 1);
+    let solid = (0..count).map(|_| uniform_01(stream) < fill).collect();
+    let mut blocks = Blocks { xs, ys, solid };
+    blocks.fill_pockets();
+    blocks.add_to(draft);
+}
+
+/// The edges of cells of equal width, at least `cell_m`, that cover `size_m` around 0.
+fn even_edges(size_m: f32, cell_m: f32) -> Vec<f32> {
+    let count = ((size_m / cell_m * (1.0 + 1e-6)) as usize).max(1);
+    (0..=count).map(|k| size_m * (k as f32 / count as f32 - 0.5)).collect()
+}

@@ -1,0 +1,188 @@
+//! The checks of a level generator: ranges of numbers, and comparisons between them.
+
+use std::fmt::Arguments;
+use std::ops::RangeInclusive;
+
+use super::floor;
+use super::schema::{Clutter, LevelGenerator, Route, WallLayout};
+use crate::check::{Diagnostics, METRES, check_random_shape, check_robot_and_task};
+use crate::file_error::Diagnostic;
+use crate::limits::*;
+use crate::schema::{PlacementRule, Scenario};
+use glam::Vec2;
+
+/// All problems of `generator`. A generator without them is safe to use, but it may have no levels if its parameters leave too
+/// little space.
+#[must_use]
+pub fn level_generator_diagnostics(generator: &LevelGenerator) -> Vec<Diagnostic> {
+    let mut diagnostics = Diagnostics::default();
+    check_scenario_parts(generator, &mut diagnostics);
+    check_sizes(generator, &mut diagnostics);
+    let most = 0..=MAX_LEVEL_LAYOUTS;
+    diagnostics.check_count(format_args!("walls"), generator.walls.len(), most.clone());
+    for (k, walls) in generator.walls.iter().enumerate().take(MAX_LEVEL_LAYOUTS) {
+        check_walls(format_args!("walls[{k}]"), walls, generator, &mut diagnostics);
+    }
+    diagnostics.check_count(format_args!("clutter"), generator.clutter.len(), most);
+    for (k, clutter) in generator.clutter.iter().enumerate().take(MAX_LEVEL_LAYOUTS) {
+        check_clutter(format_args!("clutter[{k}]"), clutter, generator, &mut diagnostics);
+    }
+    if diagnostics.is_empty() {
+        check_work(generator, &mut diagnostics);
+    }
+    diagnostics.into_vec()
+}
+
+/// Checks the parts that all levels have in common.
+fn check_scenario_parts(generator: &LevelGenerator, diagnostics: &mut Diagnostics) {
+    let LevelGenerator { name, about, robot, lidar, task, .. } = generator.clone();
+    let fixed = PlacementRule::Fixed { position_m: Vec2::ZERO, heading_rad: None };
+    let (starts, goals) = (fixed.clone(), fixed);
+    let common = Scenario { name, about, robot, lidar, task, starts, goals, ..Scenario::default() };
+    check_robot_and_task(&common, diagnostics);
+    if generator.name.chars().count() > MAX_GENERATOR_NAME_CHARS {
+        let message = format!("is too long: write at most {MAX_GENERATOR_NAME_CHARS} characters");
+        diagnostics.push(format_args!("name"), message);
+    }
+}
+
+fn check_sizes(generator: &LevelGenerator, diagnostics: &mut Diagnostics) {
+    let LevelGenerator { width_m, height_m, gap_m, .. } = *generator;
+    check_pair(format_args!("width_m"), width_m, LEVEL_SIDE_M, METRES, diagnostics);
+    check_pair(format_args!("height_m"), height_m, LEVEL_SIDE_M, METRES, diagnostics);
+    let path = format_args!("gap_m");
+    diagnostics.check_range(path, gap_m, LEVEL_GAP_M, METRES);
+    diagnostics.check_above(path, gap_m, 2.0 * generator.task.collision_range_m, "twice the collision range");
+    match generator.route {
+        Route::Random { clearance_m } => {
+            let path = format_args!("route.clearance_m");
+            diagnostics.check_range(path, clearance_m, LEVEL_CLEARANCE_M, METRES);
+            let least = MIN_CLEARANCE_GAPS * gap_m;
+            if clearance_m < least {
+                let message =
+                    format!("is {clearance_m}: write at least {least}, {MIN_CLEARANCE_GAPS} times gap_m");
+                diagnostics.push(path, message);
+            }
+        }
+        Route::Across { margin_m } => {
+            let path = format_args!("route.margin_m");
+            diagnostics.check_range(path, margin_m, LEVEL_MARGIN_M, METRES);
+            let (least, most) = (2.0 * generator.gap_m, height_m.0 / 3.0);
+            if !(least..=most).contains(&margin_m) {
+                let message = format!(
+                    "is {margin_m}: write at least {least}, twice gap_m, and at most {most}, a third of the smallest height"
+                );
+                diagnostics.push(path, message);
+            }
+        }
+    }
+}
+
+fn check_walls(
+    path: Arguments<'_>,
+    walls: &WallLayout,
+    generator: &LevelGenerator,
+    diagnostics: &mut Diagnostics,
+) {
+    let mut pair = |name: &str, pair: (f32, f32), range: RangeInclusive<f32>, unit: &str| {
+        check_pair(format_args!("{path}.{name}"), pair, range, unit, diagnostics);
+    };
+    match walls {
+        WallLayout::Cells { cell_m, fill } => {
+            pair("cell_m", *cell_m, LEVEL_CELL_M, METRES);
+            pair("fill", *fill, SOLID_FILL, " (a share)");
+            check_cells(format_args!("{path}.cell_m"), cell_m.0, generator, diagnostics);
+        }
+        WallLayout::Rooms { side_m, door_m, loops } => {
+            pair("side_m", *side_m, ROOM_SIDE_M, METRES);
+            pair("door_m", *door_m, LEVEL_GAP_M, METRES);
+            pair("loops", *loops, 0.0..=1.0, " (a probability)");
+            check_passage(format_args!("{path}.door_m"), door_m.0, generator, diagnostics);
+            check_cells(format_args!("{path}.side_m"), side_m.0, generator, diagnostics);
+        }
+        WallLayout::Maze { passage_m, wall_m, loops } => {
+            pair("passage_m", *passage_m, LEVEL_GAP_M, METRES);
+            pair("wall_m", *wall_m, LEVEL_CELL_M, METRES);
+            pair("loops", *loops, 0.0..=1.0, " (a share)");
+            check_passage(format_args!("{path}.passage_m"), passage_m.0, generator, diagnostics);
+            check_cells(format_args!("{path}.passage_m"), passage_m.0, generator, diagnostics);
+        }
+        WallLayout::Traps { count, width_m, depth_m } => {
+            pair("width_m", *width_m, LEVEL_GAP_M, METRES);
+            pair("depth_m", *depth_m, LEVEL_GAP_M, METRES);
+            check_passage(format_args!("{path}.width_m"), width_m.0, generator, diagnostics);
+            check_pair(format_args!("{path}.count"), *count, LEVEL_COUNT, "", diagnostics);
+        }
+    }
+}
+
+/// Checks that the smallest width of a passage is more than the gap.
+fn check_passage(
+    path: Arguments<'_>,
+    least_m: f32,
+    generator: &LevelGenerator,
+    diagnostics: &mut Diagnostics,
+) {
+    diagnostics.check_above(format_args!("{path}[0]"), least_m, generator.gap_m, "gap_m");
+}
+
+fn check_clutter(
+    path: Arguments<'_>,
+    clutter: &Clutter,
+    generator: &LevelGenerator,
+    diagnostics: &mut Diagnostics,
+) {
+    match clutter {
+        Clutter::Automaton { fill, smoothings, cell_m } => {
+            check_pair(format_args!("{path}.fill"), *fill, AUTOMATON_FILL, " (a share)", diagnostics);
+            check_pair(format_args!("{path}.smoothings"), *smoothings, SMOOTHINGS, "", diagnostics);
+            let path = format_args!("{path}.cell_m");
+            check_pair(path, *cell_m, LEVEL_CELL_M, METRES, diagnostics);
+            check_cells(path, cell_m.0, generator, diagnostics);
+        }
+        Clutter::Scatter { count, shapes } => {
+            check_pair(format_args!("{path}.count"), *count, LEVEL_COUNT, "", diagnostics);
+            diagnostics.check_count(format_args!("{path}.shapes"), shapes.len(), 1..=MAX_LEVEL_LAYOUTS);
+            for (k, shape) in shapes.iter().enumerate().take(MAX_LEVEL_LAYOUTS) {
+                check_random_shape(format_args!("{path}.shapes[{k}]"), shape, diagnostics);
+            }
+        }
+    }
+}
+
+/// Checks the number of cells with the smallest side `cell_m` in the largest enclosure.
+fn check_cells(path: Arguments<'_>, cell_m: f32, generator: &LevelGenerator, diagnostics: &mut Diagnostics) {
+    let cells = generator.width_m.1 * generator.height_m.1 / (cell_m * cell_m);
+    if cells > MAX_LEVEL_CELLS as f32 {
+        let message = format!(
+            "is {cell_m} m at the least: the largest enclosure would have more than {MAX_LEVEL_CELLS} such cells; write \
+             larger cells, or a smaller enclosure"
+        );
+        diagnostics.push(path, message);
+    }
+}
+
+/// Checks that the floor of the largest enclosure does not take too much memory.
+fn check_work(generator: &LevelGenerator, diagnostics: &mut Diagnostics) {
+    let cell_m = floor::cell_m(generator.gap_m / 2.0, generator.route);
+    let cells = f64::from(generator.width_m.1) * f64::from(generator.height_m.1) / (cell_m * cell_m);
+    if cells > f64::from(MAX_FLOOR_CELLS) {
+        let message = "is too large for such narrow passages: write a smaller enclosure, a larger gap_m, or a larger clearance_m";
+        diagnostics.push(format_args!("width_m"), message);
+    }
+}
+
+/// Checks both numbers of a range, and that the first is not the larger one.
+fn check_pair<T: PartialOrd + Copy + std::fmt::Display>(
+    path: Arguments<'_>,
+    (low, high): (T, T),
+    range: RangeInclusive<T>,
+    unit: &str,
+    diagnostics: &mut Diagnostics,
+) {
+    diagnostics.check_range(format_args!("{path}[0]"), low, range.clone(), unit);
+    diagnostics.check_range(format_args!("{path}[1]"), high, range, unit);
+    if low > high {
+        diagnostics.push(path, format!("is ({low}, {high}): write the smaller number first"));
+    }
+}

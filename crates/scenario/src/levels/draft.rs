@@ -1,0 +1,111 @@
+//! A level under construction: its scenario, and the areas that are taken.
+
+use glam::{Vec2, vec2};
+use wayfield_random::Stream;
+
+use super::floor::Floor;
+use super::number;
+use super::schema::{LevelGenerator, Route};
+use crate::check::RoundedArea;
+use crate::geometry::length;
+use crate::schema::{Enclosure, Obstacle, Region, Scenario, Wall};
+
+/// A level under construction.
+pub(super) struct Draft {
+    /// The level so far.
+    pub(super) scenario: Scenario,
+    /// Width of the passages, in m.
+    pub(super) gap_m: f32,
+    /// The starts and goals.
+    pub(super) route: Route,
+    /// The part of the enclosure for clutter.
+    pub(super) field: Region,
+    /// The static obstacles and wall segments.
+    bodies: Vec<Body>,
+}
+
+/// The area of an obstacle, with a circle around it.
+struct Body {
+    area: RoundedArea,
+    centre_m: Vec2,
+    reach_m: f32,
+}
+
+impl Body {
+    fn new(obstacle: &Obstacle) -> Self {
+        let reach_m = obstacle.shape.bounding_radius_m();
+        Self { area: RoundedArea::within(obstacle, 0.0), centre_m: obstacle.position_m, reach_m }
+    }
+
+    /// Whether the distance to `other` is less than `gap_m`.
+    fn is_near(&self, other: &Self, gap_m: f32) -> bool {
+        let offset = self.centre_m - other.centre_m;
+        length(offset.x, offset.y) < self.reach_m + other.reach_m + gap_m
+            && self.area.grown(gap_m).overlaps(&other.area)
+    }
+}
+
+impl Draft {
+    /// An enclosure of random size, without anything in it.
+    pub(super) fn new(generator: &LevelGenerator, stream: &mut Stream, seed: u64) -> Self {
+        let (width_m, height_m) = (number(stream, generator.width_m), number(stream, generator.height_m));
+        let margin_m = match generator.route {
+            Route::Random { .. } => 0.0,
+            Route::Across { margin_m } => margin_m,
+        };
+        let high = vec2(width_m / 2.0, height_m / 2.0 - margin_m);
+        let (starts, goals) = generator.route.rules(height_m);
+        let scenario = Scenario {
+            name: format!("{} {seed}", generator.name),
+            about: generator.about.clone(),
+            enclosure: Enclosure::Rectangle { width_m, height_m },
+            robot: generator.robot.clone(),
+            lidar: generator.lidar.clone(),
+            task: generator.task.clone(),
+            starts,
+            goals,
+            ..Scenario::default()
+        };
+        Self {
+            scenario,
+            gap_m: generator.gap_m,
+            route: generator.route,
+            field: Region { min_m: -high, max_m: high },
+            bodies: Vec::new(),
+        }
+    }
+
+    /// Extent of the enclosure along x and y, in m.
+    pub(super) fn size_m(&self) -> Vec2 {
+        let (low, high) = self.scenario.enclosure.bounds_m();
+        high - low
+    }
+
+    /// Adds a static obstacle.
+    pub(super) fn add_obstacle(&mut self, obstacle: Obstacle) {
+        self.bodies.push(Body::new(&obstacle));
+        self.scenario.obstacles.push(obstacle);
+    }
+
+    /// Adds an inner wall.
+    pub(super) fn add_wall(&mut self, wall: Wall) {
+        self.bodies.extend(wall.segments().map(|segment| Body::new(&segment)));
+        self.scenario.walls.push(wall);
+    }
+
+    /// Whether an obstacle would keep the gap from the edges of the field and from everything in it.
+    pub(super) fn has_space_for(&self, obstacle: &Obstacle) -> bool {
+        let (points, radius_m) = obstacle.shape.support_points(obstacle.rotation_rad);
+        let rim = Vec2::splat(self.gap_m + radius_m);
+        let (low, high) = (self.field.min_m + rim, self.field.max_m - rim);
+        let is_inside = |point: Vec2| point.cmpge(low).all() && point.cmple(high).all();
+        let body = Body::new(obstacle);
+        points.iter().all(|&point| is_inside(obstacle.position_m + point))
+            && !self.bodies.iter().any(|other| body.is_near(other, self.gap_m))
+    }
+
+    /// The space that the robot can reach.
+    pub(super) fn floor(&self) -> Floor<'_> {
+        Floor::new(&self.scenario, self.gap_m / 2.0, self.route)
+    }
+}

@@ -1,0 +1,84 @@
+//! The space of a level that the robot can reach, on a grid.
+//!
+//! In: the static parts of a level. Out: whether every goal can be reached from every start through passages of the least
+//! width. The answer is proven: half the width and half the diagonal of a cell are kept free around the centres of free cells,
+//! so a path from centre to centre has the width. A start or goal has so much clearance that the centre of its cell is free.
+
+use super::schema::Route;
+use crate::check::{CellGrid, ConnectedRegions, RegionSite, blocked, sites};
+use crate::schema::{Obstacle, PlacementRule, Scenario};
+
+/// Largest side of a cell, as a fraction of half the width of the passages. Larger cells close more passages that are only
+/// a little wider.
+const MAX_CELL_FRACTION: f64 = 0.25;
+
+/// The space of a level that the robot can reach.
+pub(super) struct Floor<'a> {
+    scenario: &'a Scenario,
+    grid: CellGrid,
+    regions: ConnectedRegions,
+    /// Smallest distance of the centres of free cells from all surfaces, in m.
+    room_m: f64,
+}
+
+/// The side of the cells, in m, for passages of half the width `half_gap_m`.
+pub(super) fn cell_m(half_gap_m: f32, route: Route) -> f64 {
+    let half_gap_m = f64::from(half_gap_m);
+    let largest = half_gap_m * MAX_CELL_FRACTION;
+    match route {
+        Route::Random { clearance_m } => {
+            largest.min((f64::from(clearance_m) - half_gap_m) * (std::f64::consts::FRAC_1_SQRT_2 * 0.999))
+        }
+        Route::Across { .. } => largest,
+    }
+}
+
+impl<'a> Floor<'a> {
+    /// The floor of `scenario` for passages of half the width `half_gap_m`.
+    pub(super) fn new(scenario: &'a Scenario, half_gap_m: f32, route: Route) -> Self {
+        let (low, high) = scenario.enclosure.bounds_m();
+        let grid = CellGrid::with_cells(low.as_dvec2(), high.as_dvec2(), cell_m(half_gap_m, route));
+        let room_m = f64::from(half_gap_m) + grid.half_diagonal_m();
+        let regions = ConnectedRegions::of(&blocked(scenario, &grid, room_m));
+        Self { scenario, grid, regions, room_m }
+    }
+
+    /// Checks that there are starts and goals, all in one region.
+    ///
+    /// # Errors
+    /// The reason, as the rest of a sentence.
+    pub(super) fn check(&self) -> Result<(), &'static str> {
+        let (starts, goals) = (self.sites(&self.scenario.starts), self.sites(&self.scenario.goals));
+        if starts.is_empty() || goals.is_empty() {
+            return Err("there is no free space for starts and goals");
+        }
+        let all_in = |part| starts.iter().chain(&goals).all(|site| site.part == part);
+        if all_in(starts[0].part) { Ok(()) } else { Err("some goals can't be reached from some starts") }
+    }
+
+    /// The circles among `candidates`, of radius `radius_m`, that can be added without closing a passage of the largest
+    /// region. Empty if the level passes the check without them.
+    pub(super) fn plugs(&self, mut candidates: Vec<Obstacle>, radius_m: f32) -> Vec<Obstacle> {
+        let main = self.sites(&self.scenario.starts).into_iter().max_by_key(|site| site.cells);
+        match main {
+            Some(main) if self.check().is_err() => {
+                let away_m = self.room_m + f64::from(radius_m);
+                candidates.retain(|plug| {
+                    !self.regions.is_near(&self.grid, main.part, plug.position_m.as_dvec2(), away_m)
+                });
+                candidates
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// The regions that contain positions of `rule`.
+    fn sites(&self, rule: &PlacementRule) -> Vec<RegionSite> {
+        let mut rule = rule.clone();
+        if let PlacementRule::Random { clearance_m } = &mut rule {
+            // A position with the clearance may be this far from the centre of its cell.
+            *clearance_m -= self.grid.half_diagonal_m() as f32;
+        }
+        sites(self.scenario, &rule, &self.grid, &self.regions)
+    }
+}

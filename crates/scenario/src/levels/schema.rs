@@ -1,0 +1,218 @@
+//! The types of a level generator file.
+//!
+//! In: RON text, through [`LevelGenerator::load`]. Out: plain numbers for the modules of `levels`.
+//! [`level_generator_diagnostics`](super::level_generator_diagnostics) checks them.
+
+use serde::{Deserialize, Serialize};
+
+use crate::schema::{Lidar, RandomShape, Robot, TaskRules};
+
+/// A level generator: a family of scenarios. Each seed gives one of them, a level.
+///
+/// A level has one layout of `walls`, one of `clutter` and one of `traffic`, each drawn from its list with equal
+/// probabilities. With several lists, a level has rooms with things and traffic in them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LevelGenerator {
+    /// Name of the family, 1 to 80 characters on one line. The name of a level is this name and its seed, as in `Clutter 17`.
+    pub name: String,
+    /// Purpose of the family, at most 2,000 characters.
+    #[serde(default)]
+    pub about: String,
+    /// Inner extent of the enclosure along x, 1 to 100 m.
+    #[serde(default = "default_side_m")]
+    pub width_m: (f32, f32),
+    /// Inner extent of the enclosure along y, 1 to 100 m.
+    #[serde(default = "default_side_m")]
+    pub height_m: (f32, f32),
+    /// The passages that connect all starts and goals are at least this wide, and scattered obstacles are at least this far
+    /// apart, 0.02 to 50 m. Must be more than twice the collision range, so that the robot fits through.
+    #[serde(default = "default_gap_m")]
+    pub gap_m: f32,
+    /// Layouts of inner walls, at most 16.
+    #[serde(default)]
+    pub walls: Vec<WallLayout>,
+    /// Layouts of static obstacles, at most 16.
+    #[serde(default)]
+    pub clutter: Vec<Clutter>,
+    /// Where episodes start and where goals are.
+    #[serde(default)]
+    pub route: Route,
+    /// The robot of all levels.
+    #[serde(default)]
+    pub robot: Robot,
+    /// The robot's LIDAR.
+    #[serde(default)]
+    pub lidar: Lidar,
+    /// Goal radius, collision range, time limit and control period of all levels.
+    #[serde(default)]
+    pub task: TaskRules,
+}
+
+fn default_side_m() -> (f32, f32) {
+    (4.0, 6.0)
+}
+
+fn default_gap_m() -> f32 {
+    0.35
+}
+
+/// A layout of inner walls.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum WallLayout {
+    /// Solid square cells at random, as in the levels of JaxNav. Cells that the robot can't reach are solid, too.
+    Cells {
+        /// Side of a cell, 0.02 to 10 m. It is increased so that the cells cover the enclosure.
+        #[serde(default = "default_solid_m")]
+        cell_m: (f32, f32),
+        /// Share of solid cells, 0 to 0.8.
+        #[serde(default = "default_solid")]
+        fill: (f32, f32),
+    },
+    /// Rooms: a wall with a door divides the enclosure, then each part, until they are too small.
+    Rooms {
+        /// Smallest side of a room between the centre lines of its walls, 0.2 to 50 m.
+        #[serde(default = "default_room_m")]
+        side_m: (f32, f32),
+        /// Width of the doors, 0.02 to 50 m. Must be more than `gap_m`.
+        #[serde(default = "default_door_m")]
+        door_m: (f32, f32),
+        /// Probability that a wall has two doors, 0 to 1.
+        #[serde(default = "default_loops")]
+        loops: (f32, f32),
+    },
+    /// A maze of straight passages. With thick walls, these are corridors between solid blocks.
+    Maze {
+        /// Width of the passages, 0.02 to 50 m. It is increased so that the maze covers the enclosure. Must be more than
+        /// `gap_m`.
+        #[serde(default = "default_passage_m")]
+        passage_m: (f32, f32),
+        /// Thickness of the walls, 0.02 to 10 m.
+        #[serde(default = "default_wall_m")]
+        wall_m: (f32, f32),
+        /// Share of the dead ends that get a second exit, 0 to 1.
+        #[serde(default = "default_loops")]
+        loops: (f32, f32),
+    },
+    /// U-shaped traps at random places, at least `gap_m` from each other and from the enclosure.
+    Traps {
+        /// Number of traps, 0 to 200. Fewer are placed if space runs out.
+        #[serde(default = "default_traps")]
+        count: (u32, u32),
+        /// Inner width, 0.02 to 50 m. Must be more than `gap_m`.
+        #[serde(default = "default_trap_m")]
+        width_m: (f32, f32),
+        /// Inner depth, 0.02 to 50 m.
+        #[serde(default = "default_trap_m")]
+        depth_m: (f32, f32),
+    },
+}
+
+fn default_solid_m() -> (f32, f32) {
+    (0.5, 0.8)
+}
+
+fn default_solid() -> (f32, f32) {
+    (0.1, 0.5)
+}
+
+fn default_room_m() -> (f32, f32) {
+    (1.2, 1.8)
+}
+
+fn default_door_m() -> (f32, f32) {
+    (0.5, 0.8)
+}
+
+fn default_loops() -> (f32, f32) {
+    (0.0, 0.6)
+}
+
+fn default_passage_m() -> (f32, f32) {
+    (0.6, 1.0)
+}
+
+fn default_wall_m() -> (f32, f32) {
+    (0.1, 0.1)
+}
+
+fn default_traps() -> (u32, u32) {
+    (1, 4)
+}
+
+fn default_trap_m() -> (f32, f32) {
+    (0.6, 1.4)
+}
+
+/// A layout of static obstacles.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Clutter {
+    /// Circles on a grid of cells, by a cellular automaton as in the BARN dataset. The first cells are filled at random. Then,
+    /// in each smoothing, a cell with at least 5 filled neighbours of 8 is filled, and one with at most 1 is emptied. Space
+    /// that the robot can't reach is filled, too.
+    Automaton {
+        /// Share of the cells that are filled at first, 0 to 0.5.
+        #[serde(default = "default_fill")]
+        fill: (f32, f32),
+        /// Number of smoothings, 0 to 10.
+        #[serde(default = "default_smoothings")]
+        smoothings: (u32, u32),
+        /// Side of a cell, which is the diameter of a circle, 0.02 to 10 m.
+        #[serde(default = "default_cell_m")]
+        cell_m: (f32, f32),
+    },
+    /// Obstacles at random positions, at least `gap_m` from each other and from all walls. Fewer are placed if space runs out.
+    Scatter {
+        /// Number of obstacles, 0 to 200.
+        count: (u32, u32),
+        /// Shapes, 1 to 16; each obstacle has one of them with equal probability. A rod is a thin rectangle.
+        shapes: Vec<RandomShape>,
+    },
+}
+
+fn default_fill() -> (f32, f32) {
+    (0.15, 0.3)
+}
+
+fn default_smoothings() -> (u32, u32) {
+    (2, 4)
+}
+
+fn default_cell_m() -> (f32, f32) {
+    (0.15, 0.15)
+}
+
+/// The starts and goals of a level.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Route {
+    /// Random starts and goals, which change with every episode. Every goal can be reached from every start.
+    Random {
+        /// Smallest distance to any surface, 0.01 to 50 m. Must be at least 0.55 `gap_m`.
+        #[serde(default = "default_clearance_m")]
+        clearance_m: f32,
+    },
+    /// From the middle of the lower side, heading along +y, to the middle of the upper side, as in the BARN dataset.
+    Across {
+        /// Depth of the strips along both sides that are kept free of clutter, 0.1 to 50 m. Start and goal are in their middle.
+        #[serde(default = "default_margin_m")]
+        margin_m: f32,
+    },
+}
+
+impl Default for Route {
+    /// Random starts and goals with a clearance of 0.25 m.
+    fn default() -> Self {
+        Self::Random { clearance_m: default_clearance_m() }
+    }
+}
+
+fn default_clearance_m() -> f32 {
+    0.25
+}
+
+fn default_margin_m() -> f32 {
+    1.0
+}
