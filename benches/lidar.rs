@@ -7,8 +7,6 @@
 mod allocator;
 #[path = "../tests/common/mod.rs"]
 mod common;
-#[path = "support/worlds.rs"]
-mod worlds;
 
 use bevy::math::Vec2;
 use bevy_rapier2d::prelude::{RapierContextColliders, RapierContextSimulation, RapierRigidBodySet};
@@ -31,6 +29,21 @@ const POSE: Pose = Pose { x_m: 0.1, y_m: -1.1, heading_rad: 0.7 };
 
 #[divan::bench(args = WORLDS)]
 fn wayfield_scan(bencher: Bencher, obstacles: &str) {
+    let mut lab = lab_after_a_step(obstacles);
+    let beams = lidar::BeamDirections::from_lidar(&Lidar { beams: BEAMS, ..Lidar::default() });
+    lab.with_physics(0, |bodies, _, colliders| {
+        let mut ranges_m = Vec::new();
+        bencher.counter(ItemsCount::new(BEAMS)).bench_local(|| {
+            let (colliders, pose) = (&colliders.colliders, black_box(&POSE));
+            lidar::cast_in_arena(colliders, bodies, pose, &beams.0, 3.5, &mut ranges_m);
+            ranges_m[0]
+        });
+    });
+}
+
+/// Without the grid over still shapes.
+#[divan::bench(args = WORLDS)]
+fn without_grid(bencher: Bencher, obstacles: &str) {
     let mut lab = lab_after_a_step(obstacles);
     let beams = lidar::BeamDirections::from_lidar(&Lidar { beams: BEAMS, ..Lidar::default() });
     lab.with_physics(0, |bodies, _, colliders| {
@@ -75,8 +88,8 @@ fn lab_after_a_step(obstacles: &str) -> Lab {
     let scenario: Scenario = match obstacles {
         "static" => common::four_cylinders(),
         "moving" => common::moving_obstacles(),
-        "barn" => worlds::barn(),
-        _ => worlds::office(),
+        "barn" => common::large_worlds::barn(),
+        _ => common::large_worlds::office(),
     };
     let mut lab = Lab::new(&scenario, 1, 1);
     lab.step(&[2]);

@@ -6,8 +6,6 @@
 mod allocator;
 #[path = "../tests/common/mod.rs"]
 mod common;
-#[path = "support/worlds.rs"]
-mod worlds;
 
 use std::sync::Arc;
 
@@ -39,16 +37,16 @@ fn moving_obstacles(bencher: Bencher, arenas: usize) {
     control_step(bencher, &common::moving_obstacles(), arenas);
 }
 
-/// 277 still circles: `worlds::barn`.
+/// 277 still circles: `large_worlds::barn`.
 #[divan::bench(args = ARENAS)]
 fn barn(bencher: Bencher, arenas: usize) {
-    control_step(bencher, &worlds::barn(), arenas);
+    control_step(bencher, &common::large_worlds::barn(), arenas);
 }
 
-/// 764 still shapes on 50 m x 50 m: `worlds::office`.
+/// 764 still shapes on 50 m x 50 m: `large_worlds::office`.
 #[divan::bench(args = ARENAS)]
 fn office(bencher: Bencher, arenas: usize) {
-    control_step(bencher, &worlds::office(), arenas);
+    control_step(bencher, &common::large_worlds::office(), arenas);
 }
 
 /// With the forward pass of the network of Table 1 (28-64-64, dueling). Its weights are untrained, which does not change the

@@ -3,15 +3,20 @@
 //! In: rapier's colliders of what never moves. Out: ranges along beams, and the shapes near a point. Arenas of the same world
 //! share one [`StillShapes`]. The results are those of a test of every shape, to the bit.
 
+use std::sync::Arc;
+
 use bevy::prelude::*;
+use bevy_rapier2d::prelude::RapierContextColliders;
 use bevy_rapier2d::rapier::geometry::{
     Ball, ColliderHandle, ColliderSet, Cuboid, Ray, Segment, Shape, SharedShape, TypedShape,
 };
 use bevy_rapier2d::rapier::math::Pose as BodyPose;
 
 use super::contact::distance_m;
+use super::physics::Bodies;
 use super::ray_cast::{MARGIN, cast_ray};
-use crate::scenario::UniformGrid;
+use crate::scenario::{Scenario, UniformGrid};
+use crate::task::ArenaLayout;
 
 /// The rounding of coordinates in a cast, relative to the coordinates.
 const ROUNDING: f32 = 1e-5;
@@ -85,11 +90,8 @@ impl StillShapes {
         if still.len() < UniformGrid::MIN_ITEMS {
             return None;
         }
-        let boxes: Vec<_> = still
-            .iter()
-            .map(|solid| solid.compute_aabb())
-            .map(|bounds| (bounds.mins, bounds.maxs))
-            .collect();
+        let boxes: Vec<_> =
+            still.iter().map(|solid| solid.compute_aabb()).map(|bounds| (bounds.mins, bounds.maxs)).collect();
         let shapes: Vec<_> =
             still.iter().map(|solid| StillShape::new(*solid.position(), solid.shared_shape())).collect();
         // As in `BeamRange`.
@@ -133,5 +135,68 @@ impl StillShapes {
                 *range_m = distance;
             }
         }
+    }
+}
+
+impl Bodies {
+    /// Tests every solid in every query from now on, which changes no result. For comparisons.
+    pub fn remove_grid(&mut self) {
+        self.set_grid(None);
+    }
+
+    /// The solids that are not in the grid, and their numbers in `solids`.
+    pub(super) fn not_in_grid(&self) -> impl Iterator<Item = (usize, ColliderHandle)> {
+        self.not_in_grid.iter().map(|&number| (number, self.solids[number]))
+    }
+
+    /// Indexes the generated obstacles, which have been replaced. The few of most scenarios stay outside the grid.
+    pub(super) fn index_generated(&mut self, colliders: &ColliderSet, max_range_m: f32) {
+        if self.generated.len() < UniformGrid::MIN_ITEMS {
+            let permanent = self.solids.iter().take_while(|solid| !self.generated.contains(solid)).count();
+            self.not_in_grid.retain(|&number| number < permanent);
+            self.not_in_grid.extend(permanent..self.solids.len());
+        } else {
+            let still = self.make_grid(colliders, max_range_m);
+            self.set_grid(still);
+        }
+    }
+
+    /// The grid over all still solids.
+    fn make_grid(&self, colliders: &ColliderSet, max_range_m: f32) -> Option<Arc<StillShapes>> {
+        let still = (0..self.solids.len()).filter(|&number| !self.moves(number));
+        StillShapes::new(colliders, still.map(|number| self.solids[number]), max_range_m).map(Arc::new)
+    }
+
+    /// Uses the grid from [`Self::make_grid`].
+    fn set_grid(&mut self, still: Option<Arc<StillShapes>>) {
+        let numbers = 0..self.solids.len();
+        self.not_in_grid = numbers.filter(|&number| still.is_none() || self.moves(number)).collect();
+        self.still = still;
+    }
+
+    fn moves(&self, number: usize) -> bool {
+        self.obstacles.get(number).is_some_and(Option::is_some)
+    }
+}
+
+/// The grids of new arenas: arenas of the same scenario share one.
+#[derive(Default)]
+pub(super) struct SharedGrids(Vec<(Arc<Scenario>, Option<Arc<StillShapes>>)>);
+
+impl SharedGrids {
+    /// Gives the bodies of `arena` the grid of the arena's scenario.
+    pub(super) fn index(&mut self, world: &World, arena: Entity, bodies: &mut Bodies) {
+        bodies.set_grid(self.grid(world, arena, bodies));
+    }
+
+    fn grid(&mut self, world: &World, arena: Entity, bodies: &Bodies) -> Option<Arc<StillShapes>> {
+        let scenario = &world.get::<ArenaLayout>(arena)?.written;
+        if let Some((_, still)) = self.0.iter().find(|(other, _)| Arc::ptr_eq(other, scenario)) {
+            return still.clone();
+        }
+        let colliders = &world.get::<RapierContextColliders>(arena)?.colliders;
+        let still = bodies.make_grid(colliders, scenario.lidar.max_range_m);
+        self.0.push((scenario.clone(), still.clone()));
+        still
     }
 }

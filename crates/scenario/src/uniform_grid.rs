@@ -41,8 +41,7 @@ impl UniformGrid {
         distance_m: impl Fn(usize, Vec2) -> f32,
     ) -> Option<Self> {
         let boxes: Vec<_> = boxes.iter().map(|(low, high)| (*low - margin_m, *high + margin_m)).collect();
-        let (low, high) =
-            boxes.iter().copied().reduce(|all, item| (all.0.min(item.0), all.1.max(item.1)))?;
+        let (low, high) = boxes.iter().copied().reduce(|all, item| (all.0.min(item.0), all.1.max(item.1)))?;
         let extent = high - low;
         if !boxes.iter().all(|(low, high)| low.is_finite() && high.is_finite()) || !extent.is_finite() {
             return None;

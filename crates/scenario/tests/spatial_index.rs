@@ -80,7 +80,8 @@ fn a_scenario_with_few_parts_or_without_finite_numbers_has_no_index() {
         rotation_rad: 0.0,
         motion: ObstacleMotion::Static,
     };
-    let mut scenario = Scenario { obstacles: (0..100).map(|k| circle(k as f32)).collect(), ..Scenario::default() };
+    let mut scenario =
+        Scenario { obstacles: (0..100).map(|k| circle(k as f32)).collect(), ..Scenario::default() };
     assert!(SpatialIndex::new(&scenario).is_some());
     scenario.obstacles[50].position_m.x = f32::NAN;
     assert!(SpatialIndex::new(&scenario).is_none());
