@@ -37,7 +37,11 @@ fn contacts_with_equal_bits(mut scenario: Scenario, steps: usize) -> usize {
         for (arena, (state, expected)) in indexed.states().iter().zip(plain.states()).enumerate() {
             let place = |pose: &Pose| bits(&[pose.x_m, pose.y_m, pose.heading_rad]);
             assert_eq!(place(&state.pose), place(&expected.pose), "step {step}, arena {arena}");
-            assert_eq!(bits(&state.scan.ranges_m), bits(&expected.scan.ranges_m), "step {step}, arena {arena}");
+            assert_eq!(
+                bits(&state.scan.ranges_m),
+                bits(&expected.scan.ranges_m),
+                "step {step}, arena {arena}"
+            );
             assert_eq!((state.goal, state.scan.touching), (expected.goal, expected.scan.touching));
         }
         contacts += indexed.outcomes().iter().filter(|outcome| outcome.collided).count();
@@ -55,7 +59,8 @@ fn a_simulation_in_a_field_of_277_circles_has_the_same_bits_with_and_without_the
 fn a_simulation_in_an_office_with_a_moving_obstacle_has_the_same_bits_with_and_without_the_index() {
     let mut office = large_worlds::office();
     // Robots start around an obstacle on patrol in the room in the middle.
-    let region = |clearance_m| PlacementRule::Within { min_m: vec2(0.3, 0.3), max_m: vec2(4.7, 4.7), clearance_m };
+    let region =
+        |clearance_m| PlacementRule::Within { min_m: vec2(0.3, 0.3), max_m: vec2(4.7, 4.7), clearance_m };
     (office.starts, office.goals) = (region(0.2), region(0.2));
     let motion = ObstacleMotion::Patrol { waypoints_m: vec![vec2(4.0, 2.5)], speed_m_s: 0.5 };
     let patrol = static_obstacle(Shape::Rectangle { width_m: 0.4, height_m: 0.2 }, vec2(1.0, 2.5), 0.3);
@@ -96,7 +101,13 @@ fn world() -> impl Strategy<Value = Scenario> {
     let enclosure = prop_oneof![Just(square), Just(Enclosure::Polygon { corners_m })];
     let obstacles = prop::collection::vec(obstacle, 45..85);
     let range = prop_oneof![Just(3.5_f32), 0.05_f32..50.0];
-    (enclosure, obstacles, prop::collection::vec(wall, 0..9), range, prop_oneof![Just(24_usize), 1_usize..200])
+    (
+        enclosure,
+        obstacles,
+        prop::collection::vec(wall, 0..9),
+        range,
+        prop_oneof![Just(24_usize), 1_usize..200],
+    )
         .prop_map(|(enclosure, obstacles, walls, max_range_m, beams)| {
             // The robots stand in a corner; only rays are cast.
             let position_m = vec2(-9.5, -9.5);

@@ -90,6 +90,7 @@ fn shorten<'a>(
 ///
 /// Parry approximates casts to capsules and polygons iteratively, to about 0.1 mm. Composed of their parts, they are as
 /// exact as casts to circles.
+#[inline(always)]
 pub(super) fn cast_ray(shape: &TypedShape, ray: &Ray, max_m: f32) -> Option<f32> {
     let nearest = |a: Option<f32>, b: Option<f32>| a.into_iter().chain(b).reduce(f32::min);
     match *shape {

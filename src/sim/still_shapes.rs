@@ -70,12 +70,13 @@ impl StillShape {
     fn cast(&self, origin: Vec2, heading: Vec2, beam: Vec2, max_m: f32) -> Option<f32> {
         let local_heading = self.position.inverse_transform_vector(heading);
         let ray = Ray::new(self.position.inverse_transform_point(origin), local_heading.rotate(beam));
-        match &self.kind {
-            Kind::Ball(ball) => cast_ray(&TypedShape::Ball(ball), &ray, max_m),
-            Kind::Cuboid(cuboid) => cast_ray(&TypedShape::Cuboid(cuboid), &ray, max_m),
-            Kind::Segment(segment) => cast_ray(&TypedShape::Segment(segment), &ray, max_m),
-            Kind::Other(shape) => cast_ray(&shape.as_typed_shape(), &ray, max_m),
-        }
+        let shape = match &self.kind {
+            Kind::Ball(ball) => TypedShape::Ball(ball),
+            Kind::Cuboid(cuboid) => TypedShape::Cuboid(cuboid),
+            Kind::Segment(segment) => TypedShape::Segment(segment),
+            Kind::Other(shape) => shape.as_typed_shape(),
+        };
+        cast_ray(&shape, &ray, max_m)
     }
 }
 
