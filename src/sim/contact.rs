@@ -69,11 +69,12 @@ impl ContactQuery<'_> {
             let max_travel_m = step_m + obstacle.map_or(0.0, |o| self.max_travel_m(o));
             self.approach(shape, obstacle, to, reach_m, max_travel_m)
         });
-        still.chain(others).reduce(f32::min)
+        others.chain(still).reduce(f32::min)
     }
 
     /// The fraction of the step after which a shape, that of an obstacle or a wall, first comes within `reach_m` of the
     /// robot's centre. Robot and obstacle together cover at most `max_travel_m`.
+    #[inline]
     fn approach(
         &self,
         (position, shape): PlacedShape,
@@ -170,6 +171,7 @@ fn placed(solid: &Collider) -> PlacedShape<'_> {
 }
 
 /// The distance from a point to a shape, in m; 0 inside the shape.
+#[inline]
 pub(super) fn distance_m(position: &BodyPose, shape: &dyn Shape, at: Vec2) -> f32 {
     let at = position.inverse_transform_point(at);
     match shape.as_typed_shape() {

@@ -34,7 +34,19 @@ pub(super) struct StillShapes {
 #[derive(Clone, Debug)]
 pub(super) struct StillShape {
     pub(super) position: BodyPose,
+    /// Whether the shape is rotated. Without a rotation, a cast needs no transformation.
+    is_rotated: bool,
     kind: Kind,
+}
+
+/// A LIDAR beam; all vectors but the origin have length 1.
+struct Beam {
+    origin: Vec2,
+    /// The robot's heading.
+    heading: Vec2,
+    /// The beam's direction in the robot's frame.
+    in_robot: Vec2,
+    direction: Vec2,
 }
 
 /// A copy of a shape: the frequent ones in place, so that a cast follows no pointers.
@@ -54,7 +66,8 @@ impl StillShape {
             TypedShape::Segment(segment) => Kind::Segment(*segment),
             _ => Kind::Other(shape.clone()),
         };
-        Self { position, kind }
+        let is_rotated = position.rotation != BodyPose::IDENTITY.rotation;
+        Self { position, is_rotated, kind }
     }
 
     pub(super) fn shape(&self) -> &dyn Shape {
@@ -66,10 +79,16 @@ impl StillShape {
         }
     }
 
-    /// The distance along `beam`, a unit vector in the robot's frame, if it is at most `max_m`.
-    fn cast(&self, origin: Vec2, heading: Vec2, beam: Vec2, max_m: f32) -> Option<f32> {
-        let local_heading = self.position.inverse_transform_vector(heading);
-        let ray = Ray::new(self.position.inverse_transform_point(origin), local_heading.rotate(beam));
+    /// The distance along a beam, if it is at most `max_m`.
+    #[inline]
+    fn cast(&self, beam: &Beam, max_m: f32) -> Option<f32> {
+        let ray = if self.is_rotated {
+            // Rounded as in casts without the grid.
+            let local_heading = self.position.inverse_transform_vector(beam.heading);
+            Ray::new(self.position.inverse_transform_point(beam.origin), local_heading.rotate(beam.in_robot))
+        } else {
+            Ray::new(beam.origin - self.position.translation, beam.direction)
+        };
         let shape = match &self.kind {
             Kind::Ball(ball) => TypedShape::Ball(ball),
             Kind::Cuboid(cuboid) => TypedShape::Cuboid(cuboid),
@@ -113,30 +132,36 @@ impl StillShapes {
     /// Shortens `ranges_m`, one per beam, to the nearest shapes. `heading` and `beams` are unit vectors; `beams` are in the
     /// robot's frame.
     pub(super) fn cast(&self, origin: Vec2, heading: Vec2, beams: &[Vec2], ranges_m: &mut [f32]) {
-        for (beam, range_m) in beams.iter().zip(ranges_m) {
-            if !self.grid.contains(origin) || *range_m > self.max_range_m {
-                self.cast_against_all(origin, heading, *beam, range_m);
-                continue;
+        let is_inside = self.grid.contains(origin);
+        for (&in_robot, range_m) in beams.iter().zip(ranges_m) {
+            let beam = Beam { origin, heading, in_robot, direction: heading.rotate(in_robot) };
+            if is_inside && *range_m <= self.max_range_m {
+                *range_m = self.cast_along_cells(&beam, *range_m);
+            } else {
+                *range_m = nearest_m(&self.shapes, &beam, *range_m);
             }
-            self.grid.walk(origin, heading.rotate(*beam), |items, exit_m| {
-                for &item in items {
-                    if let Some(distance) = self.shapes[item as usize].cast(origin, heading, *beam, *range_m)
-                    {
-                        *range_m = distance;
-                    }
-                }
-                *range_m > exit_m
-            });
         }
     }
 
-    fn cast_against_all(&self, origin: Vec2, heading: Vec2, beam: Vec2, range_m: &mut f32) {
-        for shape in &self.shapes {
-            if let Some(distance) = shape.cast(origin, heading, beam, *range_m) {
-                *range_m = distance;
-            }
-        }
+    /// The range of a beam, at most `range_m`, from the shapes in the cells that it crosses.
+    fn cast_along_cells(&self, beam: &Beam, mut range_m: f32) -> f32 {
+        // The shapes of the cell before, which are not tested again. In a crowded cell, the search would take longer.
+        let mut tested: &[u32] = &[];
+        self.grid.walk(beam.origin, beam.direction, |items, exit_m| {
+            let known = if tested.len() <= 4 { tested } else { &[] };
+            let new = items.iter().filter(|item| !known.contains(item));
+            range_m = nearest_m(new.map(|&item| &self.shapes[item as usize]), beam, range_m);
+            tested = items;
+            range_m > exit_m
+        });
+        range_m
     }
+}
+
+/// The range of a beam, at most `range_m`, from `shapes`.
+#[inline]
+fn nearest_m<'a>(shapes: impl IntoIterator<Item = &'a StillShape>, beam: &Beam, range_m: f32) -> f32 {
+    shapes.into_iter().fold(range_m, |range_m, shape| shape.cast(beam, range_m).unwrap_or(range_m))
 }
 
 impl Bodies {

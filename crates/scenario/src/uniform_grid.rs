@@ -133,7 +133,7 @@ impl UniformGrid {
     /// Walks along a ray from a point inside the grid, in a direction of length 1. Calls `visit` with the items of every cell
     /// on the way and the distance, in m, at which the ray leaves the cell. Ends when `visit` returns false, or at the border.
     #[inline]
-    pub fn walk(&self, origin: Vec2, direction: Vec2, mut visit: impl FnMut(&[u32], f32) -> bool) {
+    pub fn walk<'a>(&'a self, origin: Vec2, direction: Vec2, mut visit: impl FnMut(&'a [u32], f32) -> bool) {
         let start = (origin - self.low) * self.cells_per_m;
         let (mut column, mut row) = self.cell_at(origin);
         let (step_x, mut next_x, each_x) = self.axis(start.x, column, direction.x);
