@@ -199,13 +199,6 @@ fn the_number_of_cores_does_not_change_a_run() {
     let workspace = workspace();
     let what = "--train --scenario noisy.ron --preset fast.ron --steps 8000 --seed 3";
     workspace.run_ok(&format!("{what} --out all-cores"));
-    // The run is limited to the first core that this process may use.
-    let status = std::fs::read_to_string("/proc/self/status").unwrap();
-    let allowed = status.lines().find_map(|line| line.strip_prefix("Cpus_allowed_list:")).unwrap().trim();
-    let core = allowed.split([',', '-']).next().unwrap();
-    let mut pinned = std::process::Command::new("taskset");
-    pinned.args(["-c", core, env!("CARGO_BIN_EXE_wayfield")]).args(what.split_whitespace());
-    let done = pinned.args(["--out", "pinned"]).current_dir(workspace.path("")).output().unwrap();
-    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    workspace.run_on_one_core(&format!("{what} --out pinned"));
     workspace.assert_same_run("all-cores", "pinned");
 }

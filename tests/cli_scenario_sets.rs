@@ -50,6 +50,15 @@ fn a_run_over_a_set_resumes_bit_identically() {
     workspace.assert_same_run("straight", "again");
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn the_number_of_cores_does_not_change_a_run_over_a_set() {
+    let workspace = workspace();
+    workspace.run_ok(&format!("{TRAIN} --steps 5000 --out all-cores"));
+    workspace.run_on_one_core(&format!("{TRAIN} --steps 5000 --out pinned"));
+    workspace.assert_same_run("all-cores", "pinned");
+}
+
 #[test]
 fn every_episode_draws_its_scenario_by_the_shares() {
     let workspace = workspace();

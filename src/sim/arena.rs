@@ -9,7 +9,7 @@ use bevy::prelude::*;
 use bevy_rapier2d::prelude::{RapierContextColliders, RapierContextSimulation, RapierRigidBodySet};
 
 use super::lidar::BeamDirections;
-use super::physics::{self, Bodies};
+use super::physics::{self, ArenaBodies, Bodies, KeptBodies};
 use super::{obstacles, robot};
 use crate::control_step::Reset;
 use crate::scenario::Scenario;
@@ -35,10 +35,11 @@ pub fn spawn_arenas(world: &mut World, scenario: &Arc<Scenario>, arenas: usize, 
     world.resource_mut::<Actions>().0 = vec![0; arenas];
     world.resource_mut::<StepOutcomes>().0 = vec![StepOutcome::default(); arenas];
     let has_pool = world.contains_resource::<ScenarioPool>();
+    let (layout, bodies) = (ArenaLayout::as_written(scenario), ArenaBodies::new(scenario));
     for index in 0..arenas {
         let mut arena = world.spawn((
             Arena(index),
-            ArenaLayout::undrawn(scenario),
+            layout.clone(),
             Pose::default(),
             Twist::default(),
             (Scan::default(), SensorReadings::zeros(extra)),
@@ -46,7 +47,7 @@ pub fn spawn_arenas(world: &mut World, scenario: &Arc<Scenario>, arenas: usize, 
             Clock::default(),
             Episode { pending_reset: PendingReset::Full, ..Episode::default() },
             Streams::new(seed, index as u64),
-            physics::context(scenario),
+            physics::context(bodies.clone()),
         ));
         if has_pool {
             arena.insert(ArenaScenario::new(seed, index as u64));
@@ -162,6 +163,7 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
         ),
     )>();
     let pool = world.get_resource::<ScenarioPool>().cloned();
+    let mut kept = KeptBodies::default();
     for (arena, physics, components) in arenas.iter_mut(world) {
         let (mut bodies, mut context, mut set, mut colliders) = physics;
         let Some(state) = states.get(arena.0) else { continue };
@@ -179,9 +181,11 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
             *member = saved.clone();
         }
         let saved = pool.as_ref().zip(state.scenario.as_ref());
-        let scenario = saved.and_then(|(pool, saved)| pool.scenario(saved.choice).ok().flatten());
-        *layout = ArenaLayout::new(scenario.as_ref().unwrap_or(&layout.written), state.layout_seed);
-        physics::replace_bodies_of(&layout, &mut bodies, &mut context, &mut set, &mut colliders);
+        if let Some(saved) = saved.and_then(|(pool, saved)| pool.layout(saved.choice).ok().flatten()) {
+            *layout = saved;
+        }
+        layout.generate(state.layout_seed);
+        kept.replace(&layout, &mut bodies, &mut context, &mut set, &mut colliders);
         *pose = state.pose;
         *twist = state.twist;
         *scan = state.scan.clone();

@@ -8,6 +8,7 @@
 //! control step, [`step`] steps all contexts with one [`Pipeline`]. Poses are not copied into `Transform`s, because that would
 //! cost more than the step and lose precision. Displays read [`Pose`](crate::task::Pose).
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use bevy::math::Vec3Swizzles;
@@ -23,6 +24,7 @@ use bevy_rapier2d::rapier::prelude::{
 };
 
 use super::colliders::{enclosure_colliders, shared_shape};
+use super::still_shapes::StillShapes;
 use crate::control_step::{ControlSet, ControlStep};
 use crate::scenario::{Obstacle, ObstacleMotion, Scenario, Wall, pose_at};
 use crate::task::ArenaLayout;
@@ -46,6 +48,10 @@ pub struct Bodies {
     /// Everything that beams and the robot can hit: the obstacles in the scenario's order, then the walls, then the
     /// generated obstacles.
     pub solids: Vec<ColliderHandle>,
+    /// The still solids in a grid, if there are many.
+    pub(super) still: Option<Arc<StillShapes>>,
+    /// The numbers in `solids` of those that are not in the grid.
+    pub(super) not_in_grid: Vec<usize>,
 }
 
 /// Adds the physics step to [`ControlStep`].
@@ -53,12 +59,61 @@ pub(super) fn build(app: &mut App) {
     app.init_resource::<Pipeline>().add_systems(ControlStep, step.in_set(ControlSet::Simulate));
 }
 
-/// The components that make an arena's entity a physics context without gravity, with the bodies of `scenario`.
-pub(super) fn context(scenario: &Arc<Scenario>) -> impl Bundle {
-    let (mut set, mut colliders) = (RapierRigidBodySet::default(), RapierContextColliders::default());
-    let bodies = make_bodies(scenario, &mut set, &mut colliders);
+/// The components that make an arena's entity a physics context without gravity, with its bodies.
+pub(super) fn context(ArenaBodies { bodies, set, colliders }: ArenaBodies) -> impl Bundle {
     let configuration = RapierConfiguration { gravity: Vec2::ZERO, ..RapierConfiguration::new(1.0) };
-    (bodies, simulation(scenario.task.control_period_s), configuration, set, colliders)
+    let period_s = bodies.scenario.task.control_period_s;
+    (bodies, simulation(period_s), configuration, set, colliders)
+}
+
+/// The bodies of an arena before its first step: the same in all arenas of a scenario.
+#[derive(Clone)]
+pub(super) struct ArenaBodies {
+    bodies: Bodies,
+    set: RapierRigidBodySet,
+    colliders: RapierContextColliders,
+}
+
+impl ArenaBodies {
+    /// Makes the bodies of `scenario`.
+    pub(super) fn new(scenario: &Arc<Scenario>) -> Self {
+        let (mut set, mut colliders) = (RapierRigidBodySet::default(), RapierContextColliders::default());
+        let mut bodies = make_bodies(scenario, &mut set, &mut colliders);
+        bodies.index_permanent(&colliders.colliders, scenario.lidar.max_range_m);
+        Self { bodies, set, colliders }
+    }
+}
+
+/// The bodies of scenarios that arenas have changed to, so that they are made once: by the address of the scenario, which they
+/// keep alive.
+#[derive(Default)]
+pub(super) struct KeptBodies(HashMap<usize, ArenaBodies>);
+
+impl KeptBodies {
+    /// The most scenarios whose bodies are kept.
+    const MAX: usize = 1_024;
+
+    /// Replaces an arena's bodies if its scenario has changed. Nothing of the old ones remains, so that rapier computes the same
+    /// bits as in a new arena.
+    pub(super) fn replace(
+        &mut self,
+        layout: &ArenaLayout,
+        bodies: &mut Bodies,
+        context: &mut RapierContextSimulation,
+        set: &mut RapierRigidBodySet,
+        colliders: &mut RapierContextColliders,
+    ) {
+        if Arc::ptr_eq(&bodies.scenario, &layout.written) {
+            return;
+        }
+        if self.0.len() >= Self::MAX {
+            self.0.clear();
+        }
+        let address = Arc::as_ptr(&layout.written) as usize;
+        let new = self.0.entry(address).or_insert_with(|| ArenaBodies::new(&layout.written)).clone();
+        *context = simulation(layout.written.task.control_period_s);
+        (*bodies, *set, *colliders) = (new.bodies, new.set, new.colliders);
+    }
 }
 
 /// The components of an arena that [`replace_bodies`] reads and writes.
@@ -71,25 +126,9 @@ type Replaced = (
 );
 
 /// `Place`: replaces the bodies of every arena whose scenario has changed.
-pub(super) fn replace_bodies(mut arenas: Query<Replaced>) {
+pub(super) fn replace_bodies(mut kept: Local<KeptBodies>, mut arenas: Query<Replaced>) {
     for (layout, mut bodies, mut context, mut set, mut colliders) in &mut arenas {
-        replace_bodies_of(layout, &mut bodies, &mut context, &mut set, &mut colliders);
-    }
-}
-
-/// Replaces an arena's bodies if its scenario has changed. Nothing of the old ones remains, so that rapier computes the same
-/// bits as in a new arena.
-pub(super) fn replace_bodies_of(
-    layout: &ArenaLayout,
-    bodies: &mut Bodies,
-    context: &mut RapierContextSimulation,
-    set: &mut RapierRigidBodySet,
-    colliders: &mut RapierContextColliders,
-) {
-    if !Arc::ptr_eq(&bodies.scenario, &layout.written) {
-        *context = simulation(layout.written.task.control_period_s);
-        (*set, *colliders) = (RapierRigidBodySet::default(), RapierContextColliders::default());
-        *bodies = make_bodies(&layout.written, set, colliders);
+        kept.replace(layout, &mut bodies, &mut context, &mut set, &mut colliders);
     }
 }
 
@@ -184,7 +223,8 @@ fn make_bodies(
         let shape = ColliderBuilder::new(shared_shape(&obstacle.shape));
         (obstacles[index], solids[index]) = (Some(body), colliders.insert_with_parent(shape, body, bodies));
     }
-    Bodies { scenario: scenario.clone(), robot, obstacles, generated, solids }
+    let scenario = scenario.clone();
+    Bodies { scenario, robot, obstacles, generated, solids, still: None, not_in_grid: Vec::new() }
 }
 
 fn is_moving(obstacle: &Obstacle) -> bool {

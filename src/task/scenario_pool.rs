@@ -34,9 +34,9 @@ struct PoolMember {
 
 #[derive(Debug)]
 enum PoolSource {
-    Scenario(Arc<Scenario>),
+    Scenario(Box<ArenaLayout>),
     /// A generator, the number of levels of a training, and the levels that were used, by their seeds.
-    Levels(Box<LevelGenerator>, u32, Mutex<HashMap<u64, Arc<Scenario>>>),
+    Levels(Box<LevelGenerator>, u32, Mutex<HashMap<u64, ArenaLayout>>),
 }
 
 /// A scenario of a pool.
@@ -59,7 +59,9 @@ impl ScenarioPool {
     #[must_use]
     pub fn new(set: &ScenarioSet) -> Self {
         let source = |source: &SetSource| match source {
-            SetSource::Scenario(scenario) => PoolSource::Scenario(Arc::new(Scenario::clone(scenario))),
+            SetSource::Scenario(scenario) => {
+                PoolSource::Scenario(Box::new(ArenaLayout::as_written(&Arc::new(Scenario::clone(scenario)))))
+            }
             SetSource::Levels { generator, levels } => {
                 PoolSource::Levels(generator.clone(), *levels, Mutex::default())
             }
@@ -88,27 +90,28 @@ impl ScenarioPool {
     #[must_use]
     pub fn rules(&self, member: usize) -> TaskRules {
         match self.0.get(member).map(|member| &member.source) {
-            Some(PoolSource::Scenario(scenario)) => scenario.task.clone(),
+            Some(PoolSource::Scenario(layout)) => layout.written.task.clone(),
             Some(PoolSource::Levels(generator, ..)) => generator.task.clone(),
             None => TaskRules::default(),
         }
     }
 
-    /// A scenario; `None` if there is no such member. The same choice gives the same scenario.
+    /// A scenario, before its own generators are used; `None` if there is no such member. The same choice gives the same
+    /// scenario.
     ///
     /// # Errors
     /// The generator has no such level.
-    pub fn scenario(&self, choice: ScenarioChoice) -> Result<Option<Arc<Scenario>>, LevelError> {
+    pub fn layout(&self, choice: ScenarioChoice) -> Result<Option<ArenaLayout>, LevelError> {
         let Some(member) = self.0.get(choice.member as usize) else { return Ok(None) };
         let (generator, kept) = match &member.source {
-            PoolSource::Scenario(scenario) => return Ok(Some(scenario.clone())),
+            PoolSource::Scenario(layout) => return Ok(Some(ArenaLayout::clone(layout))),
             PoolSource::Levels(generator, _, kept) => (generator, kept),
         };
         let lock = || kept.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(level) = lock().get(&choice.level) {
             return Ok(Some(level.clone()));
         }
-        let level = Arc::new(generator.level(choice.level)?);
+        let level = ArenaLayout::as_written(&Arc::new(generator.level(choice.level)?));
         let mut kept = lock();
         if kept.len() >= MAX_KEPT_LEVELS {
             kept.clear();
@@ -187,7 +190,7 @@ impl ArenaScenario {
             PoolSource::Levels(_, levels, _) => self.choice.level < u64::from(*levels),
         };
         pool.0.get(self.choice.member as usize).filter(|member| is_trained(member))?;
-        pool.scenario(self.choice).ok()?
+        Some(pool.layout(self.choice).ok()??.written)
     }
 }
 
@@ -205,8 +208,8 @@ pub(super) fn draw_scenarios(
         if let Some(stream) = &mut scenario.stream {
             scenario.choice = pool.draw(stream);
         }
-        match pool.scenario(scenario.choice) {
-            Ok(Some(drawn)) => *layout = ArenaLayout::undrawn(&drawn),
+        match pool.layout(scenario.choice) {
+            Ok(Some(drawn)) => *layout = drawn,
             Ok(None) => {}
             Err(why) => {
                 fault.0.get_or_insert(Fault::NoLevel { arena: arena.0, step: clock.0, why });

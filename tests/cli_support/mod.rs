@@ -118,6 +118,18 @@ impl Workspace {
         done
     }
 
+    /// Runs the binary, which must succeed, on the first core that this process may use.
+    #[cfg(target_os = "linux")]
+    pub fn run_on_one_core(&self, arguments: &str) {
+        let status = fs::read_to_string("/proc/self/status").unwrap();
+        let allowed = status.lines().find_map(|line| line.strip_prefix("Cpus_allowed_list:")).unwrap().trim();
+        let core = allowed.split([',', '-']).next().unwrap();
+        let mut pinned = Command::new("taskset");
+        pinned.args(["-c", core, env!("CARGO_BIN_EXE_wayfield")]).args(arguments.split_whitespace());
+        let done = self.finish(pinned);
+        assert_eq!(done.status, Some(0), "{}", done.stderr);
+    }
+
     /// Starts the binary. [`wait_for_output`] collects its output.
     pub fn start(&self, arguments: &str) -> Child {
         let binary = self.command(arguments);

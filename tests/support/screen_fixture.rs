@@ -339,6 +339,7 @@ fn history() -> History {
             gradient_steps: n * 30,
             steps: 243,
             total_return: -180.0 + 900.0 * learnt * chance,
+            scenario: None,
             reward_goal: 250.0 * goals as f32,
             reward_collision: -200.0,
             extra_rewards: Vec::new(),

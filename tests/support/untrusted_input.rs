@@ -283,6 +283,7 @@ impl Run {
             save_policy_after: Vec::new(),
             sensors: Vec::new(),
             reward_terms: Vec::new(),
+            scenario_set: None,
             extensions: Extensions::default(),
             scenario,
             scenario_set: None,
