@@ -6,7 +6,6 @@
 use std::sync::Arc;
 
 use bevy::prelude::*;
-use bevy_rapier2d::prelude::RapierContextColliders;
 use bevy_rapier2d::rapier::geometry::{
     Ball, ColliderHandle, ColliderSet, Cuboid, Ray, Segment, Shape, SharedShape, TypedShape,
 };
@@ -15,8 +14,7 @@ use bevy_rapier2d::rapier::math::Pose as BodyPose;
 use super::contact::distance_m;
 use super::physics::Bodies;
 use super::ray_cast::{MARGIN, cast_ray};
-use crate::scenario::{Scenario, UniformGrid};
-use crate::task::ArenaLayout;
+use crate::scenario::UniformGrid;
 
 /// The rounding of coordinates in a cast, relative to the coordinates.
 const ROUNDING: f32 = 1e-5;
