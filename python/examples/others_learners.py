@@ -110,20 +110,20 @@ def learners(cleanrl: Path | None) -> list[Learner]:
     return [*rows, sb3s("SB3 SAC, defaults, continuous actions", stable_baselines3.SAC, 50_000)]
 
 
-def row(learner: Learner, scenario: str, out: Path) -> str:
+def row(learner: Learner, scenario: str, env_steps: int, out: Path) -> str:
     """Trains unless that is done, evaluates, and returns a row of the table."""
-    name = "".join(c if c.isalnum() else "-" for c in f"{scenario} {learner.name} {learner.env_steps}".lower())
+    name = "".join(c if c.isalnum() else "-" for c in f"{scenario} {learner.name} {env_steps}".lower())
     path = (out / f"{name}.policy").absolute()
     record = path.with_suffix(".json")
     if not record.exists():
         began = time.process_time()
-        learner.train(scenario, learner.env_steps, path)
+        learner.train(scenario, env_steps, path)
         record.write_text(json.dumps({"cpu_s": time.process_time() - began}))
     cpu_s = json.loads(record.read_text())["cpu_s"]
     result = wayfield.evaluate_function(learner.load(path), scenario, actions=learner.actions)
     low, high = (100 * bound for bound in result.success_interval)
     rates = f"{100 * result.success_rate:.1f} % ({low:.1f} to {high:.1f}) | {100 * result.collision_rate:.1f} %"
-    return f"| {scenario} | {learner.name} | {rates} | {learner.env_steps:,} | {cpu_s:,.0f} |"
+    return f"| {scenario} | {learner.name} | {rates} | {env_steps:,} | {cpu_s:,.0f} |"
 
 
 def main() -> None:
@@ -131,16 +131,19 @@ def main() -> None:
     parser.add_argument("--cleanrl", type=Path, help="a clone of CleanRL; without it, its row is left out")
     parser.add_argument("--out", type=Path, default=Path("others"), help="the folder of the trained policies")
     parser.add_argument("--only", default="", help="only the learners whose names contain this text")
+    parser.add_argument("--scenario", choices=SCENARIOS, help="only this scenario")
+    parser.add_argument("--env-steps", type=int, help="the budget of each training; otherwise the learner's own")
     options = parser.parse_args()
     torch.set_num_threads(1)
     options.out.mkdir(parents=True, exist_ok=True)
     versions = {"SB3": stable_baselines3.__version__, "torch": torch.__version__, "numpy": np.__version__}
     print(", ".join(f"{name} {version}" for name, version in versions.items()))
     print("| scenario | learner | success (95 %) | collisions | env steps | CPU seconds |\n|---|---|---:|---:|---:|---:|")
-    for scenario in SCENARIOS:
+    for scenario in [options.scenario] if options.scenario else SCENARIOS:
         for learner in learners(options.cleanrl):
             if options.only in learner.name:
-                print(row(learner, scenario, options.out), flush=True)
+                env_steps = options.env_steps or learner.env_steps
+                print(row(learner, scenario, env_steps, options.out), flush=True)
 
 
 if __name__ == "__main__":

@@ -1,5 +1,8 @@
 """The promises of the environments."""
 
+import copy
+import pickle
+
 import gymnasium
 import numpy as np
 import pytest
@@ -246,3 +249,34 @@ def test_gymnasiums_wrappers_work():
     envs.reset(seed=1)
     episodes = [info["episode"] for _ in range(40) for info in envs.step([2] * 4)[4] if "episode" in info]
     assert episodes and all(episode["l"] <= 30 for episode in episodes)
+
+
+@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
+def test_an_info_read_later_is_that_of_its_own_step(mode):
+    envs = gymnasium.make_vec("wayfield/Navigation-v0", num_envs=32, autoreset_mode=mode)
+    envs.reset(seed=5)
+    rng, kept = np.random.default_rng(1), []
+    for _ in range(80):
+        _, rewards, terminated, truncated, info = envs.step(rng.integers(0, 5, 32))
+        kept.append((rewards, terminated | truncated, info))
+    ends = 0
+    for rewards, done, info in kept:
+        last = info["final_info"] if "final_info" in info else info
+        terms = [np.where(done, last[name], info[name]) for name in info if name.startswith("reward_")]
+        np.testing.assert_allclose(sum(terms), rewards, rtol=1e-6, atol=1e-4)
+        ends += done.sum()
+    assert ends > 10
+
+
+@pytest.mark.parametrize(
+    "read",
+    [dict, lambda info: {**info}, lambda info: info | {}, lambda info: {} | info, lambda info: dict(info.items()), copy.copy]
+    + [copy.deepcopy, lambda info: info.copy(), lambda info: pickle.loads(pickle.dumps(info)), lambda info: dict(**info)],
+)
+def test_an_info_is_a_dict_in_every_way_of_reading_it(read):
+    envs = gymnasium.make_vec("wayfield/Navigation-v0", num_envs=4)
+    envs.reset(seed=5)
+    *_, info = envs.step(np.zeros(4, int))
+    contents = read(info)
+    assert isinstance(info, dict) and len(contents) == 12 and contents["_collision"].all()
+    assert list(contents) == list(info) and all((contents[key] == info[key]).all() for key in info)

@@ -2,12 +2,14 @@
 
 import os
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
+from ._info import StepInfo
 from ._spaces import Stepper, action_space, check_render_mode, make_native, observation_space, seed_of
 
 _NATIVE_MODES = {
@@ -24,7 +26,7 @@ class NavigationVectorEnv(VectorEnv):
     ``num_envs``. Environment k has the same results for every ``num_envs``, and with the same seed those of environment k of
     Rust's ``VecEnv``.
 
-    ``info`` holds arrays: float64 ``reward_goal``, ``reward_collision``, ``reward_attraction``, ``reward_repulsion``, bool
+    ``info`` is a dict, filled when it is first read. It holds arrays: float64 ``reward_goal``, ``reward_collision``, ``reward_attraction``, ``reward_repulsion``, bool
     ``is_success`` and ``collision``. As in Gymnasium, the mask ``_key`` says in which environments ``key`` is valid.
 
     Args:
@@ -65,8 +67,8 @@ class NavigationVectorEnv(VectorEnv):
         }
         self._mode = mode
         self._stepper = Stepper(native, num_envs, actions)
-        keys = (*native.reward_terms, "is_success", "collision")
-        self._keys = (*keys, *("_" + key for key in keys))
+        self._keys = (*native.reward_terms, "is_success", "collision")
+        self._masks = tuple("_" + key for key in self._keys)
         self._is_reset = False
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
@@ -105,17 +107,9 @@ class NavigationVectorEnv(VectorEnv):
         if not self._is_reset:
             raise RuntimeError("the environments were not reset; help: call reset() before step()")
         observations, numbers, flags, ended = self._stepper.step(actions)
-        rewards, *terms = numbers
-        terminated, truncated, success, collision, stepped = flags
-        values = (*terms, success, collision)
-        if not (ended and self._mode is AutoresetMode.SAME_STEP):
-            return observations, rewards, terminated, truncated, self._info(values, stepped)
-        done = terminated | truncated
-        info = self._info(values, ~done)
-        info["final_info"] = self._info(values, done)
-        info["final_obs"] = self._final_observations(done)
-        info["_final_obs"] = info["_final_info"] = done
-        return observations, rewards, terminated, truncated, info
+        final = self._stepper.final_observations() if ended and self._mode is AutoresetMode.SAME_STEP else None
+        info = StepInfo(partial(self._info, numbers, flags, final))
+        return observations, numbers[0], flags[0], flags[1], info
 
     def render(self) -> tuple[np.ndarray, ...] | None:
         """The picture of each environment: uint8, 720 x 960 x 3; None without ``render_mode="rgb_array"``."""
@@ -132,13 +126,20 @@ class NavigationVectorEnv(VectorEnv):
         """The state of one environment, as ``NavigationEnv.state``."""
         return self._stepper.native.state(index)
 
-    def _info(self, values: tuple[np.ndarray, ...], mask: np.ndarray) -> dict[str, Any]:
-        # One call, because it is made in every step.
-        return dict(zip(self._keys, values + (mask,) * len(values), strict=True))
-
-    def _final_observations(self, done: np.ndarray) -> np.ndarray:
-        final = np.empty(self.num_envs, dtype=object)
-        rows = self._stepper.final_observations()
+    def _info(self, numbers: np.ndarray, flags: np.ndarray, final: np.ndarray | None) -> dict[str, Any]:
+        """The info of a step; ``final`` are the observations before any reset, if an episode has ended in the mode SAME_STEP."""
+        _, *terms = numbers
+        terminated, truncated, success, collision, stepped = flags
+        values = dict(zip(self._keys, (*terms, success, collision), strict=True))
+        if final is None:
+            return values | dict.fromkeys(self._masks, stepped)
+        done = terminated | truncated
+        rows = np.empty(self.num_envs, dtype=object)
         for index in done.nonzero()[0].tolist():
-            final[index] = rows[index]
-        return final
+            rows[index] = final[index]
+        return values | dict.fromkeys(self._masks, ~done) | {
+            "final_info": values | dict.fromkeys(self._masks, done),
+            "final_obs": rows,
+            "_final_obs": done,
+            "_final_info": done,
+        }
