@@ -286,7 +286,6 @@ impl Run {
             scenario_set: None,
             extensions: Extensions::default(),
             scenario,
-            scenario_set: None,
             preset,
         };
         let learner = Learner::new(&config.preset.learning, 7, 2, 2, 1).expect("a valid configuration");
