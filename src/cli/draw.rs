@@ -1,4 +1,5 @@
-//! The mode `--draw`: a figure of a scenario, or of the learning curves of a run, as an SVG, PNG or PDF file.
+//! The mode `--draw`: a figure of a scenario, of levels of a generator, or of the learning curves of a run, as an SVG, PNG or
+//! PDF file.
 
 use std::path::{Path, PathBuf};
 
@@ -6,10 +7,16 @@ use clap::Args;
 
 use super::output::print_stdout;
 use super::shared::SharedArgs;
+use super::values;
 use crate::run::folder::RunFolder;
 use crate::run::image_file::{self, ImageFormat, ImageSize};
 use crate::run::output_file::{check_writable, is_stream};
-use crate::run::{RunError, run_image, scenario_image, shipped};
+use crate::run::shipped::Source;
+use crate::run::{RunError, run_image, scenario_image};
+use crate::scenario::LevelGenerator;
+
+/// Number of levels on a contact sheet.
+const DEFAULT_LEVELS: u64 = 12;
 
 /// The options of `--draw`.
 #[derive(Args, Debug)]
@@ -22,6 +29,10 @@ pub struct DrawArgs {
     /// Draw the scenario without its name, the legend and the axes; by default 480x360 pixels
     #[arg(long, conflicts_with = "run")]
     plain: bool,
+
+    /// The number of levels on the contact sheet of a level generator, 1 to 100, from the seed --seed on
+    #[arg(long, value_name = "N", value_parser = values::levels, conflicts_with_all = ["run", "plain"])]
+    levels: Option<u64>,
 }
 
 /// Draws the figure into `file` and prints the path, unless the figure itself goes to a device or a pipe.
@@ -33,7 +44,7 @@ pub fn run(file: &Path, args: &DrawArgs, shared: &SharedArgs) -> Result<(), RunE
     check_writable(file)?;
     let svg = match &args.run {
         Some(folder) => run_figure(folder)?,
-        None => scenario_figure(shared, args.plain)?,
+        None => scenario_figure(args, shared)?,
     };
     let own = if args.plain { ImageSize::Screen } else { ImageSize::Print };
     let size = shared.size.map_or(own, |(width, height)| ImageSize::Pixels(width.into(), height.into()));
@@ -49,10 +60,38 @@ fn run_figure(folder: &Path) -> Result<String, RunError> {
     run_image::figure(&folder, &config)
 }
 
-fn scenario_figure(shared: &SharedArgs, is_plain: bool) -> Result<String, RunError> {
+fn scenario_figure(args: &DrawArgs, shared: &SharedArgs) -> Result<String, RunError> {
     let name = shared.scenario();
-    let mut scenario = shipped::scenario(name)?;
-    shared.settings().apply_to_scenario(&mut scenario)?;
-    let draw = if is_plain { scenario_image::thumbnail } else { scenario_image::figure };
-    draw(&scenario).map_err(|error| RunError::failed(Path::new(name), error))
+    let seed = args.levels.map(|_| "--levels").or(shared.seed.map(|_| "--seed"));
+    match (Source::load(name)?, seed) {
+        (Source::Levels(generator), _) if !args.plain => contact_sheet(&generator, args, shared),
+        (Source::Scenario(_), Some(flag)) => Err(RunError::invalid_input(
+            Path::new(name),
+            format!("is a scenario, and {flag} is for level generators; help: leave it out"),
+        )),
+        (source, _) => {
+            let mut scenario = source.into_scenario(name)?;
+            shared.settings().apply_to_scenario(&mut scenario)?;
+            let draw = if args.plain { scenario_image::thumbnail } else { scenario_image::figure };
+            draw(&scenario).map_err(|error| RunError::failed(Path::new(name), error))
+        }
+    }
+}
+
+/// The figure of levels with consecutive seeds.
+fn contact_sheet(
+    generator: &LevelGenerator,
+    args: &DrawArgs,
+    shared: &SharedArgs,
+) -> Result<String, RunError> {
+    let path = Path::new(shared.scenario());
+    let mut levels = Vec::new();
+    for k in 0..args.levels.unwrap_or(DEFAULT_LEVELS) {
+        let seed = shared.seed().saturating_add(k);
+        let level = generator.level(seed);
+        let mut level = level.map_err(|error| RunError::invalid_input(path, error))?;
+        shared.settings().apply_to_scenario(&mut level)?;
+        levels.push(level);
+    }
+    scenario_image::contact_sheet(&generator.name, &levels).map_err(|error| RunError::failed(path, error))
 }

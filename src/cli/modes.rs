@@ -37,7 +37,8 @@ pub struct ModeArgs {
     #[arg(long, value_name = "PATH", num_args = 1..)]
     pub check: Vec<PathBuf>,
 
-    /// Draw a scenario from above, or with --run the learning curves of a run, into an SVG, PNG or PDF file
+    /// Draw a scenario from above, levels of a level generator, or with --run the learning curves of a run, into an SVG,
+    /// PNG or PDF file
     #[arg(long, value_name = "FILE")]
     pub draw: Option<PathBuf>,
 
@@ -56,7 +57,7 @@ const MODES: &[(&str, &[&str])] = &[
     ("export", &["ExportArgs"]),
     ("reproduce", &["set", "out", "json", "ReproduceArgs"]),
     ("check", &["json"]),
-    ("draw", &["scenario", "set", "size", "DrawArgs"]),
+    ("draw", &["scenario", "set", "seed", "size", "DrawArgs"]),
     #[cfg(feature = "gui")]
     ("replay", &[]),
 ];
