@@ -541,6 +541,44 @@ fn an_arm_can_be_tested_with_its_best_policy() {
     assert!(workspace.text("best/tables/t.md").contains("fast"));
 }
 
+#[test]
+fn arms_can_be_compared_before_their_first_step_and_right_after_a_transfer() {
+    let workspace = workspace();
+    workspace.write("fast.ron", quick_fast());
+    let text = r#"(
+        title: "Starts",
+        seeds: 2,
+        test: (rounds: 1, episodes: 4),
+        arms: [
+            (name: "scratch", stages: [(scenario: "empty", preset: "fast.ron", budget: EnvSteps(1600))]),
+            (name: "transferred", stages: [
+                (scenario: "empty", preset: "fast.ron", budget: EnvSteps(1600)),
+                (scenario: "scenario-1", preset: "fast.ron", budget: EnvSteps(1600), epsilon: 0.5),
+            ]),
+        ],
+        tables: [(
+            name: "start",
+            title: "Start",
+            show: Contrast(measures: [Success, SuccessRate], better: "transferred", than: "scratch", after: [EnvSteps(0)], of_last_stage: true),
+            claims: [(statement: "A jump start", measure: SuccessRate, better: "transferred", than: "scratch", after: EnvSteps(0), of_last_stage: true)],
+        )],
+    )"#;
+    workspace.write("starts.ron", text);
+    workspace.run_ok("--reproduce --experiment starts.ron --out starts");
+    let page = workspace.text("starts/README.md");
+    let claim = "Success in evaluations during training after 0 env steps of the last stage: transferred ";
+    assert!(page.contains(claim), "{page}");
+    let runs = fs::read_dir(workspace.path("starts/runs")).unwrap().map(|run| run.unwrap().path());
+    let initial = runs.filter(|run| run.join("policy-after-0-env-steps.safetensors").exists());
+    assert_eq!(initial.count(), 4, "of two seeds, from scratch and after the transfer");
+
+    workspace.write("starts.ron", text.replace("[Success, SuccessRate]", "[Success, Return]"));
+    let done = workspace.run("--check starts.ron");
+    assert_eq!(done.status, Some(2), "{}", done.stderr);
+    let problem = "is 0, where no episode has ended, so that \"Return\" has no value; help: give at least 1";
+    assert!(done.stderr.contains(problem), "{}", done.stderr);
+}
+
 /// A user's experiment over env steps: arms with different numbers of arenas, chosen seeds, a success rate, and an arm whose
 /// runs were trained elsewhere.
 const OVER_STEPS: &str = r#"(
@@ -561,12 +599,16 @@ const OVER_STEPS: &str = r#"(
             claims: [
                 (statement: "Sixteen is better", measure: Return, better: "sixteen", than: "one", after: EnvSteps(1500)),
                 (statement: "It succeeds", measure: Success, better: "sixteen", than: "one", after: EnvSteps(1500)),
+                (statement: "It succeeds while it learns", measure: SuccessRate, better: "sixteen", than: "one", after: EnvSteps(1500)),
+                (statement: "It begins better", measure: SuccessRate, better: "sixteen", than: "one", after: EnvSteps(0)),
             ],
         ),
         (name: "dots", title: "Dots", draw: DotPlot(measures: [Success, Return])),
     ],
     tables: [
         (name: "ends", title: "Ends", show: Seeds(measure: Success)),
+        (name: "beginnings", title: "Beginnings", show: Seeds(measure: SuccessRate, after: EnvSteps(0))),
+        (name: "rates", title: "Rates", show: Seeds(measure: SuccessRate, after: EnvSteps(1500))),
         (
             name: "steps",
             title: "Steps",
@@ -609,6 +651,9 @@ fn arms_are_compared_over_env_steps_and_with_runs_that_were_trained_elsewhere() 
         "n = 2 says little: a 95 % interval is 12.7 standard errors",
         "Over env steps, because the trainings differ in the number of arenas.",
         "Return after 1,500 env steps (mean of the last 10 episodes): sixteen ",
+        "Success in evaluations during training after 1,500 env steps: sixteen ",
+        "Success in evaluations during training after 0 env steps: sixteen ",
+        "Claims about \"Success\" are about the test after the training",
         "(paired by seed)",
         "Equal data (means over the seeds): one 2,000 env steps in ",
         "| Seed 3 | Seed 17 |",
@@ -625,13 +670,21 @@ fn arms_are_compared_over_env_steps_and_with_runs_that_were_trained_elsewhere() 
     assert!(curves.contains("Success in evaluations during training") && curves.contains("env steps"));
 
     // The same training here and elsewhere gives the same policy.
-    let ends: Vec<_> = csv::Reader::from_path(workspace.path("report/tables/ends.csv"))
-        .unwrap()
-        .into_records()
-        .map(Result::unwrap)
-        .collect();
+    let rows = |path: &str| -> Vec<csv::StringRecord> {
+        csv::Reader::from_path(workspace.path(path)).unwrap().into_records().map(Result::unwrap).collect()
+    };
+    let ends = rows("report/tables/ends.csv");
     let values = |row: usize| ends[row].iter().skip(1).map(str::to_owned).collect::<Vec<_>>();
     assert_eq!(values(0), values(2), "one, and elsewhere");
+
+    // A claim below the curve has the curve's numbers: those of the evaluations.
+    for (table, env_steps) in [("beginnings", "0"), ("rates", "1500")] {
+        let evaluations = rows("mine/runs/a/evaluations.csv");
+        let evaluation = evaluations.iter().find(|row| &row[0] == env_steps).unwrap();
+        let rate: f64 = evaluation[3].parse().unwrap();
+        let shown: f64 = rows(&format!("report/tables/{table}.csv"))[2][1].parse().unwrap();
+        assert_eq!(shown, 100.0 * rate, "{table}");
+    }
 
     // Other seeds on the command line.
     let json =

@@ -48,6 +48,14 @@ pub fn detached<T: Send>(py: Python<'_>, work: impl FnOnce() -> PyResult<T> + Se
     py.detach(|| catch_unwind(AssertUnwindSafe(work))).unwrap_or_else(|panic| Err(internal_error(&*panic)))
 }
 
+/// The exception of Ctrl-C, if it was pressed. For code that runs without the GIL.
+pub fn check_ctrl_c() -> PyResult<()> {
+    Python::attach(|py| {
+        py.check_signals()?;
+        Ok(())
+    })
+}
+
 fn internal_error(panic: &(dyn Any + Send)) -> PyErr {
     let text = panic.downcast_ref::<&str>().copied();
     let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str)).unwrap_or("unknown");

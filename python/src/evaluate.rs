@@ -1,5 +1,7 @@
-//! Evaluations: a policy tested over episodes, as by `wayfield --eval`.
+//! Evaluations: policies tested over episodes, as by `wayfield --eval`.
 
+use std::io;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
@@ -12,12 +14,13 @@ use wayfield::run::evaluate::{
     EpisodeRecord, EpisodeResult, Evaluation, Evaluator, OptimumComparison, bounds as step_bounds,
     shortest_paths_m,
 };
-use wayfield::run::policy_card;
-use wayfield::scenario::Scenario;
+use wayfield::run::output_file::{Sink, check_writable, write_atomic};
+use wayfield::run::{RunError, policy_card};
+use wayfield::scenario::{Scenario, to_ron};
 use wayfield::task::EpisodeSetup;
 
 use crate::env_options::{self, scenario as find_scenario};
-use crate::errors::{detached, run_error, setting_errors};
+use crate::errors::{check_ctrl_c, detached, run_error, setting_errors};
 use crate::policy::NativePolicy;
 
 /// The control steps between two checks for Ctrl-C.
@@ -30,6 +33,7 @@ const PLANNED_AT_ONCE: usize = 50;
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct EvaluateOptions {
+    names: Vec<String>,
     scenario: Option<String>,
     settings: Vec<(String, String)>,
     seed: u64,
@@ -37,25 +41,44 @@ pub struct EvaluateOptions {
     rounds: u64,
     benchmark_route: bool,
     optimum: bool,
+    trace: Option<PathBuf>,
 }
 
-/// What the Python layer gets, as JSON.
+/// What the Python layer gets for a policy, as JSON.
 #[derive(Serialize)]
 struct Report {
     scenario: String,
     warning: Option<String>,
     #[serde(flatten)]
     evaluation: Evaluation,
+    spl: f64,
     optimum_mean_time_s: Option<f64>,
     time_ratio: Option<f64>,
     records: Vec<EpisodeRecord>,
 }
 
-/// Tests `policy`. Returns the report as JSON.
+/// An evaluation that is ready to run.
+struct Test<'a> {
+    policies: &'a [(String, Policy)],
+    scenario: Arc<Scenario>,
+    setup: EpisodeSetup,
+    seed: u64,
+    count: usize,
+    per_round: usize,
+    optimum: bool,
+}
+
+/// What the planner knows about the episodes.
+struct References {
+    shortest_m: Vec<f64>,
+    bounds: Vec<StepBounds>,
+}
+
+/// Tests `policies` in the same episodes. Returns a list of reports as JSON.
 #[pyfunction]
 pub fn evaluate(
     py: Python<'_>,
-    policy: PyRef<'_, NativePolicy>,
+    policies: Vec<PyRef<'_, NativePolicy>>,
     options: EvaluateOptions,
 ) -> PyResult<String> {
     let count = options.episodes.saturating_mul(options.rounds);
@@ -65,77 +88,175 @@ pub fn evaluate(
             options.episodes, options.rounds
         )));
     }
-    let policy = &policy.policy;
-    let mut scenario = match &options.scenario {
-        Some(wanted) => find_scenario(wanted)?,
-        None => own_scenario(policy)?,
-    };
-    let settings = env_options::settings(options.settings);
-    settings.apply_to_scenario(&mut scenario).map_err(setting_errors)?;
-    let scenario = Arc::new(scenario);
+    let policies = named(&options.names, &policies);
+    let scenario = Arc::new(scenario(options.scenario.as_deref(), options.settings, &policies)?);
     let setup = if options.benchmark_route { route(&scenario)? } else { EpisodeSetup::Random };
-    let (seed, per_round, optimum) = (options.seed, options.episodes as usize, options.optimum);
+    let EvaluateOptions { seed, optimum, trace, episodes, .. } = options;
     detached(py, || {
-        let results = run(policy, &scenario, seed, count as usize, setup)?;
-        let (shortest_m, bounds) = plan(&scenario, &results, optimum)?;
-        let comparison = OptimumComparison::from_episodes(&results, &bounds, &scenario.task);
-        let records = results.iter().zip(&shortest_m).enumerate().map(|(index, (episode, shortest_m))| {
-            EpisodeRecord::new("", index + 1, episode, &scenario, *shortest_m, bounds.get(index).copied())
+        let (count, per_round) = (count as usize, episodes as usize);
+        let test = Test { policies: &policies, scenario, setup, seed, count, per_round, optimum };
+        let reports = match &trace {
+            Some(path) => test.traced(path),
+            None => test.run(None),
+        };
+        serde_json::to_string(&reports?).map_err(|error| PyRuntimeError::new_err(error.to_string()))
+    })
+}
+
+/// The RON text of the scenario in which `policies` are tested, with all settings.
+#[pyfunction]
+pub fn evaluation_scenario(
+    policies: Vec<PyRef<'_, NativePolicy>>,
+    names: Vec<String>,
+    wanted: Option<&str>,
+    settings: Vec<(String, String)>,
+) -> PyResult<String> {
+    let scenario = scenario(wanted, settings, &named(&names, &policies))?;
+    to_ron(&scenario).map_err(|error| PyRuntimeError::new_err(error.to_string()))
+}
+
+fn named(names: &[String], policies: &[PyRef<'_, NativePolicy>]) -> Vec<(String, Policy)> {
+    names.iter().cloned().zip(policies.iter().map(|policy| policy.policy.clone())).collect()
+}
+
+/// The scenario `wanted`, or else the one that all policies were trained in, changed by settings.
+fn scenario(
+    wanted: Option<&str>,
+    settings: Vec<(String, String)>,
+    policies: &[(String, Policy)],
+) -> PyResult<Scenario> {
+    let mut scenario = match wanted {
+        Some(wanted) => find_scenario(wanted)?,
+        None => policy_card::common_scenario(policies.iter().map(|(name, policy)| (name.as_str(), policy)))
+            .map_err(run_error)?,
+    };
+    env_options::settings(settings).apply_to_scenario(&mut scenario).map_err(setting_errors)?;
+    Ok(scenario)
+}
+
+impl Test<'_> {
+    /// Tests all policies, and writes every control step to the file at `path`, which appears when all are tested.
+    fn traced(&self, path: &Path) -> PyResult<Vec<Report>> {
+        check_writable(path).map_err(run_error)?;
+        let mut done = None;
+        let written = write_atomic(path, |sink| {
+            let result = done.insert(self.run(Some(sink)));
+            // The error that matters is in `done`; this one keeps the old file.
+            if result.is_ok() { Ok(()) } else { Err(io::Error::other("the test has failed")) }
         });
-        let report = Report {
+        match (written, done) {
+            (_, Some(Err(error))) => Err(error),
+            (Ok(()), Some(reports)) => reports,
+            (Err(error), _) => Err(run_error(RunError::not_written(path, &error))),
+            (Ok(()), None) => Err(PyRuntimeError::new_err("no test was run")),
+        }
+    }
+
+    fn run(&self, mut trace: Option<&mut Sink<'_>>) -> PyResult<Vec<Report>> {
+        // A trace has one episode after the other. The number of parallel episodes changes no result.
+        let parallel = if trace.is_some() { 1 } else { self.count };
+        let mut evaluator = Evaluator::new(&self.scenario, parallel).measuring_paths();
+        let mut references = None;
+        let mut reports = Vec::new();
+        for (name, policy) in self.policies {
+            let episodes = match &mut trace {
+                Some(trace) => self.traced_episodes(&mut evaluator, name, policy, trace)?,
+                None => self.episodes(&mut evaluator, policy)?,
+            };
+            // They are the same for every policy.
+            let references = match &mut references {
+                Some(references) => references,
+                none => none.insert(self.plan(&episodes)?),
+            };
+            reports.push(self.report(policy, &episodes, references)?);
+        }
+        Ok(reports)
+    }
+
+    fn episodes(&self, evaluator: &mut Evaluator, policy: &Policy) -> PyResult<Vec<EpisodeResult>> {
+        let mut run = evaluator.start(policy, self.seed, self.count, self.setup).map_err(run_error)?;
+        loop {
+            for _ in 0..STEPS_BETWEEN_SIGNALS {
+                if evaluator.step(&mut run).map_err(run_error)? {
+                    return Ok(run.episodes);
+                }
+            }
+            check_ctrl_c()?;
+        }
+    }
+
+    fn traced_episodes(
+        &self,
+        evaluator: &mut Evaluator,
+        name: &str,
+        policy: &Policy,
+        trace: &mut Sink<'_>,
+    ) -> PyResult<Vec<EpisodeResult>> {
+        let result = evaluator.run_traced(policy, self.seed, self.count, self.setup, |step| {
+            if step.step % STEPS_BETWEEN_SIGNALS == 0 {
+                check_ctrl_c().map_err(TraceError::Raised)?;
+            }
+            step.write_line(name, &mut *trace).map_err(TraceError::Unwritable)
+        });
+        result.map_err(|error| match error {
+            TraceError::Run(error) => run_error(error),
+            TraceError::Raised(error) => error,
+            TraceError::Unwritable(error) => {
+                PyRuntimeError::new_err(format!("the trace can't be written: {error}"))
+            }
+        })
+    }
+
+    /// The shortest path of each episode in m; if wanted, also the bounds on its optimal time.
+    fn plan(&self, episodes: &[EpisodeResult]) -> PyResult<References> {
+        let mut references = References { shortest_m: Vec::new(), bounds: Vec::new() };
+        for some in episodes.chunks(PLANNED_AT_ONCE) {
+            check_ctrl_c()?;
+            references.shortest_m.extend(shortest_paths_m(&self.scenario, some, 0));
+            if self.optimum {
+                references.bounds.extend(step_bounds(&self.scenario, some, 0));
+            }
+        }
+        Ok(references)
+    }
+
+    fn report(
+        &self,
+        policy: &Policy,
+        episodes: &[EpisodeResult],
+        references: &References,
+    ) -> PyResult<Report> {
+        let Self { scenario, seed, per_round, .. } = self;
+        let References { shortest_m, bounds } = references;
+        let comparison = OptimumComparison::from_episodes(episodes, bounds, &scenario.task);
+        let each = || episodes.iter().zip(shortest_m);
+        let records = each().enumerate().map(|(index, (episode, &shortest_m))| {
+            EpisodeRecord::new("", index + 1, episode, scenario, shortest_m, bounds.get(index).copied())
+        });
+        let spl: f64 = each().filter_map(|(episode, &shortest_m)| episode.spl(shortest_m)).sum();
+        Ok(Report {
             scenario: scenario.name.clone(),
-            warning: policy_card::warning(policy, &scenario).map_err(run_error)?,
-            evaluation: Evaluation::from_episodes(&results, per_round, &scenario.task, seed),
+            warning: policy_card::warning(policy, scenario).map_err(run_error)?,
+            evaluation: Evaluation::from_episodes(episodes, *per_round, &scenario.task, *seed),
+            spl: spl / episodes.len() as f64,
             optimum_mean_time_s: comparison.as_ref().map(|c| c.optimum_mean_time_s),
             time_ratio: comparison.as_ref().map(|c| c.time_ratio),
             records: records.collect(),
-        };
-        serde_json::to_string(&report).map_err(|error| PyRuntimeError::new_err(error.to_string()))
-    })
-}
-
-/// The results of `count` episodes.
-fn run(
-    policy: &Policy,
-    scenario: &Arc<Scenario>,
-    seed: u64,
-    count: usize,
-    setup: EpisodeSetup,
-) -> PyResult<Vec<EpisodeResult>> {
-    let mut evaluator = Evaluator::new(scenario, count).measuring_paths();
-    let mut run = evaluator.start(policy, seed, count, setup).map_err(run_error)?;
-    loop {
-        for _ in 0..STEPS_BETWEEN_SIGNALS {
-            if evaluator.step(&mut run).map_err(run_error)? {
-                return Ok(run.episodes);
-            }
-        }
-        check_ctrl_c()?;
+        })
     }
 }
 
-/// The shortest path of each episode in m; with `optimum` also the bounds on its optimal time.
-fn plan(
-    scenario: &Scenario,
-    results: &[EpisodeResult],
-    optimum: bool,
-) -> PyResult<(Vec<f64>, Vec<StepBounds>)> {
-    let (mut shortest_m, mut bounds) = (Vec::new(), Vec::new());
-    for some in results.chunks(PLANNED_AT_ONCE) {
-        check_ctrl_c()?;
-        shortest_m.extend(shortest_paths_m(scenario, some, 0));
-        if optimum {
-            bounds.extend(step_bounds(scenario, some, 0));
-        }
-    }
-    Ok((shortest_m, bounds))
+/// The reason why a trace ended early.
+enum TraceError {
+    Run(RunError),
+    Raised(PyErr),
+    Unwritable(io::Error),
 }
 
-fn check_ctrl_c() -> PyResult<()> {
-    Python::attach(|py| {
-        py.check_signals()?;
-        Ok(())
-    })
+impl From<RunError> for TraceError {
+    fn from(error: RunError) -> Self {
+        Self::Run(error)
+    }
 }
 
 /// The scenario's benchmark route in every episode.
@@ -147,12 +268,4 @@ fn route(scenario: &Scenario) -> PyResult<EpisodeSetup> {
             scenario.name
         ))
     })
-}
-
-/// The scenario that `policy` was trained in, or Scenario I for a policy without a card.
-fn own_scenario(policy: &Policy) -> PyResult<Scenario> {
-    match policy_card::own_scenario(policy).map_err(run_error)? {
-        Some(scenario) => Ok(scenario),
-        None => find_scenario("scenario-1"),
-    }
 }

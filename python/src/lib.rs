@@ -8,6 +8,7 @@
 //! |---|---|
 //! | `env.rs` | environments |
 //! | `env_options.rs` | the options of an environment |
+//! | `cluster.rs` | trainings as tasks for other machines |
 //! | `benchmark.rs` | steps without Python, for comparison |
 //! | `policy.rs` | policies |
 //! | `train.rs` | training runs |
@@ -16,6 +17,7 @@
 //! | `errors.rs` | exceptions |
 
 mod benchmark;
+mod cluster;
 mod env;
 mod env_options;
 mod errors;
@@ -36,13 +38,15 @@ mod _native {
     #[pymodule_export]
     use super::benchmark::benchmark;
     #[pymodule_export]
+    use super::cluster::{NativeReport, build, is_task_done, run_task};
+    #[pymodule_export]
     use super::env::NativeEnv;
     #[pymodule_export]
-    use super::evaluate::evaluate;
+    use super::evaluate::{evaluate, evaluation_scenario};
     #[pymodule_export]
     use super::files::{check, draw, main, presets, scenario_text, scenarios, version};
     #[pymodule_export]
     use super::policy::NativePolicy;
     #[pymodule_export]
-    use super::train::{resume, train};
+    use super::train::{resume, train, training_task};
 }

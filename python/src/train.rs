@@ -8,12 +8,14 @@ use std::time::{Duration, Instant};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict};
+use wayfield::reproduce::TrainingTask;
 use wayfield::run::folder::{RunConfig, Transfer};
 use wayfield::run::preset::Budget;
 use wayfield::run::progress::{Progress, ProgressListener};
 use wayfield::run::train::{Job, train as run_job};
 use wayfield::simulation::Extensions;
 
+use crate::cluster::{TaskRecord, json};
 use crate::env_options::{is_text, preset, scenario, settings};
 use crate::errors::{detached, run_error, setting_errors};
 use crate::policy::NativePolicy;
@@ -64,6 +66,13 @@ pub fn resume(
 ) -> PyResult<(PathBuf, String)> {
     let budget = budget(steps, episodes);
     run(py, Job::Resume { folder, budget, extensions: Extensions::default() }, callback, checkpoint_every_s)
+}
+
+/// The task of a new run, as JSON. Its policy to start from is the file `init_from`, relative to the folder of all runs.
+#[pyfunction]
+pub fn training_task(options: TrainOptions, transfers: bool) -> PyResult<String> {
+    let task = TrainingTask::new(config(options, transfers)?).map_err(run_error)?;
+    json(&TaskRecord::try_from(&task)?)
 }
 
 fn budget(steps: Option<u64>, episodes: Option<u64>) -> Option<Budget> {
@@ -122,7 +131,7 @@ fn run(
 }
 
 /// Passes the progress to `callback` and checks for Ctrl-C, every 0.1 s.
-fn listener(
+pub fn listener(
     callback: Option<Py<PyAny>>,
     stop: Arc<AtomicBool>,
     raised: Arc<Mutex<Option<PyErr>>>,

@@ -77,6 +77,37 @@ def test_an_evaluation_has_the_numbers_of_the_command_line(run, scenario):
     assert float(first.split(",")[header.split(",").index("goal_x_m")]) == pytest.approx(ours.episodes["goal_x_m"][0])
 
 
+def test_several_policies_drive_the_same_episodes(run):
+    shipped = wayfield.Policy.load("scenario-1")
+    printed = cli("--eval", "scenario-1", run.folder / "policy.safetensors", "--episodes", 10, "--rounds", 2)["policies"]
+    ours = wayfield.evaluate([shipped, run.folder / "policy.safetensors"], episodes=10, rounds=2)
+    for result, expected in zip(ours, printed, strict=True):
+        assert (result.success_rate, result.mean_cost_s, result.spl) == (
+            expected["success_rate"],
+            expected["mean_cost_s"],
+            expected["spl"],
+        )
+    assert (ours[0].episodes["start_x_m"] == ours[1].episodes["start_x_m"]).all()
+    with pytest.raises(ValueError, match="so that they drive the same episodes"):
+        wayfield.evaluate(["scenario-1", "scenario-2"], episodes=1, rounds=1)
+    with pytest.raises(ValueError, match="the list of policies is empty; help:"):
+        wayfield.evaluate([])
+
+
+def test_a_trace_is_that_of_the_command_line(run, tmp_path):
+    policies = ["scenario-1", str(run.folder / "policy.safetensors")]
+    cli("--eval", *policies, "--seed", 3, "--episodes", 2, "--rounds", 1, "--trace", tmp_path / "cli.jsonl")
+    options = {"seed": 3, "episodes": 2, "rounds": 1}
+    traced = wayfield.evaluate(policies, trace=tmp_path / "python.jsonl", **options)
+    assert (tmp_path / "python.jsonl").read_bytes() == (tmp_path / "cli.jsonl").read_bytes()
+    assert traced[1].mean_cost_s == wayfield.evaluate(policies[1], **options).mean_cost_s
+    with pytest.raises(ValueError, match="can't be written: the folder .* help: create it"):
+        wayfield.evaluate("scenario-1", trace=tmp_path / "no/such.jsonl", **options)
+    with pytest.raises(ValueError, match="gives 12 numbers .* help:"):
+        wayfield.evaluate("scenario-1", '(name: "x", lidar: (beams: 8))', trace=tmp_path / "python.jsonl", **options)
+    assert (tmp_path / "python.jsonl").read_bytes() == (tmp_path / "cli.jsonl").read_bytes(), "a failure keeps the file"
+
+
 def test_an_evaluation_can_be_compared_with_the_optimum(run):
     result = wayfield.evaluate(run.policy, episodes=5, rounds=1, optimum=True)
     assert 0.9 < result.time_ratio < 2 and result.optimum_mean_time_s > 0
@@ -250,7 +281,7 @@ def test_the_stub_lists_the_native_module():
     stub = ast.parse((Path(wayfield.__file__).parent / "_native.pyi").read_text())
     listed = {node.name: node for node in stub.body if isinstance(node, (ast.ClassDef, ast.FunctionDef))}
     assert set(listed) == {name for name in dir(_native) if not name.startswith("_")}
-    for name in ("NativeEnv", "NativePolicy"):
+    for name in ("NativeEnv", "NativePolicy", "NativeReport"):
         members = {node.name for node in listed[name].body if isinstance(node, ast.FunctionDef)}
         members |= {node.target.id for node in listed[name].body if isinstance(node, ast.AnnAssign)}
         native = {member for member in vars(getattr(_native, name)) if not member.startswith("__")}

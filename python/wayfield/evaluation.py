@@ -3,9 +3,9 @@
 import json
 import os
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 
@@ -13,6 +13,8 @@ from . import _native
 from ._frames import columns, to_frame
 from ._settings import pairs
 from .policy import Policy
+
+_PolicyLike = Policy | str | os.PathLike[str]
 
 
 @dataclass(frozen=True)
@@ -24,6 +26,7 @@ class Evaluation:
         success_rate, collision_rate, timeout_rate: Shares of the episodes, 0 to 1.
         success_interval, collision_interval, timeout_interval: Their 95 % confidence intervals.
         mean_time_s: The mean simulated time of the successful episodes in s; None without one.
+        spl: The mean success weighted by path length, 0 to 1.
         mean_cost_s: The mean of all, in which a failed episode counts as the whole time limit.
         optimum_mean_time_s, time_ratio: With ``optimum=True``, the mean time of the planner, and the policy's divided by it.
         seed: The seed of starts and goals.
@@ -40,6 +43,7 @@ class Evaluation:
     timeout_interval: tuple[float, float]
     mean_time_s: float | None
     mean_cost_s: float
+    spl: float
     optimum_mean_time_s: float | None
     time_ratio: float | None
     seed: int
@@ -55,8 +59,9 @@ class Evaluation:
         return to_frame(self.episodes)
 
 
+@overload
 def evaluate(
-    policy: Policy | str | os.PathLike[str],
+    policy: _PolicyLike,
     scenario: str | os.PathLike[str] | None = None,
     *,
     set: Mapping[str, Any] | None = None,
@@ -65,28 +70,96 @@ def evaluate(
     seed: int = 0,
     benchmark_route: bool = False,
     optimum: bool = False,
-) -> Evaluation:
-    """Tests a policy over ``rounds * episodes`` episodes, as ``wayfield --eval``.
+    trace: str | os.PathLike[str] | None = None,
+) -> Evaluation: ...
+@overload
+def evaluate(
+    policy: list[_PolicyLike] | tuple[_PolicyLike, ...],
+    scenario: str | os.PathLike[str] | None = None,
+    *,
+    set: Mapping[str, Any] | None = None,
+    episodes: int = 100,
+    rounds: int = 5,
+    seed: int = 0,
+    benchmark_route: bool = False,
+    optimum: bool = False,
+    trace: str | os.PathLike[str] | None = None,
+) -> list[Evaluation]: ...
+def evaluate(
+    policy: _PolicyLike | list[_PolicyLike] | tuple[_PolicyLike, ...],
+    scenario: str | os.PathLike[str] | None = None,
+    *,
+    set: Mapping[str, Any] | None = None,
+    episodes: int = 100,
+    rounds: int = 5,
+    seed: int = 0,
+    benchmark_route: bool = False,
+    optimum: bool = False,
+    trace: str | os.PathLike[str] | None = None,
+) -> Evaluation | list[Evaluation]:
+    """Tests a policy over ``rounds * episodes`` episodes, as ``wayfield --eval``, or several policies in the same episodes.
 
     Args:
-        policy: A policy, its file, or the name of a shipped one.
-        scenario: A shipped name, a path or RON text; None for the scenario that the policy was trained in.
+        policy: A policy, its file, or the name of a shipped one; or a list of them.
+        scenario: A shipped name, a path or RON text; None for the scenario that the policies were trained in.
         set: Fields of the scenario with other values, as ``--set`` takes them: ``{"scenario.lidar.noise_std_m": 0.02}``.
         episodes: The episodes of a round.
         rounds: The number of rounds.
         seed: The seed of starts and goals. Equal seeds give equal episodes.
         benchmark_route: Drive the scenario's benchmark route in every episode.
         optimum: Also compute the optimal times, which may take seconds per episode in large scenarios.
+        trace: A file of JSON lines, with every control step: the file of ``wayfield --eval --trace``. Episodes then run one
+            after the other, with the same results.
+
+    Returns:
+        The results; for a list of policies, a list in the same order.
 
     Warns:
         UserWarning: The scenario differs from that of the training.
 
     Raises:
-        ValueError: The policy does not fit the scenario, or an option is out of range.
+        ValueError: A policy does not fit the scenario, or an option is out of range.
         FileNotFoundError: There is no such file.
     """
-    policy = policy if isinstance(policy, Policy) else Policy.load(policy)
+    policies = list(policy) if isinstance(policy, (list, tuple)) else [policy]
+    natives, options = evaluation_options(
+        policies,
+        scenario,
+        set=set,
+        episodes=episodes,
+        rounds=rounds,
+        seed=seed,
+        benchmark_route=benchmark_route,
+        optimum=optimum,
+        trace=trace,
+    )
+    reports = json.loads(_native.evaluate(natives, options))
+    results = [evaluation_from(report, stacklevel=3) for report in reports]
+    return results if isinstance(policy, (list, tuple)) else results[0]
+
+
+def evaluation_options(
+    policies: Sequence[_PolicyLike],
+    scenario: str | os.PathLike[str] | None = None,
+    *,
+    set: Mapping[str, Any] | None = None,
+    episodes: int = 100,
+    rounds: int = 5,
+    seed: int = 0,
+    benchmark_route: bool = False,
+    optimum: bool = False,
+    trace: str | os.PathLike[str] | None = None,
+) -> tuple[list[_native.NativePolicy], dict[str, Any]]:
+    """The policies and the options of ``evaluate``, for the native module."""
+    if not policies:
+        raise ValueError("the list of policies is empty; help: give one or more")
+
+    def name(index: int, policy: _PolicyLike) -> str:
+        return f"policy {index + 1}" if isinstance(policy, Policy) else os.fspath(policy)
+
+    loaded = [policy if isinstance(policy, Policy) else Policy.load(policy) for policy in policies]
     options = {
+        "names": [name(index, policy) for index, policy in enumerate(policies)],
         "scenario": None if scenario is None else os.fspath(scenario),
         "settings": pairs(set),
         "seed": seed,
@@ -94,11 +167,16 @@ def evaluate(
         "rounds": rounds,
         "benchmark_route": benchmark_route,
         "optimum": optimum,
+        "trace": None if trace is None else os.fspath(trace),
     }
-    report = json.loads(_native.evaluate(policy._native, options))
+    return [policy._native for policy in loaded], options
+
+
+def evaluation_from(report: dict[str, Any], stacklevel: int) -> Evaluation:
+    """The results in the native module's report on a policy. Its warning is given to the caller ``stacklevel`` frames up."""
     warning = report.pop("warning")
     if warning is not None:
-        warnings.warn(warning, stacklevel=2)
+        warnings.warn(warning, stacklevel=stacklevel + 1)
     records = report.pop("records")
     for record in records:
         del record["policy"]

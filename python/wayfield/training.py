@@ -106,6 +106,37 @@ def train(
         FileNotFoundError: There is no such file.
         RuntimeError: The run failed, for example because learning diverged.
     """
+    options, native = training_options(
+        scenario,
+        preset,
+        set=set,
+        seed=seed,
+        steps=steps,
+        episodes=episodes,
+        arenas=arenas,
+        out=out,
+        init=init,
+        epsilon=epsilon,
+    )
+    with ProgressLine(callback, progress) as line:
+        folder, summary = _native.train(options, native, line, checkpoint_every_s)
+    return TrainingResult(Path(folder), json.loads(summary))
+
+
+def training_options(
+    scenario: str | os.PathLike[str] = "scenario-1",
+    preset: str | os.PathLike[str] = "fast",
+    *,
+    set: Mapping[str, Any] | None = None,
+    seed: int = 0,
+    steps: int | None = None,
+    episodes: int | None = None,
+    arenas: int | None = None,
+    out: str | os.PathLike[str] | None = None,
+    init: Policy | str | os.PathLike[str] | None = None,
+    epsilon: float | None = None,
+) -> tuple[dict[str, Any], _native.NativePolicy | None]:
+    """The options of ``train`` that change its result, for the native module, and the policy to start from."""
     if steps is not None and episodes is not None:
         raise ValueError("both steps and episodes are given; help: give one of them")
     if epsilon is not None and init is None:
@@ -123,10 +154,7 @@ def train(
         "epsilon": epsilon,
         "init_from": "a policy in memory" if isinstance(init, Policy) else os.fspath(init or ""),
     }
-    native = None if policy is None else policy._native
-    with ProgressLine(callback, progress) as line:
-        folder, summary = _native.train(options, native, line, checkpoint_every_s)
-    return TrainingResult(Path(folder), json.loads(summary))
+    return options, None if policy is None else policy._native
 
 
 def resume(

@@ -28,6 +28,8 @@ mod window;
 use self::check::kind::{FileKind, expect_kind};
 pub use check::{CheckReport, check_files};
 pub use policy::load as load_policy;
+pub use reproduce::ReproductionReport;
+pub use values::seeds as parse_seeds;
 
 use std::any::TypeId;
 use std::ffi::OsString;

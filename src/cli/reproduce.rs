@@ -52,7 +52,7 @@ pub struct ReproduceArgs {
 
 /// The JSON object that `--reproduce --json` prints.
 #[derive(Serialize)]
-struct ReproductionReport {
+pub struct ReproductionReport {
     #[serde(skip)]
     folder: String,
     report: Option<String>,
@@ -90,7 +90,9 @@ pub fn run(args: ReproduceArgs, shared: SharedArgs, began: Instant) -> Result<()
 }
 
 impl ReproductionReport {
-    fn new(reproduction: Reproduction, shard: Option<Shard>) -> Self {
+    /// The report of a reproduction, or of a shard of it.
+    #[must_use]
+    pub fn new(reproduction: Reproduction, shard: Option<Shard>) -> Self {
         let claims = reproduction.claims.into_iter().map(|result| ClaimReport {
             claim: result.claim,
             outcome: result.outcome.word(),

@@ -13,7 +13,7 @@ use super::values;
 use crate::limits::MAX_ARENAS;
 use crate::report::format::percent;
 use crate::run::RunError;
-use crate::run::folder::{INITIAL_POLICY_FILE, RunConfig, Transfer};
+use crate::run::folder::{INITIAL_POLICY_FILE, RunConfig, RunFolder, Transfer};
 use crate::run::metric_rows::{Milestone, Summary};
 use crate::run::preset::Budget;
 use crate::run::progress::print_stderr;
@@ -133,7 +133,7 @@ fn earlier_run(
             format!("the run to repeat has its own; help: leave out {flag}, or use --train without a file");
         return Err(RunError::InvalidInput(format!("{flag}: {why}")));
     }
-    let file = if path.is_dir() { path.join("config.ron") } else { path.into() };
+    let file = if path.is_dir() { path.join(RunFolder::CONFIG_FILE) } else { path.into() };
     expect_kind(&file, FileKind::RunConfig)?;
     let mut config = RunConfig::load(&file)?.resume_with_extensions(&shared.extensions, &file)?;
     config.version = VERSION.into();

@@ -1,12 +1,14 @@
 //! An arm under a condition with a seed: its trainings, and its policies at each point.
 
+use serde::{Deserialize, Serialize};
+
 use super::experiment::TestedPolicy;
 use super::plan::Training;
 use super::test_point::{TestPoint, difference};
 use crate::run::preset::Budget;
 
 /// One of a training's policies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum PolicyId {
     /// The policy after a number of episodes or env steps of the training.
     After(Budget),

@@ -12,14 +12,15 @@ use crate::run::preset::Budget;
 pub struct Claim {
     /// The claim in words.
     pub statement: String,
-    /// The measure that decides.
+    /// The measure that decides. Below a curve, that of the curve: `SuccessRate`, `Return` or `Goals`. `Success` is a test of
+    /// its own.
     pub measure: Measure,
     /// The arm that is claimed to be better.
     pub better: String,
     /// The other arm.
     pub than: String,
-    /// The episodes or env steps after which the policies are compared, over all stages; without it, after the whole
-    /// training.
+    /// The episodes or env steps after which the arms are compared, over all stages, such as `EnvSteps(20_000)`; 0 is before the
+    /// first step, and with `of_last_stage` right after a transfer. Without it, after the whole training.
     #[serde(default)]
     pub after: Option<Budget>,
     /// Whether `after` counts from the start of the last stage.

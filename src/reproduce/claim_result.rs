@@ -10,7 +10,7 @@ use super::claim::Claim;
 use super::measure::Measure;
 use super::measured_value::ArmValues;
 use crate::report::claim::{ClaimOutcome, ClaimResult};
-use crate::report::format::{counted, number};
+use crate::report::format::{counted, interval, number};
 use crate::report::statistics::{Estimate, SMALL_SAMPLE, difference, paired_difference};
 
 /// The comparison of two arms.
@@ -119,12 +119,21 @@ fn numbers(
         "" => String::new(),
         unit => format!("\u{a0}{unit}"),
     };
-    let with_unit = |e: &Estimate| format!("{}{unit}", with_interval(e, measure.digits()));
+    let with_unit = |e: &Estimate, limits, n: usize| {
+        let value = number(e.mean, measure.digits());
+        match interval(e.mean, e.half_width, limits, measure.digits()) {
+            cut if cut.ends_with(')') => {
+                format!("{value}{unit}{}{unit}, n = {n})", cut.trim_end_matches(')'))
+            }
+            interval => format!("{value}{interval}{unit}"),
+        }
+    };
     let mean = |values: &ArmValues| {
-        Estimate::from_values(&values.raw()).map_or("no value".into(), |e| with_unit(&e))
+        let estimate = Estimate::from_values(&values.raw());
+        estimate.map_or("no value".into(), |e| with_unit(&e, measure.limits(), e.n))
     };
     let is_time_to = matches!(measure, Measure::EpisodesTo(_) | Measure::StepsTo(_));
-    let of_episodes = match window.filter(|_| !measure.needs_test()) {
+    let of_episodes = match window.filter(|_| measure.is_of_episodes()) {
         Some(window) if is_time_to => format!(" (moving mean over {})", counted(window as f64, "episode")),
         Some(window) => format!(" (mean of the last {})", counted(window as f64, "episode")),
         None => String::new(),
@@ -142,7 +151,10 @@ fn numbers(
     if let Some(difference) = difference {
         let sign = if difference.mean > 0.0 { "+" } else { "" };
         let paired = if is_paired && better.seeds.len() > 1 { " (paired by seed)" } else { "" };
-        text += &format!("; difference {sign}{}{paired}", with_unit(&difference));
+        text += &format!(
+            "; difference {sign}{}{paired}",
+            with_unit(&difference, measure.difference_limits(), better.seeds.len().min(than.seeds.len()))
+        );
     }
     text
 }
@@ -165,13 +177,6 @@ fn conclusion(comparison: Comparison, (better, than): (&ArmValues, &ArmValues)) 
             "All seeds happen to agree, but they are too few to know their spread."
         }
         (ClaimOutcome::NotShown, Some(_)) => "Too many values are lower bounds to show a difference.",
-    }
-}
-
-fn with_interval(estimate: &Estimate, digits: usize) -> String {
-    match estimate.half_width {
-        Some(half_width) => format!("{} ± {}", number(estimate.mean, digits), number(half_width, digits)),
-        None => number(estimate.mean, digits),
     }
 }
 
@@ -244,7 +249,7 @@ mod tests {
         let result = claim_result(&claim(Measure::Success, 1000), &better, &than, None, "here");
         assert_eq!(
             result.sentence,
-            "Success after 1,000 episodes: A 99.0 ± 2.5\u{a0}%, B 90.0 ± 0.0\u{a0}%; difference +9.0 ± 2.5\u{a0}% (paired \
+            "Success after 1,000 episodes: A 99.0\u{a0}% (96.5 to 100.0\u{a0}%, n = 3), B 90.0 ± 0.0\u{a0}%; difference +9.0 ± 2.5\u{a0}% (paired \
              by seed). The claim held. With n = 3, more seeds need to confirm it."
         );
         let result = claim_result(&claim(Measure::Goals, 1000), &better, &than, Some(20), "here");
@@ -253,6 +258,9 @@ mod tests {
             "{}",
             result.sentence
         );
+        let result = claim_result(&claim(Measure::SuccessRate, 1000), &better, &than, Some(20), "here");
+        let start = "Success in evaluations during training after 1,000 episodes: A 99.0";
+        assert!(result.sentence.starts_with(start), "evaluations are not smoothed: {}", result.sentence);
     }
 
     #[test]

@@ -50,7 +50,7 @@ pub fn page(
         claims: unique_claims(&sections),
         sections,
         settings: settings(results, selected, plan)?,
-        provenance: provenance(results, plan, jobs, wall_s),
+        provenance: provenance(results, plan, options, jobs, wall_s),
     })
 }
 

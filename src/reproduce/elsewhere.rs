@@ -36,7 +36,7 @@ impl FinishedRun {
     /// It is not a run, or is not finished. The message is about `folder`.
     fn open(folder: PathBuf) -> Result<(RunConfig, Self), RunError> {
         let invalid = |why: &str| RunError::invalid_input(&folder, why);
-        if !folder.join("config.ron").is_file() {
+        if !folder.join(RunFolder::CONFIG_FILE).is_file() {
             return Err(invalid(
                 "holds no run (there is no config.ron); help: give the folder of a finished run, relative to the \
                  experiment's file or to the working directory",
@@ -47,8 +47,8 @@ impl FinishedRun {
             let name = printable(&folder.display().to_string()).into_owned();
             return Err(invalid(&format!("this run is not finished; help: finish it with --resume {name}")));
         };
-        let records =
-            ["config.ron", "summary.json"].map(|name| read_text(folder.join(name)).unwrap_or_default());
+        let records = [RunFolder::CONFIG_FILE, "summary.json"]
+            .map(|name| read_text(folder.join(name)).unwrap_or_default());
         let hash = crc32c::crc32c(records.concat().as_bytes());
         let name = format!(
             "elsewhere-{}-{}-{hash:08x}-seed{}",

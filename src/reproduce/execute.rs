@@ -19,6 +19,7 @@ use crate::policy::Policy;
 use crate::run::folder::RunFolder;
 use crate::run::metric_rows::Summary;
 use crate::run::preset::Budget;
+use crate::run::progress::ProgressListener;
 use crate::run::train::{CHECKPOINT_INTERVAL, Job, train};
 use crate::run::{RunError, checkpoint};
 use crate::simulation::Extensions;
@@ -27,19 +28,14 @@ use crate::simulation::Extensions;
 ///
 /// # Errors
 /// A run failed (the others are stopped and keep their checkpoints), or `stop` was set.
-pub fn execute(
-    plan: &RunPlan,
-    folder: &Path,
-    jobs: usize,
-    stop: &'static AtomicBool,
-) -> Result<(), RunError> {
+pub fn execute(plan: &RunPlan, folder: &Path, jobs: usize, stop: &AtomicBool) -> Result<(), RunError> {
     let progress = OverallProgress::new(&plan.trainings);
     let queue = Queue::new(plan);
     let worker = || {
         while let Some(index) = queue.next(stop) {
             // A panic must be recorded, or runs that start from this one would be waited for forever.
-            let run = AssertUnwindSafe(|| train_and_test(plan, index, folder, &progress, stop));
-            let result = catch_unwind(run)
+            let work = AssertUnwindSafe(|| run(plan, index, folder, &progress, stop));
+            let result = catch_unwind(work)
                 .unwrap_or_else(|_| Err(RunError::Failed("panicked (see the message above)".into())));
             queue.finish(index, result, stop);
         }
@@ -62,26 +58,55 @@ pub fn execute(
 }
 
 /// Trains and tests training `index`; `false` if it was stopped.
-fn train_and_test(
+fn run(
     plan: &RunPlan,
     index: usize,
     folder: &Path,
     progress: &Arc<OverallProgress>,
-    stop: &'static AtomicBool,
+    stop: &AtomicBool,
 ) -> Result<bool, RunError> {
     let training = &plan.trainings[index];
-    let was_finished = training.elsewhere.is_some() || is_finished(training, &folder.join(&training.name));
-    if !was_finished && !run_training(plan, index, folder, progress, stop)? {
+    let was_finished = is_trained(training, folder);
+    let is_done = train_and_test(training, folder, &|| progress.listener(index, training), stop)?;
+    if is_done {
+        progress.finish_run(index, was_finished);
+    }
+    Ok(is_done)
+}
+
+/// Trains and tests `training` below `folder`, where the policy that it starts from must be; `false` if it was stopped. What
+/// is done already is not repeated.
+///
+/// # Errors
+/// The run failed, or a file cannot be read or written.
+pub fn train_and_test(
+    training: &Training,
+    folder: &Path,
+    listener: &dyn Fn() -> ProgressListener,
+    stop: &AtomicBool,
+) -> Result<bool, RunError> {
+    if !is_trained(training, folder) && !run_training(training, folder, listener, stop)? {
         return Ok(false);
     }
     run_tests(training, folder)?;
-    progress.finish_run(index, was_finished);
     Ok(true)
 }
 
-/// Whether `path` holds a finished run with this configuration, at least this long, and with all policies that are
+/// Whether nothing is left to do for `training` below `folder`.
+#[must_use]
+pub fn is_done(training: &Training, folder: &Path) -> bool {
+    let results = policy_test::read_results(&folder.join(&training.name));
+    let is_tested = |&(policy, rule)| policy_test::find(&results, policy, rule).is_some();
+    is_trained(training, folder) && training.tests.iter().all(is_tested)
+}
+
+/// Whether `folder` holds a finished run with this configuration, at least this long, and with all policies that are
 /// needed.
-fn is_finished(training: &Training, path: &Path) -> bool {
+fn is_trained(training: &Training, folder: &Path) -> bool {
+    if training.elsewhere.is_some() {
+        return true;
+    }
+    let path = &folder.join(&training.name);
     let Some(summary) = Summary::read(path) else { return false };
     let long_enough = match training.config.preset.budget {
         Budget::Episodes(n) => summary.episodes >= n,
@@ -98,17 +123,14 @@ fn is_finished(training: &Training, path: &Path) -> bool {
 
 /// Trains, from the latest checkpoint if there is a suitable one; `false` if it was stopped.
 fn run_training(
-    plan: &RunPlan,
-    index: usize,
+    training: &Training,
     folder: &Path,
-    progress: &Arc<OverallProgress>,
-    stop: &'static AtomicBool,
+    listener: &dyn Fn() -> ProgressListener,
+    stop: &AtomicBool,
 ) -> Result<bool, RunError> {
-    let training = &plan.trainings[index];
     let path = folder.join(&training.name);
     let began = Instant::now();
-    let run =
-        |job: Job| train(job, CHECKPOINT_INTERVAL, stop, began, Some(progress.listener(index, training)));
+    let run = |job: Job| train(job, CHECKPOINT_INTERVAL, stop, began, Some(listener()));
     let mut resumed = None;
     if RunFolder::open(&path).is_ok_and(|(_, config)| config == training.config) && checkpoint::exists(&path)
     {
@@ -127,7 +149,7 @@ fn run_training(
                 fs::remove_dir_all(&path).map_err(|error| RunError::failed(&path, error))?;
             }
             let config = Box::new(training.config.clone());
-            run(Job::New { config, policy: origin(plan, training, folder)?, out: Some(path.clone()) })?.1
+            run(Job::New { config, policy: origin(training, folder)?, out: Some(path.clone()) })?.1
         }
     };
     if !summary.finished {
@@ -139,13 +161,10 @@ fn run_training(
     Ok(true)
 }
 
-/// The policy that a training starts from, if any.
-fn origin(plan: &RunPlan, training: &Training, folder: &Path) -> Result<Option<Policy>, RunError> {
-    let (Some(transfer), Some(from)) = (&training.config.transfer, training.origin) else {
-        return Ok(None);
-    };
-    let name = Path::new(&transfer.policy).file_name().unwrap_or_default();
-    policy_test::read_policy(&folder.join(&plan.trainings[from].name).join(name)).map(Some)
+/// The policy that a training starts from, if any. Its path is relative to `folder`.
+fn origin(training: &Training, folder: &Path) -> Result<Option<Policy>, RunError> {
+    let transfer = training.config.transfer.as_ref();
+    transfer.map(|transfer| policy_test::read_policy(&folder.join(&transfer.policy))).transpose()
 }
 
 /// Runs the tests that have no result yet. The results are written below `runs`, also those of a run from elsewhere.

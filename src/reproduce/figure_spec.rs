@@ -59,7 +59,7 @@ pub enum FigureKind {
     DotPlot {
         /// The measures, one column each.
         measures: Vec<Measure>,
-        /// The policy after these episodes or env steps, over all stages; without it, after the whole training.
+        /// The policy after these episodes or env steps, over all stages, 0 for the initial one; without it, after the whole training.
         #[serde(default)]
         after: Option<Budget>,
     },
@@ -82,7 +82,8 @@ pub enum Series {
     Return,
     /// The number of goals reached in each training episode.
     Goals,
-    /// The share of episodes that succeed in each evaluation during training, in percent.
+    /// The share of episodes that succeed in each evaluation during training, in percent. A claim about it has the measure
+    /// `SuccessRate`.
     SuccessRate,
 }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::data_note::{data_note, fewest_seeds};
-use super::figure_spec::{FigureKind, FigureSpec};
+use super::figure_spec::{FigureKind, FigureSpec, Series};
 use super::learning_curves::{LearningCurves, default_axis};
 use super::measure::Measure;
 use super::policy_test::read_policy;
@@ -49,8 +49,16 @@ pub fn draw(results: &Results<'_>, index: usize, figure: &FigureSpec) -> Result<
 pub fn caption(results: &Results<'_>, index: usize, figure: &FigureSpec) -> Result<String, RunError> {
     let mut parts = vec![format!("{}.", figure.title), figure.caption.clone()];
     match &figure.draw {
-        FigureKind::LearningCurves { over: None, .. } => parts.push(default_axis(results, index).1.into()),
-        FigureKind::LearningCurves { .. } => {}
+        FigureKind::LearningCurves { series, over, .. } => {
+            if over.is_none() {
+                parts.push(default_axis(results, index).1.into());
+            }
+            if series.contains(&Series::SuccessRate)
+                && figure.claims.iter().any(|claim| claim.measure == Measure::Success)
+            {
+                parts.push("Claims about \"Success\" are about the test after the training, not about these evaluations.".into());
+            }
+        }
         FigureKind::DotPlot { measures, after } => {
             parts.push(arrow_note(results, index, measures, TestPoint::overall(*after))?.into());
             parts.push(data_note(results, index, TestPoint::overall(*after))?);

@@ -17,6 +17,9 @@ pub enum Measure {
     /// The time of the successful test episodes over the proven lower bounds for the same episodes. The ratio to the
     /// true optimum lies between this and [`TimeRatio`](Self::TimeRatio).
     BoundRatio,
+    /// The success rate in the evaluations during training, in percent: at a point between two evaluations, the value that the
+    /// curve `SuccessRate` has there.
+    SuccessRate,
     /// The mean return of the last 100 training episodes (or of all, if there are fewer).
     Return,
     /// The mean number of goals reached in the last 100 training episodes (or in all, if there are fewer).
@@ -33,6 +36,7 @@ impl Measure {
     pub fn heading(self) -> String {
         match self {
             Self::Success => "Success".into(),
+            Self::SuccessRate => "Success in evaluations during training".into(),
             Self::BenchmarkRouteTime => "Benchmark route".into(),
             Self::MeanTime => "Mean time".into(),
             Self::TimeRatio => "Time / optimal".into(),
@@ -48,7 +52,7 @@ impl Measure {
     #[must_use]
     pub fn unit(self) -> &'static str {
         match self {
-            Self::Success => "%",
+            Self::Success | Self::SuccessRate => "%",
             Self::BenchmarkRouteTime | Self::MeanTime => "s",
             Self::StepsTo(_) => "thousands",
             Self::TimeRatio | Self::BoundRatio | Self::Return | Self::Goals | Self::EpisodesTo(_) => "",
@@ -60,16 +64,22 @@ impl Measure {
     pub fn limits(self) -> Option<(f64, f64)> {
         match self {
             Self::Return => None,
-            Self::Success => Some((0.0, 100.0)),
+            Self::Success | Self::SuccessRate => Some((0.0, 100.0)),
             _ => Some((0.0, f64::INFINITY)),
         }
+    }
+
+    /// The range of possible differences, in the unit; `None` means no limits.
+    #[must_use]
+    pub fn difference_limits(self) -> Option<(f64, f64)> {
+        self.limits().map(|(low, high)| (low - high, high - low))
     }
 
     /// The number of decimals to show.
     #[must_use]
     pub fn digits(self) -> usize {
         match self {
-            Self::Success | Self::Goals | Self::StepsTo(_) => 1,
+            Self::Success | Self::SuccessRate | Self::Goals | Self::StepsTo(_) => 1,
             Self::BenchmarkRouteTime | Self::MeanTime | Self::TimeRatio | Self::BoundRatio => 2,
             Self::Return | Self::EpisodesTo(_) => 0,
         }
@@ -78,13 +88,19 @@ impl Measure {
     /// Whether larger values are better.
     #[must_use]
     pub fn more_is_better(self) -> bool {
-        matches!(self, Self::Success | Self::Return | Self::Goals)
+        matches!(self, Self::Success | Self::SuccessRate | Self::Return | Self::Goals)
     }
 
     /// Whether the measure comes from a test of the policy, and not from the records of the training.
     #[must_use]
     pub fn needs_test(self) -> bool {
-        !matches!(self, Self::Return | Self::Goals | Self::EpisodesTo(_) | Self::StepsTo(_))
+        self != Self::SuccessRate && !self.is_of_episodes()
+    }
+
+    /// Whether the measure is about training episodes.
+    #[must_use]
+    pub fn is_of_episodes(self) -> bool {
+        matches!(self, Self::Return | Self::Goals | Self::EpisodesTo(_) | Self::StepsTo(_))
     }
 
     /// The problem with the measure's number; `None` if it is valid.

@@ -10,7 +10,8 @@
 //! | select | `options.rs`, `select.rs`, `selected.rs`, `quick.rs` | the figures and tables that the user asked for |
 //! | plan | `plan.rs`, `arm_run.rs`, `test_point.rs`, `run_config.rs`, `shard.rs` | the trainings they need, each once, and the policies to test; parts of them for several machines |
 //! | | `elsewhere.rs` | runs that were trained elsewhere |
-//! | execute | `execute.rs`, `queue.rs`, `policy_test.rs`, `progress.rs` | training and testing, several runs in parallel |
+//! | | `training_task.rs` | a training as a task for another machine |
+//! | execute | `open_report.rs`, `execute.rs`, `queue.rs`, `policy_test.rs`, `progress.rs` | training and testing, several runs in parallel |
 //! | measure | `results.rs`, `records.rs`, `measured_value.rs`, `optimal_times.rs` | numbers from the run folders |
 //! | compare | `claim_result.rs` | whether a claim held |
 //! | present | `rows.rs`, `data_note.rs`, `figures.rs`, `learning_curves.rs`, `tables/`, `compose.rs`, `provenance.rs` | figures, tables and the page |
@@ -31,6 +32,7 @@ mod learning_curves;
 mod load;
 pub mod measure;
 mod measured_value;
+mod open_report;
 mod optimal_times;
 mod options;
 pub mod plan;
@@ -56,6 +58,7 @@ pub mod test_point;
 #[cfg(test)]
 mod tests;
 mod training_check;
+mod training_task;
 
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
@@ -63,12 +66,13 @@ use std::time::Instant;
 
 use crate::report::claim::ClaimResult;
 use crate::run::RunError;
-use crate::run::progress::print_stderr;
 
 pub use experiment::Experiment;
+pub use open_report::OpenReport;
 pub use options::ReproduceOptions;
 pub use seeds::Seeds;
 pub use shard::Shard;
+pub use training_task::TrainingTask;
 
 /// A finished reproduction.
 #[derive(Debug)]
@@ -93,33 +97,8 @@ pub struct Reproduction {
 /// continue it.
 pub fn reproduce(
     options: &ReproduceOptions,
-    stop: &'static AtomicBool,
+    stop: &AtomicBool,
     began: Instant,
 ) -> Result<Reproduction, RunError> {
-    let selected = select::select(options)?;
-    let plan = plan::RunPlan::new(&selected)?;
-    let folder = options.out.clone().unwrap_or_else(|| options.default_folder());
-    let contents = report_contents::ReportContents::new(options, &selected);
-    let mut report = report_folder::ReportFolder::open(&folder, contents, options.shard)?;
-    let runs = report.join("runs");
-    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-    let jobs = options.jobs.unwrap_or_else(cores);
-
-    let part = options.shard.map(|shard| shard.of(&plan));
-    let done = execute::execute(part.as_ref().unwrap_or(&plan), &runs, jobs, stop);
-    let wall_s = report.record_time(began);
-    done?;
-    if let Some(part) = part {
-        let (claims, runs) = (Vec::new(), part.trainings.len());
-        return Ok(Reproduction { folder, page: None, claims, runs, wall_s: wall_s? });
-    }
-
-    print_stderr("computing optimal times and drawing the report");
-    let optimal_times = optimal_times::OptimalTimesCache::new(report.join("optimum"));
-    let results = results::Results::read(&plan, &selected, &runs, optimal_times)?;
-    let page = compose::page(&results, &selected, &plan, options, jobs, wall_s?)?;
-    report.write(&page)?;
-    let wall_s = report.record_time(began)?;
-    let path = Some(report.join("report.html"));
-    Ok(Reproduction { folder, page: path, claims: page.claims, runs: plan.trainings.len(), wall_s })
+    OpenReport::open(options, began)?.finish(None, stop)
 }

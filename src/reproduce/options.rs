@@ -1,10 +1,12 @@
 //! The options of `--reproduce`.
 
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use super::seeds::Seeds;
 use super::shard::Shard;
 use crate::run::settings::Settings;
+use crate::scenario::quoted;
 
 /// The options of a reproduction.
 #[derive(Clone, Debug, Default)]
@@ -37,5 +39,34 @@ impl ReproduceOptions {
             name += &format!("-{}", experiment.file_stem().unwrap_or_default().to_string_lossy());
         }
         Path::new("runs").join(name + if self.quick { "-quick" } else { "" })
+    }
+
+    /// The command that makes this report, for a shell.
+    #[must_use]
+    pub fn command(&self) -> String {
+        let mut words: Vec<OsString> = vec!["wayfield".into(), "--reproduce".into()];
+        let mut flag = |name: &str, value: OsString| words.extend([name.into(), value]);
+        for experiment in &self.experiments {
+            flag("--experiment", experiment.into());
+        }
+        if !self.only.is_empty() {
+            flag("--only", self.only.join(",").into());
+        }
+        if let Some(seeds) = &self.seeds {
+            flag("--seeds", seeds.flag_value().into());
+        }
+        for setting in &self.settings.0 {
+            flag("--set", setting.to_string().into());
+        }
+        if let Some(out) = &self.out {
+            flag("--out", out.into());
+        }
+        if let Some(jobs) = self.jobs {
+            flag("--jobs", jobs.to_string().into());
+        }
+        if self.quick {
+            words.push("--quick".into());
+        }
+        words.iter().map(quoted).collect::<Vec<_>>().join(" ")
     }
 }

@@ -2,21 +2,27 @@
 
 use std::collections::BTreeSet;
 
+use super::options::ReproduceOptions;
 use super::plan::{RunPlan, Training};
 use super::results::Results;
 use super::seeds::seeds_text;
 use crate::report::format::counted;
 use crate::run::provenance::{COMMIT, VERSION};
-use crate::scenario::{printable_path, quoted};
+use crate::scenario::printable_path;
 
 /// The provenance of a report, as names and values.
-pub fn provenance(results: &Results<'_>, plan: &RunPlan, jobs: usize, wall_s: f64) -> Vec<(String, String)> {
+pub fn provenance(
+    results: &Results<'_>,
+    plan: &RunPlan,
+    options: &ReproduceOptions,
+    jobs: usize,
+    wall_s: f64,
+) -> Vec<(String, String)> {
     let seeds: BTreeSet<u64> = plan.trainings.iter().map(|training| training.config.seed).collect();
     let seeds: Vec<u64> = seeds.into_iter().collect();
-    let command: Vec<String> = std::env::args_os().skip(1).map(quoted).collect();
     let entries = [
         ("Version", version()),
-        ("Command", format!("wayfield {}", command.join(" "))),
+        ("Command", options.command()),
         ("Seeds", seeds_text(&seeds)),
         (
             "Trainings",

@@ -75,7 +75,8 @@ fn quick_evaluation(own: EvaluationConfig) -> EvaluationConfig {
 }
 
 fn shortened(length: Budget) -> Budget {
-    let shortened = |n: u64| (n / SHORTER).max(1);
+    // The start of a training stays the start.
+    let shortened = |n: u64| (n / SHORTER).max(n.min(1));
     match length {
         Budget::Episodes(n) => Budget::Episodes(shortened(n)),
         Budget::EnvSteps(n) => Budget::EnvSteps(shortened(n)),

@@ -7,6 +7,7 @@ use serde::de::DeserializeOwned;
 use super::arm_run::PolicyId;
 use super::figure_spec::{Axis, Series};
 use super::measured_value::MeasuredValue;
+use crate::report::curves::value_at;
 use crate::report::smoothing::moving_mean;
 use crate::run::RunError;
 use crate::run::metric_rows::{EpisodeRow, EvaluationRow, Summary};
@@ -134,6 +135,17 @@ impl Records {
             (x as f64, 100.0 * row.success_rate)
         };
         self.evaluations.iter().filter(is_before).map(point).collect()
+    }
+
+    /// The success rate in the evaluations, in percent, when `policy` was saved: the value there of the curve that ends at `end`.
+    /// Before the first step, it is that of the initial policy.
+    pub fn success_rate(&self, policy: PolicyId, end: PolicyId) -> MeasuredValue {
+        let axis = match policy {
+            // Evaluations before the end of the first episode have the same x.
+            PolicyId::After(Budget::Episodes(1..)) => Axis::Episodes,
+            _ => Axis::EnvSteps,
+        };
+        MeasuredValue::exact(value_at(&self.success_rates(end, axis), self.length(policy, axis)))
     }
 
     /// The mean return of the last `window` episodes (or of all, if there are fewer).

@@ -120,22 +120,34 @@ impl<'a> Results<'a> {
         let mut values = ArmValues::default();
         for (seed, run) in self.arm_runs(index) {
             let (training, policy) = self.policy(index, run, point)?;
+            let end =
+                run.stages.iter().find(|stage| stage.0 == training).map(|stage| self.end(training, stage.1));
             values.seeds.push(seed);
-            values.values.push(self.value(training, policy, rule, measure, windows)?);
+            values.values.push(self.value(
+                training,
+                policy,
+                end.unwrap_or(policy),
+                rule,
+                measure,
+                windows,
+            )?);
         }
         Ok(values)
     }
 
+    /// The value of `measure` for a policy of a training, of whose stage `end` is the last policy.
     fn value(
         &self,
         training: usize,
         policy: PolicyId,
+        end: PolicyId,
         rule: TestRule,
         measure: Measure,
         windows: Windows,
     ) -> Result<MeasuredValue, RunError> {
         let records = &self.records[training];
         Ok(match measure {
+            Measure::SuccessRate => records.success_rate(policy, end),
             Measure::Return => records.last_return(policy, windows.last),
             Measure::Goals => records.last_goals(policy, windows.last),
             Measure::EpisodesTo(goals) => records.episodes_to(goals, policy, windows.moving),

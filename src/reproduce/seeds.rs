@@ -39,6 +39,17 @@ impl Seeds {
         }
     }
 
+    /// The value of `--seeds` for these seeds. A comma makes a single number a list.
+    pub(super) fn flag_value(&self) -> String {
+        match self {
+            Self::First(n) => n.to_string(),
+            Self::List(seeds) => {
+                let list = seeds.iter().map(u64::to_string).collect::<Vec<_>>().join(",");
+                if seeds.len() == 1 { list + "," } else { list }
+            }
+        }
+    }
+
     /// At most the first `most` seeds.
     #[must_use]
     pub fn at_most(&self, most: u64) -> Self {

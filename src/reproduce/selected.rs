@@ -89,6 +89,12 @@ impl SelectedExperiment {
         let length = |point: &TestPoint| point.after.filter(|_| !point.of_last_stage);
         let lengths: Vec<Budget> = self.points(arm).keys().map(length).collect::<Option<_>>()?;
         let longest = lengths.iter().copied().max()?;
+        let longest = match longest {
+            // A training is needed even for its initial policy.
+            Budget::Episodes(0) => Budget::Episodes(1),
+            Budget::EnvSteps(0) => Budget::EnvSteps(1),
+            longest => longest,
+        };
         lengths.iter().all(|&length| shorter(length, longest).is_some()).then_some(longest)
     }
 

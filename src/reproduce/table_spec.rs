@@ -24,7 +24,8 @@ pub struct TableSpec {
     pub claims: Vec<Claim>,
 }
 
-/// The kind of a table. `after` is a number of episodes or env steps, after which the policy is tested.
+/// The kind of a table. `after` is a number of episodes or env steps, after which the policy is tested; 0 is before the
+/// first step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum TableKind {

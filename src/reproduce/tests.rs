@@ -300,6 +300,12 @@ fn measures_are_computed_from_the_records() {
     let curve = &results.curves(arm, Series::SuccessRate, Axis::EnvSteps)[0];
     let expected = [(500.0, 25.0), (1000.0, 50.0), (1500.0, 25.0), (2000.0, 50.0)];
     assert_eq!(curve[..], expected, "two evaluations in each stage");
+    // What the curve draws over episodes: 25 % after 50 episodes of a stage, 50 % after 100, and a line between them.
+    let rates = [0, 50, 75, 100, 150, 180, 300].map(|after| value(Measure::SuccessRate, after).value);
+    assert_eq!(rates, [25.0, 25.0, 37.5, 50.0, 25.0, 40.0, 50.0]);
+    let point = TestPoint { after: Some(Budget::Episodes(0)), of_last_stage: true };
+    let start = results.values(arm, Measure::SuccessRate, point, Windows::default()).expect("it is known");
+    assert_eq!(start.values, [exactly(25.0)], "the first evaluation after the transfer");
 }
 
 #[test]

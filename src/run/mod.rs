@@ -112,7 +112,7 @@ impl RunError {
     }
 
     /// The error for a file that could not be written during the work.
-    pub(crate) fn not_written(path: &std::path::Path, error: impl std::fmt::Display) -> Self {
+    pub fn not_written(path: &std::path::Path, error: impl std::fmt::Display) -> Self {
         Self::failed(path, format_args!("can't be written: {error}"))
     }
 

@@ -12,7 +12,8 @@ const POINTS: usize = 500;
 #[must_use]
 pub fn mean_curve(curves: &[Vec<(f64, f64)>]) -> Vec<(f64, Estimate)> {
     let xs = common_xs(curves);
-    let values: Vec<Vec<f64>> = curves.iter().map(|curve| interpolated(curve, &xs)).collect();
+    let values: Vec<Vec<f64>> =
+        curves.iter().map(|curve| xs.iter().map(|&x| value_at(curve, x)).collect()).collect();
     xs.into_iter().zip(band(&values)).collect()
 }
 
@@ -35,17 +36,16 @@ fn common_xs(curves: &[Vec<(f64, f64)>]) -> Vec<f64> {
     (0..POINTS).map(|i| low + (high - low) * i as f64 / (POINTS - 1) as f64).collect()
 }
 
-/// The values of `curve` at `xs`, which lie within it; the last of several values at the same x.
-fn interpolated(curve: &[(f64, f64)], xs: &[f64]) -> Vec<f64> {
-    let at = |&x: &f64| {
-        let next = curve.partition_point(|point| point.0 <= x);
-        match (next.checked_sub(1).map(|last| curve[last]), curve.get(next)) {
-            (Some((x0, y0)), Some(&(x1, y1))) => y0 + (y1 - y0) * (x - x0) / (x1 - x0),
-            (Some((_, y)), None) | (None, Some(&(_, y))) => y,
-            (None, None) => f64::NAN,
-        }
-    };
-    xs.iter().map(at).collect()
+/// The value of `curve`, whose points are sorted by x, at `x`: interpolated linearly between two points, the last of several at
+/// the same x, and that of the nearest end outside of the curve. NaN for a curve without points.
+#[must_use]
+pub fn value_at(curve: &[(f64, f64)], x: f64) -> f64 {
+    let next = curve.partition_point(|point| point.0 <= x);
+    match (next.checked_sub(1).map(|last| curve[last]), curve.get(next)) {
+        (Some((x0, y0)), Some(&(x1, y1))) => y0 + (y1 - y0) * (x - x0) / (x1 - x0),
+        (Some((_, y)), None) | (None, Some(&(_, y))) => y,
+        (None, None) => f64::NAN,
+    }
 }
 
 #[cfg(test)]
@@ -74,5 +74,13 @@ mod tests {
         assert!(mean_curve(&[vec![(0.0, 1.0)], vec![(2.0, 1.0)]]).is_empty(), "no common x");
         assert!(mean_curve(&[vec![(0.0, 1.0)], Vec::new()]).is_empty());
         assert!(mean_curve(&[]).is_empty());
+    }
+
+    #[test]
+    fn a_curve_has_values_between_its_points_and_keeps_those_of_its_ends() {
+        let curve = [(0.0, 10.0), (0.0, 20.0), (10.0, 40.0)];
+        let values = [-1.0, 0.0, 5.0, 10.0, 11.0].map(|x| value_at(&curve, x));
+        assert_eq!(values, [10.0, 20.0, 30.0, 40.0, 40.0]);
+        assert!(value_at(&[], 0.0).is_nan());
     }
 }

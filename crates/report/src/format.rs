@@ -29,6 +29,32 @@ pub fn number(value: f64, decimals: usize) -> String {
     text
 }
 
+/// The 95 % interval behind a mean: ` ± 0.8`; ` (0.0 to 100.0)` if an end would be beyond the `limits` of what is possible and
+/// is cut there. Empty without a finite interval.
+///
+/// ```
+/// use wayfield_report::format::interval;
+/// assert_eq!(interval(99.4, Some(0.5), Some((0.0, 100.0)), 1), " ± 0.5");
+/// assert_eq!(interval(62.5, Some(158.8), Some((0.0, 100.0)), 1), " (0.0 to 100.0)");
+/// ```
+#[must_use]
+pub fn interval(mean: f64, half_width: Option<f64>, limits: Option<(f64, f64)>, decimals: usize) -> String {
+    let Some(half) = half_width.map(f64::abs).filter(|half| mean.is_finite() && half.is_finite()) else {
+        return String::new();
+    };
+    match cut(mean, half, limits) {
+        Some([low, high]) => format!(" ({} to {})", number(low, decimals), number(high, decimals)),
+        None => format!(" \u{b1} {}", number(half, decimals)),
+    }
+}
+
+/// The ends of the interval of a mean, cut at `limits`; `None` if nothing is cut.
+pub(crate) fn cut(mean: f64, half: f64, limits: Option<(f64, f64)>) -> Option<[f64; 2]> {
+    let (low, high) = limits?;
+    let is_cut = mean - half < low || mean + half > high;
+    is_cut.then(|| [mean - half, mean + half].map(|end| end.max(low).min(high)))
+}
+
 /// A whole number with its noun, in the singular for 1.
 ///
 /// ```

@@ -23,16 +23,16 @@ pub(crate) fn table() -> Table {
         rows: vec![
             vec![
                 Cell::Text("a | b, <i>\"c\"</i>".into()),
-                Cell::Estimate { mean: 99.44, half_width: Some(0.81), digits: 1 },
+                Cell::Estimate { mean: 99.44, half_width: Some(0.81), limits: None, digits: 1 },
                 Cell::Number { value: 1500.0, digits: 0 },
-                Cell::Signed { value: -3.4, half_width: Some(1.2), digits: 1 },
+                Cell::Signed { value: -3.4, half_width: Some(1.2), limits: None, digits: 1 },
                 Cell::Outcome(ClaimOutcome::Held),
             ],
             vec![
                 Cell::Text("DQN".into()),
-                Cell::Estimate { mean: f64::NAN, half_width: Some(1.0), digits: 1 },
+                Cell::Estimate { mean: f64::NAN, half_width: Some(1.0), limits: None, digits: 1 },
                 Cell::AtLeast { value: 1800.0, digits: 0 },
-                Cell::Signed { value: 3.4, half_width: None, digits: 1 },
+                Cell::Signed { value: 3.4, half_width: None, limits: None, digits: 1 },
             ],
         ],
         notes: vec!["Mean of 5 seeds <each>.".into()],

@@ -3,7 +3,7 @@
 //! A table is written as CSV or Markdown, or as HTML in a [page](crate::page).
 
 use crate::claim::ClaimOutcome;
-use crate::format::{is_zero, number};
+use crate::format::{cut, interval, is_zero, number};
 
 /// A table.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,12 +55,14 @@ pub enum Cell {
         /// Decimals shown.
         digits: usize,
     },
-    /// A mean with its interval: `99.4 ± 0.8`.
+    /// A mean with its interval: `99.4 ± 0.8`, or `99.9 (99.6 to 100.0)` if an end is cut.
     Estimate {
         /// The mean.
         mean: f64,
         /// Half the width of its 95 % confidence interval, if known.
         half_width: Option<f64>,
+        /// The range of possible values, if it has ends.
+        limits: Option<(f64, f64)>,
         /// Decimals shown.
         digits: usize,
     },
@@ -77,6 +79,8 @@ pub enum Cell {
         value: f64,
         /// Half the width of its 95 % confidence interval, if known.
         half_width: Option<f64>,
+        /// The range of possible differences, if it has ends.
+        limits: Option<(f64, f64)>,
         /// Decimals shown.
         digits: usize,
     },
@@ -93,16 +97,22 @@ impl Column {
 }
 
 impl Cell {
-    /// The cell as shown: with a true minus sign, commas between thousands, and the half width behind `±`.
+    /// The cell as shown: with a true minus sign, commas between thousands, and the interval.
     #[must_use]
     pub fn text(&self) -> String {
-        match self.half_width_text() {
-            Some(half) => format!("{} \u{b1} {half}", self.value_text()),
-            None => self.value_text(),
-        }
+        self.value_text() + &self.interval_text()
     }
 
-    /// The cell as shown, without its half width.
+    /// Whether an end of the cell's interval is cut to what is possible.
+    #[must_use]
+    pub fn is_cut(&self) -> bool {
+        let (Self::Estimate { mean: value, limits, .. } | Self::Signed { value, limits, .. }) = *self else {
+            return false;
+        };
+        self.half_width().is_some_and(|(half, _)| cut(value, half, limits).is_some())
+    }
+
+    /// The cell as shown, without its interval.
     pub(crate) fn value_text(&self) -> String {
         match self {
             Self::Empty => String::new(),
@@ -119,16 +129,22 @@ impl Cell {
         }
     }
 
-    /// The half width as shown, if the cell has one.
-    pub(crate) fn half_width_text(&self) -> Option<String> {
-        self.half_width().map(|(half, digits)| number(half, digits))
+    /// The interval as shown behind the value; empty if the cell has none.
+    pub(crate) fn interval_text(&self) -> String {
+        match *self {
+            Self::Estimate { mean: value, half_width, limits, digits }
+            | Self::Signed { value, half_width, limits, digits } => {
+                interval(value, half_width, limits, digits)
+            }
+            _ => String::new(),
+        }
     }
 
     /// The half width and its decimals, if both the half width and the value are finite.
     pub(crate) fn half_width(&self) -> Option<(f64, usize)> {
         match *self {
-            Self::Estimate { mean: value, half_width: Some(half), digits }
-            | Self::Signed { value, half_width: Some(half), digits } => {
+            Self::Estimate { mean: value, half_width: Some(half), digits, .. }
+            | Self::Signed { value, half_width: Some(half), digits, .. } => {
                 (value.is_finite() && half.is_finite()).then_some((half.abs(), digits))
             }
             _ => None,
@@ -149,13 +165,24 @@ mod tests {
 
     #[test]
     fn cells_are_shown_with_sign_half_width_and_bound() {
-        let signed = |value, half_width| Cell::Signed { value, half_width, digits: 1 }.text();
+        let signed = |value, half_width| Cell::Signed { value, half_width, limits: None, digits: 1 }.text();
         assert_eq!(signed(3.4, Some(1.2)), "+3.4 \u{b1} 1.2");
         assert_eq!(signed(-3.4, None), "\u{2212}3.4");
         assert_eq!(signed(0.01, None), "0.0", "a value that rounds to zero has no sign");
         assert_eq!(signed(1.0, Some(f64::NAN)), "+1.0");
-        let estimate = Cell::Estimate { mean: 99.44, half_width: Some(0.81), digits: 1 };
-        assert_eq!(estimate.text(), "99.4 \u{b1} 0.8");
+        let limits = Some((0.0, 100.0));
+        let estimate = |mean, half| Cell::Estimate { mean, half_width: Some(half), limits, digits: 1 };
+        assert_eq!(
+            (estimate(99.04, 0.81).text().as_str(), estimate(99.04, 0.81).is_cut()),
+            ("99.0 \u{b1} 0.8", false)
+        );
+        let cut = estimate(99.44, 0.81);
+        assert_eq!(
+            (cut.text().as_str(), cut.is_cut()),
+            ("99.4 (98.6 to 100.0)", true),
+            "no rate is above 100 %"
+        );
+        assert_eq!(estimate(62.5, 158.8).text(), "62.5 (0.0 to 100.0)", "two seeds");
         assert_eq!(Cell::AtLeast { value: 1000.0, digits: 0 }.text(), "> 1,000");
         assert_eq!(Cell::Outcome(ClaimOutcome::NotShown).text(), "\u{25cb} not shown");
         assert_eq!(Cell::Empty.text(), "");

@@ -14,7 +14,7 @@ use super::training_run::TrainingRun;
 use crate::agent::ActiveLearner;
 use crate::app::app_snapshot::{Choice, Severity};
 use crate::policy::Policy;
-use crate::run::folder::RunConfig;
+use crate::run::folder::{RunConfig, RunFolder};
 use crate::run::preset::Preset;
 use crate::run::{RunError, evaluate, policy_card, shipped};
 use crate::scenario::{Scenario, path_exists, read_text, resemblance, utf8};
@@ -82,9 +82,9 @@ fn open(world: &mut World, path: &Path) -> Result<String, RunError> {
         Some("bin") => {
             let folder = path.parent().and_then(Path::parent);
             let folder =
-                folder.filter(|folder| path_exists(&folder.join("config.ron"))).ok_or_else(|| {
-                    RunError::invalid_input(path, format!("not part of a run\nhelp: open {OPENABLE}"))
-                })?;
+                folder.filter(|folder| path_exists(&folder.join(RunFolder::CONFIG_FILE))).ok_or_else(
+                    || RunError::invalid_input(path, format!("not part of a run\nhelp: open {OPENABLE}")),
+                )?;
             resume(world, path, folder)
         }
         Some("safetensors") => {

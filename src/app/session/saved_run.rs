@@ -87,12 +87,13 @@ impl SavedRun {
         let text = |name: &str| {
             str::from_utf8(bytes(name)?).map_err(|error| RunError::invalid_input(Path::new(name), error))
         };
-        let config: RunConfig = parse_ron_with_limit(text(CONFIG)?, CONFIG, MAX_CONFIG_BYTES)?;
+        let config: RunConfig =
+            parse_ron_with_limit(text(RunFolder::CONFIG_FILE)?, RunFolder::CONFIG_FILE, MAX_CONFIG_BYTES)?;
         let problem = config.diagnostics().first().map(ToString::to_string);
         let problem = problem
             .map_or_else(|| config.preset.check_memory(&config.scenario, &config.observation_layout()), Err);
-        problem.map_err(|why| RunError::invalid_input(Path::new(CONFIG), why))?;
-        let config = config.resume_with_extensions(extensions, Path::new(CONFIG))?;
+        problem.map_err(|why| RunError::invalid_input(Path::new(RunFolder::CONFIG_FILE), why))?;
+        let config = config.resume_with_extensions(extensions, Path::new(RunFolder::CONFIG_FILE))?;
         let (trainer_state, learner) = checkpoint::read_from(&bytes(checkpoint::LATEST)?[..], &config)
             .map_err(|why| RunError::invalid_input(Path::new(checkpoint::LATEST), why))?;
         let journal = Journal::parse(Some(text(JOURNAL)?), Path::new(JOURNAL), &config, &learner)?;
@@ -145,9 +146,6 @@ impl SavedRun {
         }
     }
 }
-
-#[cfg(target_arch = "wasm32")]
-const CONFIG: &str = "config.ron";
 
 /// The rows of a CSV file.
 #[cfg(target_arch = "wasm32")]

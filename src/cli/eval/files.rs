@@ -6,8 +6,6 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use serde::Serialize;
-
 use crate::run::RunError;
 use crate::run::evaluate::{EpisodeRecord, TraceStep};
 use crate::run::output_file::{check_writable, write_atomic};
@@ -114,14 +112,7 @@ impl TestFile<'_> {
 
     /// Adds the line of a control step of `policy`.
     pub fn step(&mut self, policy: &str, step: &TraceStep) -> Result<(), TestEnd> {
-        #[derive(Serialize)]
-        struct Line<'a> {
-            policy: &'a str,
-            #[serde(flatten)]
-            step: &'a TraceStep,
-        }
-        let written = serde_json::to_writer(&mut *self.writer, &Line { policy, step });
-        let written = written.map_err(io::Error::from).and_then(|()| self.writer.write_all(b"\n"));
+        let written = step.write_line(policy, &mut *self.writer);
         written.map_err(|error| failed(self.path, &error))
     }
 }

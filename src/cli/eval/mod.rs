@@ -12,7 +12,7 @@ mod report;
 mod test;
 mod text;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::Args;
@@ -129,30 +129,7 @@ fn scenario_for(policies: &[Named], shared: &SharedArgs) -> Result<Scenario, Run
     if shared.scenario.is_some() {
         return Ok(shipped::scenario(shared.scenario())?);
     }
-    let mut first: Option<(&str, Scenario)> = None;
-    for (name, policy) in policies {
-        let own = policy_card::own_scenario(policy)
-            .map_err(|error| RunError::invalid_input(Path::new(name), error))?;
-        let own = own.map_or_else(|| shipped::scenario(shared.scenario()), Ok)?;
-        match &first {
-            Some((first_name, first)) if *first != own => {
-                let differing = if first.name == own.name {
-                    policy_card::differing_parts(first, &own)
-                } else {
-                    String::new()
-                };
-                return Err(RunError::InvalidInput(format!(
-                    "{first_name} was trained in scenario \"{}\" and {name} in \"{}\"{differing}; help: give --scenario, so that \
-                     they drive the same episodes",
-                    printable(&first.name),
-                    printable(&own.name),
-                )));
-            }
-            Some(_) => {}
-            None => first = Some((name, own)),
-        }
-    }
-    first.map_or_else(|| Ok(shipped::scenario(shared.scenario())?), |(_, own)| Ok(own))
+    policy_card::common_scenario(policies.iter().map(|(name, policy)| (name.as_str(), policy)))
 }
 
 /// The total number of episodes, and the number per round.

@@ -3,6 +3,7 @@
 use super::Check;
 use crate::limits::MAX_STEPS;
 use crate::reproduce::experiment::{Experiment, TestedPolicy};
+use crate::reproduce::measure::Measure;
 use crate::reproduce::test_point::{TestPoint, amount, difference, unit_name};
 use crate::run::preset::Budget;
 use crate::scenario::closest_name;
@@ -82,10 +83,17 @@ impl Check<'_> {
         }
     }
 
-    /// Every arm whose policy is tested at `point` must be trained that long, in the same unit.
-    pub(super) fn after(&mut self, path: &str, point: TestPoint) {
+    /// Every arm of which `measures` are taken at `point` must be trained that long, in the same unit.
+    pub(super) fn after(&mut self, path: &str, point: TestPoint, measures: &[Measure]) {
         let Some(after) = point.after else { return };
-        self.found.range(path, amount(after), 1, MAX_STEPS);
+        self.found.range(path, amount(after), 0, MAX_STEPS);
+        if let Some(measure) = measures.iter().find(|m| m.is_of_episodes() && amount(after) == 0) {
+            let message = format!(
+                "is 0, where no episode has ended, so that \"{}\" has no value; help: give at least 1, or measure SuccessRate",
+                measure.heading()
+            );
+            self.found.add(path, message);
+        }
         for arm in self.arms.iter().filter(|arm| arm.policy == TestedPolicy::After && !arm.stages.is_empty())
         {
             let first = if point.of_last_stage { arm.stages.len() - 1 } else { 0 };

@@ -78,10 +78,10 @@ impl Check<'_> {
                 }
                 FigureKind::DotPlot { measures, after } => {
                     self.measures(&format!("{at}.draw.measures"), measures);
-                    self.after(&format!("{at}.draw.after"), TestPoint::overall(*after));
+                    self.after(&format!("{at}.draw.after"), TestPoint::overall(*after), measures);
                 }
                 FigureKind::BenchmarkRoute { after } => {
-                    self.after(&format!("{at}.draw.after"), TestPoint::overall(*after));
+                    self.after(&format!("{at}.draw.after"), TestPoint::overall(*after), &[]);
                 }
             }
             self.claims(&at, &figure.claims);
@@ -104,23 +104,23 @@ impl Check<'_> {
         match kind {
             TableKind::Seeds { measure, after, paper } => {
                 self.measures(&format!("{at}.measure"), &[*measure]);
-                self.after(&after_path, TestPoint::overall(*after));
+                self.after(&after_path, TestPoint::overall(*after), &[*measure]);
                 paper.iter().for_each(|(name, _)| self.arm(&format!("{at}.paper"), name));
             }
             TableKind::Rounds { after, paper } => {
-                self.after(&after_path, TestPoint::overall(*after));
+                self.after(&after_path, TestPoint::overall(*after), &[]);
                 paper.iter().for_each(|(name, _)| self.arm(&format!("{at}.paper"), name));
             }
             TableKind::Measures { measures, after } => {
                 self.measures(&format!("{at}.measures"), measures);
-                self.after(&after_path, TestPoint::overall(*after));
+                self.after(&after_path, TestPoint::overall(*after), measures);
             }
             TableKind::Contrast { measures, better, than, after, of_last_stage } => {
                 self.measures(&format!("{at}.measures"), measures);
                 self.arm(&format!("{at}.better"), better);
                 self.arm(&format!("{at}.than"), than);
                 for point in contrast_points(after, *of_last_stage) {
-                    self.after(&after_path, point);
+                    self.after(&after_path, point, measures);
                 }
             }
         }
@@ -132,7 +132,7 @@ impl Check<'_> {
             self.measures(&format!("{at}.measure"), &[claim.measure]);
             self.arm(&format!("{at}.better"), &claim.better);
             self.arm(&format!("{at}.than"), &claim.than);
-            self.after(&format!("{at}.after"), claim.point());
+            self.after(&format!("{at}.after"), claim.point(), &[claim.measure]);
         }
     }
 

@@ -40,6 +40,7 @@ pub(super) fn contrast(
                 row.push(comparison.difference.map_or(Cell::Empty, |difference| Cell::Signed {
                     value: difference.mean,
                     half_width: difference.half_width,
+                    limits: measure.difference_limits(),
                     digits: measure.digits(),
                 }));
                 row.push(Cell::Outcome(comparison.outcome));

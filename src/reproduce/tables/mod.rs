@@ -42,6 +42,9 @@ pub fn make(results: &Results<'_>, index: usize, spec: &TableSpec) -> Result<Tab
         }
     };
     notes.extend(notes::notes(results, index, spec)?);
+    if rows.iter().flatten().any(Cell::is_cut) {
+        notes.push("(a to b): the 95 % interval, cut at an end beyond which no value is possible.".into());
+    }
     Ok(Table { name: spec.name.clone(), title: spec.title.clone(), columns, rows, notes })
 }
 

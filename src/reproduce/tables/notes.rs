@@ -50,7 +50,8 @@ fn test_note(results: &Results<'_>, index: usize, spec: &TableSpec, point: Optio
     let seeds = seeds(results, index);
     note += &format!(", seed{} {}", if seeds.len() == 1 { "" } else { "s" }, seeds_text(&seeds));
     if !matches!(spec.show, TableKind::Rounds { .. }) {
-        note += "; ± is the 95 % interval of the mean over the seeds (Student's t)";
+        let n = fewest_seeds(results, index);
+        note += &format!("; ± is the 95 % interval of the mean over the seeds (Student's t, n = {n})");
     }
     if matches!(&spec.show, TableKind::Seeds { paper, .. } if !paper.is_empty()) {
         note += "; the paper's value is taken as exact";
@@ -68,6 +69,13 @@ fn measure_notes(experiment: &Experiment, measures: &[Measure]) -> Vec<String> {
             counted(experiment.test.rounds as f64, "round"),
             counted(experiment.test.episodes as f64, "episode")
         ));
+    }
+    if measures.contains(&Measure::SuccessRate) {
+        notes.push(
+            "Success in evaluations during training: of the policy at that time, in the same episodes each time; between two \
+             evaluations, the value on the line from one to the other."
+                .into(),
+        );
     }
     if measures.contains(&Measure::BenchmarkRouteTime) {
         notes.push(format!(

@@ -28,15 +28,19 @@ pub(super) fn value_cell(value: &MeasuredValue, digits: usize) -> Cell {
     }
 }
 
-pub(super) fn estimate_cell(estimate: Option<Estimate>, digits: usize) -> Cell {
-    estimate.map_or(Cell::Empty, |e| Cell::Estimate { mean: e.mean, half_width: e.half_width, digits })
+pub(super) fn estimate_cell(estimate: Option<Estimate>, measure: Measure) -> Cell {
+    estimate.map_or(Cell::Empty, |e| Cell::Estimate {
+        mean: e.mean,
+        half_width: e.half_width,
+        limits: measure.limits(),
+        digits: measure.digits(),
+    })
 }
 
 /// The mean over the seeds with its interval; a lower bound if any value is one.
 pub(super) fn mean_cell(values: &ArmValues, measure: Measure) -> Cell {
-    let digits = measure.digits();
     match Estimate::from_values(&values.raw()) {
-        Some(mean) if values.bounds() > 0 => Cell::AtLeast { value: mean.mean, digits },
-        mean => estimate_cell(mean, digits),
+        Some(mean) if values.bounds() > 0 => Cell::AtLeast { value: mean.mean, digits: measure.digits() },
+        mean => estimate_cell(mean, measure),
     }
 }

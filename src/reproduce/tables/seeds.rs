@@ -31,10 +31,10 @@ pub(super) fn seeds(
         let mut row = vec![Cell::Text(row_name(results, arm))];
         let cell = |&seed: &u64| values.of_seed(seed).map_or(Cell::Empty, |value| value_cell(value, digits));
         row.extend(seeds.iter().map(cell));
-        row.push(estimate_cell(mean, digits));
+        row.push(estimate_cell(mean, measure));
         let of_paper = paper.iter().find(|(name, _)| *name == experiment.arms[arm.arm].name).map(|p| p.1);
         if !paper.is_empty() {
-            row.extend(paper_cells(of_paper, mean, digits));
+            row.extend(paper_cells(of_paper, mean, measure));
         }
         if is_time(measure) {
             let optimal = mean_optimal_time(results, arm, measure, point)?;
@@ -82,10 +82,17 @@ fn columns(measure: Measure, seeds: &[u64], with_paper: bool) -> Vec<Column> {
 }
 
 /// The paper's value, and the difference of our mean to it.
-fn paper_cells(paper: Option<f64>, mean: Option<Estimate>, digits: usize) -> [Cell; 2] {
+fn paper_cells(paper: Option<f64>, mean: Option<Estimate>, measure: Measure) -> [Cell; 2] {
+    let digits = measure.digits();
     let value = |value| Cell::Number { value, digits: digits.max(decimals(value)) };
     let difference = match paper.zip(mean) {
-        Some((paper, mean)) => Cell::Signed { value: mean.mean - paper, half_width: mean.half_width, digits },
+        Some((paper, mean)) => Cell::Signed {
+            value: mean.mean - paper,
+            half_width: mean.half_width,
+            // Of the mean, relative to the paper's value.
+            limits: measure.limits().map(|(low, high)| (low - paper, high - paper)),
+            digits,
+        },
         None => Cell::Empty,
     };
     [paper.map_or(Cell::Empty, value), difference]

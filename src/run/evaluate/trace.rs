@@ -1,5 +1,7 @@
 //! Traces: everything that the robot sensed and did in an episode, step by step.
 
+use std::io::{self, Write};
+
 use bevy::prelude::*;
 use serde::Serialize;
 
@@ -48,6 +50,23 @@ pub struct TraceStep {
     /// The reason why the episode ended; only in the last state.
     #[serde(serialize_with = "serialize_end")]
     pub outcome: Option<EpisodeEnd>,
+}
+
+impl TraceStep {
+    /// Writes the line of this step of `policy`, a name: a JSON object.
+    ///
+    /// # Errors
+    /// `writer` cannot be written to.
+    pub fn write_line(&self, policy: &str, mut writer: impl Write) -> io::Result<()> {
+        #[derive(Serialize)]
+        struct Line<'a> {
+            policy: &'a str,
+            #[serde(flatten)]
+            step: &'a TraceStep,
+        }
+        serde_json::to_writer(&mut writer, &Line { policy, step: self })?;
+        writer.write_all(b"\n")
+    }
 }
 
 fn serialize_end<S: serde::Serializer>(end: &Option<EpisodeEnd>, serializer: S) -> Result<S::Ok, S::Error> {

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use super::RunFolder;
 use crate::limits::MAX_CONFIG_BYTES;
 use crate::run::RunError;
 use crate::run::preset::{Budget, Preset};
@@ -212,7 +213,7 @@ impl RunConfig {
 /// be printed. Standard input is called `stdin`, and the `config.ron` of a run like the run's folder.
 fn file_stem(path: &str) -> String {
     let path = Path::new(if path == "-" { "stdin" } else { path });
-    let folder = path.parent().and_then(Path::file_name).filter(|_| path.ends_with("config.ron"));
+    let folder = path.parent().and_then(Path::file_name).filter(|_| path.ends_with(RunFolder::CONFIG_FILE));
     let stem = folder.or(path.file_stem()).unwrap_or_default();
     stem.to_string_lossy().replace(is_unprintable, "_")
 }

@@ -3,6 +3,7 @@
 //! In: a policy's file; the run's configuration, its counters, the success rate of the policy. Out: a policy, or a
 //! [`Card`] without dates or times, so that equal runs have equal files.
 
+mod common;
 mod differences;
 mod write;
 
@@ -16,6 +17,7 @@ use crate::policy::{Card, Encoding, Policy};
 use crate::scenario::{Lidar, Scenario, diagnostics, read_bytes, value_diagnostics};
 use crate::task::{ObservationLayout, ObservationSlice};
 
+pub use common::common_scenario;
 pub use differences::{check_actions, differing_parts, note, warning};
 pub use write::attach;
 

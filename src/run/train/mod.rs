@@ -137,6 +137,9 @@ impl Run {
 
     /// Takes control steps until the budget is used up or `stop` is set.
     fn run_until_done(&mut self, checkpoint_interval: Duration, stop: &AtomicBool) -> Result<(), RunError> {
+        if self.learner().env_steps() == 0 {
+            self.save_policies(|after| matches!(after, Budget::Episodes(0) | Budget::EnvSteps(0)))?;
+        }
         self.submit_if_due()?;
         while remaining(self.config.preset.budget, self.learner()) > 0 && !stop.load(Ordering::Relaxed) {
             let before = (self.learner().episodes(), self.learner().env_steps());
@@ -186,11 +189,15 @@ impl Run {
     /// `episodes` and `env_steps` are the counts before the step.
     fn save_policy(&self, (episodes, env_steps): (u64, u64)) -> Result<(), RunError> {
         let learner = self.learner();
-        let is_reached = |after: &&Budget| match **after {
+        self.save_policies(|after| match after {
             Budget::Episodes(n) => (episodes + 1..=learner.episodes()).contains(&n),
             Budget::EnvSteps(n) => (env_steps + 1..=learner.env_steps()).contains(&n),
-        };
-        for &after in self.config.save_policy_after.iter().filter(is_reached) {
+        })
+    }
+
+    /// Saves the current policy for each entry of `save_policy_after` that is due.
+    fn save_policies(&self, is_due: impl Fn(Budget) -> bool) -> Result<(), RunError> {
+        for &after in self.config.save_policy_after.iter().filter(|&&after| is_due(after)) {
             self.write_policy(&RunFolder::policy_after_file(after), &metrics::policy_bytes(&self.policy())?)?;
         }
         Ok(())

@@ -8,7 +8,7 @@ use crate::table::{Cell, Column, ColumnKind, Table};
 
 pub(super) fn table_block(table: &Table, claim_results: &[ClaimResult]) -> Markup {
     let label = format!("caption-{}", table.name);
-    let halves: Vec<_> = (0..table.columns.len()).map(|i| half_length(table, i)).collect();
+    let intervals: Vec<_> = (0..table.columns.len()).map(|i| interval_length(table, i)).collect();
     html! {
         div.table id={ "table-" (table.name) } {
             div.scroll role="region" tabindex="0" aria-labelledby=(label) {
@@ -18,8 +18,8 @@ pub(super) fn table_block(table: &Table, claim_results: &[ClaimResult]) -> Marku
                     tbody {
                         @for row in &table.rows {
                             tr {
-                                @for (i, (column, half)) in table.columns.iter().zip(&halves).enumerate() {
-                                    (cell(Table::cell(row, i), column.kind, *half, i == 0))
+                                @for (i, (column, length)) in table.columns.iter().zip(&intervals).enumerate() {
+                                    (cell(Table::cell(row, i), column.kind, *length, i == 0))
                                 }
                             }
                         }
@@ -35,10 +35,10 @@ pub(super) fn table_block(table: &Table, claim_results: &[ClaimResult]) -> Marku
     }
 }
 
-/// The number of characters in a column's longest half width.
-fn half_length(table: &Table, column: usize) -> usize {
-    let halves = table.rows.iter().filter_map(|row| Table::cell(row, column).half_width_text());
-    halves.map(|half| half.chars().count()).max().unwrap_or(0)
+/// The number of characters in a column's longest interval.
+fn interval_length(table: &Table, column: usize) -> usize {
+    let intervals = table.rows.iter().map(|row| Table::cell(row, column).interval_text());
+    intervals.map(|interval| interval.trim_start().chars().count()).max().unwrap_or(0)
 }
 
 fn class(kind: ColumnKind) -> &'static str {
@@ -57,16 +57,15 @@ fn heading(column: &Column) -> Markup {
     }
 }
 
-/// A cell of a table. In a column with half widths, all cells reserve the same width for them, so that the means align.
-fn cell(cell: &Cell, kind: ColumnKind, half_length: usize, first: bool) -> Markup {
+/// A cell of a table. In a column with intervals, all cells reserve the same width for them, so that the means align.
+fn cell(cell: &Cell, kind: ColumnKind, interval_length: usize, first: bool) -> Markup {
     let content = html! {
         @if let Cell::Outcome(what) = cell { (outcome(*what)) } @else { (cell.value_text()) }
-        @if half_length > 0 && kind == ColumnKind::Number {
-            span.half style={ "min-width:" (half_length + 2) "ch" } {
-                @if let Some(half) = cell.half_width_text() { " \u{b1} " (half) }
-            }
+        @if interval_length > 0 && kind == ColumnKind::Number {
+            span.half style={ "min-width:" (interval_length) "ch" } { (cell.interval_text()) }
+        } @else {
+            (cell.interval_text())
         }
-        @else if let Some(half) = cell.half_width_text() { " \u{b1} " (half) }
     };
     html! {
         @if first {

@@ -8,7 +8,7 @@ use super::sessions;
 use crate::app::page;
 use crate::app::session::run_snapshot::RunSnapshot;
 use crate::run::RunError;
-use crate::run::folder::INITIAL_POLICY_FILE;
+use crate::run::folder::{INITIAL_POLICY_FILE, RunFolder};
 use crate::scenario::to_ron;
 
 /// The autosave of a training.
@@ -44,7 +44,7 @@ impl Slot {
     pub(super) fn replace(&mut self, snapshot: &RunSnapshot) -> Result<(), RunError> {
         let failed = |error: &dyn std::fmt::Display| RunError::Failed(error.to_string());
         let config = to_ron(&snapshot.config).map_err(|error| failed(&error))?;
-        page::autosave_file("config.ron", config.as_bytes());
+        page::autosave_file(RunFolder::CONFIG_FILE, config.as_bytes());
         if let Some(policy) = &snapshot.initial_policy {
             page::autosave_file(INITIAL_POLICY_FILE, policy);
         }

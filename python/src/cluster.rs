@@ -1,0 +1,139 @@
+//! Trainings as tasks for other machines, and the report that is made of them.
+
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex};
+use std::time::Instant;
+
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
+use serde::Serialize;
+use wayfield::cli::{ReproductionReport, parse_seeds};
+use wayfield::reproduce::{OpenReport, ReproduceOptions, TrainingTask};
+use wayfield::run::provenance::{COMMIT, VERSION};
+
+use crate::env_options::settings;
+use crate::errors::{detached, run_error};
+use crate::train::listener;
+
+/// The options of a reproduction.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct ReproductionOptions {
+    experiments: Vec<PathBuf>,
+    only: Vec<String>,
+    seeds: Option<String>,
+    settings: Vec<(String, String)>,
+    quick: bool,
+    out: Option<PathBuf>,
+}
+
+/// A report that is being made. Its folder is locked until `finish` has written it, or until this object is gone.
+#[pyclass(module = "wayfield._native")]
+pub struct NativeReport(Option<OpenReport>);
+
+/// What the Python layer gets for a task, as JSON.
+#[derive(Serialize)]
+pub struct TaskRecord {
+    name: String,
+    starts_from: Option<String>,
+    cost: f64,
+    text: String,
+}
+
+#[pymethods]
+impl NativeReport {
+    #[new]
+    fn new(py: Python<'_>, options: ReproductionOptions) -> PyResult<Self> {
+        let seeds = options.seeds.as_deref().map(parse_seeds).transpose();
+        let options = ReproduceOptions {
+            experiments: options.experiments,
+            only: options.only,
+            seeds: seeds.map_err(|error| PyValueError::new_err(format!("seeds: {error}")))?,
+            settings: settings(options.settings),
+            quick: options.quick,
+            out: options.out,
+            shard: None,
+            jobs: None,
+        };
+        detached(py, || Ok(Self(Some(OpenReport::open(&options, Instant::now()).map_err(run_error)?))))
+    }
+
+    /// The folder of the runs.
+    #[getter]
+    fn runs(&self) -> PyResult<PathBuf> {
+        Ok(self.report()?.runs())
+    }
+
+    /// The trainings, as a list in JSON.
+    fn tasks(&self) -> PyResult<String> {
+        let records: PyResult<Vec<TaskRecord>> =
+            self.report()?.tasks().iter().map(TaskRecord::try_from).collect();
+        json(&records?)
+    }
+
+    /// Does what is missing and writes the report. Returns its folder, and the JSON object of `--reproduce --json`. `parallel`
+    /// is the number of runs that were done in parallel.
+    fn finish(&mut self, py: Python<'_>, parallel: usize) -> PyResult<(PathBuf, String)> {
+        let report = self.0.take().ok_or_else(finished)?;
+        let folder = report.path().to_owned();
+        let done =
+            detached(py, || report.finish(Some(parallel), &AtomicBool::new(false)).map_err(run_error))?;
+        Ok((folder, json(&ReproductionReport::new(done, None))?))
+    }
+}
+
+impl NativeReport {
+    fn report(&self) -> PyResult<&OpenReport> {
+        self.0.as_ref().ok_or_else(finished)
+    }
+}
+
+fn finished() -> PyErr {
+    PyRuntimeError::new_err("the report is finished; help: open it again")
+}
+
+impl TryFrom<&TrainingTask> for TaskRecord {
+    type Error = PyErr;
+
+    fn try_from(task: &TrainingTask) -> PyResult<Self> {
+        Ok(Self {
+            name: task.name().into(),
+            starts_from: task.starts_from().map(String::from),
+            cost: task.cost(),
+            text: task.to_text().map_err(run_error)?,
+        })
+    }
+}
+
+/// Whether the folder `runs` has the finished run of a task.
+#[pyfunction]
+pub fn is_task_done(text: &str, runs: PathBuf) -> PyResult<bool> {
+    Ok(TrainingTask::parse(text).map_err(run_error)?.is_done(&runs))
+}
+
+/// Carries out a task in the folder `runs`, which has the policy that it starts from. Returns the name of the run's folder.
+#[pyfunction]
+pub fn run_task(py: Python<'_>, text: &str, runs: PathBuf) -> PyResult<String> {
+    let task = TrainingTask::parse(text).map_err(run_error)?;
+    let (stop, raised) = (Arc::new(AtomicBool::new(false)), Arc::new(Mutex::new(None)));
+    let done = detached(py, || {
+        let listener = || listener(None, stop.clone(), raised.clone());
+        Ok(task.run(&runs, &listener, &stop))
+    })?;
+    match raised.lock().ok().and_then(|mut raised| raised.take()) {
+        Some(ctrl_c) => Err(ctrl_c),
+        None => done.map(|()| task.name().into()).map_err(run_error),
+    }
+}
+
+/// The version and the commit of wayfield. Only equal builds carry out each other's tasks.
+#[pyfunction]
+pub fn build() -> String {
+    COMMIT.map_or_else(|| VERSION.into(), |commit| format!("{VERSION}, commit {commit}"))
+}
+
+/// `value` as JSON.
+pub fn json(value: &impl Serialize) -> PyResult<String> {
+    serde_json::to_string(value).map_err(|error| PyRuntimeError::new_err(error.to_string()))
+}

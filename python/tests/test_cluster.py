@@ -1,0 +1,220 @@
+"""The promises of wayfield.cluster, without Ray: which tasks there are, what comes back, and what is not repeated."""
+
+import json
+import subprocess
+import sys
+import warnings
+
+import numpy as np
+import pytest
+
+import wayfield
+from wayfield import _work, cluster
+from wayfield._folders import pack, unpack
+
+EXPERIMENT = """(
+    title: "Small",
+    seeds: 2,
+    test: (rounds: 1, episodes: 4, seed: 7),
+    evaluation: (every_env_steps: 1000, episodes: 4),
+    overrides: {"learning.network.hidden": [16], "arenas": 4},
+    arms: [
+        (name: "plain", stages: [(scenario: "scenario-1", preset: "fast", budget: EnvSteps(2000))]),
+        (name: "transferred", stages: [
+            (scenario: "empty", preset: "fast", budget: EnvSteps(1000)),
+            (scenario: "scenario-1", preset: "fast", budget: EnvSteps(1000), epsilon: 0.5),
+        ]),
+    ],
+    figures: [(name: "dots", title: "Dots", draw: DotPlot(measures: [Success]))],
+    tables: [(name: "all", title: "All", show: Measures(measures: [Success, MeanTime]))],
+)"""
+TRAININGS = 6
+SMALL = {"steps": 1_000, "set": {"learning.network.hidden": [16], "arenas": 4}}
+
+
+class OneProcess:
+    """A pool that does one task after the other in this process."""
+
+    parallel = 1
+
+    def __init__(self, stop_after=None):
+        self.names, self.cancelled, self.stop_after, self.queue = [], [], stop_after, {}
+
+    def submit(self, name, work, arguments):
+        self.names.append(name)
+        self.queue[name] = (work, arguments)
+        return name
+
+    def wait(self, handles):
+        if self.stop_after == 0:
+            raise RuntimeError("lost")
+        if self.stop_after is not None:
+            self.stop_after -= 1
+        work, arguments = self.queue.pop(handles[0])
+        return handles[0], work(*arguments), "here"
+
+    def cancel(self, handles):
+        self.cancelled += handles
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "own.ron").write_text(EXPERIMENT)
+    return tmp_path
+
+
+def reproduce(pool):
+    return cluster.reproduce("own.ron", out="report", progress=False, pool=pool)
+
+
+def files(folder):
+    """The files of a report and of its runs, by their paths, without what tells the time."""
+
+    def contents(path):
+        lines = path.read_bytes().splitlines(keepends=True)
+        return [line for line in lines if b"minutes with" not in line] if path.suffix in (".md", ".html") else lines
+
+    timed = ("spent", "lock", "summary.json", "episodes.csv", "evaluations.csv", "events.out")
+    return {
+        path.relative_to(folder).as_posix(): contents(path)
+        for path in folder.rglob("*")
+        if path.is_file() and not path.name.startswith(timed)
+    }
+
+
+def test_the_report_is_that_of_one_machine(folder):
+    done = reproduce(OneProcess())
+    assert (done.runs, done.report.as_posix(), done.claims) == (TRAININGS, "report/report.html", [])
+    (folder / "report").rename(folder / "of-cluster")
+    command = [sys.executable, "-m", "wayfield", "--reproduce", "--experiment", "own.ron", "--out", "report"]
+    subprocess.run(command, check=True, capture_output=True)
+    ours, theirs = files(folder / "of-cluster"), files(folder / "report")
+    assert set(ours) == set(theirs) and len(ours) > 6 * 5
+    assert [path for path, contents in theirs.items() if ours[path] != contents] == []
+    assert b"wayfield --reproduce --experiment own.ron --out report" in b"".join(ours["README.md"])
+
+
+def test_finished_trainings_are_not_repeated(folder):
+    first, second, third = OneProcess(stop_after=2), OneProcess(), OneProcess()
+    with pytest.raises(RuntimeError, match="lost"):
+        reproduce(first)
+    assert first.cancelled, "the others are stopped"
+    reproduce(second)
+    assert len(second.names) == TRAININGS - 2
+    reproduce(third)
+    assert third.names == []
+
+
+def test_a_training_waits_for_the_one_that_it_starts_from(folder):
+    pool = OneProcess()
+    reproduce(pool)
+    started = [name for name in pool.names if "empty" in name]
+    config = {name: (folder / f"report/runs/{name}/config.ron").read_text() for name in pool.names}
+    for name, text in config.items():
+        origins = [origin for origin in started if f'policy: "{origin}/' in text]
+        assert all(pool.names.index(origin) < pool.names.index(name) for origin in origins)
+    assert sum("/policy-after-" in text for text in config.values()) == 2
+
+
+def test_a_damaged_or_partial_run_is_done_again(folder):
+    reproduce(OneProcess())
+    before = files(folder / "report")
+    run = next((folder / "report/runs").glob("*empty*"))
+    (run / "summary.json").unlink()
+    pool = OneProcess()
+    reproduce(pool)
+    assert pool.names == [run.name]
+    assert files(folder / "report") == before
+
+
+def test_a_folder_in_use_is_refused(folder):
+    class Nested(OneProcess):
+        def submit(self, name, work, arguments):
+            with pytest.raises(ValueError, match="another wayfield process is writing in it; help:"):
+                reproduce(OneProcess())
+            return super().submit(name, work, arguments)
+
+    reproduce(Nested())
+
+
+def test_invalid_options_are_exceptions(folder):
+    with pytest.raises(ValueError, match="no.ron: no such file"):
+        cluster.reproduce("no.ron", pool=OneProcess())
+    with pytest.raises(ValueError, match="seeds: 3 is given twice"):
+        cluster.reproduce("own.ron", seeds=[3, 3], pool=OneProcess())
+    with pytest.raises(ValueError, match="did you mean `gamma`"):
+        cluster.sweep([{"set": {"learning.gama": 0.9}}], "sweep", pool=OneProcess())
+    with pytest.raises(ValueError, match="a case has a trace; help:"):
+        cluster.evaluate([{"policy": "scenario-1", "trace": "x"}], "tests", pool=OneProcess())
+    assert not any((folder / name).exists() for name in ("sweep", "tests", "runs"))
+
+
+def test_a_node_with_another_build_refuses_the_task():
+    with pytest.raises(RuntimeError, match="comes from 0.0.1; help: install the same wheel on every node"):
+        _work.train("0.0.1", 1, "", {})
+
+
+def test_ray_is_optional(folder, monkeypatch):
+    monkeypatch.setitem(sys.modules, "ray", None)
+    with pytest.raises(ImportError, match=r"help: pip install 'wayfield\[cluster\]'"):
+        cluster.reproduce("own.ron", out="report")
+    assert not (folder / "report").exists()
+
+
+def test_a_sweep_has_the_runs_of_train(folder):
+    origin = wayfield.train("empty", seed=1, out="origin", progress=False, **SMALL).policy
+    runs = [{"seed": seed, **SMALL} for seed in (1, 2, 1)] + [{"init": origin, "epsilon": 0.3, **SMALL}]
+    pool = OneProcess()
+    results = cluster.sweep(runs, "sweep", progress=False, pool=pool)
+    assert len(pool.names) == 3, "equal runs are done once"
+    assert results[0].folder == results[2].folder
+    observations = np.random.default_rng(1).uniform(0, 1, (20, 28)).astype(np.float32)
+    for index, (run, result) in enumerate(zip(runs, results, strict=True)):
+        alone = wayfield.train(out=f"alone-{index}", progress=False, **run)
+        # The card names the policy that a training started from, which is in memory here.
+        assert (result.last_policy.q_values(observations) == alone.last_policy.q_values(observations)).all()
+        if "init" not in run:
+            assert (result.folder / "policy.safetensors").read_bytes() == (alone.folder / "policy.safetensors").read_bytes()
+        assert result.summary["env_steps"] == alone.summary["env_steps"]
+    again = OneProcess()
+    assert cluster.sweep(runs, "sweep", progress=False, pool=again)[3].summary == results[3].summary
+    assert again.names == []
+
+
+def test_a_set_of_evaluations_has_the_numbers_of_evaluate(folder):
+    cases = [{"policy": "scenario-1", "scenario": name, "episodes": 5, "rounds": 2} for name in ("empty", "hall")]
+    cases.append({"policy": wayfield.Policy.load("scenario-2"), "episodes": 3, "rounds": 1, "seed": 9})
+    pool, again = OneProcess(), OneProcess()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        results = cluster.evaluate(cases, "tests", progress=False, pool=pool)
+        alone = [wayfield.evaluate(**case) for case in cases]
+    assert len(pool.names) == 3
+    for result, expected in zip(results, alone, strict=True):
+        assert (result.scenario, result.success_rate, result.mean_cost_s) == (
+            expected.scenario,
+            expected.success_rate,
+            expected.mean_cost_s,
+        )
+        np.testing.assert_array_equal(result.episodes["steps"], expected.episodes["steps"])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        cluster.evaluate(cases, "tests", progress=False, pool=again)
+        cluster.evaluate([{**cases[0], "seed": 1}], "tests", progress=False, pool=again)
+    assert len(again.names) == 1, "another seed is another test"
+    stored = [json.loads(path.read_text())["scenario"] for path in (folder / "tests").glob("*.json")]
+    assert len(stored) == 4 and len(set(stored)) == 3
+
+
+def test_a_folder_is_sent_as_it_is(tmp_path):
+    (tmp_path / "run/deep").mkdir(parents=True)
+    (tmp_path / "run/deep/file").write_bytes(bytes(range(256)))
+    (tmp_path / "old").mkdir()
+    (tmp_path / "old/left").write_text("from an interrupted run")
+    packed = pack(tmp_path / "run")
+    assert packed == pack(tmp_path / "run")
+    unpack(packed, tmp_path / "old")
+    assert [path.name for path in (tmp_path / "old").rglob("*")] == ["deep", "file"]
+    assert (tmp_path / "old/deep/file").read_bytes() == bytes(range(256))
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["old", "run"]

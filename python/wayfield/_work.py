@@ -1,0 +1,43 @@
+"""The work that the processes of a cluster do. It needs no files but wayfield's, and leaves none."""
+
+import os
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from . import _native
+from ._folders import pack
+
+
+def train(build: str, cpus: int, text: str, inputs: dict[str, bytes]) -> bytes:
+    """Trains and tests the run of a task's ``text``. Returns the run folder as an archive.
+
+    Args:
+        build: The build of wayfield that made the task.
+        cpus: The number of threads for matrix products.
+        text: The task.
+        inputs: The files that the training starts from, by their paths relative to the folder of all runs.
+    """
+    _check_build(build)
+    os.environ.setdefault("RAYON_NUM_THREADS", str(cpus))
+    with tempfile.TemporaryDirectory(prefix="wayfield-") as folder:
+        runs = Path(folder)
+        for path, contents in inputs.items():
+            (runs / path).parent.mkdir(parents=True, exist_ok=True)
+            (runs / path).write_bytes(contents)
+        return pack(runs / _native.run_task(text, folder))
+
+
+def evaluate(build: str, cpus: int, policy: bytes, options: dict[str, Any]) -> str:
+    """Tests a policy. Returns the list of reports, with one report, as JSON."""
+    _check_build(build)
+    os.environ.setdefault("RAYON_NUM_THREADS", str(cpus))
+    return _native.evaluate([_native.NativePolicy.from_bytes(policy)], options)
+
+
+def _check_build(build: str) -> None:
+    if build != _native.build():
+        raise RuntimeError(
+            f"this node has wayfield {_native.build()}, but the task comes from {build}; "
+            "help: install the same wheel on every node"
+        )

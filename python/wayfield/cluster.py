@@ -1,0 +1,220 @@
+"""Reproductions, sweeps and sets of evaluations on several machines, with Ray (docs/cluster.md).
+
+Every training is a task of its own. Its result, the run folder, comes back through Ray, so no shared file system is needed. It
+is stored under a name that depends on its content: what is there already is not done again, and the same call continues after
+an interruption. The tasks of a lost node are done again on another one.
+"""
+
+import hashlib
+import json
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+from . import _native, _work
+from ._folders import unpack
+from ._ray_pool import RayPool
+from ._settings import pairs
+from ._tasks import Pool, Task, replace_file, run_tasks
+from .evaluation import Evaluation, evaluation_from, evaluation_options
+from .training import TrainingResult, load_run, training_options
+
+__all__ = ["Pool", "RayPool", "Reproduction", "evaluate", "reproduce", "sweep"]
+
+
+@dataclass(frozen=True)
+class Reproduction:
+    """A finished report.
+
+    Attributes:
+        folder: Its folder.
+        report: Its page, ``report.html``.
+        runs: The number of trainings.
+        wall_s: The wall time in s of all calls that worked on it.
+        claims: For each claim ``claim``, ``outcome`` and ``because``.
+    """
+
+    folder: Path
+    report: Path
+    runs: int
+    wall_s: float
+    claims: list[dict[str, str]]
+
+
+def reproduce(
+    *experiments: str | os.PathLike[str],
+    only: Iterable[str] = (),
+    seeds: int | Sequence[int] | None = None,
+    set: Mapping[str, Any] | None = None,
+    quick: bool = False,
+    out: str | os.PathLike[str] | None = None,
+    cpus: int = 1,
+    retries: int = 5,
+    progress: bool = True,
+    pool: Pool | None = None,
+) -> Reproduction:
+    """Makes the report of ``wayfield --reproduce``, with every training as a task on the cluster.
+
+    Args:
+        experiments: Files; none for the paper's experiments.
+        only: Names of figures, tables or experiments; none for all.
+        seeds: The number of seeds, or a list of them; None for the experiments' own.
+        set: Fields of presets and scenarios with other values, as in ``wayfield.train``.
+        quick: Make a rough report in a minute.
+        out: The folder of the report; None for that of the command line.
+        cpus: The CPUs that a training needs. It changes no result.
+        retries: How often a training is done again after its node was lost.
+        progress: Whether to show the finished trainings on stderr.
+        pool: Other processes than Ray's.
+
+    Raises:
+        ValueError: An option or a file is invalid, or the folder is in use.
+        RuntimeError: A training failed. Finished trainings stay; the same call continues.
+        ImportError: Ray is not installed.
+    """
+    pool = pool or RayPool(cpus, retries)
+    report = _native.NativeReport(
+        {
+            "experiments": [os.fspath(path) for path in experiments],
+            "only": list(only),
+            "seeds": _seeds(seeds),
+            "settings": pairs(set),
+            "quick": quick,
+            "out": None if out is None else os.fspath(out),
+        }
+    )
+    runs = Path(report.runs)
+    run_tasks([_training(record, runs, cpus, {}) for record in json.loads(report.tasks())], pool, progress)
+    folder, text = report.finish(pool.parallel)
+    fields = json.loads(text)
+    return Reproduction(Path(folder), Path(fields["report"]), fields["runs"], fields["wall_s"], fields["claims"])
+
+
+def sweep(
+    runs: Iterable[Mapping[str, Any]],
+    out: str | os.PathLike[str],
+    *,
+    cpus: int = 1,
+    retries: int = 5,
+    progress: bool = True,
+    pool: Pool | None = None,
+) -> list[TrainingResult]:
+    """Trains with many settings, each as a task on the cluster.
+
+    Args:
+        runs: The options of each training, those of ``wayfield.train`` that change its result: ``{"seed": 3, "set":
+            {"learning.gamma": 0.97}}``.
+        out: The folder for the run folders. They have no checkpoints, so that ``wayfield.resume`` cannot continue them.
+        cpus, retries, progress, pool: As for ``reproduce``.
+
+    Returns:
+        The results in the order of ``runs``.
+
+    Raises:
+        ValueError: An option is invalid.
+        RuntimeError: A training failed. Finished trainings stay; the same call continues.
+        ImportError: Ray is not installed.
+    """
+    folder, pool = Path(out), pool or RayPool(cpus, retries)
+    tasks = []
+    for run in runs:
+        options, init = training_options(**run)
+        inputs = {}
+        if init is not None:
+            contents = init.to_bytes()
+            options["init_from"] = f"init-{_checksum(contents)}/policy.safetensors"
+            inputs = {options["init_from"]: contents}
+        record = json.loads(_native.training_task(options, init is not None))
+        tasks.append(_training(record, folder, cpus, inputs))
+    folder.mkdir(parents=True, exist_ok=True)
+    run_tasks(tasks, pool, progress)
+    return [load_run(folder / task.name) for task in tasks]
+
+
+def evaluate(
+    cases: Iterable[Mapping[str, Any]],
+    out: str | os.PathLike[str],
+    *,
+    cpus: int = 1,
+    retries: int = 5,
+    progress: bool = True,
+    pool: Pool | None = None,
+) -> list[Evaluation]:
+    """Tests many policies, or policies in many scenarios, each as a task on the cluster.
+
+    Args:
+        cases: The options of each test, those of ``wayfield.evaluate`` with one policy and without a trace: ``{"policy":
+            "runs/a/policy.safetensors", "scenario": "hall"}``.
+        out: The folder for the results, a JSON file each.
+        cpus, retries, progress, pool: As for ``reproduce``.
+
+    Returns:
+        The results in the order of ``cases``.
+
+    Raises:
+        ValueError: An option is invalid.
+        RuntimeError: A test failed. Finished tests stay; the same call continues.
+        ImportError: Ray is not installed.
+    """
+    folder, pool = Path(out), pool or RayPool(cpus, retries)
+    tasks = [_evaluation(dict(case), folder, cpus) for case in cases]
+    folder.mkdir(parents=True, exist_ok=True)
+    run_tasks(tasks, pool, progress)
+    results = [json.loads((folder / f"{task.name}.json").read_text(encoding="utf-8")) for task in tasks]
+    return [evaluation_from(report, stacklevel=3) for report in results]
+
+
+def _seeds(seeds: int | Sequence[int] | None) -> str | None:
+    """Seeds as the command line takes them: a comma makes a single number a list."""
+    if seeds is None or isinstance(seeds, int):
+        return None if seeds is None else str(seeds)
+    return ",".join(map(str, seeds)) + ("," if len(seeds) == 1 else "")
+
+
+def _training(record: dict[str, Any], runs: Path, cpus: int, inputs: dict[str, bytes]) -> Task:
+    """The task of a training whose run folder is stored in ``runs``. If it starts from another one there, it waits for it."""
+    name, text, origin = record["name"], record["text"], record["starts_from"]
+    waits = origin is not None and origin not in inputs
+
+    def arguments() -> tuple[Any, ...]:
+        files = {origin: (runs / origin).read_bytes()} if waits else inputs
+        return _native.build(), cpus, text, files
+
+    return Task(
+        name,
+        _work.train,
+        arguments,
+        is_done=partial(_native.is_task_done, text, os.fspath(runs)),
+        store=lambda contents: unpack(contents, runs / name),
+        after=PurePosixPath(origin).parts[0] if waits else None,
+        cost=record["cost"],
+    )
+
+
+def _evaluation(case: dict[str, Any], folder: Path, cpus: int) -> Task:
+    """The task of a test whose result is stored in ``folder``."""
+    if "trace" in case:
+        raise ValueError("a case has a trace; help: leave it out, and use wayfield.evaluate for traces")
+    (policy,), options = evaluation_options([case.pop("policy")], **case)
+    scenario, settings = options["scenario"], options["settings"]
+    # The whole scenario: its file may change, and need not be on the node.
+    options["scenario"] = _native.evaluation_scenario([policy], options["names"], scenario, settings)
+    options["settings"] = []
+    contents = policy.to_bytes()
+    identity = json.dumps([_native.build(), {**options, "names": []}], sort_keys=True).encode()
+    name = f"evaluation-{_checksum(identity + contents)}"
+    path = folder / f"{name}.json"
+
+    def store(text: str) -> None:
+        (report,) = json.loads(text)
+        replace_file(path, json.dumps(report).encode())
+
+    arguments = (_native.build(), cpus, contents, options)
+    return Task(name, _work.evaluate, lambda: arguments, path.exists, store, cost=float(options["episodes"]))
+
+
+def _checksum(contents: bytes) -> str:
+    return hashlib.sha256(contents).hexdigest()[:16]
