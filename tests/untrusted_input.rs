@@ -17,10 +17,11 @@ use wayfield::run::policy_card;
 /// A reader for files of one kind. It returns whether the bytes are valid.
 type Reader = fn(&[u8]) -> bool;
 
-const KINDS: [(&str, Reader); 5] = [
+const KINDS: [(&str, Reader); 6] = [
     ("policy", untrusted_input::policy),
     ("checkpoint", untrusted_input::checkpoint),
     ("scenario", untrusted_input::scenario),
+    ("level_generator", untrusted_input::level_generator),
     ("preset", untrusted_input::preset),
     ("experiment", untrusted_input::experiment),
 ];
@@ -120,6 +121,7 @@ fn seeds(kind: &str) -> Vec<(String, Vec<u8>)> {
             [0, 3, 30].map(after).into()
         }
         "scenario" => files("scenarios").into_iter().chain([everything()]).collect(),
+        "level_generator" => files("scenarios/generators"),
         "preset" => files("assets/presets"),
         _ => files("assets/experiments"),
     }
@@ -333,6 +335,7 @@ fn a_mebibyte_of_repeated_text_is_rejected_quickly() {
     for (kind, reader) in texts() {
         let list = match kind {
             "scenario" => "(obstacles: [",
+            "level_generator" => "(wall_layouts: [",
             "preset" => "(learning: (network: (hidden: [",
             _ => "(arms: [",
         };
