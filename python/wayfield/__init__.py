@@ -13,7 +13,7 @@ from gymnasium.envs.registration import register
 
 from . import _native
 from .env import NavigationEnv
-from .evaluation import Evaluation, evaluate
+from .evaluation import Evaluation, evaluate, evaluate_function
 from .files import Problem, check, draw, presets, scenario_text, scenarios
 from .policy import Policy
 from .training import TrainingResult, load_run, resume, train
@@ -31,6 +31,7 @@ __all__ = [
     "check",
     "draw",
     "evaluate",
+    "evaluate_function",
     "load_run",
     "presets",
     "resume",

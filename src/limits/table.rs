@@ -4,9 +4,10 @@ use std::fmt::{Display, LowerExp, Write as _};
 use std::ops::RangeInclusive;
 
 use super::{
-    MAX_ABOUT_CHARS, MAX_ARENAS, MAX_BODIES, MAX_CONFIG_BYTES, MAX_EVAL_EPISODES, MAX_EVALUATION_EPISODES,
-    MAX_HEAD_BYTES, MAX_JOURNAL_BYTES, MAX_OBSERVED_FLOATS, MAX_PICTURE_SIDE, MAX_POLICY_BYTES,
-    MAX_RECENT_RETURNS, MAX_REWARD_PARAMETER, MAX_SHEET_LEVELS, MAX_STEPS, MAX_TIME_S, experiment,
+    MAX_ABOUT_CHARS, MAX_ARENAS, MAX_BODIES, MAX_CONFIG_BYTES, MAX_EVAL_EPISODES, MAX_EVAL_RESULTS_BYTES,
+    MAX_EVALUATION_EPISODES, MAX_HEAD_BYTES, MAX_JOURNAL_BYTES, MAX_OBSERVED_FLOATS, MAX_PICTURE_SIDE,
+    MAX_POLICY_BYTES, MAX_RECENT_RETURNS, MAX_REWARD_PARAMETER, MAX_SHEET_LEVELS, MAX_STEPS, MAX_TIME_S,
+    experiment,
 };
 use crate::learning::limits as learning;
 use crate::policy::limits as policy;
@@ -296,6 +297,12 @@ const EXPERIMENTS: &[Limit] = &[
 
 const POLICIES: &[Limit] = &[
     Limit("size of the file", Bytes(MAX_POLICY_BYTES), "", "the parameters and a header"),
+    Limit(
+        "size of the results of a test (`--eval-results`)",
+        Bytes(MAX_EVAL_RESULTS_BYTES),
+        "",
+        "they list the rounds",
+    ),
     Limit(
         "size of its header with the card",
         Bytes(policy::MAX_HEADER_BYTES as u64),
