@@ -72,9 +72,10 @@ fn steps(command: &str) -> Option<Vec<Step<'static>>> {
 /// One step per shipped scenario and per shipped level generator.
 fn pictures() -> Vec<Step<'static>> {
     let draw = |options: String| cargo(&format!("run --release -p wayfield -- {options}"), &[]);
-    let scenario = |name| format!("--scenario {name} --plain --draw docs/worlds/{name}.png");
-    let sheet =
-        |name| format!("--scenario {name} --levels 8 --size 940x640 --draw docs/generators/{name}.png");
+    let scenario = |name: String| format!("--scenario {name} --plain --draw docs/worlds/{name}.png");
+    let sheet = |name: String| {
+        format!("--scenario {name} --levels 8 --size 940x640 --draw docs/generators/{name}.png")
+    };
     let scenarios = names("../scenarios").into_iter().map(scenario);
     scenarios.chain(names("../scenarios/generators").into_iter().map(sheet)).map(draw).collect()
 }
