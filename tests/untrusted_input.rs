@@ -17,10 +17,11 @@ use wayfield::run::policy_card;
 /// A reader for files of one kind. It returns whether the bytes are valid.
 type Reader = fn(&[u8]) -> bool;
 
-const KINDS: [(&str, Reader); 8] = [
+const KINDS: [(&str, Reader); 9] = [
     ("policy", untrusted_input::policy),
     ("checkpoint", untrusted_input::checkpoint),
     ("scenario", untrusted_input::scenario),
+    ("level_generator", untrusted_input::level_generator),
     ("preset", untrusted_input::preset),
     ("experiment", untrusted_input::experiment),
     ("map", untrusted_input::map),
@@ -123,6 +124,7 @@ fn seeds(kind: &str) -> Vec<(String, Vec<u8>)> {
             [0, 3, 30].map(after).into()
         }
         "scenario" => files("scenarios").into_iter().chain([everything()]).collect(),
+        "level_generator" => files("scenarios/generators"),
         "preset" => files("assets/presets"),
         "map" => files("crates/import/tests/fixtures/maps").chunks(2).map(framed_map).collect(),
         "sdf" => files("crates/import/tests/fixtures/sdf"),
@@ -345,6 +347,7 @@ fn a_mebibyte_of_repeated_text_is_rejected_quickly() {
     for (kind, reader) in texts() {
         let list = match kind {
             "scenario" => "(obstacles: [",
+            "level_generator" => "(wall_layouts: [",
             "preset" => "(learning: (network: (hidden: [",
             _ => "(arms: [",
         };

@@ -1,4 +1,5 @@
-//! The mode `--draw`: a figure of a scenario, or of the learning curves of a run, as an SVG, PNG or PDF file.
+//! The mode `--draw`: a figure of a scenario, of levels of a generator, or of the learning curves of a run, as an SVG, PNG or
+//! PDF file.
 
 use std::path::{Path, PathBuf};
 
@@ -7,12 +8,17 @@ use clap::Args;
 
 use super::output::print_stdout;
 use super::shared::SharedArgs;
+use super::values;
 use crate::import::{Frame, ImportOptions, backdrop};
 use crate::run::folder::RunFolder;
 use crate::run::image_file::{self, ImageFormat, ImageSize};
 use crate::run::output_file::{check_writable, is_stream};
-use crate::run::{RunError, run_image, scenario_image, shipped};
-use crate::scenario::Scenario;
+use crate::run::shipped::Source;
+use crate::run::{RunError, run_image, scenario_image};
+use crate::scenario::{LevelGenerator, Scenario};
+
+/// Number of levels on a contact sheet.
+const DEFAULT_LEVELS: u64 = 12;
 
 /// The options of `--draw`.
 #[derive(Args, Debug)]
@@ -25,6 +31,10 @@ pub struct DrawArgs {
     /// Draw the scenario without its name, the legend and the axes; by default 480x360 pixels
     #[arg(long, conflicts_with = "run")]
     plain: bool,
+
+    /// The number of levels on the contact sheet of a level generator, 1 to 100, from the seed --seed on
+    #[arg(long, value_name = "N", value_parser = values::levels, conflicts_with_all = ["run", "plain"])]
+    levels: Option<u64>,
 
     /// Mark what is occupied in a map (.yaml) or a picture (with --resolution), from which the scenario was imported
     #[arg(long, value_name = "MAP", conflicts_with_all = ["run", "plain"])]
@@ -67,7 +77,14 @@ fn scenario_figure(
     resolution_m: Option<f64>,
 ) -> Result<String, RunError> {
     let name = shared.scenario();
-    let mut scenario = shipped::scenario(name)?;
+    let mut scenario =
+        match (Source::load(name)?, args.levels.map(|_| "--levels").or(shared.seed.map(|_| "--seed"))) {
+            (Source::Levels(generator), _) if !args.plain && args.over.is_none() => {
+                return contact_sheet(&generator, args, shared);
+            }
+            (Source::Scenario(_), Some(flag)) => return Err(only_for_levels(name, flag)),
+            (source, _) => source.into_scenario(name)?,
+        };
     shared.settings().apply_to_scenario(&mut scenario)?;
     let svg = match &args.over {
         Some(map) => {
@@ -78,6 +95,29 @@ fn scenario_figure(
         None => scenario_image::figure(&scenario),
     };
     svg.map_err(|error| RunError::failed(Path::new(name), error))
+}
+
+fn only_for_levels(name: &str, flag: &str) -> RunError {
+    let why = format!("is a scenario, and {flag} is for level generators; help: leave it out");
+    RunError::invalid_input(Path::new(name), why)
+}
+
+/// The figure of levels with consecutive seeds.
+fn contact_sheet(
+    generator: &LevelGenerator,
+    args: &DrawArgs,
+    shared: &SharedArgs,
+) -> Result<String, RunError> {
+    let path = Path::new(shared.scenario());
+    let mut levels = Vec::new();
+    for k in 0..args.levels.unwrap_or(DEFAULT_LEVELS) {
+        let seed = shared.seed().saturating_add(k);
+        let level = generator.level(seed);
+        let mut level = level.map_err(|error| RunError::invalid_input(path, error))?;
+        shared.settings().apply_to_scenario(&mut level)?;
+        levels.push(level);
+    }
+    scenario_image::contact_sheet(&generator.name, &levels).map_err(|error| RunError::failed(path, error))
 }
 
 /// The occupied areas of `map`, in m, in the frame of the scenario `name` that was imported from it: those inside its enclosure.

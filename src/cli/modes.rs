@@ -43,7 +43,8 @@ pub struct ModeArgs {
     #[arg(long, value_name = "PATH", num_args = 1..)]
     pub check: Vec<PathBuf>,
 
-    /// Draw a scenario from above, or with --run the learning curves of a run, into an SVG, PNG or PDF file
+    /// Draw a scenario from above, levels of a level generator, or with --run the learning curves of a run, into an SVG,
+    /// PNG or PDF file
     #[arg(long, value_name = "FILE")]
     pub draw: Option<PathBuf>,
 
@@ -63,7 +64,7 @@ const MODES: &[(&str, &[&str])] = &[
     ("reproduce", &["set", "out", "json", "ReproduceArgs"]),
     ("import", &["set", "out", "json", "ImportArgs"]),
     ("check", &["json"]),
-    ("draw", &["scenario", "set", "size", "resolution", "DrawArgs"]),
+    ("draw", &["scenario", "set", "seed", "size", "resolution", "DrawArgs"]),
     #[cfg(feature = "gui")]
     ("replay", &[]),
 ];

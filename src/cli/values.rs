@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 use std::time::Duration;
 
 use crate::limits::experiment::MAX_SEEDS;
-use crate::limits::{MAX_PICTURE_SIDE, MAX_STEPS};
+use crate::limits::{MAX_PICTURE_SIDE, MAX_SHEET_LEVELS, MAX_STEPS};
 use crate::reproduce::Seeds;
 use crate::scenario::whole_number;
 
@@ -47,6 +47,11 @@ pub fn budget(text: &str) -> Result<u64, String> {
 /// Parses a seed.
 pub fn seed(text: &str) -> Result<u64, String> {
     whole(0..=u64::MAX)(text)
+}
+
+/// Parses a number of levels on a contact sheet.
+pub fn levels(text: &str) -> Result<u64, String> {
+    whole(1..=MAX_SHEET_LEVELS)(text)
 }
 
 /// Parses a number of seeds, or a list of them.

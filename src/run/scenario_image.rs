@@ -11,7 +11,9 @@ use bevy::prelude::World;
 use super::RunError;
 use super::image_file::{self, ImageSize};
 use crate::report::DrawError;
-use crate::report::chart::{MapObstacle, MapObstacleKind, MapRobot, MapShape, MapTrack, ScenarioMap};
+use crate::report::chart::{
+    MapObstacle, MapObstacleKind, MapRobot, MapShape, MapTrack, ScenarioMap, contact_sheet_svg,
+};
 use crate::scenario::{Obstacle, Outline, Scenario, Track, pose_at};
 use crate::task::{Arena, ArenaLayout, Clock, Goal, Pose, Scan};
 
@@ -79,6 +81,15 @@ pub fn figure_over(scenario: &Scenario, marked_areas: Vec<Vec<(f64, f64)>>) -> R
 /// The drawing library failed. No input is known to cause this.
 pub fn thumbnail(scenario: &Scenario) -> Result<String, DrawError> {
     map(scenario, LAYOUT_SEED, 0).thumbnail_svg()
+}
+
+/// The figure of `levels` at control step 0, one next to the other under their names, as SVG.
+///
+/// # Errors
+/// The drawing library failed. No input is known to cause this.
+pub fn contact_sheet(title: &str, levels: &[Scenario]) -> Result<String, DrawError> {
+    let map = |level: &Scenario| ScenarioMap { title: level.name.clone(), ..map(level, LAYOUT_SEED, 0) };
+    contact_sheet_svg(title, &levels.iter().map(map).collect::<Vec<_>>())
 }
 
 /// Writes the thumbnail of `scenario` to `path`, in the format that its extension names.

@@ -7,8 +7,8 @@ use std::path::Path;
 use super::preset::Preset;
 use super::shipped;
 use crate::scenario::{
-    Diagnostic, FileError, LevelGenerator, Scenario, ScenarioSet, ScenarioSetFile, SetEntry, SetMember,
-    SetSource, resemblance,
+    Diagnostic, FileError, Scenario, ScenarioSet, ScenarioSetFile, SetEntry, SetMember, SetSource,
+    resemblance,
 };
 
 /// Whether the text of a file is meant as a set of scenarios, by its fields.
@@ -56,7 +56,11 @@ fn source(entry: &SetEntry, wanted: &str) -> Result<SetSource, String> {
         let scenario = shipped::scenario(wanted).map_err(|error| error.to_string())?;
         return Ok(SetSource::Scenario(Box::new(scenario)));
     }
-    let generator = Box::new(LevelGenerator::load(wanted).map_err(|error| error.to_string())?);
+    let loaded = shipped::Source::load(wanted).map_err(|error| error.to_string())?;
+    let shipped::Source::Levels(generator) = loaded else {
+        return Err("it is no level generator; help: write `scenario:` instead of `generator:`".into());
+    };
+    let generator = Box::new(generator);
     let levels = SetSource::Levels { generator, levels: entry.levels() };
     levels.first().map_err(|error| error.to_string())?;
     Ok(levels)

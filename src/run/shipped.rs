@@ -3,15 +3,20 @@
 //! In: a file's path or a shipped name, as given after `--scenario` or `--preset`. Out: the scenario or
 //! preset.
 
+mod source;
+
 use std::path::Path;
 use std::sync::LazyLock;
 
+pub use self::source::Source;
 use super::folder::RunConfig;
 use super::policy_card;
 use super::preset::Preset;
 use super::scenario_set;
 use crate::policy::Policy;
-use crate::scenario::{FileError, Scenario, ScenarioSet, closest_name, path_exists, read_text};
+use crate::scenario::{
+    FileError, LevelGenerator, Scenario, ScenarioSet, closest_name, path_exists, read_text,
+};
 
 /// A shipped file.
 struct Shipped {
@@ -34,6 +39,7 @@ const SCENARIOS: &[Shipped] = shipped!(
     "scenarios": "scenario-1", "scenario-2", "empty", "corridor", "doorway", "slalom", "random-field", "u-trap", "crossing",
     "crowd", "hall", "maze"
 );
+const GENERATORS: &[Shipped] = shipped!("scenarios/generators": "clutter", "rooms", "traffic", "mixed");
 const PRESETS: &[Shipped] = shipped!("assets/presets": "fast", "dqn", "per_d3qn", "per_d3qn_tuned");
 
 const EXPERIMENTS: &[Shipped] = shipped!("assets/experiments": "fig8", "fig9", "fig10", "best", "ablation", "conditions", "hard", "transfer");
@@ -132,19 +138,18 @@ pub fn presets() -> impl Iterator<Item = (&'static str, Preset)> {
     PRESETS.iter().filter_map(|file| Some((file.name, Preset::parse(file.text, file.path).ok()?)))
 }
 
-/// The scenario in the file `wanted`, which may be the `config.ron` of a run, or the shipped scenario of that name.
+/// The shipped level generators, by name.
+pub fn level_generators() -> impl Iterator<Item = (&'static str, LevelGenerator)> {
+    GENERATORS.iter().filter_map(|file| Some((file.name, LevelGenerator::parse(file.text, file.path).ok()?)))
+}
+
+/// The scenario in the file `wanted`, which may be the `config.ron` of a run, or the shipped scenario of that name. Of a
+/// level generator, the level that `wanted` names ([`Source::load`]), or level 0.
 ///
 /// # Errors
-/// As for [`Scenario::load`]; for an unknown name, the closest shipped one; for a set of scenarios, its scenarios.
+/// As for [`Source::load`]; for a set of scenarios, its scenarios.
 pub fn scenario(wanted: &str) -> Result<Scenario, FileError> {
-    let (scenario, set) = scenario_or_set(wanted)?;
-    let Some(set) = set else { return Ok(scenario) };
-    let names: Vec<&str> = set.members.iter().map(|member| member.name.as_str()).collect();
-    let why = format!(
-        "is a set of scenarios ({}), which only --train takes; help: give one of them",
-        names.join(", ")
-    );
-    Err(FileError::for_file(Path::new(wanted), why))
+    Source::load(wanted)?.into_scenario(wanted)
 }
 
 /// The scenario `wanted`, as for [`scenario`]; or, if `wanted` is the file of a set of scenarios or the `config.ron` of a run
@@ -153,20 +158,10 @@ pub fn scenario(wanted: &str) -> Result<Scenario, FileError> {
 /// # Errors
 /// As for [`scenario`]; a scenario of the set cannot be used.
 pub fn scenario_or_set(wanted: &str) -> Result<(Scenario, Option<ScenarioSet>), FileError> {
-    if let Some(file) = find(SCENARIOS, wanted) {
-        return Ok((Scenario::parse(file.text, file.path)?, None));
+    match Source::load(wanted)? {
+        Source::Set(first, set) => Ok((*first, Some(set))),
+        source => Ok((source.into_scenario(wanted)?, None)),
     }
-    let parse = |text: &str| {
-        if !scenario_set::is_meant_by(text) {
-            return Ok((Scenario::parse(text, wanted)?, None));
-        }
-        let set = scenario_set::parse(text, Path::new(wanted))?;
-        let first = set.members.first().map(|member| member.source.first());
-        let first =
-            first.transpose().map_err(|error| FileError::for_file(Path::new(wanted), error.to_string()))?;
-        Ok((first.unwrap_or_default(), Some(set)))
-    };
-    user_file(wanted, SCENARIOS, parse, |config| (config.scenario, config.scenario_set))
 }
 
 /// The preset in the file `wanted`, which may be the `config.ron` of a run, or the shipped preset of that name.
@@ -240,6 +235,7 @@ mod tests {
                 panic!("{error}");
             }
         }
+        assert_eq!(level_generators().count(), GENERATORS.len(), "every level generator is valid");
         for file in PRESETS {
             if let Err(error) = preset(file.name) {
                 panic!("{error}");

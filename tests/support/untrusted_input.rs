@@ -22,7 +22,8 @@ use wayfield::run::notes::preset_notes;
 use wayfield::run::preset::Preset;
 use wayfield::run::{checkpoint, evaluate, policy_card, training_setup};
 use wayfield::scenario::{
-    FileError, MAX_FILE_BYTES, Scenario, draw_start_and_goal, notes, parse_ron, to_ron, to_text,
+    FileError, LevelGenerator, MAX_FILE_BYTES, Scenario, diagnostics, draw_start_and_goal, notes, parse_ron,
+    to_ron, to_text,
 };
 use wayfield::simulation::{Extensions, Simulation};
 use wayfield::task::{EpisodeEnded, ObservationLayout, TaskFault};
@@ -63,6 +64,27 @@ pub fn policy(bytes: &[u8]) -> bool {
         .map_err(|error| error.to_string());
     let again = Policy::from_bytes(&policy.to_bytes().expect("finite weights")).expect("a valid policy");
     assert!(again == policy, "writing and reading changes nothing");
+    true
+}
+
+/// Reads a level generator; if its levels are small, makes one.
+pub fn level_generator(bytes: &[u8]) -> bool {
+    let Ok(text) = std::str::from_utf8(bytes) else { return false };
+    let generator = match LevelGenerator::parse(text, NAME) {
+        Ok(generator) => generator,
+        Err(error) => {
+            assert!(!error.to_string().is_empty());
+            return false;
+        }
+    };
+    let written = to_ron(&generator).expect("RON");
+    assert_eq!(parse_ron::<LevelGenerator>(&written, NAME), Ok(generator.clone()));
+    if generator.width_m.1 * generator.height_m.1 < 50.0 && generator.gap_m > 0.2 {
+        match generator.level(bytes.len() as u64) {
+            Ok(level) => assert!(diagnostics(&level).is_empty()),
+            Err(error) => assert!(!error.to_string().is_empty()),
+        }
+    }
     true
 }
 

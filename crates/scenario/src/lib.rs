@@ -43,7 +43,9 @@ pub use geometry::{Solid, clearance, enclosure_distance, inner_wall_distance, ne
 pub use glam::{Vec2, vec2};
 #[cfg(not(target_arch = "wasm32"))]
 pub use input::{is_special_file, path_exists, read_bytes};
-pub use levels::{Clutter, LevelError, LevelGenerator, Route, WallLayout, level_generator_diagnostics};
+pub use levels::{
+    Clutter, LevelError, LevelGenerator, Route, Traffic, WallLayout, level_generator_diagnostics,
+};
 pub use limits::MAX_FILE_BYTES;
 pub use load::{
     field_names, parse_checked, parse_ron, parse_ron_with_limit, read_ron, read_ron_with_limit, read_text,

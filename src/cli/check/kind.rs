@@ -10,9 +10,12 @@ use crate::run::policy_card;
 use crate::run::preset::Preset;
 use crate::run::scenario_set;
 use crate::scenario::{
-    FileError, LocatedDiagnostic, Note, NoteLevel, Scenario, ScenarioSetFile, locate, notes, quoted,
-    read_text, resemblance,
+    FileError, LevelGenerator, LocatedDiagnostic, Note, NoteLevel, Scenario, ScenarioSetFile, locate, notes,
+    quoted, read_text, resemblance,
 };
+
+/// Number of levels that are made to check a level generator.
+const CHECKED_LEVELS: u64 = 8;
 
 /// The kind of a file that can be checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,6 +24,8 @@ pub enum FileKind {
     Scenario,
     /// A set of scenarios.
     ScenarioSet,
+    /// A level generator.
+    LevelGenerator,
     /// A training preset.
     Preset,
     /// An experiment.
@@ -37,6 +42,7 @@ impl FileKind {
         match self {
             Self::Scenario => "scenario",
             Self::ScenarioSet => "set of scenarios",
+            Self::LevelGenerator => "level generator",
             Self::Preset => "preset",
             Self::Experiment => "experiment",
             Self::RunConfig => "run configuration",
@@ -48,7 +54,14 @@ impl FileKind {
     /// that could be of any kind is a scenario.
     pub fn of_text(text: &str) -> Self {
         // The last of several kinds with equally many fields.
-        let kinds = [Self::ScenarioSet, Self::RunConfig, Self::Experiment, Self::Preset, Self::Scenario];
+        let kinds = [
+            Self::ScenarioSet,
+            Self::RunConfig,
+            Self::Experiment,
+            Self::Preset,
+            Self::LevelGenerator,
+            Self::Scenario,
+        ];
         kinds.into_iter().max_by_key(|kind| kind.resemblance(text)).unwrap_or(Self::Scenario)
     }
 
@@ -57,6 +70,7 @@ impl FileKind {
         match self {
             Self::Scenario => resemblance::<Scenario>(text, "Scenario"),
             Self::ScenarioSet => resemblance::<ScenarioSetFile>(text, "ScenarioSet"),
+            Self::LevelGenerator => resemblance::<LevelGenerator>(text, "LevelGenerator"),
             Self::Preset => resemblance::<Preset>(text, "Preset"),
             Self::Experiment => resemblance::<Experiment>(text, "Experiment"),
             Self::RunConfig => resemblance::<RunConfig>(text, "RunConfig"),
@@ -67,7 +81,9 @@ impl FileKind {
     /// The way to give a file of this kind in the command line.
     fn usage(self, file: &str) -> String {
         match self {
-            Self::Scenario | Self::ScenarioSet => format!("--train --scenario {file}"),
+            Self::Scenario | Self::LevelGenerator | Self::ScenarioSet => {
+                format!("--train --scenario {file}")
+            }
             Self::Preset => format!("--train --preset {file}"),
             Self::Experiment => format!("--reproduce --experiment {file}"),
             Self::RunConfig => format!("--train {file}"),
@@ -77,7 +93,8 @@ impl FileKind {
 }
 
 /// Checks that the RON file `path` is not clearly of another kind than `wanted`. A file that cannot be read, or whose kind is in
-/// doubt, passes: whoever reads it next finds its problems. The configuration of a run passes as its scenario or preset.
+/// doubt, passes: whoever reads it next finds its problems. The configuration of a run passes as its scenario or preset, and a
+/// level generator as a scenario.
 ///
 /// # Errors
 /// The file is of another kind: which, and how such a file is given.
@@ -88,10 +105,13 @@ pub fn expect_kind(path: &Path, wanted: FileKind) -> Result<(), RunError> {
     }
     let Ok(text) = read_text(path) else { return Ok(()) };
     let kind = FileKind::of_text(&text);
-    // A run has a scenario and a preset, and some modes take a set in place of a scenario.
-    let holds_it =
-        kind == FileKind::RunConfig || (kind, wanted) == (FileKind::ScenarioSet, FileKind::Scenario);
-    if kind.resemblance(&text) <= wanted.resemblance(&text) || holds_it {
+    // A run has a scenario and a preset, and some modes take a set or a generator in place of a scenario.
+    let is_wanted = match kind {
+        FileKind::RunConfig => true,
+        FileKind::LevelGenerator | FileKind::ScenarioSet => wanted == FileKind::Scenario,
+        _ => kind.resemblance(&text) <= wanted.resemblance(&text),
+    };
+    if is_wanted {
         return Ok(());
     }
     let article = if kind == FileKind::Experiment { "an" } else { "a" };
@@ -120,6 +140,7 @@ pub fn check(path: &Path) -> (Option<FileKind>, Result<LocatedNotes, FileError>)
         FileKind::Experiment => {
             Experiment::parse(&text, path).and_then(|experiment| experiment.training_notes(path, &text))
         }
+        FileKind::LevelGenerator => check_levels(&text, path).map(|()| Vec::new()),
         FileKind::RunConfig => RunConfig::parse(&text, path).map(|_| Vec::new()),
         FileKind::ScenarioSet => scenario_set::parse(&text, path).map(|_| Vec::new()),
         FileKind::Scenario | FileKind::Policy => {
@@ -127,6 +148,13 @@ pub fn check(path: &Path) -> (Option<FileKind>, Result<LocatedNotes, FileError>)
         }
     };
     (Some(kind), found.map(|notes| located(&text, &notes)))
+}
+
+/// Checks a level generator, and that it has a few levels.
+fn check_levels(text: &str, path: &Path) -> Result<(), FileError> {
+    let generator = LevelGenerator::parse(text, path)?;
+    let hopeless = (0..CHECKED_LEVELS).find_map(|seed| generator.level(seed).err());
+    hopeless.map_or(Ok(()), |error| Err(FileError::for_file(path, error.to_string())))
 }
 
 fn located(text: &str, notes: &[Note]) -> LocatedNotes {
@@ -147,6 +175,8 @@ mod tests {
             ("(title: \"x\", arms: [(name: \"a\", stages: [(budget: Episodes(1))])])", FileKind::Experiment),
             ("(version: \"1\", seed: 1, scenario: (name: \"a\"), preset: ())", FileKind::RunConfig),
             ("(name: \"a\", scenarios: [(scenario: \"b\")])", FileKind::ScenarioSet),
+            ("(name: \"a\", traffic: [Lanes()])", FileKind::LevelGenerator),
+            ("(name: \"a\", wall_layouts: [Rooms()], robot: ())", FileKind::LevelGenerator),
             ("Preset()", FileKind::Preset),
             ("", FileKind::Scenario),
         ] {

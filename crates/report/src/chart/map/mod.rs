@@ -6,11 +6,13 @@
 //! | `frame.rs` | a frame of a simulation: the robot to scale, and its beams |
 //! | `floor_plan.rs` | metres to pixels, and everything drawn to scale |
 //! | `tracks.rs` | the tracks of moving obstacles |
+//! | `sheet.rs` | a contact sheet of many small maps |
 //! | `symbols.rs` | symbols and the legend |
 
 mod floor_plan;
 mod frame;
 mod model;
+mod sheet;
 mod symbols;
 mod tracks;
 
@@ -18,6 +20,7 @@ use plotters::prelude::*;
 
 use floor_plan::FloorPlan;
 pub use model::{MapObstacle, MapObstacleKind, MapRobot, MapShape, MapTrack, MapTrajectory, ScenarioMap};
+pub use sheet::contact_sheet_svg;
 use symbols::{draw_cross, draw_robot, legend_entries, marked_colour, obstacle_colours};
 use tracks::draw_tracks;
 
@@ -82,7 +85,7 @@ impl ScenarioMap {
             let Some(plan) = FloorPlan::new(&self.enclosure, (MARGIN, MARGIN), available) else {
                 return draw_no_data(root, (MARGIN, width - MARGIN), (MARGIN, height - MARGIN));
             };
-            let plan = plan.centred(THUMBNAIL);
+            let plan = plan.centred((width / 2, height / 2));
             plan.draw_grid(root)?;
             self.draw_contents(root, &plan)?;
             draw_robot(root, &plan)?;
