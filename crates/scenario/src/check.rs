@@ -47,7 +47,7 @@ use super::schema::Scenario;
 use glam::Vec2;
 
 pub(crate) const METRES: &str = " (metres)";
-const METRES_PER_SECOND: &str = " (metres per second)";
+pub(crate) const METRES_PER_SECOND: &str = " (metres per second)";
 const SECONDS: &str = " (seconds)";
 const RADIANS: &str = " (radians: a full turn is 6.2832)";
 const RADIANS_PER_SECOND: &str = " (radians per second)";
@@ -83,6 +83,16 @@ pub fn value_diagnostics(scenario: &Scenario) -> Vec<Diagnostic> {
     let mut diagnostics = Diagnostics(Vec::new());
     numbers::check(scenario, &mut diagnostics);
     diagnostics.0
+}
+
+/// Whether `scenario` passes all checks but that of reachability.
+pub(crate) fn has_valid_space(scenario: &Scenario) -> bool {
+    let mut diagnostics = Diagnostics::default();
+    check_robot_and_task(scenario, &mut diagnostics);
+    if diagnostics.is_empty() {
+        space::check(scenario, &mut diagnostics);
+    }
+    diagnostics.is_empty()
 }
 
 /// Checks the single values of a scenario, of which some parts are not final, and the motions of its robot.
