@@ -6,7 +6,7 @@
 //! | file | duty |
 //! |---|---|
 //! | `options.rs` | the choices of an import |
-//! | `map_file.rs`, `picture.rs` | the description of a map; the pixels of its picture |
+//! | `map_file.rs`, `picture.rs`, `pnm.rs` | the description of a map; the pixels of its picture |
 //! | `map.rs` | the import of a map or a picture |
 //! | `sdf/` | the solids of an SDF world |
 //! | `world.rs`, `solid.rs` | the import of a world of solids |
@@ -39,6 +39,7 @@ mod map_file;
 mod npy;
 mod options;
 mod picture;
+mod pnm;
 mod rectangles;
 mod round;
 mod sdf;

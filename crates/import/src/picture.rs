@@ -11,6 +11,7 @@ use wayfield_scenario::{FileError, is_special_file, read_bytes};
 
 use crate::grid::Grid;
 use crate::limits::{MAX_CELLS, MAX_PICTURE_BYTES};
+use crate::pnm;
 
 /// Brightness of a pixel, 0 to 255, or `None` if it is not opaque.
 pub type Pixels = Grid<Option<u8>>;
@@ -42,11 +43,15 @@ pub fn read(path: &Path) -> Result<Pixels, FileError> {
 /// # Errors
 /// As a message: it is no picture in one of the formats, incomplete, or too large.
 pub fn decode(bytes: &[u8]) -> Result<Pixels, String> {
-    let broken = |error: image::ImageError| format!("not a complete picture: {error}; help: save it again");
-    let Ok(format @ (ImageFormat::Pnm | ImageFormat::Png)) = image::guess_format(bytes) else {
+    if pnm::is_pnm(bytes) {
+        let picture = pnm::decode(bytes)?;
+        return Ok(upright(picture.width, &picture.brightness, |&brightness| Some(brightness)));
+    }
+    if !matches!(image::guess_format(bytes), Ok(ImageFormat::Png)) {
         return Err(format!("not a picture that can be read; help: {FORMATS}"));
-    };
-    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+    }
+    let broken = |error: image::ImageError| format!("not a complete picture: {error}; help: save it again");
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png);
     let mut limits = Limits::default();
     limits.max_alloc = Some(16 * MAX_CELLS as u64);
     reader.limits(limits);
@@ -54,15 +59,18 @@ pub fn decode(bytes: &[u8]) -> Result<Pixels, String> {
     let (width, height) = decoder.dimensions();
     let (columns, rows) = (width as usize, height as usize);
     if columns.saturating_mul(rows) > MAX_CELLS {
-        return Err(format!(
-            "{width} x {height} pixels, more than {MAX_CELLS}; help: make it smaller, with a larger resolution"
-        ));
+        return Err(pnm::too_many_pixels(columns, rows));
     }
     let image = DynamicImage::from_decoder(decoder).map_err(broken)?.into_luma_alpha8();
-    let pixel = |[brightness, alpha]: [u8; 2]| (alpha == u8::MAX).then_some(brightness);
-    let from_above: Vec<Option<u8>> = image.pixels().map(|found| pixel(found.0)).collect();
-    let values = from_above.chunks(columns.max(1)).rev().flatten().copied().collect();
-    Ok(Grid { columns, rows, values })
+    let pixels: Vec<_> = image.pixels().collect();
+    Ok(upright(columns, &pixels, |pixel| (pixel.0[1] == u8::MAX).then_some(pixel.0[0])))
+}
+
+/// The grid of rows of `columns` pixels, of which the topmost comes first.
+fn upright<T>(columns: usize, from_above: &[T], pixel: impl Fn(&T) -> Option<u8>) -> Pixels {
+    let rows = from_above.chunks(columns.max(1));
+    let count = rows.len();
+    Grid { columns, rows: count, values: rows.rev().flatten().map(pixel).collect() }
 }
 
 #[cfg(test)]

@@ -335,7 +335,7 @@ fn invalid_worlds_are_rejected_with_their_place() {
         ),
         (
             world(&model("m", "<pose>1 2 3</pose>", BOX)),
-            "w.world:3:37: <pose> is `1 2 3`; help: write 6 finite numbers",
+            "w.world:3:35: <pose> is `1 2 3`; help: write 6 finite numbers",
         ),
         (
             world(&model("m", "", "<mesh/>")),
