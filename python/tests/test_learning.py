@@ -155,8 +155,9 @@ def test_an_evaluation_can_be_compared_with_the_optimum(run):
 
 
 def test_a_policy_in_another_world_gives_a_warning(run):
-    with pytest.warns(UserWarning, match="LIDAR noise: 0 m on its card, 0.02 m here"):
+    with pytest.warns(UserWarning, match="LIDAR noise: 0 m on its card, 0.02 m here") as warned:
         wayfield.evaluate(run.policy, set={"scenario.lidar.noise_std_m": 0.02}, episodes=2, rounds=1)
+    assert warned[0].filename == __file__
     with pytest.raises(ValueError, match="has no benchmark route; help:"):
         wayfield.evaluate(run.policy, '(name: "x")', episodes=1, benchmark_route=True)
 

@@ -164,7 +164,7 @@ def evaluate(
     folder.mkdir(parents=True, exist_ok=True)
     run_tasks(tasks, pool, progress)
     results = [json.loads((folder / f"{task.name}.json").read_text(encoding="utf-8")) for task in tasks]
-    return [evaluation_from(report, stacklevel=3) for report in results]
+    return list(map(evaluation_from, results))
 
 
 def _seeds(seeds: int | Sequence[int] | None) -> str | None:

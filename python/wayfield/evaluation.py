@@ -142,7 +142,7 @@ def evaluate(
         trace=trace,
     )
     reports = json.loads(_native.evaluate(natives, options))
-    results = [evaluation_from(report, stacklevel=3) for report in reports]
+    results = list(map(evaluation_from, reports))
     return results if isinstance(policy, (list, tuple)) else results[0]
 
 
@@ -180,7 +180,7 @@ def evaluate_function(
 
     options = _options([], scenario, set, episodes, rounds, seed, benchmark_route, optimum, None)
     (report,) = json.loads(_native.evaluate_function(native, observation, not discrete, options))
-    return evaluation_from(report, stacklevel=3)
+    return evaluation_from(report)
 
 
 def evaluation_options(
@@ -232,11 +232,12 @@ def _options(
     }
 
 
-def evaluation_from(report: dict[str, Any], stacklevel: int) -> Evaluation:
-    """The results in the native module's report on a policy. Its warning is given to the caller ``stacklevel`` frames up."""
+def evaluation_from(report: dict[str, Any]) -> Evaluation:
+    """The results in the native module's report on a policy. A warning in it is given where the user called the function that
+    calls this one."""
     warning = report.pop("warning")
     if warning is not None:
-        warnings.warn(warning, stacklevel=stacklevel + 1)
+        warnings.warn(warning, stacklevel=3)
     records = report.pop("records")
     for record in records:
         del record["policy"]
