@@ -8,6 +8,7 @@
 //! | `crates/scenario/src/limits.rs` | RON files, scenarios |
 //! | `crates/policy/src/limits.rs` | networks |
 //! | `crates/learning/src/limits.rs` | learning configurations, replay buffers, learner checkpoints |
+//! | `crates/import/src/limits.rs` | imported maps and worlds |
 //! | this one | presets, run folders, policy files, checkpoints |
 //! | `limits/experiment.rs` | experiments |
 //! | `limits/table.rs` | all of these: the tables in `docs/trust.md`, and a test that none is missing |

@@ -16,6 +16,7 @@
 //! | `evaluate.rs` | evaluations |
 //! | `act_function.rs` | functions of Python that are evaluated |
 //! | `files.rs` | shipped files, checks, drawings, the command line |
+//! | `import.rs` | imports of maps and worlds |
 //! | `errors.rs` | exceptions |
 
 mod act_function;
@@ -27,6 +28,7 @@ mod env_options;
 mod errors;
 mod evaluate;
 mod files;
+mod import;
 mod policy;
 mod train;
 
@@ -49,6 +51,8 @@ mod _native {
     use super::evaluate::{evaluate, evaluate_function, evaluation_scenario};
     #[pymodule_export]
     use super::files::{check, draw, main, presets, scenario_text, scenarios, version};
+    #[pymodule_export]
+    use super::import::import_scenario;
     #[pymodule_export]
     use super::policy::NativePolicy;
     #[pymodule_export]

@@ -325,3 +325,15 @@ def test_the_stub_lists_the_native_module():
         members |= {node.target.id for node in listed[name].body if isinstance(node, ast.AnnAssign)}
         native = {member for member in vars(getattr(_native, name)) if not member.startswith("__")}
         assert members - {"__new__"} == native
+
+
+def test_a_map_is_imported_as_a_scenario_to_train_in(tmp_path):
+    rows = [[0 if x in (0, 39) or y in (0, 29) else 254 for x in range(40)] for y in range(30)]
+    (tmp_path / "room.pgm").write_bytes(b"P5\n40 30\n255\n" + bytes(v for row in rows for v in row))
+    imported = wayfield.import_scenario(tmp_path / "room.pgm", resolution=0.1, set={"scenario.lidar.beams": 36})
+    assert "beams: 36" in imported.text and imported.deviation_m <= 0.11 and imported.findings == []
+    assert gymnasium.make("wayfield/Navigation-v0", scenario=imported.text).observation_space.shape == (40,)
+    with pytest.raises(ValueError, match="help: give the side of a pixel"):
+        wayfield.import_scenario(tmp_path / "room.pgm")
+    with pytest.raises(FileNotFoundError):
+        wayfield.import_scenario(tmp_path / "none.yaml")

@@ -88,6 +88,17 @@ pub fn seconds(text: &str) -> Result<Duration, String> {
         .ok_or_else(|| format!("give 0.01 to 1000000 seconds{}", decimal_point(text)))
 }
 
+/// A parser of lengths in m in `range`.
+pub fn metres(
+    range: RangeInclusive<f64>,
+) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+    move |text: &str| {
+        let value = text.parse().ok().filter(|length| range.contains(length));
+        let (least, most) = (range.start(), range.end());
+        value.ok_or_else(|| format!("give {least} to {most} (metres){}", decimal_point(text)))
+    }
+}
+
 /// The end of a message about `text` if it is a number with a decimal comma.
 fn decimal_point(text: &str) -> String {
     let fixed = text.replacen(',', ".", 1);

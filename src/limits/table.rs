@@ -8,6 +8,7 @@ use super::{
     MAX_EVALUATION_EPISODES, MAX_HEAD_BYTES, MAX_JOURNAL_BYTES, MAX_OBSERVED_FLOATS, MAX_PICTURE_SIDE,
     MAX_POLICY_BYTES, MAX_RECENT_RETURNS, MAX_REWARD_PARAMETER, MAX_STEPS, MAX_TIME_S, experiment,
 };
+use crate::import::limits as import;
 use crate::learning::limits as learning;
 use crate::policy::limits as policy;
 use crate::scenario::limits as scenario;
@@ -50,6 +51,10 @@ const fn reals(range: &RangeInclusive<f32>) -> Value {
     Value::RealRange(*range.start(), *range.end())
 }
 
+const fn reals64(range: &RangeInclusive<f64>) -> Value {
+    Value::RealRange(*range.start() as f32, *range.end() as f32)
+}
+
 const TABLES: &[Table] = &[
     Table { title: "RON files", limits: RON_FILES },
     Table { title: "Scenarios", limits: SCENARIOS },
@@ -58,6 +63,7 @@ const TABLES: &[Table] = &[
     Table { title: "Experiments", limits: EXPERIMENTS },
     Table { title: "Policies", limits: POLICIES },
     Table { title: "Checkpoints", limits: CHECKPOINTS },
+    Table { title: "Imported files", limits: IMPORTS },
     Table { title: "Command line", limits: COMMAND_LINE },
 ];
 
@@ -214,6 +220,24 @@ const TRAINING: &[Limit] = &[
     Limit("environments of a learner", count(learning::MAX_ENVS), "", "memory"),
 ];
 
+const IMPORTS: &[Limit] = &[
+    Limit("size of a picture's file", Bytes(import::MAX_PICTURE_BYTES), "", "memory"),
+    Limit("pixels of a picture", count(import::MAX_CELLS), "", "memory; checked before it is decoded"),
+    Limit(
+        "size of an SDF or JSON file, and of all included models",
+        Bytes(import::MAX_WORLD_BYTES),
+        "",
+        "memory",
+    ),
+    Limit("elements, attributes and texts of an SDF file", Max(import::MAX_XML_NODES as u64), "", "memory"),
+    Limit("nesting of models", count(import::MAX_MODEL_NESTING), "levels", "the reader is recursive"),
+    Limit("included models", count(import::MAX_INCLUDES), "", "time of the import"),
+    Limit("side of a map's cell", reals64(&import::RESOLUTION_M), "m", "mistyped values"),
+    Limit("numbers of an imported file", reals64(&import::COORDINATE_M), "", "rounding"),
+    Limit("`--tolerance`", reals64(&import::TOLERANCE_M), "m", "mistyped values"),
+    Limit("`--lidar-height`", reals64(&import::LIDAR_HEIGHT_M), "m", "mistyped values"),
+];
+
 const COMMAND_LINE: &[Limit] = &[
     Limit("episodes of one `--eval`, over all rounds", Max(MAX_EVAL_EPISODES), "", "memory"),
     Limit(
@@ -364,6 +388,7 @@ fn every_limit_is_in_a_table() {
         ("crates/scenario/src/limits.rs", "scenario::"),
         ("crates/policy/src/limits.rs", "policy::"),
         ("crates/learning/src/limits.rs", "learning::"),
+        ("crates/import/src/limits.rs", "import::"),
         ("src/limits.rs", "("),
         ("src/limits/experiment.rs", "experiment::"),
     ] {

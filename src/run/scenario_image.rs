@@ -41,6 +41,7 @@ pub fn map(scenario: &Scenario, layout_seed: u64, clock: u64) -> ScenarioMap {
     ScenarioMap {
         title: String::new(),
         enclosure: scenario.enclosure.corners_m().into_iter().map(wide).collect(),
+        marked_areas: Vec::new(),
         obstacles: walls.chain(obstacles).collect(),
         tracks: scenario.obstacles.iter().filter_map(track).collect(),
         start: scenario.benchmark_route.map(|route| {
@@ -60,7 +61,16 @@ pub fn map(scenario: &Scenario, layout_seed: u64, clock: u64) -> ScenarioMap {
 /// # Errors
 /// The drawing library failed. No input is known to cause this.
 pub fn figure(scenario: &Scenario) -> Result<String, DrawError> {
-    ScenarioMap { title: scenario.name.clone(), ..map(scenario, LAYOUT_SEED, 0) }.svg()
+    figure_over(scenario, Vec::new())
+}
+
+/// The same with marked areas, such as the occupied cells of the map that it was imported from. The corners of each are in m.
+///
+/// # Errors
+/// The drawing library failed. No input is known to cause this.
+pub fn figure_over(scenario: &Scenario, marked_areas: Vec<Vec<(f64, f64)>>) -> Result<String, DrawError> {
+    let title = scenario.name.clone();
+    ScenarioMap { title, marked_areas, ..map(scenario, LAYOUT_SEED, 0) }.svg()
 }
 
 /// The thumbnail of `scenario` at control step 0, 480 x 360 pixels, as SVG: without name, legend and axes.

@@ -26,8 +26,10 @@ mod schema;
 mod setting;
 mod shape;
 mod shape_fields;
+mod spatial_index;
 mod text;
 mod track;
+mod uniform_grid;
 #[cfg(target_arch = "wasm32")]
 pub mod virtual_files;
 mod write;
@@ -55,8 +57,10 @@ pub use schema::*;
 pub use setting::with_setting;
 pub use shape::RoundedBox;
 pub use shape_fields::Sizes;
+pub use spatial_index::{IndexedScenario, SpatialIndex};
 pub use text::{is_noncharacter, is_unprintable, printable, printable_lines, printable_path, quoted};
 pub use track::{MotionSpeed, Track};
+pub use uniform_grid::UniformGrid;
 #[cfg(target_arch = "wasm32")]
 pub use virtual_files::{contains as path_exists, read as read_bytes};
 pub use wayfield_ron_patch::overlay;

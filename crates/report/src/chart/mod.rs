@@ -169,6 +169,7 @@ mod tests {
         let map = ScenarioMap {
             title: "a < b & c".to_owned(),
             enclosure: vec![(-2.5, -2.5), (2.5, -2.5), (2.5, 2.5), (-2.5, 2.5)],
+            marked_areas: vec![beyond_the_enclosure.clone(), vec![(f64::NAN, 0.0), (1e300, 0.0), (0.0, 1.0)]],
             obstacles: vec![
                 disc(0.0, 0.0, 0.5),
                 disc(2.4, 2.4, 1.0),

@@ -18,12 +18,12 @@ use plotters::prelude::*;
 
 use floor_plan::FloorPlan;
 pub use model::{MapObstacle, MapObstacleKind, MapRobot, MapShape, MapTrack, MapTrajectory, ScenarioMap};
-use symbols::{draw_cross, draw_robot, legend_entries, obstacle_colours};
+use symbols::{draw_cross, draw_robot, legend_entries, marked_colour, obstacle_colours};
 use tracks::draw_tracks;
 
 use super::layout::{LEFT, WIDTH, draw_no_data};
 use crate::style::{
-    Canvas, DrawError, DrawResult, GREEN, Legend, Pixel, STROKE, colour, draw_marker, draw_title,
+    Canvas, DrawError, DrawResult, GREEN, Legend, Pixel, STROKE, area, colour, draw_marker, draw_title,
     is_drawable, line, picture, pixels_along, thinned, title_height,
 };
 
@@ -115,7 +115,7 @@ impl ScenarioMap {
         Ok(())
     }
 
-    /// Draws tracks, obstacles and the goal.
+    /// Draws tracks, obstacles, marked areas and the goal.
     fn draw_contents(&self, root: &Canvas, plan: &FloorPlan) -> DrawResult {
         draw_tracks(plan, root, &self.tracks)?;
         for obstacle in &self.obstacles {
@@ -129,6 +129,9 @@ impl ScenarioMap {
             if let MapObstacleKind::Moving(heading) = obstacle.kind {
                 plan.draw_arrow(root, &obstacle.outline, heading, edge)?;
             }
+        }
+        for corners in &self.marked_areas {
+            area(root, plan.pixels(corners), marked_colour().filled())?;
         }
         let Some((x, y, radius)) = self.goal else { return Ok(()) };
         plan.draw_disc(root, (x, y, radius), GREEN.mix(0.25).filled(), GREEN)?;
