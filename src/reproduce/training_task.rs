@@ -54,7 +54,7 @@ impl TrainingTask {
     /// The text is not a task, or has invalid values.
     pub fn parse(text: &str) -> Result<Self, RunError> {
         let diagnostics = |task: &Self| -> Vec<Diagnostic> { task.config.diagnostics() };
-        let task: Self = parse_checked(text, "<task>", diagnostics, diagnostics)?;
+        let task: Self = parse_checked(text, "<task>", |task, _| diagnostics(task), diagnostics)?;
         if Path::new(&task.name).file_name() != Some(task.name.as_ref()) {
             let why = format!(
                 "<task>: the name {:?} is not that of a folder; help: pass on the text unchanged",

@@ -12,8 +12,8 @@ use crate::run::provenance::{COMMIT, VERSION};
 use crate::run::settings::{SettingError, Settings};
 use crate::run::shipped;
 use crate::scenario::{
-    Diagnostic, FileError, Scenario, diagnostics, is_unprintable, parse_checked, read_ron_with_limit,
-    read_text_with_limit, resemblance,
+    Diagnostic, FileError, Scenario, diagnostics_of_known, is_unprintable, parse_checked,
+    read_ron_with_limit, read_text_with_limit, resemblance,
 };
 use crate::simulation::Extensions;
 use crate::task::{ObservationLayout, ObservationSlice};
@@ -134,17 +134,29 @@ impl RunConfig {
     /// # Errors
     /// The text is not a configuration or has invalid values.
     pub fn parse(text: &str, path: &Path) -> Result<Self, FileError> {
-        parse_checked(text, path, Self::diagnostics, Self::diagnostics)
+        parse_checked(text, path, Self::diagnostics_of_known, Self::diagnostics)
     }
 
     /// All invalid values of the preset and the scenario.
     #[must_use]
     pub fn diagnostics(&self) -> Vec<Diagnostic> {
+        self.diagnostics_of_known(&[])
+    }
+
+    /// The [`diagnostics`](Self::diagnostics), if the values at the paths `unknown` could not be read.
+    fn diagnostics_of_known(&self, unknown: &[String]) -> Vec<Diagnostic> {
+        let in_scenario = |path: &String| match path.strip_prefix("scenario") {
+            Some(rest) => Some(rest.trim_start_matches('.').to_owned()),
+            None => path.is_empty().then(String::new),
+        };
+        let unknown: Vec<String> = unknown.iter().filter_map(in_scenario).collect();
         let inside = |part: &'static str| {
             move |found: Diagnostic| Diagnostic { path: format!("{part}.{}", found.path), ..found }
         };
         let preset = self.preset.diagnostics().into_iter().map(inside("preset"));
-        preset.chain(diagnostics(&self.scenario).into_iter().map(inside("scenario"))).collect()
+        preset
+            .chain(diagnostics_of_known(&self.scenario, &unknown).into_iter().map(inside("scenario")))
+            .collect()
     }
 
     /// This configuration with the user's plugins; their sensors and reward terms are recorded.
