@@ -23,11 +23,27 @@ fn main() {
     divan::main();
 }
 
+const WORLDS: [&str; 4] = ["static", "moving", "barn", "office"];
 const BEAMS: usize = 24;
 const POSE: Pose = Pose { x_m: 0.1, y_m: -1.1, heading_rad: 0.7 };
 
-#[divan::bench(args = ["static", "moving"])]
+#[divan::bench(args = WORLDS)]
 fn wayfield_scan(bencher: Bencher, obstacles: &str) {
+    let mut lab = lab_after_a_step(obstacles);
+    let beams = lidar::BeamDirections::from_lidar(&Lidar { beams: BEAMS, ..Lidar::default() });
+    lab.with_physics(0, |bodies, _, colliders| {
+        let mut ranges_m = Vec::new();
+        bencher.counter(ItemsCount::new(BEAMS)).bench_local(|| {
+            let (colliders, pose) = (&colliders.colliders, black_box(&POSE));
+            lidar::cast_in_arena(colliders, bodies, pose, &beams.0, 3.5, &mut ranges_m);
+            ranges_m[0]
+        });
+    });
+}
+
+/// Without the grid over still shapes.
+#[divan::bench(args = WORLDS)]
+fn without_grid(bencher: Bencher, obstacles: &str) {
     let mut lab = lab_after_a_step(obstacles);
     let beams = lidar::BeamDirections::from_lidar(&Lidar { beams: BEAMS, ..Lidar::default() });
     lab.with_physics(0, |bodies, _, colliders| {
@@ -40,7 +56,7 @@ fn wayfield_scan(bencher: Bencher, obstacles: &str) {
     });
 }
 
-#[divan::bench(args = ["static", "moving"])]
+#[divan::bench(args = WORLDS)]
 fn rapier_query_pipeline(bencher: Bencher, obstacles: &str) {
     let mut lab = lab_after_a_step(obstacles);
     let beams = lidar::BeamDirections::from_lidar(&Lidar { beams: BEAMS, ..Lidar::default() });
@@ -69,8 +85,12 @@ fn rapier_query_pipeline(bencher: Bencher, obstacles: &str) {
 
 /// One arena after a step, so that rapier's query pipeline is up to date.
 fn lab_after_a_step(obstacles: &str) -> Lab {
-    let scenario: Scenario =
-        if obstacles == "static" { common::four_cylinders() } else { common::moving_obstacles() };
+    let scenario: Scenario = match obstacles {
+        "static" => common::four_cylinders(),
+        "moving" => common::moving_obstacles(),
+        "barn" => common::large_worlds::barn(),
+        _ => common::large_worlds::office(),
+    };
     let mut lab = Lab::new(&scenario, 1, 1);
     lab.step(&[2]);
     lab

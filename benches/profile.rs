@@ -1,12 +1,14 @@
 //! The time of each set of a control step.
 //!
 //! `cargo bench --no-default-features --bench profile` prints nanoseconds per env step in Scenario I, for several numbers of
-//! arenas: without gradient steps, and in the last row with those of the default preset. The numbers are means over
+//! arenas: without gradient steps, then with those of the default preset, and in two large worlds. The numbers are means over
 //! control steps with episodes of all ages. A system between two sets reads the clock, which takes about 40 ns and matters
 //! for one arena only. `Decide` includes the start of the schedule, `Reset` the check for faults.
 
 #[path = "support/allocator.rs"]
 mod allocator;
+#[path = "../tests/common/mod.rs"]
+mod common;
 #[path = "support/training_app.rs"]
 mod training_app;
 
@@ -16,6 +18,7 @@ use std::time::{Duration, Instant};
 use bevy::prelude::*;
 use wayfield::control_step::{ControlSet, ControlStep};
 use wayfield::run::shipped;
+use wayfield::scenario::Scenario;
 use wayfield::simulation::Extensions;
 
 const SETS: [ControlSet; 8] = [
@@ -59,18 +62,27 @@ fn main() -> Result<(), Box<dyn Error>> {
     let names: Vec<String> = SETS.iter().map(|set| format!("{set:?}")).collect();
     println!("| arenas | {} | total |", names.join(" | "));
     println!("|---|{}---|", "---|".repeat(SETS.len()));
+    let scenario = shipped::scenario("scenario-1")?;
     for arenas in ARENAS {
-        print_row(&arenas.to_string(), &measure(arenas, false)?);
+        print_row(&arenas.to_string(), &measure(&scenario, arenas, false)?);
     }
     let arenas = shipped::preset("fast")?.arenas;
-    print_row(&format!("{arenas}, training"), &measure(arenas, true)?);
+    print_row(&format!("{arenas}, training"), &measure(&scenario, arenas, true)?);
+    for (name, world) in [("BARN", common::large_worlds::barn()), ("office", common::large_worlds::office())]
+    {
+        print_row(&format!("64, {name}"), &measure(&world, 64, false)?);
+    }
     Ok(())
 }
 
 /// The mean times per env step of each set and of the whole step, in ns.
-fn measure(arenas: usize, learning: bool) -> Result<[f64; SETS.len() + 1], Box<dyn Error>> {
-    let mut simulation =
-        training_app::training(arenas, learning, &Extensions::default().plugin(RecordSetEnds))?;
+fn measure(
+    scenario: &Scenario,
+    arenas: usize,
+    learning: bool,
+) -> Result<[f64; SETS.len() + 1], Box<dyn Error>> {
+    let recorder = Extensions::default().plugin(RecordSetEnds);
+    let mut simulation = training_app::training(scenario, arenas, learning, &recorder)?;
     let steps = if learning { LEARNING_STEPS } else { (ENV_STEPS / arenas).max(MIN_STEPS) };
     let mut spent = [Duration::ZERO; SETS.len() + 1];
     for step in 0..WARM_UP + steps {

@@ -78,7 +78,8 @@ fn config() -> Result<LearningConfig, Box<dyn Error>> {
 /// `ENV_STEPS` steps of Scenario I in `arenas` arenas, without gradient steps.
 fn env_step(arenas: usize) -> Result<(f64, f64), Box<dyn Error>> {
     let before = status_kb("VmRSS:") as f64;
-    let mut app = training_app::training(arenas, false, &Extensions::default())?;
+    let mut app =
+        training_app::training(&shipped::scenario("scenario-1")?, arenas, false, &Extensions::default())?;
     for _ in 0..(2_000 / arenas).max(4) {
         app.step()?;
     }

@@ -37,6 +37,18 @@ fn moving_obstacles(bencher: Bencher, arenas: usize) {
     control_step(bencher, &common::moving_obstacles(), arenas);
 }
 
+/// 277 still circles: `large_worlds::barn`.
+#[divan::bench(args = ARENAS)]
+fn barn(bencher: Bencher, arenas: usize) {
+    control_step(bencher, &common::large_worlds::barn(), arenas);
+}
+
+/// 764 still shapes on 50 m x 50 m: `large_worlds::office`.
+#[divan::bench(args = ARENAS)]
+fn office(bencher: Bencher, arenas: usize) {
+    control_step(bencher, &common::large_worlds::office(), arenas);
+}
+
 /// With the forward pass of the network of Table 1 (28-64-64, dueling). Its weights are untrained, which does not change the
 /// cost.
 #[divan::bench(args = ARENAS)]

@@ -16,9 +16,14 @@
 //! # Ok::<(), wayfield::env::VecEnvError>(())
 //! ```
 
+mod commands;
+
 use std::sync::Arc;
 
 use bevy::prelude::*;
+
+pub(crate) use commands::CommandRules;
+pub use commands::Commands;
 
 use crate::control_step::{ControlSet, ControlStep};
 use crate::policy::Encoding;
@@ -26,8 +31,8 @@ use crate::scenario::{Motion, Scenario};
 use crate::sim;
 use crate::simulation::{Extensions, Simulation, SimulationBuilder, StepError};
 use crate::task::{
-    Actions, CommandedMotions, DeferResets, EpisodeEnded, ObservationLayout, Observations, PendingReset,
-    RewardConfig, StepOutcome, StepOutcomes, Streams, TaskFault, TaskMode,
+    DeferResets, EpisodeEnded, ObservationLayout, Observations, PendingReset, RewardConfig, StepOutcome,
+    StepOutcomes, Streams, TaskFault, TaskMode,
 };
 
 /// When the next episode of an environment begins: Gymnasium's autoreset modes. An environment's episodes are the same in all
@@ -138,9 +143,8 @@ pub struct Step<'a> {
 pub struct VecEnv {
     simulation: Simulation,
     num_envs: usize,
-    num_actions: usize,
     observation_width: usize,
-    motion_limits: (Motion, Motion),
+    command_rules: CommandRules,
     mode: TaskMode,
     autoreset: Autoreset,
     /// The resets that ended environments wait for.
@@ -173,9 +177,8 @@ impl VecEnv {
         let mut env = Self {
             simulation,
             num_envs,
-            num_actions: scenario.robot.motions.len(),
             observation_width: width,
-            motion_limits: motion_limits(scenario),
+            command_rules: CommandRules::of(scenario),
             mode: config.mode,
             autoreset: config.autoreset,
             pending: vec![PendingReset::None; num_envs],
@@ -208,7 +211,7 @@ impl VecEnv {
     /// # Errors
     /// The length of `selected` is wrong, or no free space was found for a start or goal.
     pub fn reset_selected(&mut self, selected: &[bool], seed: Option<u64>) -> Result<&[f32], VecEnvError> {
-        self.check_count(selected.len())?;
+        commands::check_count(selected.len(), self.num_envs)?;
         self.restart(seed, |env| selected[env])
     }
 
@@ -219,11 +222,7 @@ impl VecEnv {
     /// The number of actions is wrong, an action is out of range, an environment has ended and is not reset, or the
     /// simulation failed.
     pub fn step(&mut self, actions: &[usize]) -> Result<Step<'_>, VecEnvError> {
-        self.check_actions(actions)?;
-        let world = self.simulation.world_mut();
-        world.remove_resource::<CommandedMotions>();
-        world.resource_mut::<Actions>().0.copy_from_slice(actions);
-        self.advance()
+        self.step_by(Commands::Actions(actions))
     }
 
     /// Runs one control step in every environment. `motions[k]` is the speed and turning rate that environment k commands; it
@@ -232,19 +231,7 @@ impl VecEnv {
     /// # Errors
     /// As for [`step`](Self::step); a motion is not finite.
     pub fn step_motions(&mut self, motions: &[Motion]) -> Result<Step<'_>, VecEnvError> {
-        self.check_count(motions.len())?;
-        if let Some(env) = motions.iter().position(|m| !m.v_m_s.is_finite() || !m.w_rad_s.is_finite()) {
-            return Err(VecEnvError::Motion { env });
-        }
-        let (low, high) = self.motion_limits;
-        let limited = motions.iter().map(|motion| Motion {
-            v_m_s: motion.v_m_s.clamp(low.v_m_s, high.v_m_s),
-            w_rad_s: motion.w_rad_s.clamp(low.w_rad_s, high.w_rad_s),
-        });
-        let mut commanded = self.simulation.world_mut().get_resource_or_init::<CommandedMotions>();
-        commanded.0.clear();
-        commanded.0.extend(limited);
-        self.advance()
+        self.step_by(Commands::Motions(motions))
     }
 
     /// The observations for the next actions: `num_envs` rows of `observation_width()` numbers.
@@ -268,7 +255,7 @@ impl VecEnv {
     /// The number of discrete actions, which is the number of the robot's motions.
     #[must_use]
     pub fn num_actions(&self) -> usize {
-        self.num_actions
+        self.command_rules.num_actions
     }
 
     /// The length of an observation: 28 with the paper's 24 beams, plus the slices of plugins' sensors.
@@ -285,7 +272,7 @@ impl VecEnv {
     /// The smallest and the largest speed and turning rate of the robot: 0, or those of its motions if they are beyond 0.
     #[must_use]
     pub fn motion_limits(&self) -> (Motion, Motion) {
-        self.motion_limits
+        (self.command_rules.low, self.command_rules.high)
     }
 
     /// Starts a new episode in the selected environments.
@@ -310,8 +297,8 @@ impl VecEnv {
         Ok(self.observations())
     }
 
-    /// Runs one control step with the actions in the world.
-    fn advance(&mut self) -> Result<Step<'_>, VecEnvError> {
+    fn step_by(&mut self, commands: Commands<'_>) -> Result<Step<'_>, VecEnvError> {
+        self.command_rules.apply(commands, self.num_envs, self.simulation.world_mut())?;
         let waits = |pending: &PendingReset| *pending != PendingReset::None;
         let first_waiting = self.pending.iter().position(waits);
         if let (Autoreset::Disabled, Some(env)) = (self.autoreset, first_waiting) {
@@ -347,36 +334,12 @@ impl VecEnv {
         })
     }
 
-    fn check_count(&self, given: usize) -> Result<(), VecEnvError> {
-        let num_envs = self.num_envs;
-        if given == num_envs { Ok(()) } else { Err(VecEnvError::ActionCount { given, num_envs }) }
-    }
-
-    fn check_actions(&self, actions: &[usize]) -> Result<(), VecEnvError> {
-        self.check_count(actions.len())?;
-        let num_actions = self.num_actions;
-        match actions.iter().enumerate().find(|(_, action)| **action >= num_actions) {
-            Some((env, &action)) => Err(VecEnvError::Action { env, action, num_actions }),
-            None => Ok(()),
-        }
-    }
-
     fn check_fault(&self) -> Result<(), VecEnvError> {
         match &self.simulation.world().resource::<TaskFault>().0 {
             Some(fault) => Err(StepError::from(fault.clone()).into()),
             None => Ok(()),
         }
     }
-}
-
-/// The smallest and the largest speed and turning rate of the robot of `scenario`.
-fn motion_limits(scenario: &Scenario) -> (Motion, Motion) {
-    let still = Motion { v_m_s: 0.0, w_rad_s: 0.0 };
-    scenario.robot.motions.iter().fold((still, still), |(low, high), motion| {
-        let least = Motion { v_m_s: low.v_m_s.min(motion.v_m_s), w_rad_s: low.w_rad_s.min(motion.w_rad_s) };
-        let most = Motion { v_m_s: high.v_m_s.max(motion.v_m_s), w_rad_s: high.w_rad_s.max(motion.w_rad_s) };
-        (least, most)
-    })
 }
 
 /// Copies the observations after each step, before arenas are reset.

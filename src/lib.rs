@@ -53,6 +53,7 @@
 //! | [`wayfield_random`] | named, seeded streams of random numbers |
 //! | [`wayfield_policy`] | policy files, the encoding of observations, the forward pass |
 //! | [`wayfield_export`] | a policy as an ONNX file, and its model card |
+//! | [`wayfield_import`] | scenarios from ROS maps, pictures, SDF worlds and BARN worlds |
 //! | `wayfield_protobuf` | a writer and a reader of protobuf messages |
 //! | [`wayfield_scenario`] | scenarios: the RON schema, its checks, geometry, generators |
 //! | `wayfield_ron_patch` | a RON writer that keeps comments |
@@ -93,12 +94,14 @@
 //! |---|---|
 //! | `gui` (default) | the app, with Bevy's renderer and egui |
 //!
-//! The build for the browser (`wasm32`) has no [`cli`] and no [`reproduce`].
+//! The build for the browser (`wasm32`) has no [`cli`], no [`reproduce`] and no [`import`].
 //!
 //! [Bevy]: https://bevyengine.org
 //! [rapier]: https://rapier.rs
 
 pub use wayfield_export as export;
+#[cfg(not(target_arch = "wasm32"))]
+pub use wayfield_import as import;
 pub use wayfield_learning as learning;
 pub use wayfield_planner as planner;
 pub use wayfield_policy as policy;

@@ -5,9 +5,10 @@
 //!
 //! | file | limits of |
 //! |---|---|
-//! | `crates/scenario/src/limits.rs` | RON files, scenarios |
+//! | `crates/scenario/src/limits.rs` | RON files, scenarios, level generators |
 //! | `crates/policy/src/limits.rs` | networks |
 //! | `crates/learning/src/limits.rs` | learning configurations, replay buffers, learner checkpoints |
+//! | `crates/import/src/limits.rs` | imported maps and worlds |
 //! | this one | presets, run folders, policy files, checkpoints |
 //! | `limits/experiment.rs` | experiments |
 //! | `limits/table.rs` | all of these: the tables in `docs/trust.md`, and a test that none is missing |
@@ -29,8 +30,14 @@ pub const MAX_EVALUATION_EPISODES: usize = 100_000;
 /// Maximum number of episodes in one `--eval`, over all rounds.
 pub const MAX_EVAL_EPISODES: u64 = 1_000_000;
 
+/// Maximum size in bytes of the results of a test (`--eval --json`), which list up to [`MAX_EVAL_EPISODES`] rounds.
+pub const MAX_EVAL_RESULTS_BYTES: u64 = 1 << 25;
+
 /// Maximum width and height of a picture, in pixels.
 pub const MAX_PICTURE_SIDE: u16 = 8192;
+
+/// Maximum number of levels on a contact sheet.
+pub const MAX_SHEET_LEVELS: u64 = 100;
 
 /// Maximum number of characters in a preset's `about`.
 pub const MAX_ABOUT_CHARS: usize = 20_000;

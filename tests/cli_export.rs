@@ -50,6 +50,40 @@ fn the_program_on_the_model_card_runs() {
 }
 
 #[test]
+fn the_model_card_lists_the_results_of_tests() {
+    let workspace = workspace();
+    for scenario in ["scenario-1", "crossing"] {
+        let arguments = "--eval policy.safetensors --rounds 2 --episodes 10 --seed 4 --json --scenario";
+        let done = workspace.run_ok(&format!("{arguments} {scenario}"));
+        workspace.write(&format!("{scenario}.json"), done.stdout);
+    }
+    workspace.run_ok(
+        "--export policy.safetensors --onnx policy.onnx --eval-results scenario-1.json crossing.json",
+    );
+    let page = workspace.text("README.md");
+    let index = page.lines().find_map(|line| line.strip_prefix("model-index: ")).expect("a model index");
+    let index: serde_json::Value = serde_json::from_str(index).expect("JSON");
+    let results = index[0]["results"].as_array().expect("a list");
+    assert_eq!(results.len(), 2, "the rate of the training, which is optimistic, is left out: {index}");
+    for (result, file) in results.iter().zip(["scenario-1.json", "crossing.json"]) {
+        let test: serde_json::Value = serde_json::from_str(&workspace.text(file)).expect("JSON");
+        assert_eq!(result["dataset"]["name"], test["scenario"]);
+        for metric in result["metrics"].as_array().expect("a list") {
+            assert_eq!(metric["value"], test[metric["type"].as_str().expect("a name")], "{metric}");
+            assert_eq!(metric["verified"], false);
+            assert!(metric["name"].as_str().is_some_and(|name| name.contains("20 episodes, seed 4")));
+        }
+        assert!(result["metrics"].as_array().is_some_and(|metrics| metrics.len() >= 3), "{result}");
+        let row = format!(
+            "| {} | {:.1} % (",
+            test["scenario"].as_str().expect("a name"),
+            100.0 * test["success_rate"].as_f64().expect("a rate")
+        );
+        assert!(page.contains(&row), "{row}: {page}");
+    }
+}
+
+#[test]
 fn a_policy_trained_with_raw_observations_decides_alike() {
     let Some(python) = python::python() else { return };
     let workspace = Workspace::new();
@@ -97,6 +131,16 @@ fn what_cannot_be_exported_is_refused_in_one_line() {
     workspace.write("old.safetensors", old.to_bytes().expect("finite weights"));
     workspace.write("text.safetensors", "not a policy");
     std::fs::create_dir(workspace.path("folder.onnx")).expect("created");
+    workspace.write("text.json", "{\"policy\": 1}");
+    let eval = "--eval policy.safetensors --rounds 1 --episodes 5 --json";
+    let results: serde_json::Value = serde_json::from_str(&workspace.run_ok(eval).stdout).expect("JSON");
+    for (file, key, value) in
+        [("rate.json", "success_rate", 1.5.into()), ("other.json", "weights_crc32c", "00000000".into())]
+    {
+        let mut results = results.clone();
+        results[key] = value;
+        workspace.write(file, results.to_string());
+    }
     let mut messages = Messages::new("export");
     for (comment, arguments) in [
         ("no output file", "--export policy.safetensors"),
@@ -106,6 +150,13 @@ fn what_cannot_be_exported_is_refused_in_one_line() {
         ("no such policy", "--export no.safetensors --onnx policy.onnx"),
         ("not a policy", "--export text.safetensors --onnx policy.onnx"),
         ("a policy without a card", "--export old.safetensors --onnx policy.onnx"),
+        ("no results of a test", "--export policy.safetensors --onnx policy.onnx --eval-results no.json"),
+        ("other JSON", "--export policy.safetensors --onnx policy.onnx --eval-results text.json"),
+        ("a rate beyond 1", "--export policy.safetensors --onnx policy.onnx --eval-results rate.json"),
+        (
+            "results of another policy",
+            "--export policy.safetensors --onnx policy.onnx --eval-results other.json",
+        ),
     ] {
         messages.case(comment);
         messages.line(&workspace, arguments);

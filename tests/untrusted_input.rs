@@ -17,12 +17,16 @@ use wayfield::run::policy_card;
 /// A reader for files of one kind. It returns whether the bytes are valid.
 type Reader = fn(&[u8]) -> bool;
 
-const KINDS: [(&str, Reader); 5] = [
+const KINDS: [(&str, Reader); 9] = [
     ("policy", untrusted_input::policy),
     ("checkpoint", untrusted_input::checkpoint),
     ("scenario", untrusted_input::scenario),
+    ("level_generator", untrusted_input::level_generator),
     ("preset", untrusted_input::preset),
     ("experiment", untrusted_input::experiment),
+    ("map", untrusted_input::map),
+    ("sdf", untrusted_input::sdf),
+    ("barn", untrusted_input::barn),
 ];
 /// Maximum time to read one file.
 const MAX_TIME: Duration = Duration::from_secs(if cfg!(debug_assertions) { 20 } else { 1 });
@@ -120,9 +124,19 @@ fn seeds(kind: &str) -> Vec<(String, Vec<u8>)> {
             [0, 3, 30].map(after).into()
         }
         "scenario" => files("scenarios").into_iter().chain([everything()]).collect(),
+        "level_generator" => files("scenarios/generators"),
         "preset" => files("assets/presets"),
+        "map" => files("crates/import/tests/fixtures/maps").chunks(2).map(framed_map).collect(),
+        "sdf" => files("crates/import/tests/fixtures/sdf"),
+        "barn" => files("crates/import/tests/fixtures/barn"),
         _ => files("assets/experiments"),
     }
+}
+
+/// The description and the picture of a map, whose files are neighbours, in the form that the reader takes.
+fn framed_map(files: &[(String, Vec<u8>)]) -> (String, Vec<u8>) {
+    let [(_, picture), (name, yaml)] = files else { panic!("a picture and a description") };
+    (name.clone(), [&(yaml.len() as u16).to_le_bytes()[..], yaml, picture].concat())
 }
 
 /// A scenario that uses every part of the format.
@@ -333,6 +347,7 @@ fn a_mebibyte_of_repeated_text_is_rejected_quickly() {
     for (kind, reader) in texts() {
         let list = match kind {
             "scenario" => "(obstacles: [",
+            "level_generator" => "(wall_layouts: [",
             "preset" => "(learning: (network: (hidden: [",
             _ => "(arms: [",
         };

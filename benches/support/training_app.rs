@@ -1,20 +1,22 @@
-//! A training simulation of Scenario I with the default preset and any number of arenas.
+//! A training simulation with the default preset and any number of arenas.
 
 use std::error::Error;
 use std::sync::Arc;
 
 use wayfield::learning::Learner;
 use wayfield::run::{shipped, training_setup};
+use wayfield::scenario::Scenario;
 use wayfield::simulation::{Extensions, Simulation};
 use wayfield::task::observation;
 
 /// A training simulation at its first observations. Without `learning`, it takes no gradient steps.
 pub fn training(
+    scenario: &Scenario,
     arenas: usize,
     learning: bool,
     extensions: &Extensions,
 ) -> Result<Simulation, Box<dyn Error>> {
-    let scenario = Arc::new(shipped::scenario("scenario-1")?);
+    let scenario = Arc::new(scenario.clone());
     let mut preset = shipped::preset("fast")?;
     preset.arenas = arenas;
     if !learning {

@@ -5,12 +5,15 @@
 All rates are per second of the processor, measured in turn on one core, in several rounds; the table has the medians. "numpy, 64 robots" is a
 batched port of Scenario I without physics: kinematics, exact ray casting of 24 beams against four circles and four walls, the
 reward, and resets. "numpy, one robot" is the same port with one robot as a gymnasium.Env, as SB3 wraps it (Monitor's
-statistics in Gymnasium's own wrapper, which does the same).
+statistics in Gymnasium's own wrapper, which does the same). "ir-sim, one robot" is Scenario I in ir-sim (irsim_env.py), if that
+is installed. Ratios and differences are medians over the rounds, each of two measurements of the same round.
 """
 
 import argparse
+import importlib.util
 import statistics
 import time
+from collections.abc import Callable
 
 import gymnasium
 import numpy as np
@@ -132,12 +135,13 @@ def rate_of(step, actions: np.ndarray, seconds: float) -> float:
     return done / (time.process_time() - began)
 
 
-def native_rate(steps: int, mode: str) -> float:
-    """Env steps per second of 64 environments, stepped without Python."""
-    _native.benchmark(64, 200, mode)
+def native_rate(envs: wayfield.NavigationVectorEnv, steps: int) -> float:
+    """Env steps per second of ``envs``, stepped without Python."""
+    native = envs.unwrapped._stepper.native
+    _native.benchmark(native, 200)
     began = time.process_time()
-    _native.benchmark(64, steps, mode)
-    return 64 * steps / (time.process_time() - began)
+    _native.benchmark(native, steps)
+    return envs.num_envs * steps / (time.process_time() - began)
 
 
 def single(env: gymnasium.Env):
@@ -152,46 +156,60 @@ def single(env: gymnasium.Env):
     return step
 
 
+def measurements(seconds: float) -> dict[str, Callable[[], float]]:
+    """What is measured, by name: functions that return env steps per second."""
+    centres = np.array([(0.6, 0.6), (-0.6, 0.6), (-0.6, -0.6), (0.6, -0.6)])
+    rng = np.random.default_rng(1)
+    many, one = rng.integers(0, 5, (1000, 64)), rng.integers(0, 5, (1000, 1))
+    steps = round(5_000 * seconds)
+    measured: dict[str, Callable[[], float]] = {}
+    for mode, suffix in ((AutoresetMode.NEXT_STEP, ""), (AutoresetMode.SAME_STEP, ", same-step autoreset")):
+        envs = gymnasium.make_vec(ENV, num_envs=64, autoreset_mode=mode)
+        envs.reset(seed=1)
+        measured[f"native, 64 robots{suffix}"] = lambda envs=envs: native_rate(envs, steps)
+        measured[f"Python, 64 robots{suffix}"] = lambda envs=envs: rate_of(envs.step, many, seconds)
+    task = NumpyTask(64, centres, 0.15, 2.0)
+    measured["numpy, 64 robots"] = lambda: rate_of(task.step, many, seconds)
+    robots = {"Python, one robot": wayfield.NavigationEnv(), "numpy, one robot": NumpyEnv(centres, 0.15, 2.0)}
+    if importlib.util.find_spec("irsim"):
+        from irsim_env import IrSimEnv
+
+        robots["ir-sim, one robot"] = IrSimEnv(centres, 0.15, 2.0, MOTIONS)
+    for name, robot in robots.items():
+        step = single(gymnasium.wrappers.RecordEpisodeStatistics(robot))
+        measured[name] = lambda step=step: rate_of(step, one, seconds)
+    return measured
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seconds", type=float, default=2.0, help="the length of a measurement")
     parser.add_argument("--rounds", type=int, default=5)
     options = parser.parse_args()
-    scene = (np.array([(0.6, 0.6), (-0.6, 0.6), (-0.6, -0.6), (0.6, -0.6)]), 0.15, 2.0)
-    rng = np.random.default_rng(1)
-    many, one = rng.integers(0, 5, (1000, 64)), rng.integers(0, 5, (1000, 1))
-    modes = (AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP)
-    envs, same = (gymnasium.make_vec(ENV, num_envs=64, autoreset_mode=mode) for mode in modes)
-    envs.reset(seed=1), same.reset(seed=1)
-    steps = round(5_000 * options.seconds)
-    monitored = gymnasium.wrappers.RecordEpisodeStatistics
-    rates: dict[str, list[float]] = {}
-    task = NumpyTask(64, *scene)
-    measured = [
-        ("native, 64 robots", lambda: native_rate(steps, "next_step")),
-        ("Python, 64 robots", lambda: rate_of(envs.step, many, options.seconds)),
-        ("native, 64 robots, same-step autoreset", lambda: native_rate(steps, "same_step")),
-        ("Python, 64 robots, same-step autoreset", lambda: rate_of(same.step, many, options.seconds)),
-        ("numpy, 64 robots", lambda: rate_of(task.step, many, options.seconds)),
-        ("Python, one robot", lambda: rate_of(single(monitored(wayfield.NavigationEnv())), one, options.seconds)),
-        ("numpy, one robot", lambda: rate_of(single(monitored(NumpyEnv(*scene))), one, options.seconds)),
+    measured = measurements(options.seconds)
+    rounds = [{name: measure() for name, measure in measured.items()} for _ in range(options.rounds)]
+
+    def median(value: Callable[[dict[str, float]], float]) -> float:
+        return statistics.median(value(rates) for rates in rounds)
+
+    print("| what | env steps per CPU second |\n|---|---:|")
+    for name in measured:
+        print(f"| {name} | {median(lambda rates, name=name: rates[name]):,.0f} |")
+    print("\n| ratio | |\n|---|---:|")
+    one = "Python, one robot"
+    pairs = [
+        ("Python, 64 robots", "native, 64 robots"),
+        ("Python, 64 robots, same-step autoreset", "native, 64 robots, same-step autoreset"),
+        ("Python, 64 robots", "numpy, 64 robots"),
+        *((one, other) for other in ("numpy, one robot", "ir-sim, one robot") if other in measured),
     ]
-    for _ in range(options.rounds):
-        for name, measure in measured:
-            rates.setdefault(name, []).append(measure())
-    median = {name: statistics.median(values) for name, values in rates.items()}
-    print("| what | env steps per CPU second | |\n|---|---:|---|")
-    against = {
-        "Python, 64 robots": ("native, 64 robots", "of the native rate"),
-        "Python, 64 robots, same-step autoreset": ("native, 64 robots, same-step autoreset", "of the native rate"),
-        "Python, one robot": ("numpy, one robot", "times numpy's"),
-    }
-    for name, rate in median.items():
-        other, text = against.get(name, (None, ""))
-        print(f"| {name} | {rate:,.0f} | {'' if other is None else f'{rate / median[other]:.2f} {text}'} |")
-    print(f"\n64 robots from Python: {median['Python, 64 robots'] / median['numpy, 64 robots']:.2f} times numpy's batched port.")
-    overhead = 64 / median["Python, 64 robots"] - 64 / median["native, 64 robots"]
-    print(f"A vector call takes {1e6 * overhead:.1f} µs longer than a native step.")
+    for name, other in pairs:
+        ratio = median(lambda rates, name=name, other=other: rates[name] / rates[other])
+        print(f"| {name} : {other} | {ratio:.2f} |")
+    for suffix in ("", ", same-step autoreset"):
+        names = [f"{what}, 64 robots{suffix}" for what in ("Python", "native")]
+        overhead = median(lambda rates, names=names: 64 / rates[names[0]] - 64 / rates[names[1]])
+        print(f"\nA vector call{suffix} takes {1e6 * overhead:.1f} µs longer than a native step.")
 
 
 if __name__ == "__main__":

@@ -1,25 +1,20 @@
 //! Steps without Python, with which `benches/throughput.py` compares those from Python.
 
 use pyo3::prelude::*;
-use wayfield::env::{VecEnv, VecEnvConfig};
 use wayfield::random::{stream, uniform_index};
 
-use crate::env_options::{autoreset_mode, scenario};
-use crate::errors::{detached, env_error};
+use crate::env::NativeEnv;
 
-/// Takes `steps` control steps with random actions in `num_envs` environments of Scenario I.
+/// The number of different rows of actions.
+const ROWS: usize = 1000;
+
+/// Takes `steps` control steps with random actions in the environments `env`, which must not need a reset by the caller.
 #[pyfunction]
-pub fn benchmark(py: Python<'_>, num_envs: usize, steps: u32, autoreset: &str) -> PyResult<()> {
-    let (scenario, autoreset) = (scenario("scenario-1")?, autoreset_mode(autoreset)?);
-    detached(py, || {
-        let config = VecEnvConfig { num_envs, autoreset, ..VecEnvConfig::default() };
-        let mut env = VecEnv::new(&scenario, config).map_err(env_error)?;
-        let (mut random, num_actions) = (stream(1, "actions", 0), env.num_actions());
-        for _ in 0..steps {
-            let actions: Vec<usize> =
-                (0..num_envs).map(|_| uniform_index(&mut random, num_actions)).collect();
-            env.step(&actions).map_err(env_error)?;
-        }
-        Ok(())
+pub fn benchmark(py: Python<'_>, mut env: PyRefMut<'_, NativeEnv>, steps: usize) -> PyResult<()> {
+    env.run(py, |env, _| {
+        let mut random = stream(1, "actions", 0);
+        let (envs, num_actions) = (env.num_envs(), env.num_actions());
+        let actions: Vec<usize> = (0..ROWS * envs).map(|_| uniform_index(&mut random, num_actions)).collect();
+        actions.chunks_exact(envs).cycle().take(steps).try_for_each(|row| env.step(row).map(|_| ()))
     })
 }

@@ -3,17 +3,18 @@
 use std::f32::consts::PI;
 
 use pyo3::buffer::PyBuffer;
-use pyo3::exceptions::{PyIndexError, PyRuntimeError, PyValueError};
+use pyo3::exceptions::{PyIndexError, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use wayfield::env::{Step, VecEnv, VecEnvError};
 use wayfield::policy::{Encoding, observation};
 use wayfield::report::raster;
 use wayfield::run::scenario_image;
-use wayfield::scenario::{Motion, Scenario};
+use wayfield::scenario::Scenario;
 use wayfield::sim;
 use wayfield::task::StepOutcome;
 
+use crate::commands;
 use crate::env_options::{EnvOptions, scenario};
 use crate::errors::{detached, env_error};
 
@@ -39,7 +40,7 @@ pub struct NativeEnv {
 
 /// The results of a step.
 #[derive(Default)]
-struct Results {
+pub(crate) struct Results {
     numbers: Vec<f64>,
     flags: Vec<u8>,
     any_ended: bool,
@@ -97,25 +98,14 @@ impl NativeEnv {
 
     /// Takes a step with `actions` (i64, one per environment). Returns whether an episode has ended.
     fn step(&mut self, py: Python<'_>, actions: PyBuffer<i64>, outputs: Outputs) -> PyResult<bool> {
-        let last = self.env()?.num_actions() - 1;
-        let index = |(env, action): (usize, i64)| {
-            usize::try_from(action).map_err(|_| {
-                PyValueError::new_err(format!(
-                    "action {action} of environment {env} is out of range: the robot has actions 0 to {last}"
-                ))
-            })
-        };
-        let actions =
-            actions.to_vec(py)?.into_iter().enumerate().map(index).collect::<PyResult<Vec<usize>>>()?;
+        let actions = commands::actions(py, &actions, self.env()?.num_actions())?;
         self.run(py, |env, results| env.step(&actions).map(|step| results.fill(&step)))?;
         self.write(py, &outputs)
     }
 
     /// Takes a step with commanded motions (f32, envs x 2: m/s, rad/s). Returns whether an episode has ended.
     fn step_motions(&mut self, py: Python<'_>, motions: PyBuffer<f32>, outputs: Outputs) -> PyResult<bool> {
-        let numbers = motions.to_vec(py)?;
-        let pairs = numbers.as_chunks().0.iter();
-        let motions: Vec<Motion> = pairs.map(|&[v_m_s, w_rad_s]| Motion { v_m_s, w_rad_s }).collect();
+        let motions = commands::motions(py, &motions)?;
         self.run(py, |env, results| env.step_motions(&motions).map(|step| results.fill(&step)))?;
         self.write(py, &outputs)
     }
@@ -233,7 +223,7 @@ impl NativeEnv {
     }
 
     /// Runs `work` without the GIL. After a panic, the environments are gone.
-    fn run<T: Send>(
+    pub(crate) fn run<T: Send>(
         &mut self,
         py: Python<'_>,
         work: impl FnOnce(&mut VecEnv, &mut Results) -> Result<T, VecEnvError> + Send,

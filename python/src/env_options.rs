@@ -73,7 +73,7 @@ impl EnvOptions {
             )));
         }
         let mut preset = preset(&self.preset)?;
-        let encoding = self.encoding()?;
+        let encoding = self.observation.as_deref().map(encoding).transpose()?;
         settings(self.settings).apply(scenario, &mut preset).map_err(setting_errors)?;
         preset.arenas = num_envs;
         preset
@@ -92,11 +92,11 @@ impl EnvOptions {
             ..VecEnvConfig::default()
         })
     }
+}
 
-    fn encoding(&self) -> PyResult<Option<Encoding>> {
-        let encodings = [("scaled", Encoding::Scaled), ("raw", Encoding::Raw)];
-        self.observation.as_deref().map(|name| choice("observation", name, &encodings)).transpose()
-    }
+/// The encoding that is called `name`.
+pub fn encoding(name: &str) -> PyResult<Encoding> {
+    choice("observation", name, &[("scaled", Encoding::Scaled), ("raw", Encoding::Raw)])
 }
 
 /// The autoreset mode that is called `name`.

@@ -19,6 +19,7 @@ use wayfield::run::{RunError, policy_card};
 use wayfield::scenario::{Scenario, to_ron};
 use wayfield::task::EpisodeSetup;
 
+use crate::act_function::ActFunction;
 use crate::env_options::{self, scenario as find_scenario};
 use crate::errors::{check_ctrl_c, detached, run_error, setting_errors};
 use crate::policy::NativePolicy;
@@ -47,6 +48,7 @@ pub struct EvaluateOptions {
 /// What the Python layer gets for a policy, as JSON.
 #[derive(Serialize)]
 struct Report {
+    weights_crc32c: Option<String>,
     scenario: String,
     warning: Option<String>,
     #[serde(flatten)]
@@ -81,6 +83,35 @@ pub fn evaluate(
     policies: Vec<PyRef<'_, NativePolicy>>,
     options: EvaluateOptions,
 ) -> PyResult<String> {
+    let policies = named(&options.names, &policies);
+    tested(py, &policies, options, |test, trace| match trace {
+        Some(path) => test.traced(path),
+        None => test.run(None),
+    })
+}
+
+/// Tests the function `act`, which gets observations in `observation` (`scaled` or `raw`), as bytes, and their number. It returns
+/// an array of actions (i64), or with `is_continuous` of motions (f32, rows x 2: m/s, rad/s). Returns a list of one report as
+/// JSON.
+#[pyfunction]
+pub fn evaluate_function(
+    py: Python<'_>,
+    act: Py<PyAny>,
+    observation: &str,
+    is_continuous: bool,
+    options: EvaluateOptions,
+) -> PyResult<String> {
+    let function = ActFunction { act, encoding: env_options::encoding(observation)?, is_continuous };
+    tested(py, &[], options, |test, _| test.function(&function).map(|report| vec![report]))
+}
+
+/// Makes the test of `policies` and runs it by `run`, which also gets the path of the trace.
+fn tested(
+    py: Python<'_>,
+    policies: &[(String, Policy)],
+    options: EvaluateOptions,
+    run: impl FnOnce(&Test<'_>, Option<&Path>) -> PyResult<Vec<Report>> + Send,
+) -> PyResult<String> {
     let count = options.episodes.saturating_mul(options.rounds);
     if !(1..=MAX_EVAL_EPISODES).contains(&count) {
         return Err(PyValueError::new_err(format!(
@@ -88,18 +119,14 @@ pub fn evaluate(
             options.episodes, options.rounds
         )));
     }
-    let policies = named(&options.names, &policies);
-    let scenario = Arc::new(scenario(options.scenario.as_deref(), options.settings, &policies)?);
+    let scenario = Arc::new(scenario(options.scenario.as_deref(), options.settings, policies)?);
     let setup = if options.benchmark_route { route(&scenario)? } else { EpisodeSetup::Random };
     let EvaluateOptions { seed, optimum, trace, episodes, .. } = options;
     detached(py, || {
         let (count, per_round) = (count as usize, episodes as usize);
-        let test = Test { policies: &policies, scenario, setup, seed, count, per_round, optimum };
-        let reports = match &trace {
-            Some(path) => test.traced(path),
-            None => test.run(None),
-        };
-        serde_json::to_string(&reports?).map_err(|error| PyRuntimeError::new_err(error.to_string()))
+        let test = Test { policies, scenario, setup, seed, count, per_round, optimum };
+        serde_json::to_string(&run(&test, trace.as_deref())?)
+            .map_err(|error| PyRuntimeError::new_err(error.to_string()))
     })
 }
 
@@ -168,7 +195,7 @@ impl Test<'_> {
                 Some(references) => references,
                 none => none.insert(self.plan(&episodes)?),
             };
-            reports.push(self.report(policy, &episodes, references)?);
+            reports.push(self.report(Some(policy), &episodes, references)?);
         }
         Ok(reports)
     }
@@ -220,9 +247,22 @@ impl Test<'_> {
         Ok(references)
     }
 
+    /// Tests a function of Python.
+    fn function(&self, function: &ActFunction) -> PyResult<Report> {
+        let mut evaluator = Evaluator::new(&self.scenario, self.count).measuring_paths();
+        let mut run = evaluator.start_commanded(function.encoding, self.seed, self.count, self.setup);
+        let num_actions = self.scenario.robot.motions.len();
+        loop {
+            function.command(&mut evaluator, &mut run, num_actions)?;
+            if evaluator.step(&mut run).map_err(run_error)? {
+                return self.report(None, &run.episodes, &self.plan(&run.episodes)?);
+            }
+        }
+    }
+
     fn report(
         &self,
-        policy: &Policy,
+        policy: Option<&Policy>,
         episodes: &[EpisodeResult],
         references: &References,
     ) -> PyResult<Report> {
@@ -234,9 +274,11 @@ impl Test<'_> {
             EpisodeRecord::new("", index + 1, episode, scenario, shortest_m, bounds.get(index).copied())
         });
         let spl: f64 = each().filter_map(|(episode, &shortest_m)| episode.spl(shortest_m)).sum();
+        let warning = policy.map_or(Ok(None), |policy| policy_card::warning(policy, scenario));
         Ok(Report {
+            weights_crc32c: policy.map(Policy::weights_crc32c),
             scenario: scenario.name.clone(),
-            warning: policy_card::warning(policy, scenario).map_err(run_error)?,
+            warning: warning.map_err(run_error)?,
             evaluation: Evaluation::from_episodes(episodes, *per_round, &scenario.task, *seed),
             spl: spl / episodes.len() as f64,
             optimum_mean_time_s: comparison.as_ref().map(|c| c.optimum_mean_time_s),

@@ -8,21 +8,27 @@
 //! |---|---|
 //! | `env.rs` | environments |
 //! | `env_options.rs` | the options of an environment |
+//! | `commands.rs` | actions and motions from arrays |
 //! | `cluster.rs` | trainings as tasks for other machines |
 //! | `benchmark.rs` | steps without Python, for comparison |
 //! | `policy.rs` | policies |
 //! | `train.rs` | training runs |
 //! | `evaluate.rs` | evaluations |
+//! | `act_function.rs` | functions of Python that are evaluated |
 //! | `files.rs` | shipped files, checks, drawings, the command line |
+//! | `import.rs` | imports of maps and worlds |
 //! | `errors.rs` | exceptions |
 
+mod act_function;
 mod benchmark;
 mod cluster;
+mod commands;
 mod env;
 mod env_options;
 mod errors;
 mod evaluate;
 mod files;
+mod import;
 mod policy;
 mod train;
 
@@ -42,9 +48,11 @@ mod _native {
     #[pymodule_export]
     use super::env::NativeEnv;
     #[pymodule_export]
-    use super::evaluate::{evaluate, evaluation_scenario};
+    use super::evaluate::{evaluate, evaluate_function, evaluation_scenario};
     #[pymodule_export]
     use super::files::{check, draw, main, presets, scenario_text, scenarios, version};
+    #[pymodule_export]
+    use super::import::import_scenario;
     #[pymodule_export]
     use super::policy::NativePolicy;
     #[pymodule_export]

@@ -7,6 +7,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use wayfield::cli;
+use wayfield::export::EvalResults;
 use wayfield::policy::{Encoding, Policy, Scratch, observation};
 use wayfield::run::export::{ModelCardFile, export_policy};
 use wayfield::run::{policy_card, shipped};
@@ -90,9 +91,16 @@ impl NativePolicy {
         Ok(PyBytes::new(py, &bytes))
     }
 
-    /// Writes the ONNX file `path` and a model card in its folder. Returns the path of the model card if it was written.
-    fn export_onnx(&self, path: PathBuf) -> PyResult<Option<PathBuf>> {
-        match export_policy(&self.policy, Path::new("the policy"), &path).map_err(run_error)? {
+    /// Writes the ONNX file `path` and a model card in its folder, with results of tests as JSON. Returns the path of the model
+    /// card if it was written.
+    fn export_onnx(&self, path: PathBuf, results: Vec<String>) -> PyResult<Option<PathBuf>> {
+        let parse = |json: &String| {
+            EvalResults::parse(json.as_bytes(), &self.policy)
+                .map_err(|error| PyValueError::new_err(error.to_string()))
+        };
+        let results = results.iter().map(parse).collect::<PyResult<Vec<_>>>()?;
+        let card = export_policy(&self.policy, Path::new("the policy"), &path, &results);
+        match card.map_err(run_error)? {
             ModelCardFile::Written(page) => Ok(Some(page)),
             ModelCardFile::Kept(_) | ModelCardFile::None => Ok(None),
         }

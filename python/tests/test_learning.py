@@ -77,6 +77,45 @@ def test_an_evaluation_has_the_numbers_of_the_command_line(run, scenario):
     assert float(first.split(",")[header.split(",").index("goal_x_m")]) == pytest.approx(ours.episodes["goal_x_m"][0])
 
 
+@pytest.mark.parametrize("actions", ["discrete", "continuous"])
+def test_a_function_drives_the_same_episodes_as_a_policy(actions):
+    policy = wayfield.Policy.load("scenario-1")
+    act = policy.act if actions == "discrete" else policy.velocities
+    options = {"seed": 3, "episodes": 300, "rounds": 2}
+    policys = wayfield.evaluate(policy, "scenario-1", **options)
+    functions = wayfield.evaluate_function(act, actions=actions, **options)
+    assert policys.success_rate > 0.9 and functions.rounds == policys.rounds and functions.weights_crc32c is None
+    for name, column in policys.episodes.items():
+        np.testing.assert_array_equal(functions.episodes[name], column, err_msg=name)
+
+
+def test_a_function_that_is_evaluated_gets_clear_errors():
+    def fail(observations):
+        assert observations.shape == (10, 28) and observations.dtype == np.float32 and observations.flags.writeable
+        raise KeyError("mine")
+
+    options = {"episodes": 10, "rounds": 1}
+    with pytest.raises(KeyError, match="mine"):
+        wayfield.evaluate_function(fail, **options)
+    with pytest.raises(ValueError, match=r"have the shape \(3,\); help: give an array of the shape \(10,\)"):
+        wayfield.evaluate_function(lambda _: np.zeros(3), **options)
+    for action in (5, -1):
+        with pytest.raises(ValueError, match=f"action {action} of environment 0 is out of range"):
+            wayfield.evaluate_function(lambda rows, action=action: np.full(len(rows), action), **options)
+    with pytest.raises(ValueError, match="motion of environment 0 is not finite"):
+        wayfield.evaluate_function(lambda rows: np.full((len(rows), 2), np.nan), actions="continuous", **options)
+    with pytest.raises(ValueError, match='help: give "discrete" or "continuous"'):
+        wayfield.evaluate_function(lambda rows: rows, actions="none", **options)
+
+
+def test_a_model_card_lists_evaluations(run, tmp_path):
+    evaluation = wayfield.evaluate(run.policy, episodes=5, rounds=2)
+    page = run.policy.export_onnx(tmp_path / "policy.onnx", [evaluation]).read_text()
+    assert f'"value":{evaluation.success_rate!r},"verified":false' in page and "over 10 episodes, seed 0" in page
+    with pytest.raises(ValueError, match="results are those of another policy: .*; help:"):
+        wayfield.Policy.load("scenario-1").export_onnx(tmp_path / "other.onnx", [evaluation])
+
+
 def test_several_policies_drive_the_same_episodes(run):
     shipped = wayfield.Policy.load("scenario-1")
     printed = cli("--eval", "scenario-1", run.folder / "policy.safetensors", "--episodes", 10, "--rounds", 2)["policies"]
@@ -286,3 +325,15 @@ def test_the_stub_lists_the_native_module():
         members |= {node.target.id for node in listed[name].body if isinstance(node, ast.AnnAssign)}
         native = {member for member in vars(getattr(_native, name)) if not member.startswith("__")}
         assert members - {"__new__"} == native
+
+
+def test_a_map_is_imported_as_a_scenario_to_train_in(tmp_path):
+    rows = [[0 if x in (0, 39) or y in (0, 29) else 254 for x in range(40)] for y in range(30)]
+    (tmp_path / "room.pgm").write_bytes(b"P5\n40 30\n255\n" + bytes(v for row in rows for v in row))
+    imported = wayfield.import_scenario(tmp_path / "room.pgm", resolution=0.1, set={"scenario.lidar.beams": 36})
+    assert "beams: 36" in imported.text and imported.deviation_m <= 0.11 and imported.findings == []
+    assert gymnasium.make("wayfield/Navigation-v0", scenario=imported.text).observation_space.shape == (40,)
+    with pytest.raises(ValueError, match="help: give the side of a pixel"):
+        wayfield.import_scenario(tmp_path / "room.pgm")
+    with pytest.raises(FileNotFoundError):
+        wayfield.import_scenario(tmp_path / "none.yaml")

@@ -13,8 +13,9 @@ from gymnasium.envs.registration import register
 
 from . import _native
 from .env import NavigationEnv
-from .evaluation import Evaluation, evaluate
+from .evaluation import Evaluation, evaluate, evaluate_function
 from .files import Problem, check, draw, presets, scenario_text, scenarios
+from .importing import ImportedScenario, import_scenario
 from .policy import Policy
 from .training import TrainingResult, load_run, resume, train
 from .vector import NavigationVectorEnv
@@ -23,6 +24,7 @@ __version__ = _native.version()
 
 __all__ = [
     "Evaluation",
+    "ImportedScenario",
     "NavigationEnv",
     "NavigationVectorEnv",
     "Policy",
@@ -31,6 +33,8 @@ __all__ = [
     "check",
     "draw",
     "evaluate",
+    "evaluate_function",
+    "import_scenario",
     "load_run",
     "presets",
     "resume",

@@ -43,12 +43,34 @@ def observation_space(native: _native.NativeEnv) -> spaces.Box:
 
 def action_space(native: _native.NativeEnv, actions: str) -> spaces.Space[Any]:
     """The space of one action: an index of a motion, or a speed in m/s and a turning rate in rad/s."""
-    if actions == "discrete":
+    if is_discrete(actions):
         return spaces.Discrete(native.num_actions)
-    if actions == "continuous":
-        low, high = (np.array(bound, dtype=np.float32) for bound in native.motion_limits)
-        return spaces.Box(low, high, dtype=np.float32)
-    raise ValueError(f'actions is {actions!r}; help: give "discrete" or "continuous"')
+    low, high = (np.array(bound, dtype=np.float32) for bound in native.motion_limits)
+    return spaces.Box(low, high, dtype=np.float32)
+
+
+def is_discrete(actions: str) -> bool:
+    """Whether ``actions`` is the name of the discrete ones.
+
+    Raises:
+        ValueError: It is not a name of actions.
+    """
+    if actions not in ("discrete", "continuous"):
+        raise ValueError(f'actions is {actions!r}; help: give "discrete" or "continuous"')
+    return actions == "discrete"
+
+
+def action_array(actions: Any, count: int, is_discrete: bool) -> np.ndarray:
+    """``count`` actions as the native environment takes them: int64, (count,), or float32, (count, 2).
+
+    Raises:
+        ValueError: They have another shape.
+    """
+    array = np.ascontiguousarray(actions, np.int64 if is_discrete else np.float32)
+    shape = (count,) if is_discrete else (count, 2)
+    if array.shape != shape:
+        raise ValueError(f"the actions have the shape {array.shape}; help: give an array of the shape {shape}")
+    return array
 
 
 class Stepper:
@@ -59,10 +81,8 @@ class Stepper:
         self.num_envs = num_envs
         self.width = native.observation_width
         self.terms = native.reward_terms
-        discrete = actions == "discrete"
-        self._step: Callable[..., bool] = native.step if discrete else native.step_motions
-        self._dtype: type = np.int64 if discrete else np.float32
-        self._shape: tuple[int, ...] = (num_envs,) if discrete else (num_envs, 2)
+        self._is_discrete = is_discrete(actions)
+        self._step: Callable[..., bool] = native.step if self._is_discrete else native.step_motions
         self._numbers = (1 + len(native.reward_terms), num_envs)
         self._flags = (len(native.flags), num_envs)
 
@@ -75,9 +95,7 @@ class Stepper:
     def step(self, actions: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]:
         """Observations, rewards with their terms (float64, row by row), flags (bool, row by row), and whether any episode
         ended."""
-        actions = np.ascontiguousarray(actions, self._dtype)
-        if actions.shape != self._shape:
-            raise ValueError(f"the actions have the shape {actions.shape}; help: give an array of the shape {self._shape}")
+        actions = action_array(actions, self.num_envs, self._is_discrete)
         observations = np.empty((self.num_envs, self.width), np.float32)
         numbers, flags = np.empty(self._numbers), np.empty(self._flags, np.uint8)
         ended = self._step(actions, (observations, numbers, flags))

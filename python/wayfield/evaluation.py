@@ -3,7 +3,7 @@
 import json
 import os
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any, overload
 
@@ -12,6 +12,7 @@ import numpy as np
 from . import _native
 from ._frames import columns, to_frame
 from ._settings import pairs
+from ._spaces import action_array, is_discrete
 from .policy import Policy
 
 _PolicyLike = Policy | str | os.PathLike[str]
@@ -22,6 +23,7 @@ class Evaluation:
     """The results of a policy over episodes: the numbers of ``wayfield --eval --json``.
 
     Attributes:
+        weights_crc32c: The checksum of the policy's weights; None for a function.
         scenario: The scenario's name.
         success_rate, collision_rate, timeout_rate: Shares of the episodes, 0 to 1.
         success_interval, collision_interval, timeout_interval: Their 95 % confidence intervals.
@@ -34,6 +36,7 @@ class Evaluation:
         episodes: The columns of ``wayfield --eval --csv`` (docs/command-line.md), one value per episode; NaN if unknown.
     """
 
+    weights_crc32c: str | None
     scenario: str
     success_rate: float
     success_interval: tuple[float, float]
@@ -49,6 +52,11 @@ class Evaluation:
     seed: int
     rounds: list[float]
     episodes: dict[str, np.ndarray]
+
+    def to_json(self) -> str:
+        """The results without the columns, as a JSON object: a file for ``wayfield --export --eval-results``."""
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        return json.dumps(values | {"episodes": len(self.episodes["steps"])})
 
     def to_frame(self) -> Any:
         """The episodes as a pandas DataFrame.
@@ -138,6 +146,43 @@ def evaluate(
     return results if isinstance(policy, (list, tuple)) else results[0]
 
 
+def evaluate_function(
+    act: Callable[[np.ndarray], Any],
+    scenario: str | os.PathLike[str] = "scenario-1",
+    *,
+    observation: str = "scaled",
+    actions: str = "discrete",
+    set: Mapping[str, Any] | None = None,
+    episodes: int = 100,
+    rounds: int = 5,
+    seed: int = 0,
+    benchmark_route: bool = False,
+    optimum: bool = False,
+) -> Evaluation:
+    """Tests a function, such as the policy of another library, in the episodes of ``evaluate`` with the same options.
+
+    Args:
+        act: Gets observations, float32, (rows, width), one row per episode that runs at the time, and returns their actions,
+            (rows,), or motions, (rows, 2). The rows of episodes that have ended are without meaning.
+        scenario: A shipped name, a path or RON text.
+        observation: ``"scaled"`` or ``"raw"``, as in ``NavigationEnv``.
+        actions: ``"discrete"`` or ``"continuous"``, as in ``NavigationEnv``.
+        set, episodes, rounds, seed, benchmark_route, optimum: As for ``evaluate``.
+
+    Raises:
+        ValueError: An option or an action is out of range.
+        FileNotFoundError: There is no such scenario.
+    """
+    discrete = is_discrete(actions)
+
+    def native(observations: bytearray, rows: int) -> np.ndarray:
+        return action_array(act(np.frombuffer(observations, np.float32).reshape(rows, -1)), rows, discrete)
+
+    options = _options([], scenario, set, episodes, rounds, seed, benchmark_route, optimum, None)
+    (report,) = json.loads(_native.evaluate_function(native, observation, not discrete, options))
+    return evaluation_from(report, stacklevel=3)
+
+
 def evaluation_options(
     policies: Sequence[_PolicyLike],
     scenario: str | os.PathLike[str] | None = None,
@@ -158,8 +203,24 @@ def evaluation_options(
         return f"policy {index + 1}" if isinstance(policy, Policy) else os.fspath(policy)
 
     loaded = [policy if isinstance(policy, Policy) else Policy.load(policy) for policy in policies]
-    options = {
-        "names": [name(index, policy) for index, policy in enumerate(policies)],
+    names = [name(index, policy) for index, policy in enumerate(policies)]
+    options = _options(names, scenario, set, episodes, rounds, seed, benchmark_route, optimum, trace)
+    return [policy._native for policy in loaded], options
+
+
+def _options(
+    names: list[str],
+    scenario: str | os.PathLike[str] | None,
+    set: Mapping[str, Any] | None,
+    episodes: int,
+    rounds: int,
+    seed: int,
+    benchmark_route: bool,
+    optimum: bool,
+    trace: str | os.PathLike[str] | None,
+) -> dict[str, Any]:
+    return {
+        "names": names,
         "scenario": None if scenario is None else os.fspath(scenario),
         "settings": pairs(set),
         "seed": seed,
@@ -169,7 +230,6 @@ def evaluation_options(
         "optimum": optimum,
         "trace": None if trace is None else os.fspath(trace),
     }
-    return [policy._native for policy in loaded], options
 
 
 def evaluation_from(report: dict[str, Any], stacklevel: int) -> Evaluation:

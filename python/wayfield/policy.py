@@ -2,12 +2,16 @@
 
 import json
 import os
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import _native
+
+if TYPE_CHECKING:
+    from .evaluation import Evaluation
 
 
 class Policy:
@@ -104,14 +108,20 @@ class Policy:
         with open(path, "wb") as file:
             file.write(self._native.to_bytes())
 
-    def export_onnx(self, path: str | os.PathLike[str]) -> Path | None:
+    def export_onnx(
+        self, path: str | os.PathLike[str], evaluations: "Sequence[Evaluation]" = ()
+    ) -> Path | None:
         """Writes the policy as an ONNX file, as ``wayfield --export``: metres and radians in, velocities out.
+
+        Args:
+            path: The file, with the extension ``onnx``.
+            evaluations: Results of ``wayfield.evaluate`` with this policy, for the model card.
 
         Returns:
             The path of the model card (``README.md`` in the same folder), or None if there is a page that wayfield did not
             write.
         """
-        card = self._native.export_onnx(os.fspath(path))
+        card = self._native.export_onnx(os.fspath(path), [evaluation.to_json() for evaluation in evaluations])
         return None if card is None else Path(card)
 
     def __repr__(self) -> str:

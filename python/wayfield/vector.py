@@ -65,8 +65,8 @@ class NavigationVectorEnv(VectorEnv):
         }
         self._mode = mode
         self._stepper = Stepper(native, num_envs, actions)
-        self._keys = (*native.reward_terms, "is_success", "collision")
-        self._masks = tuple("_" + key for key in self._keys)
+        keys = (*native.reward_terms, "is_success", "collision")
+        self._keys = (*keys, *("_" + key for key in keys))
         self._is_reset = False
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
@@ -107,12 +107,12 @@ class NavigationVectorEnv(VectorEnv):
         observations, numbers, flags, ended = self._stepper.step(actions)
         rewards, *terms = numbers
         terminated, truncated, success, collision, stepped = flags
-        values = dict(zip(self._keys, (*terms, success, collision), strict=True))
+        values = (*terms, success, collision)
         if not (ended and self._mode is AutoresetMode.SAME_STEP):
-            return observations, rewards, terminated, truncated, values | dict.fromkeys(self._masks, stepped)
+            return observations, rewards, terminated, truncated, self._info(values, stepped)
         done = terminated | truncated
-        info = values | dict.fromkeys(self._masks, ~done)
-        info["final_info"] = values | dict.fromkeys(self._masks, done)
+        info = self._info(values, ~done)
+        info["final_info"] = self._info(values, done)
         info["final_obs"] = self._final_observations(done)
         info["_final_obs"] = info["_final_info"] = done
         return observations, rewards, terminated, truncated, info
@@ -131,6 +131,10 @@ class NavigationVectorEnv(VectorEnv):
     def state(self, index: int) -> dict[str, Any]:
         """The state of one environment, as ``NavigationEnv.state``."""
         return self._stepper.native.state(index)
+
+    def _info(self, values: tuple[np.ndarray, ...], mask: np.ndarray) -> dict[str, Any]:
+        # One call, because it is made in every step.
+        return dict(zip(self._keys, values + (mask,) * len(values), strict=True))
 
     def _final_observations(self, done: np.ndarray) -> np.ndarray:
         final = np.empty(self.num_envs, dtype=object)

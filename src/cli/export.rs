@@ -17,18 +17,22 @@ pub struct ExportArgs {
     /// The ONNX file to write. A model card for Hugging Face, README.md, is written into its folder
     #[arg(long, value_name = "FILE")]
     onnx: Option<PathBuf>,
+
+    /// Results of tests for the model card: files with the output of --eval with --json, one per scenario
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    eval_results: Vec<PathBuf>,
 }
 
 /// Exports the policy in the file at `path`, and prints the paths of the written files, unless the ONNX file itself goes to a
 /// device or a pipe.
 ///
 /// # Errors
-/// No output file is given, the policy is invalid, or a file cannot be written.
+/// No output file is given, the policy or a file of results is invalid, or a file cannot be written.
 pub fn run(path: &Path, args: &ExportArgs) -> Result<(), RunError> {
     let Some(onnx) = &args.onnx else {
         return Err(RunError::InvalidInput("--export needs an output file; help: add --onnx FILE".into()));
     };
-    let model_card = export_onnx(path, onnx)?;
+    let model_card = export_onnx(path, onnx, &args.eval_results)?;
     if is_stream(onnx) {
         return Ok(());
     }

@@ -13,6 +13,7 @@ mod eval;
 mod export;
 #[cfg(all(test, feature = "gui"))]
 mod flag_tables;
+mod import;
 mod modes;
 mod output;
 mod policy;
@@ -59,6 +60,7 @@ const EXAMPLES: &str =
   wayfield --resume runs/scenario-1-fast-0 --steps 900000
   wayfield --reproduce --only fig9,table2 --seeds 3  two of the paper's results, into runs/reproduce/
   wayfield --check scenarios/                        check every scenario in a folder
+  wayfield --import map.yaml --out room.ron          a ROS map as a scenario
   wayfield --draw curves.pdf --run runs/scenario-1-fast-0
   wayfield --export POLICY --onnx policy.onnx        a policy for ONNX Runtime
 
@@ -93,6 +95,8 @@ struct Arguments {
     export: export::ExportArgs,
     #[command(flatten)]
     reproduce: reproduce::ReproduceArgs,
+    #[command(flatten)]
+    import: import::ImportArgs,
     #[command(flatten)]
     draw: draw::DrawArgs,
     #[cfg(feature = "gui")]
@@ -224,10 +228,12 @@ fn run(arguments: Arguments, began: Instant) -> Result<(), RunError> {
         export::run(&policy, &arguments.export)
     } else if mode.reproduce {
         reproduce::run(arguments.reproduce, shared, began)
+    } else if let Some(file) = mode.import {
+        import::run(&file, &arguments.import, &shared)
     } else if !mode.check.is_empty() {
         check::run(&mode.check, shared.json)
     } else if let Some(file) = mode.draw {
-        draw::run(&file, &arguments.draw, &shared)
+        draw::run(&file, &arguments.draw, arguments.import.resolution, &shared)
     } else {
         #[cfg(feature = "gui")]
         return match mode.replay {

@@ -33,11 +33,17 @@ pub struct ModeArgs {
     #[arg(long)]
     pub reproduce: bool,
 
+    /// Import a world as a scenario: a map of ROS's map_server (.yaml), a picture (.png, .pgm), a world of Gazebo (.world,
+    /// .sdf) or BARN worlds (.json); --out names the scenario's file
+    #[arg(long, value_name = "FILE")]
+    pub import: Option<PathBuf>,
+
     /// Check scenarios, presets and experiments (files, or folders of them) and print every problem
     #[arg(long, value_name = "PATH", num_args = 1..)]
     pub check: Vec<PathBuf>,
 
-    /// Draw a scenario from above, or with --run the learning curves of a run, into an SVG, PNG or PDF file
+    /// Draw a scenario from above, levels of a level generator, or with --run the learning curves of a run, into an SVG,
+    /// PNG or PDF file
     #[arg(long, value_name = "FILE")]
     pub draw: Option<PathBuf>,
 
@@ -55,8 +61,9 @@ const MODES: &[(&str, &[&str])] = &[
     ("card", &["json"]),
     ("export", &["ExportArgs"]),
     ("reproduce", &["set", "out", "json", "ReproduceArgs"]),
+    ("import", &["set", "out", "json", "ImportArgs"]),
     ("check", &["json"]),
-    ("draw", &["scenario", "set", "size", "DrawArgs"]),
+    ("draw", &["scenario", "set", "seed", "size", "resolution", "DrawArgs"]),
     #[cfg(feature = "gui")]
     ("replay", &[]),
 ];
@@ -155,7 +162,7 @@ mod tests {
             (
                 "--draw map.svg --out here",
                 "error: the argument '--out <DIR>' cannot be used with '--draw <FILE>'; help: use it with '--train [<CONFIG>]' or \
-                 '--reproduce'\n",
+                 '--reproduce' or '--import <FILE>'\n",
             ),
             (
                 "--epsilon 0.5 --init policy",

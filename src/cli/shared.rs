@@ -40,7 +40,7 @@ pub struct SharedArgs {
 
     /// The output folder. With --train: a new run folder [default: runs/<scenario>-<preset>-<seed>, with -2, -3, ...
     /// appended if that exists]. With --reproduce: the report's folder, continued if it already holds a report, but not of other experiments or more seeds
-    /// [default: runs/reproduce; with --experiment: runs/reproduce-<experiment>]
+    /// [default: runs/reproduce; with --experiment: runs/reproduce-<experiment>]. With --import: the scenario's file
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 

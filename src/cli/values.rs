@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 use std::time::Duration;
 
 use crate::limits::experiment::MAX_SEEDS;
-use crate::limits::{MAX_PICTURE_SIDE, MAX_STEPS};
+use crate::limits::{MAX_PICTURE_SIDE, MAX_SHEET_LEVELS, MAX_STEPS};
 use crate::reproduce::Seeds;
 use crate::scenario::whole_number;
 
@@ -49,6 +49,11 @@ pub fn seed(text: &str) -> Result<u64, String> {
     whole(0..=u64::MAX)(text)
 }
 
+/// Parses a number of levels on a contact sheet.
+pub fn levels(text: &str) -> Result<u64, String> {
+    whole(1..=MAX_SHEET_LEVELS)(text)
+}
+
 /// Parses a number of seeds, or a list of them.
 pub fn seeds(text: &str) -> Result<Seeds, String> {
     let Some(list) = text.contains(',').then(|| text.strip_suffix(',').unwrap_or(text)) else {
@@ -86,6 +91,17 @@ pub fn seconds(text: &str) -> Result<Duration, String> {
     value
         .map(Duration::from_secs_f64)
         .ok_or_else(|| format!("give 0.01 to 1000000 seconds{}", decimal_point(text)))
+}
+
+/// A parser of lengths in m in `range`.
+pub fn metres(
+    range: RangeInclusive<f64>,
+) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+    move |text: &str| {
+        let value = text.parse().ok().filter(|length| range.contains(length));
+        let (least, most) = (range.start(), range.end());
+        value.ok_or_else(|| format!("give {least} to {most} (metres){}", decimal_point(text)))
+    }
 }
 
 /// The end of a message about `text` if it is a number with a decimal comma.

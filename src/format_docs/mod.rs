@@ -14,9 +14,10 @@ use crate::generated_section::check;
 use crate::reproduce::Experiment;
 use crate::run::folder::RunConfig;
 use crate::run::preset::Preset;
-use crate::scenario::{Scenario, parse_ron, to_ron};
+use crate::scenario::{LevelGenerator, Scenario, parse_ron, to_ron};
 
 const SCENARIO: &[&str] = &["crates/scenario/src/schema.rs"];
+const LEVEL_GENERATOR: &[&str] = &["crates/scenario/src/levels/schema.rs", "crates/scenario/src/schema.rs"];
 const PRESET: &[&str] = &[
     "src/run/preset.rs",
     "src/task/reward.rs",
@@ -67,6 +68,11 @@ fn the_scenario_format_in_the_docs_is_that_of_the_schema() {
          default:\n\n```ron\n{example}```\n"
     );
     check("docs/scenario-format.md", &(reference + &last));
+}
+
+#[test]
+fn the_level_generator_format_in_the_docs_is_that_of_the_types() {
+    check("docs/generators.md", &reference("LevelGenerator", LEVEL_GENERATOR, read::<LevelGenerator>, None));
 }
 
 #[test]
@@ -129,6 +135,11 @@ fn the_examples_and_messages_in_the_docs_are_those_of_the_program() {
     assert_eq!((scenarios.len(), presets.len(), experiments.len()), (3, 3, 1));
     for block in scenarios {
         Scenario::parse(&block, "docs/scenario-format.md").unwrap_or_else(|error| panic!("{error}\n{block}"));
+    }
+    for block in examples("docs/generators.md") {
+        let generator = LevelGenerator::parse(&block, "docs/generators.md");
+        let generator = generator.unwrap_or_else(|error| panic!("{error}\n{block}"));
+        assert!((0..20).all(|seed| generator.level(seed).is_ok()), "{block}");
     }
     for block in presets {
         Preset::parse(&block, "docs/preset-format.md").unwrap_or_else(|error| panic!("{error}\n{block}"));

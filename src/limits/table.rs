@@ -4,10 +4,12 @@ use std::fmt::{Display, LowerExp, Write as _};
 use std::ops::RangeInclusive;
 
 use super::{
-    MAX_ABOUT_CHARS, MAX_ARENAS, MAX_BODIES, MAX_CONFIG_BYTES, MAX_EVAL_EPISODES, MAX_EVALUATION_EPISODES,
-    MAX_HEAD_BYTES, MAX_JOURNAL_BYTES, MAX_OBSERVED_FLOATS, MAX_PICTURE_SIDE, MAX_POLICY_BYTES,
-    MAX_RECENT_RETURNS, MAX_REWARD_PARAMETER, MAX_STEPS, MAX_TIME_S, experiment,
+    MAX_ABOUT_CHARS, MAX_ARENAS, MAX_BODIES, MAX_CONFIG_BYTES, MAX_EVAL_EPISODES, MAX_EVAL_RESULTS_BYTES,
+    MAX_EVALUATION_EPISODES, MAX_HEAD_BYTES, MAX_JOURNAL_BYTES, MAX_OBSERVED_FLOATS, MAX_PICTURE_SIDE,
+    MAX_POLICY_BYTES, MAX_RECENT_RETURNS, MAX_REWARD_PARAMETER, MAX_SHEET_LEVELS, MAX_STEPS, MAX_TIME_S,
+    experiment,
 };
+use crate::import::limits as import;
 use crate::learning::limits as learning;
 use crate::policy::limits as policy;
 use crate::scenario::limits as scenario;
@@ -50,14 +52,20 @@ const fn reals(range: &RangeInclusive<f32>) -> Value {
     Value::RealRange(*range.start(), *range.end())
 }
 
+const fn reals64(range: &RangeInclusive<f64>) -> Value {
+    Value::RealRange(*range.start() as f32, *range.end() as f32)
+}
+
 const TABLES: &[Table] = &[
     Table { title: "RON files", limits: RON_FILES },
     Table { title: "Scenarios", limits: SCENARIOS },
+    Table { title: "Level generators", limits: LEVEL_GENERATORS },
     Table { title: "Presets", limits: PRESETS },
     Table { title: "Preset and scenario together", limits: TRAINING },
     Table { title: "Experiments", limits: EXPERIMENTS },
     Table { title: "Policies", limits: POLICIES },
     Table { title: "Checkpoints", limits: CHECKPOINTS },
+    Table { title: "Imported files", limits: IMPORTS },
     Table { title: "Command line", limits: COMMAND_LINE },
 ];
 
@@ -165,6 +173,53 @@ const SCENARIOS: &[Limit] = &[
     ),
 ];
 
+const LEVEL_GENERATORS: &[Limit] = &[
+    Limit(
+        "name",
+        count(scenario::MAX_GENERATOR_NAME_CHARS),
+        "characters",
+        "room for a seed in the name of a level",
+    ),
+    Limit("width and height of the enclosure", reals(&scenario::LEVEL_SIDE_M), "m", "time of a level"),
+    Limit(
+        "`gap_m`, widths of doors, passages and traps",
+        reals(&scenario::LEVEL_GAP_M),
+        "m",
+        "mistyped values",
+    ),
+    Limit("clearance of starts and goals", reals(&scenario::LEVEL_CLEARANCE_M), "m", "mistyped values"),
+    Limit(
+        "smallest clearance as a multiple of `gap_m`",
+        Min(scenario::MIN_CLEARANCE_GAPS),
+        "",
+        "size of the grid that is searched for paths",
+    ),
+    Limit("depth of free strips", reals(&scenario::LEVEL_MARGIN_M), "m", "mistyped values"),
+    Limit("layouts in a list, shapes of a layout", count(scenario::MAX_LEVEL_LAYOUTS), "", "memory"),
+    Limit("fill of an automaton", reals(&scenario::AUTOMATON_FILL), "", "fuller levels have no paths"),
+    Limit("smoothings of an automaton", counts32(&scenario::SMOOTHINGS), "", "time of a level"),
+    Limit("fill of cells", reals(&scenario::SOLID_FILL), "", "fuller levels have no paths"),
+    Limit("sides of rooms", reals(&scenario::ROOM_SIDE_M), "m", "mistyped values"),
+    Limit("sides of cells, thickness of walls", reals(&scenario::LEVEL_CELL_M), "m", "mistyped values"),
+    Limit("cells of a layout", Max(scenario::MAX_LEVEL_CELLS as u64), "", "time of a step"),
+    Limit("rooms", Max(scenario::MAX_LEVEL_ROOMS as u64), "", "time of a step"),
+    Limit("obstacles of a layout", counts32(&scenario::LEVEL_COUNT), "", "time of a step"),
+    Limit("pairs of lanes", counts32(&scenario::LANE_PAIRS), "", "time of a step"),
+    Limit(
+        "sizes of moving obstacles, reach of walks",
+        reals(&scenario::TRAFFIC_SIZE_M),
+        "m",
+        "mistyped values",
+    ),
+    Limit("radius of a crossed circle", reals(&scenario::LEVEL_CIRCLE_M), "m", "mistyped values"),
+    Limit(
+        "cells of the grid that is searched for paths",
+        Max(scenario::MAX_FLOOR_CELLS as u64),
+        "",
+        "memory",
+    ),
+];
+
 const PRESETS: &[Limit] = &[
     Limit("`about`", count(MAX_ABOUT_CHARS), "characters", "memory"),
     Limit("arenas", count(MAX_ARENAS), "", "memory"),
@@ -214,7 +269,26 @@ const TRAINING: &[Limit] = &[
     Limit("environments of a learner", count(learning::MAX_ENVS), "", "memory"),
 ];
 
+const IMPORTS: &[Limit] = &[
+    Limit("size of a picture's file", Bytes(import::MAX_PICTURE_BYTES), "", "memory"),
+    Limit("pixels of a picture", count(import::MAX_CELLS), "", "memory; checked before it is decoded"),
+    Limit(
+        "size of an SDF or JSON file, and of all included models",
+        Bytes(import::MAX_WORLD_BYTES),
+        "",
+        "memory",
+    ),
+    Limit("elements, attributes and texts of an SDF file", Max(import::MAX_XML_NODES as u64), "", "memory"),
+    Limit("nesting of models", count(import::MAX_MODEL_NESTING), "levels", "the reader is recursive"),
+    Limit("included models", count(import::MAX_INCLUDES), "", "time of the import"),
+    Limit("side of a map's cell", reals64(&import::RESOLUTION_M), "m", "mistyped values"),
+    Limit("numbers of an imported file", reals64(&import::COORDINATE_M), "", "rounding"),
+    Limit("`--tolerance`", reals64(&import::TOLERANCE_M), "m", "mistyped values"),
+    Limit("`--lidar-height`", reals64(&import::LIDAR_HEIGHT_M), "m", "mistyped values"),
+];
+
 const COMMAND_LINE: &[Limit] = &[
+    Limit("levels of a contact sheet (`--levels`)", Max(MAX_SHEET_LEVELS), "", "size of the picture"),
     Limit("episodes of one `--eval`, over all rounds", Max(MAX_EVAL_EPISODES), "", "memory"),
     Limit(
         "width and height of a picture (`--size`)",
@@ -247,6 +321,12 @@ const EXPERIMENTS: &[Limit] = &[
 
 const POLICIES: &[Limit] = &[
     Limit("size of the file", Bytes(MAX_POLICY_BYTES), "", "the parameters and a header"),
+    Limit(
+        "size of the results of a test (`--eval-results`)",
+        Bytes(MAX_EVAL_RESULTS_BYTES),
+        "",
+        "they list the rounds",
+    ),
     Limit(
         "size of its header with the card",
         Bytes(policy::MAX_HEADER_BYTES as u64),
@@ -358,6 +438,7 @@ fn every_limit_is_in_a_table() {
         ("crates/scenario/src/limits.rs", "scenario::"),
         ("crates/policy/src/limits.rs", "policy::"),
         ("crates/learning/src/limits.rs", "learning::"),
+        ("crates/import/src/limits.rs", "import::"),
         ("src/limits.rs", "("),
         ("src/limits/experiment.rs", "experiment::"),
     ] {

@@ -70,3 +70,32 @@ impl ReproduceOptions {
         words.iter().map(quoted).collect::<Vec<_>>().join(" ")
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::settings::Setting;
+
+    #[test]
+    fn the_command_of_a_report_has_every_option() {
+        let setting = Setting { path: "learning.gamma".into(), value: "0.9".into() };
+        let options = ReproduceOptions {
+            experiments: vec!["a b.ron".into(), "c.ron".into()],
+            only: vec!["fig9".into(), "table2".into()],
+            seeds: Some(Seeds::List(vec![17])),
+            settings: Settings(vec![setting]),
+            quick: true,
+            out: Some("here".into()),
+            shard: None,
+            jobs: Some(3),
+        };
+        assert_eq!(
+            options.command(),
+            "wayfield --reproduce --experiment 'a b.ron' --experiment c.ron --only fig9,table2 --seeds 17, \
+             --set 'learning.gamma=0.9' --out here --jobs 3 --quick"
+        );
+        assert_eq!(ReproduceOptions::default().command(), "wayfield --reproduce");
+        let five = ReproduceOptions { seeds: Some(Seeds::First(5)), ..ReproduceOptions::default() };
+        assert_eq!(five.command(), "wayfield --reproduce --seeds 5");
+    }
+}

@@ -15,10 +15,14 @@ use super::experiment::{TestRule, TestedPolicy};
 use super::plan::Training;
 use super::progress::gradient_steps;
 use super::run_config::run_name;
+use crate::limits::MAX_CONFIG_BYTES;
 use crate::run::RunError;
 use crate::run::folder::RunConfig;
 use crate::run::progress::ProgressListener;
-use crate::scenario::{Diagnostic, parse_checked, to_ron};
+use crate::scenario::{Diagnostic, FileError, parse_ron_with_limit, to_ron};
+
+/// The name of a task's text in messages.
+const NAME: &str = "<task>";
 
 /// A training and its tests.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -53,11 +57,15 @@ impl TrainingTask {
     /// # Errors
     /// The text is not a task, or has invalid values.
     pub fn parse(text: &str) -> Result<Self, RunError> {
-        let diagnostics = |task: &Self| -> Vec<Diagnostic> { task.config.diagnostics() };
-        let task: Self = parse_checked(text, "<task>", |task, _| diagnostics(task), diagnostics)?;
+        let task: Self = parse_ron_with_limit(text, NAME, MAX_CONFIG_BYTES)?;
+        let inside = |found: Diagnostic| Diagnostic { path: format!("config.{}", found.path), ..found };
+        let diagnostics: Vec<Diagnostic> = task.config.diagnostics().into_iter().map(inside).collect();
+        if !diagnostics.is_empty() {
+            return Err(FileError::from_diagnostics(Path::new(NAME), text, &diagnostics).into());
+        }
         if Path::new(&task.name).file_name() != Some(task.name.as_ref()) {
             let why = format!(
-                "<task>: the name {:?} is not that of a folder; help: pass on the text unchanged",
+                "{NAME}: the name {:?} is not that of a folder; help: pass on the text unchanged",
                 task.name
             );
             return Err(RunError::InvalidInput(why));
@@ -119,5 +127,41 @@ impl TrainingTask {
     fn training(&self) -> Training {
         let Self { name, config, tests } = self.clone();
         Training { name, config, origin: None, tests, elsewhere: None }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reproduce::ReproduceOptions;
+    use crate::reproduce::plan::RunPlan;
+    use crate::reproduce::select::select;
+
+    fn tasks() -> Vec<TrainingTask> {
+        let selected = select(&ReproduceOptions::default()).expect("the selection works");
+        RunPlan::new(&selected).expect("the plan works").trainings.iter().map(TrainingTask::from).collect()
+    }
+
+    #[test]
+    fn every_task_of_the_paper_is_read_as_it_was_written() {
+        let tasks = tasks();
+        assert!(tasks.iter().any(|task| task.starts_from().is_some()), "some trainings start from others");
+        for task in tasks {
+            let text = task.to_text().expect("it can be written");
+            assert_eq!(TrainingTask::parse(&text).expect("it can be read"), task);
+        }
+    }
+
+    #[test]
+    fn a_task_with_an_invalid_value_or_name_is_refused() {
+        let text = tasks()[0].to_text().expect("it can be written");
+        for (from, to, why) in [
+            ("gamma: ", "gamma: 7", "`config.preset.learning.gamma` is 7"),
+            ("name: \"", "name: \"../", "is not that of a folder; help:"),
+            ("tests: ", "test: ", "did you mean `tests`"),
+        ] {
+            let error = TrainingTask::parse(&text.replacen(from, to, 1)).expect_err(to).to_string();
+            assert!(error.contains("<task>") && error.contains(why), "{error}");
+        }
     }
 }

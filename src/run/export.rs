@@ -4,8 +4,10 @@ use std::fs::{self, File};
 use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
-use crate::export::{MODEL_CARD_MARK, model_card, to_onnx};
+use crate::export::{EvalResults, MODEL_CARD_MARK, model_card, to_onnx};
+use crate::limits::MAX_EVAL_RESULTS_BYTES;
 use crate::policy::Policy;
+use crate::scenario::read_bytes;
 
 use super::output_file::{check_writable, is_stream, write_atomic};
 use super::{RunError, policy_card};
@@ -27,32 +29,58 @@ pub enum ModelCardFile {
 }
 
 /// Writes the policy in the file `policy` into the ONNX file `onnx`, and its model card into the file `README.md` in the same
-/// folder.
+/// folder. The model card lists the results of tests in the files `eval_results`, which `--eval --json` has printed.
 ///
 /// # Errors
-/// `policy` is not a policy or has no card, `onnx` has another extension than `onnx`, or a file cannot be written.
-pub fn export_onnx(policy: &Path, onnx: &Path) -> Result<ModelCardFile, RunError> {
+/// `policy` is not a policy or has no card, a file of results is not one or is about another policy, `onnx` has another extension
+/// than `onnx`, or a file cannot be written.
+pub fn export_onnx(policy: &Path, onnx: &Path, eval_results: &[PathBuf]) -> Result<ModelCardFile, RunError> {
     check_extension(onnx)?;
-    export_policy(&policy_card::read(policy)?, policy, onnx)
+    let from = policy;
+    let policy = policy_card::read(from)?;
+    let results = eval_results.iter().map(|path| read_results(path, &policy));
+    let results = results.collect::<Result<Vec<_>, RunError>>()?;
+    export_policy(&policy, from, onnx, &results)
 }
 
 /// Does the same with a policy in memory; error messages name it by `from`.
 ///
 /// # Errors
 /// As for [`export_onnx`].
-pub fn export_policy(policy: &Policy, from: &Path, onnx: &Path) -> Result<ModelCardFile, RunError> {
+pub fn export_policy(
+    policy: &Policy,
+    from: &Path,
+    onnx: &Path,
+    results: &[EvalResults],
+) -> Result<ModelCardFile, RunError> {
     check_extension(onnx)?;
     check_writable(onnx)?;
     let bytes = to_onnx(policy).map_err(|error| RunError::invalid_input(from, error))?;
     write(onnx, &bytes)?;
     let Some(name) = onnx.file_name().filter(|_| !is_stream(onnx)) else { return Ok(ModelCardFile::None) };
-    let page = model_card(policy, &name.to_string_lossy()).map_err(|error| RunError::failed(from, error))?;
+    let page = model_card(policy, &name.to_string_lossy(), results)
+        .map_err(|error| RunError::failed(from, error))?;
     let path = onnx.with_file_name(MODEL_CARD);
     if is_of_a_person(&path) {
         return Ok(ModelCardFile::Kept(path));
     }
     write(&path, page.as_bytes())?;
     Ok(ModelCardFile::Written(path))
+}
+
+fn read_results(path: &Path, policy: &Policy) -> Result<EvalResults, RunError> {
+    let refuse = |why: String| {
+        RunError::invalid_input(
+            path,
+            format!("{why}; help: give a file with the output of --eval with --json"),
+        )
+    };
+    let bytes = read_bytes(path, MAX_EVAL_RESULTS_BYTES + 1)
+        .map_err(|error| refuse(format!("can't be read ({error})")))?;
+    if bytes.len() as u64 > MAX_EVAL_RESULTS_BYTES {
+        return Err(refuse(format!("is larger than {MAX_EVAL_RESULTS_BYTES} bytes")));
+    }
+    EvalResults::parse(&bytes, policy).map_err(|error| RunError::invalid_input(path, error))
 }
 
 fn check_extension(onnx: &Path) -> Result<(), RunError> {

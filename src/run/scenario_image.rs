@@ -11,7 +11,9 @@ use bevy::prelude::World;
 use super::RunError;
 use super::image_file::{self, ImageSize};
 use crate::report::DrawError;
-use crate::report::chart::{MapObstacle, MapObstacleKind, MapRobot, MapShape, MapTrack, ScenarioMap};
+use crate::report::chart::{
+    MapObstacle, MapObstacleKind, MapRobot, MapShape, MapTrack, ScenarioMap, contact_sheet_svg,
+};
 use crate::scenario::{Obstacle, Outline, Scenario, Track, pose_at};
 use crate::task::{Arena, ArenaLayout, Clock, Goal, Pose, Scan};
 
@@ -41,6 +43,7 @@ pub fn map(scenario: &Scenario, layout_seed: u64, clock: u64) -> ScenarioMap {
     ScenarioMap {
         title: String::new(),
         enclosure: scenario.enclosure.corners_m().into_iter().map(wide).collect(),
+        marked_areas: Vec::new(),
         obstacles: walls.chain(obstacles).collect(),
         tracks: scenario.obstacles.iter().filter_map(track).collect(),
         start: scenario.benchmark_route.map(|route| {
@@ -60,7 +63,16 @@ pub fn map(scenario: &Scenario, layout_seed: u64, clock: u64) -> ScenarioMap {
 /// # Errors
 /// The drawing library failed. No input is known to cause this.
 pub fn figure(scenario: &Scenario) -> Result<String, DrawError> {
-    ScenarioMap { title: scenario.name.clone(), ..map(scenario, LAYOUT_SEED, 0) }.svg()
+    figure_over(scenario, Vec::new())
+}
+
+/// The same with marked areas, such as the occupied cells of the map that it was imported from. The corners of each are in m.
+///
+/// # Errors
+/// The drawing library failed. No input is known to cause this.
+pub fn figure_over(scenario: &Scenario, marked_areas: Vec<Vec<(f64, f64)>>) -> Result<String, DrawError> {
+    let title = scenario.name.clone();
+    ScenarioMap { title, marked_areas, ..map(scenario, LAYOUT_SEED, 0) }.svg()
 }
 
 /// The thumbnail of `scenario` at control step 0, 480 x 360 pixels, as SVG: without name, legend and axes.
@@ -69,6 +81,15 @@ pub fn figure(scenario: &Scenario) -> Result<String, DrawError> {
 /// The drawing library failed. No input is known to cause this.
 pub fn thumbnail(scenario: &Scenario) -> Result<String, DrawError> {
     map(scenario, LAYOUT_SEED, 0).thumbnail_svg()
+}
+
+/// The figure of `levels` at control step 0, one next to the other under their names, as SVG.
+///
+/// # Errors
+/// The drawing library failed. No input is known to cause this.
+pub fn contact_sheet(title: &str, levels: &[Scenario]) -> Result<String, DrawError> {
+    let map = |level: &Scenario| ScenarioMap { title: level.name.clone(), ..map(level, LAYOUT_SEED, 0) };
+    contact_sheet_svg(title, &levels.iter().map(map).collect::<Vec<_>>())
 }
 
 /// Writes the thumbnail of `scenario` to `path`, in the format that its extension names.

@@ -3,14 +3,17 @@
 //! In: a file's path or a shipped name, as given after `--scenario` or `--preset`. Out: the scenario or
 //! preset.
 
+mod source;
+
 use std::path::Path;
 use std::sync::LazyLock;
 
+pub use self::source::Source;
 use super::folder::RunConfig;
 use super::policy_card;
 use super::preset::Preset;
 use crate::policy::Policy;
-use crate::scenario::{FileError, Scenario, closest_name, path_exists, read_text};
+use crate::scenario::{FileError, LevelGenerator, Scenario, closest_name, path_exists, read_text};
 
 /// A shipped file.
 struct Shipped {
@@ -33,6 +36,7 @@ const SCENARIOS: &[Shipped] = shipped!(
     "scenarios": "scenario-1", "scenario-2", "empty", "corridor", "doorway", "slalom", "random-field", "u-trap", "crossing",
     "crowd", "hall", "maze"
 );
+const GENERATORS: &[Shipped] = shipped!("scenarios/generators": "clutter", "rooms", "traffic", "mixed");
 const PRESETS: &[Shipped] = shipped!("assets/presets": "fast", "dqn", "per_d3qn", "per_d3qn_tuned");
 
 const EXPERIMENTS: &[Shipped] = shipped!("assets/experiments": "fig8", "fig9", "fig10", "best", "ablation", "conditions", "hard", "transfer");
@@ -131,15 +135,18 @@ pub fn presets() -> impl Iterator<Item = (&'static str, Preset)> {
     PRESETS.iter().filter_map(|file| Some((file.name, Preset::parse(file.text, file.path).ok()?)))
 }
 
-/// The scenario in the file `wanted`, which may be the `config.ron` of a run, or the shipped scenario of that name.
+/// The shipped level generators, by name.
+pub fn level_generators() -> impl Iterator<Item = (&'static str, LevelGenerator)> {
+    GENERATORS.iter().filter_map(|file| Some((file.name, LevelGenerator::parse(file.text, file.path).ok()?)))
+}
+
+/// The scenario in the file `wanted`, which may be the `config.ron` of a run, or the shipped scenario of that name. Of a
+/// level generator, the level that `wanted` names ([`Source::load`]), or level 0.
 ///
 /// # Errors
-/// As for [`Scenario::load`]; for an unknown name, the closest shipped one.
+/// As for [`Source::load`].
 pub fn scenario(wanted: &str) -> Result<Scenario, FileError> {
-    match find(SCENARIOS, wanted) {
-        Some(file) => Scenario::parse(file.text, file.path),
-        None => user_file(wanted, SCENARIOS, |text| Scenario::parse(text, wanted), |config| config.scenario),
-    }
+    Source::load(wanted)?.into_scenario(wanted)
 }
 
 /// The preset in the file `wanted`, which may be the `config.ron` of a run, or the shipped preset of that name.
@@ -213,6 +220,7 @@ mod tests {
                 panic!("{error}");
             }
         }
+        assert_eq!(level_generators().count(), GENERATORS.len(), "every level generator is valid");
         for file in PRESETS {
             if let Err(error) = preset(file.name) {
                 panic!("{error}");

@@ -31,11 +31,12 @@ pub fn spawn_arenas(world: &mut World, scenario: &Arc<Scenario>, arenas: usize, 
     world.resource_mut::<ExtraRewards>().resize(arenas);
     world.resource_mut::<Actions>().0 = vec![0; arenas];
     world.resource_mut::<StepOutcomes>().0 = vec![StepOutcome::default(); arenas];
+    let layout = ArenaLayout::as_written(scenario);
     for index in 0..arenas {
         let arena = world
             .spawn((
                 Arena(index),
-                ArenaLayout { written: scenario.clone(), layout_seed: 0, scenario: scenario.clone() },
+                layout.clone(),
                 Pose::default(),
                 Twist::default(),
                 (Scan::default(), SensorReadings::zeros(extra)),
@@ -153,7 +154,7 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
             mut episode,
             mut streams,
         ) = components;
-        *layout = ArenaLayout::new(&layout.written, state.layout_seed);
+        layout.generate(state.layout_seed);
         *pose = state.pose;
         *twist = state.twist;
         *scan = state.scan.clone();

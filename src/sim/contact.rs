@@ -10,7 +10,8 @@
 //! advancement: two bodies cannot touch before they have covered the distance between them.
 
 use bevy::prelude::*;
-use bevy_rapier2d::rapier::prelude::{Collider, ColliderSet, TypedShape};
+use bevy_rapier2d::rapier::math::Pose as BodyPose;
+use bevy_rapier2d::rapier::prelude::{Collider, ColliderSet, Shape, TypedShape};
 
 use super::physics::Bodies;
 use super::ray_cast::polygon_contains;
@@ -47,40 +48,63 @@ impl ContactQuery<'_> {
     /// nothing, has passed through nothing, and has gone no farther than it was to go.
     pub(super) fn is_resting_contact(&self, end: Vec2, to: Vec2) -> bool {
         let radius_m = self.scenario.robot.radius_m;
-        let touches = |solid: &Collider| distance(solid, end) <= radius_m + CONTACT_MARGIN_M;
-        let mut solids = self.bodies.solids.iter().filter_map(|&solid| self.colliders.get(solid));
+        let reach_m = radius_m + CONTACT_MARGIN_M;
+        let touches = |(position, shape): PlacedShape| distance_m(position, shape, end) <= reach_m;
+        let others = self.bodies.not_in_grid().filter_map(|(_, solid)| self.colliders.get(solid));
         (end - self.from).length() <= (to - self.from).length() * (1.0 + 1e-6) + 1e-6
-            && solids.any(touches)
+            && (self.still_near(end, reach_m).any(touches) || others.map(placed).any(touches))
             && self.first_within(end, radius_m - MAX_PENETRATION_M).is_none()
     }
 
     /// The fraction of the step after which something first comes within `reach_m` of the robot's centre.
     fn first_within(&self, to: Vec2, reach_m: f32) -> Option<f32> {
-        let solids = self.bodies.solids.iter().enumerate();
-        let first = solids.filter_map(|(index, &handle)| {
-            let solid = self.colliders.get(handle)?;
+        let step_m = (to - self.from).length();
+        let still = self.still_near(to, reach_m + step_m);
+        let still = still.filter_map(|shape| self.approach(shape, None, to, reach_m, step_m));
+        let others = self.bodies.not_in_grid().filter_map(|(number, handle)| {
+            let shape = placed(self.colliders.get(handle)?);
             // The scenario's own obstacles come first among the solids; all others are static.
-            let is_own = index < self.bodies.obstacles.len();
-            let obstacle = self.scenario.obstacles.get(index).filter(|_| is_own);
-            let max_travel_m = (to - self.from).length() + obstacle.map_or(0.0, |o| self.max_travel_m(o));
-            if distance(solid, to) - reach_m > max_travel_m {
+            let is_own = number < self.bodies.obstacles.len();
+            let obstacle = self.scenario.obstacles.get(number).filter(|_| is_own);
+            let max_travel_m = step_m + obstacle.map_or(0.0, |o| self.max_travel_m(o));
+            self.approach(shape, obstacle, to, reach_m, max_travel_m)
+        });
+        others.chain(still).reduce(f32::min)
+    }
+
+    /// The fraction of the step after which a shape, that of an obstacle or a wall, first comes within `reach_m` of the
+    /// robot's centre. Robot and obstacle together cover at most `max_travel_m`.
+    #[inline]
+    fn approach(
+        &self,
+        (position, shape): PlacedShape,
+        obstacle: Option<&Obstacle>,
+        to: Vec2,
+        reach_m: f32,
+        max_travel_m: f32,
+    ) -> Option<f32> {
+        if distance_m(position, shape, to) - reach_m > max_travel_m {
+            return None;
+        }
+        let trajectory = obstacle.map_or(ObstacleTrajectory::Static, |o| self.trajectory(o));
+        let mut fraction = 0.0;
+        loop {
+            let at = trajectory.in_obstacle_frame(self.from.lerp(to, fraction), 1.0 - fraction);
+            let gap_m = distance_m(position, shape, at) - reach_m;
+            if gap_m <= 0.0 {
+                return Some(fraction);
+            }
+            if fraction >= 1.0 {
                 return None;
             }
-            let trajectory = obstacle.map_or(ObstacleTrajectory::Static, |o| self.trajectory(o));
-            let mut fraction = 0.0;
-            loop {
-                let at = trajectory.in_obstacle_frame(self.from.lerp(to, fraction), 1.0 - fraction);
-                let gap_m = distance(solid, at) - reach_m;
-                if gap_m <= 0.0 {
-                    return Some(fraction);
-                }
-                if fraction >= 1.0 {
-                    return None;
-                }
-                fraction = (fraction + (gap_m.max(MIN_ADVANCE_M) / max_travel_m).max(f32::EPSILON)).min(1.0);
-            }
-        });
-        first.reduce(f32::min)
+            fraction = (fraction + (gap_m.max(MIN_ADVANCE_M) / max_travel_m).max(f32::EPSILON)).min(1.0);
+        }
+    }
+
+    /// The shapes in the grid at most `radius_m` from `at`, and others near it.
+    fn still_near(&self, at: Vec2, radius_m: f32) -> impl Iterator<Item = PlacedShape<'_>> {
+        let still = self.bodies.still.iter().flat_map(move |still| still.near(at, radius_m));
+        still.map(|shape| (&shape.position, shape.shape()))
     }
 
     /// The longest distance that any point of an obstacle travels in a step, in m.
@@ -139,15 +163,23 @@ impl ObstacleTrajectory {
     }
 }
 
-/// The distance from a point to a solid, in m; 0 inside the solid.
-fn distance(solid: &Collider, at: Vec2) -> f32 {
-    let at = solid.position().inverse_transform_point(at);
-    match solid.shape().as_typed_shape() {
+/// A shape and its position.
+type PlacedShape<'a> = (&'a BodyPose, &'a dyn Shape);
+
+fn placed(solid: &Collider) -> PlacedShape<'_> {
+    (solid.position(), solid.shape())
+}
+
+/// The distance from a point to a shape, in m; 0 inside the shape.
+#[inline]
+pub(super) fn distance_m(position: &BodyPose, shape: &dyn Shape, at: Vec2) -> f32 {
+    let at = position.inverse_transform_point(at);
+    match shape.as_typed_shape() {
         // Computed from the sides: parry's iterative distance is millimetres off for distant points.
         TypedShape::ConvexPolygon(polygon) if polygon_contains(polygon, at) => 0.0,
         TypedShape::ConvexPolygon(polygon) => sides(polygon.points())
             .map(|(from, to)| distance_to_segment(from, to, at))
             .fold(f32::INFINITY, f32::min),
-        _ => solid.shape().distance_to_local_point(at, true),
+        _ => shape.distance_to_local_point(at, true),
     }
 }

@@ -7,7 +7,7 @@
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::*;
 
-pub use super::ray_cast::cast;
+pub use super::ray_cast::{cast, cast_in_arena};
 
 use super::physics::Bodies;
 use crate::random::{self, Stream};
@@ -70,7 +70,7 @@ fn take_scan(
     streams: &mut Streams,
     scan: &mut Scan,
 ) {
-    cast(&colliders.colliders, &bodies.solids, pose, &beams.0, lidar.max_range_m, &mut scan.ranges_m);
+    cast_in_arena(&colliders.colliders, bodies, pose, &beams.0, lidar.max_range_m, &mut scan.ranges_m);
     scan.nearest_m = scan.ranges_m.iter().copied().fold(lidar.max_range_m, f32::min);
     add_noise(lidar, &mut streams.sensor, &mut scan.ranges_m);
     scan.sensor_pose = *pose;

@@ -12,6 +12,7 @@
 //! | `obstacles.rs` | moving obstacles as a function of the clock, and generated obstacles |
 //! | `lidar.rs` | scans with noise, dropout and latency |
 //! | `ray_cast.rs` | exact ranges along the beams |
+//! | `still_shapes.rs` | a grid over the still shapes of large worlds |
 //! | `probe.rs` | scans from arbitrary poses, for displays |
 
 mod arena;
@@ -23,6 +24,7 @@ mod physics;
 mod probe;
 mod ray_cast;
 mod robot;
+mod still_shapes;
 
 use bevy::prelude::*;
 

@@ -74,6 +74,7 @@ pub(super) fn place_generated_obstacles(
             bodies.solids.push(handle);
         }
     }
+    bodies.index_generated(&colliders.colliders, layout.scenario.lidar.max_range_m);
 }
 
 /// Places the moving obstacles, and the colliders that the LIDAR senses, at their poses at `clock`.

@@ -8,6 +8,8 @@
 //! step, [`step`] steps all contexts with one [`Pipeline`]. Poses are not copied into `Transform`s, because that would cost
 //! more than the step and lose precision. Displays read [`Pose`](crate::task::Pose).
 
+use std::sync::Arc;
+
 use bevy::ecs::schedule::{Schedule, ScheduleLabel, SingleThreadedExecutor};
 use bevy::prelude::*;
 use bevy::transform::TransformPlugin;
@@ -15,6 +17,7 @@ use bevy_rapier2d::prelude::*;
 use bevy_rapier2d::rapier::prelude::{ColliderHandle, PhysicsPipeline, RigidBodyHandle};
 
 use super::colliders::{collider, enclosure_colliders};
+use super::still_shapes::{SharedGrids, StillShapes};
 use crate::control_step::{ControlSet, ControlStep};
 use crate::scenario::{Obstacle, ObstacleMotion, Scenario, pose_at};
 
@@ -39,6 +42,10 @@ pub struct Bodies {
     /// Everything that beams and the robot can hit: the obstacles in the scenario's order, then the walls, then the
     /// generated obstacles.
     pub solids: Vec<ColliderHandle>,
+    /// The still solids in a grid, if there are many.
+    pub(super) still: Option<Arc<StillShapes>>,
+    /// The numbers in `solids` of those that are not in the grid.
+    pub(super) not_in_grid: Vec<usize>,
 }
 
 /// The role of a body or collider in its arena. Its order is the order of the handles.
@@ -172,18 +179,23 @@ pub(super) fn make_bodies(world: &mut World) {
         .map(|(link, part, body, collider)| (link.0, *part, body.map(|body| body.0), collider.0))
         .collect();
     found.sort_by_key(|&(arena, part, ..)| (arena, part));
+    let mut grids = SharedGrids::default();
     for parts in found.chunk_by(|a, b| a.0 == b.0) {
         // The robot, which always has a body, sorts first; then the obstacles, the walls and the generated obstacles.
         let (arena, _, Some(robot), _) = parts[0] else { continue };
         let is_obstacle = |part: &Part| matches!(part, Part::Obstacle(_));
         let (permanent, generated) =
             parts[1..].split_at(parts[1..].partition_point(|p| !matches!(p.1, Part::Generated(_))));
-        world.entity_mut(arena).insert(Bodies {
+        let mut bodies = Bodies {
             robot,
             obstacles: permanent.iter().filter(|p| is_obstacle(&p.1)).map(|p| p.2).collect(),
             generated: generated.iter().map(|p| p.3).collect(),
             solids: permanent.iter().map(|p| p.3).collect(),
-        });
+            still: None,
+            not_in_grid: Vec::new(),
+        };
+        grids.index(world, arena, &mut bodies);
+        world.entity_mut(arena).insert(bodies);
     }
 }
 

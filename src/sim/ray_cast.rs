@@ -1,15 +1,16 @@
 //! Ray casts: the distance along each LIDAR beam to the nearest collider.
 //!
 //! In: rapier's colliders, the robot's pose and the beam directions. Out: one range per beam, in m. Beams are cast against
-//! the few colliders of one arena, in each shape's own frame. Most casts are skipped, because the beam cannot hit the shape
-//! ([`BeamRange`]).
+//! the colliders of one arena, in each shape's own frame. Most casts are skipped, because the beam cannot hit the shape
+//! ([`BeamRange`]), or because the shape is in none of the cells that the beam crosses (`still_shapes.rs`).
 
 use bevy::prelude::*;
 use bevy_rapier2d::rapier::geometry::{
-    Ball, ColliderHandle, ColliderSet, ConvexPolygon, Cuboid, Ray, Shape, TypedShape,
+    Ball, Collider, ColliderHandle, ColliderSet, ConvexPolygon, Cuboid, Ray, Shape, TypedShape,
 };
 use bevy_rapier2d::rapier::parry::query::RayCast;
 
+use super::physics::Bodies;
 use crate::scenario::polygon::sides;
 use crate::task::Pose;
 
@@ -27,10 +28,47 @@ pub fn cast(
 ) {
     ranges_m.clear();
     ranges_m.resize(beams.len(), max_range_m);
-    let origin = Vec2::new(pose.x_m, pose.y_m);
+    let solids = solids.iter().filter_map(|&handle| colliders.get(handle));
+    shorten(solids, origin_of(pose), heading_of(pose), beams, ranges_m);
+}
+
+/// [`cast`] against everything in an arena.
+pub fn cast_in_arena(
+    colliders: &ColliderSet,
+    bodies: &Bodies,
+    pose: &Pose,
+    beams: &[Vec2],
+    max_range_m: f32,
+    ranges_m: &mut Vec<f32>,
+) {
+    ranges_m.clear();
+    ranges_m.resize(beams.len(), max_range_m);
+    let (origin, heading) = (origin_of(pose), heading_of(pose));
+    if let Some(still) = &bodies.still {
+        still.cast(origin, heading, beams, ranges_m);
+    }
+    let solids = bodies.not_in_grid().filter_map(|(_, handle)| colliders.get(handle));
+    shorten(solids, origin, heading, beams, ranges_m);
+}
+
+fn origin_of(pose: &Pose) -> Vec2 {
+    Vec2::new(pose.x_m, pose.y_m)
+}
+
+fn heading_of(pose: &Pose) -> Vec2 {
     let (sin, cos) = libm::sincosf(pose.heading_rad);
-    let heading = Vec2::new(cos, sin);
-    for collider in solids.iter().filter_map(|&handle| colliders.get(handle)) {
+    Vec2::new(cos, sin)
+}
+
+/// Shortens `ranges_m`, one per beam, to the nearest of `solids`.
+fn shorten<'a>(
+    solids: impl Iterator<Item = &'a Collider>,
+    origin: Vec2,
+    heading: Vec2,
+    beams: &[Vec2],
+    ranges_m: &mut [f32],
+) {
+    for collider in solids {
         let shape = collider.shape();
         let position = collider.position();
         let local_origin = position.inverse_transform_point(origin);
@@ -52,7 +90,8 @@ pub fn cast(
 ///
 /// Parry approximates casts to capsules and polygons iteratively, to about 0.1 mm. Composed of their parts, they are as
 /// exact as casts to circles.
-fn cast_ray(shape: &TypedShape, ray: &Ray, max_m: f32) -> Option<f32> {
+#[inline(always)]
+pub(super) fn cast_ray(shape: &TypedShape, ray: &Ray, max_m: f32) -> Option<f32> {
     let nearest = |a: Option<f32>, b: Option<f32>| a.into_iter().chain(b).reduce(f32::min);
     match *shape {
         TypedShape::Ball(ball) => ball.cast_local_ray(ray, max_m, true),
@@ -97,8 +136,13 @@ fn cast_to_segment(from: Vec2, to: Vec2, ray: &Ray, max_m: f32) -> Option<f32> {
     let (distance, fraction) = (gap.perp_dot(side) / cross, gap.perp_dot(ray.dir) / cross);
     // A ray parallel to the segment hits only the neighbouring segments: 1 / 0 and 0 / 0 are in no range.
     let hit = (0.0..=max_m).contains(&distance) && (-EXTENSION..=1.0 + EXTENSION).contains(&fraction);
-    hit.then_some(distance)
+    // Without the sign of a zero, which would depend on the order of the casts.
+    hit.then_some(distance + 0.0)
 }
+
+/// The margin of skipped casts, relative to the lengths of the cast: the distance and the size of the shape. A grazing cast
+/// may be off by the root of f32's rounding error, 0.0003 of these lengths.
+pub(super) const MARGIN: f32 = 0.003;
 
 /// The beams that may hit a convex shape, in the robot's frame: a cheap test that makes most casts unnecessary.
 ///
@@ -117,15 +161,12 @@ struct BeamRange {
 }
 
 impl BeamRange {
-    /// The relative margin. A grazing cast may be off by the root of f32's rounding error, 0.0003 of its lengths.
-    const MARGIN: f32 = 0.003;
-
     fn new(shape: &dyn Shape, local_origin: Vec2, local_heading: Vec2) -> Self {
         let to_robot_frame = Vec2::new(local_heading.x, -local_heading.y);
         let circle = shape.compute_local_bounding_sphere();
         let gap = shape.project_local_point(local_origin, true).point - local_origin;
         let centre = circle.center - local_origin;
-        let margin_m = Self::MARGIN * (centre.length() + circle.radius);
+        let margin_m = MARGIN * (centre.length() + circle.radius);
         Self {
             centre: to_robot_frame.rotate(centre),
             radius_squared: circle.radius * circle.radius + margin_m * margin_m,

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use super::{Arena, ArenaLayout, Clock, Episode, Fault, Goal, PendingReset, Pose, Streams, TaskFault, Twist};
 use crate::control_step::Reset;
 use crate::random;
-use crate::scenario::{BenchmarkRoute, NoFreeSpace, Scenario, draw_goal, draw_start_and_goal};
+use crate::scenario::{BenchmarkRoute, IndexedScenario, NoFreeSpace, draw_goal, draw_start_and_goal};
 
 /// The choice of starts and goals.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
@@ -60,11 +60,11 @@ pub(super) fn draw(setup: Res<EpisodeSetup>, mut fault: ResMut<TaskFault>, mut a
         let mut attempts = if generates { MAX_LAYOUT_ATTEMPTS } else { 1 };
         let drawn = loop {
             if generates {
-                *layout = ArenaLayout::new(&layout.written, random::random_u64(&mut streams.places));
+                layout.generate(random::random_u64(&mut streams.places));
             }
             let drawn = match *setup {
                 EpisodeSetup::Route(route) => Ok(ends_of(route)),
-                EpisodeSetup::Random => draw_random(&layout.scenario, clock.0, kept_pose, &mut streams),
+                EpisodeSetup::Random => draw_random(layout.indexed(), clock.0, kept_pose, &mut streams),
             };
             attempts -= 1;
             if drawn.is_ok() || attempts == 0 {
@@ -97,7 +97,7 @@ fn ends_of(route: BenchmarkRoute) -> StartAndGoalDraw {
 
 /// A goal for a robot that stays at `kept_pose`. Also a start if no goal is far enough from that pose, or if it is None.
 fn draw_random(
-    scenario: &Scenario,
+    scenario: IndexedScenario,
     step: u64,
     kept_pose: Option<Pose>,
     streams: &mut Streams,

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::reward::{Potential, RewardTerms};
 use crate::random::{self, Stream};
-use crate::scenario::Scenario;
+use crate::scenario::{IndexedScenario, Scenario, SpatialIndex};
 
 /// The number of an arena: one robot in one enclosure. It is the arena's row in every batch.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,18 +26,31 @@ pub struct ArenaLayout {
     pub layout_seed: u64,
     /// The scenario with the generated obstacles ([`Scenario::with_generated_obstacles`]).
     pub scenario: Arc<Scenario>,
+    /// The spatial index of `scenario`, if it has many still parts.
+    pub index: Option<Arc<SpatialIndex>>,
 }
 
 impl ArenaLayout {
-    /// The layout of `scenario` with the obstacles generated from `layout_seed`. Ignores the seed if the scenario has no
-    /// generators.
+    /// The layout of `scenario` without generated obstacles. Cloning it is cheaper than making it.
     #[must_use]
-    pub(crate) fn new(scenario: &Arc<Scenario>, layout_seed: u64) -> Self {
-        if scenario.generators.is_empty() {
-            return Self { written: scenario.clone(), layout_seed: 0, scenario: scenario.clone() };
+    pub(crate) fn as_written(scenario: &Arc<Scenario>) -> Self {
+        let index = SpatialIndex::new(scenario).map(Arc::new);
+        Self { written: scenario.clone(), layout_seed: 0, scenario: scenario.clone(), index }
+    }
+
+    /// Replaces the generated obstacles by those of `layout_seed`. Does nothing if the scenario has no generators.
+    pub(crate) fn generate(&mut self, layout_seed: u64) {
+        if !self.written.generators.is_empty() {
+            self.layout_seed = layout_seed;
+            self.scenario = Arc::new(self.written.with_generated_obstacles(layout_seed));
+            self.index = SpatialIndex::new(&self.scenario).map(Arc::new);
         }
-        let generated = Arc::new(scenario.with_generated_obstacles(layout_seed));
-        Self { written: scenario.clone(), layout_seed, scenario: generated }
+    }
+
+    /// The scenario with the generated obstacles, for questions about clearance.
+    #[must_use]
+    pub fn indexed(&self) -> IndexedScenario<'_> {
+        IndexedScenario { scenario: &self.scenario, index: self.index.as_deref() }
     }
 }
 

@@ -1,10 +1,12 @@
 //! A headless simulation for tests, which choose the actions.
 //!
 //! In: a scenario, a number of arenas, a seed. Out: a [`Lab`] that steps, and gives access to states, outcomes and
-//! physics. [`closed_form`] computes reference distances in f64 and without parry.
+//! physics. [`closed_form`] computes reference distances in f64 and without parry, [`large_worlds`] makes worlds
+//! with hundreds of shapes.
 #![allow(dead_code, reason = "each test file uses some of the helpers")]
 
 pub mod closed_form;
+pub mod large_worlds;
 
 use std::f32::consts::PI;
 use std::sync::Arc;
@@ -88,7 +90,7 @@ impl Lab {
         let max_range_m = self.scenario.lidar.max_range_m;
         self.with_physics(arena, |bodies, _, colliders| {
             let mut ranges_m = Vec::new();
-            lidar::cast(&colliders.colliders, &bodies.solids, pose, &beams.0, max_range_m, &mut ranges_m);
+            lidar::cast_in_arena(&colliders.colliders, bodies, pose, &beams.0, max_range_m, &mut ranges_m);
             ranges_m
         })
     }

@@ -11,6 +11,7 @@ use std::sync::Arc;
 
 use bevy::prelude::{Messages, World};
 use wayfield::agent::{ActiveLearner, TrainingFault};
+use wayfield::import::{ImportOptions, Imported, barn_path_length_m, import_bytes, import_map};
 use wayfield::learning::{Experience, Learner, Policy, QNetwork};
 use wayfield::random::stream;
 use wayfield::reproduce::Experiment;
@@ -20,7 +21,10 @@ use wayfield::run::folder::RunConfig;
 use wayfield::run::notes::preset_notes;
 use wayfield::run::preset::Preset;
 use wayfield::run::{checkpoint, evaluate, policy_card, training_setup};
-use wayfield::scenario::{MAX_FILE_BYTES, Scenario, draw_start_and_goal, notes, parse_ron, to_ron, to_text};
+use wayfield::scenario::{
+    FileError, LevelGenerator, MAX_FILE_BYTES, Scenario, diagnostics, draw_start_and_goal, notes, parse_ron,
+    to_ron, to_text,
+};
 use wayfield::simulation::{Extensions, Simulation};
 use wayfield::task::{EpisodeEnded, ObservationLayout, TaskFault};
 
@@ -63,6 +67,27 @@ pub fn policy(bytes: &[u8]) -> bool {
     true
 }
 
+/// Reads a level generator; if its levels are small, makes one.
+pub fn level_generator(bytes: &[u8]) -> bool {
+    let Ok(text) = std::str::from_utf8(bytes) else { return false };
+    let generator = match LevelGenerator::parse(text, NAME) {
+        Ok(generator) => generator,
+        Err(error) => {
+            assert!(!error.to_string().is_empty());
+            return false;
+        }
+    };
+    let written = to_ron(&generator).expect("RON");
+    assert_eq!(parse_ron::<LevelGenerator>(&written, NAME), Ok(generator.clone()));
+    if generator.width_m.1 * generator.height_m.1 < 50.0 && generator.gap_m > 0.2 {
+        match generator.level(bytes.len() as u64) {
+            Ok(level) => assert!(diagnostics(&level).is_empty()),
+            Err(error) => assert!(!error.to_string().is_empty()),
+        }
+    }
+    true
+}
+
 /// Reads a scenario as for a run; an invalid one as a draft for the editor.
 pub fn scenario(bytes: &[u8]) -> bool {
     let Ok(text) = std::str::from_utf8(bytes) else { return false };
@@ -97,6 +122,47 @@ fn check_round_trip(scenario: &Scenario, like: &str) {
         let too_long = text.len() as u64 > MAX_FILE_BYTES;
         let again = parse_ron::<Scenario>(&text, NAME);
         assert!(too_long || again.as_ref() == Ok(scenario), "writing and reading changes nothing: {text}");
+    }
+}
+
+/// Imports a map: two bytes with the length of its description, the description, the picture.
+pub fn map(bytes: &[u8]) -> bool {
+    let [low, high, rest @ ..] = bytes else { return false };
+    let length = usize::from(u16::from_le_bytes([*low, *high])).min(rest.len());
+    let (yaml, picture) = rest.split_at(length);
+    let Ok(yaml) = std::str::from_utf8(yaml) else { return false };
+    is_imported(import_map(yaml, picture, "untrusted.yaml".as_ref(), &ImportOptions::default()))
+}
+
+/// Imports a world or model in SDF, with the models beside the test that it may include: none.
+pub fn sdf(bytes: &[u8]) -> bool {
+    is_imported(import_bytes("untrusted.sdf".as_ref(), bytes, &ImportOptions::default()))
+}
+
+/// Imports the first of the BARN worlds in a JSON file; bytes that are no text are read as a path file.
+pub fn barn(bytes: &[u8]) -> bool {
+    if std::str::from_utf8(bytes).is_err() {
+        let length = barn_path_length_m(bytes, "untrusted.npy".as_ref());
+        assert!(
+            length.as_ref().map_or_else(|error| !error.to_string().is_empty(), |length| length.is_finite())
+        );
+        return length.is_ok();
+    }
+    is_imported(import_bytes("untrusted.json".as_ref(), bytes, &ImportOptions::default()))
+}
+
+/// Whether a scenario was imported. It must be valid, and its text must say the same.
+fn is_imported(result: Result<Imported, FileError>) -> bool {
+    match result {
+        Ok(imported) => {
+            let again = Scenario::parse(&imported.text(), NAME);
+            assert_eq!(again.as_ref(), Ok(&imported.scenario), "writing and reading changes nothing");
+            true
+        }
+        Err(error) => {
+            assert!(!error.to_string().is_empty());
+            false
+        }
     }
 }
 

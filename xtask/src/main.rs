@@ -69,21 +69,26 @@ fn steps(command: &str) -> Option<Vec<Step<'static>>> {
     })
 }
 
-/// One step per shipped scenario.
+/// One step per shipped scenario and per shipped level generator.
 fn pictures() -> Vec<Step<'static>> {
-    let scenarios = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios");
-    let files = std::fs::read_dir(scenarios).into_iter().flatten().flatten();
-    let mut names: Vec<String> = files
-        .filter_map(|file| file.path().file_stem().map(|name| name.to_string_lossy().into_owned()))
+    let draw = |options: String| cargo(&format!("run --release -p wayfield -- {options}"), &[]);
+    let scenario = |name: String| format!("--scenario {name} --plain --draw docs/worlds/{name}.png");
+    let sheet = |name: String| {
+        format!("--scenario {name} --levels 8 --size 940x640 --draw docs/generators/{name}.png")
+    };
+    let scenarios = names("../scenarios").into_iter().map(scenario);
+    scenarios.chain(names("../scenarios/generators").into_iter().map(sheet)).map(draw).collect()
+}
+
+/// The names of the RON files in a folder, sorted.
+fn names(folder: &str) -> Vec<String> {
+    let entries =
+        std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(folder)).into_iter().flatten().flatten();
+    let mut names: Vec<String> = entries
+        .filter_map(|file| Some(file.file_name().to_str()?.strip_suffix(".ron")?.to_owned()))
         .collect();
     names.sort();
-    let draw = |name: &String| {
-        cargo(
-            &format!("run --release -p wayfield -- --scenario {name} --plain --draw docs/worlds/{name}.png"),
-            &[],
-        )
-    };
-    names.iter().map(draw).collect()
+    names
 }
 
 fn cargo(arguments: &str, variables: &'static [(&'static str, &'static str)]) -> Step<'static> {

@@ -8,25 +8,28 @@
 //! | `onnx` | from a policy to the bytes of an ONNX file |
 //! | `graph` | the writer of graphs: nodes, weights, inputs and outputs |
 //! | `model_card` | the page for Hugging Face |
+//! | `results` | the results of a test, which the page lists |
 //!
 //! # Example
 //!
 //! ```no_run
 //! let policy = wayfield_policy::Policy::from_bytes(&std::fs::read("policy.safetensors")?)?;
 //! std::fs::write("policy.onnx", wayfield_export::to_onnx(&policy)?)?;
-//! std::fs::write("README.md", wayfield_export::model_card(&policy, "policy.onnx")?)?;
+//! std::fs::write("README.md", wayfield_export::model_card(&policy, "policy.onnx", &[])?)?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 mod graph;
 mod model_card;
 mod onnx;
+mod results;
 
 use serde::Deserialize;
 use wayfield_policy::{Card, Policy, PolicyError};
 
 pub use model_card::{MODEL_CARD_MARK, model_card};
 pub use onnx::{IR_VERSION, OPSET, to_onnx};
+pub use results::EvalResults;
 
 /// The reason that a policy cannot be exported.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -40,6 +43,20 @@ pub enum ExportError {
     /// The scenario on the card lacks a field that is needed.
     #[error("the policy's card has an unreadable scenario: {0}; help: use the file as wayfield wrote it")]
     Scenario(String),
+    /// A text is not the results of a test.
+    #[error("not the results of a test: {0}; help: give the output of --eval with --json and one policy")]
+    Results(String),
+    /// The results are those of another policy.
+    #[error(
+        "the results are those of another policy: its weights have the checksum {tested}, not {exported}; help: test the policy \
+         that is exported"
+    )]
+    OtherPolicy {
+        /// The checksum of the weights of the policy that was tested.
+        tested: String,
+        /// That of the policy that is exported.
+        exported: String,
+    },
     /// The policy contradicts its card.
     #[error(transparent)]
     Policy(#[from] PolicyError),

@@ -1,6 +1,6 @@
 //! The model card for Hugging Face: a page in Markdown, with front matter in YAML.
 //!
-//! Every number on it comes from the policy's own card. What was not measured is not on it.
+//! Every number on it comes from the policy's own card, or from the results of a test. What was not measured is not on it.
 
 use std::fmt::Write as _;
 
@@ -8,27 +8,27 @@ use serde_json::{Value, json};
 use wayfield_policy::card::Quantity;
 use wayfield_policy::{Card, Policy};
 
-use crate::{ExportError, TrainedScenario, described};
+use crate::{EvalResults, ExportError, TrainedScenario, described};
 
 /// A comment in each model card that wayfield has written. The exporter overwrites only pages that contain it.
 pub const MODEL_CARD_MARK: &str =
     "<!-- Written by `wayfield --export`. Delete this line to keep your own changes. -->";
 
-/// The model card of `policy`, which is exported into a file of the name `onnx_file`, as Markdown.
+/// The model card of `policy`, which is exported into a file of the name `onnx_file`, as Markdown, with the `results` of tests.
 ///
 /// # Errors
 /// The policy has no card, or its scenario is unreadable.
-pub fn model_card(policy: &Policy, onnx_file: &str) -> Result<String, ExportError> {
+pub fn model_card(policy: &Policy, onnx_file: &str, results: &[EvalResults]) -> Result<String, ExportError> {
     let (card, scenario) = described(policy)?;
-    let front = front_matter(card, &scenario, onnx_file);
+    let front = front_matter(card, &scenario, onnx_file, results);
     let mut page = format!("---\n{front}---\n\n{MODEL_CARD_MARK}\n\n");
     // Writing to a `String` cannot fail.
-    let _ = write_page(&mut page, policy, card, &scenario, onnx_file);
+    let _ = write_page(&mut page, policy, &scenario, onnx_file, results);
     Ok(page)
 }
 
 /// The front matter. Values are JSON (a subset of YAML), so untrusted text cannot inject YAML.
-fn front_matter(card: &Card, scenario: &TrainedScenario, onnx_file: &str) -> String {
+fn front_matter(card: &Card, scenario: &TrainedScenario, onnx_file: &str, results: &[EvalResults]) -> String {
     let tags = [
         "reinforcement-learning",
         "deep-reinforcement-learning",
@@ -43,16 +43,42 @@ fn front_matter(card: &Card, scenario: &TrainedScenario, onnx_file: &str) -> Str
         ("pipeline_tag", json!("reinforcement-learning")),
         ("tags", json!(tags)),
     ];
-    if let Some(rate) = card.training.success_rate {
-        let metric = json!({"type": "success_rate", "value": rate, "name": "success rate in the evaluation that selected the policy", "verified": false});
-        let result = json!({
-            "task": {"type": "reinforcement-learning", "name": "reinforcement-learning"},
-            "dataset": {"type": "wayfield", "name": scenario.name},
-            "metrics": [metric],
-        });
-        fields.push(("model-index", json!([{"name": onnx_file, "results": [result]}])));
+    let mut index: Vec<Value> = results.iter().map(tested).collect();
+    // The rate of the training is optimistic, so that of a test replaces it.
+    if let (true, Some(rate)) = (index.is_empty(), card.training.success_rate) {
+        let name = "success rate in the evaluation that selected the policy";
+        index.push(result(&scenario.name, &[metric("success_rate", rate, name)]));
+    }
+    if !index.is_empty() {
+        fields.push(("model-index", json!([{"name": onnx_file, "results": index}])));
     }
     fields.iter().map(|(name, value)| format!("{name}: {}\n", ascii(value))).collect()
+}
+
+/// The results of a test, as an entry of the model index.
+fn tested(results: &EvalResults) -> Value {
+    let EvalResults { episodes, seed, .. } = results;
+    let of = |what: &str| format!("{what} over {episodes} episodes, seed {seed}");
+    let mut metrics = vec![
+        metric("success_rate", results.success_rate, &of("success rate")),
+        metric("collision_rate", results.collision_rate, &of("collision rate")),
+        metric("timeout_rate", results.timeout_rate, &of("timeout rate")),
+    ];
+    let time = |time_s| metric("mean_time_s", time_s, &of("mean simulated time of successes in s"));
+    metrics.extend(results.mean_time_s.map(time));
+    result(&results.scenario, &metrics)
+}
+
+fn result(scenario: &str, metrics: &[Value]) -> Value {
+    json!({
+        "task": {"type": "reinforcement-learning", "name": "reinforcement-learning"},
+        "dataset": {"type": "wayfield", "name": scenario},
+        "metrics": metrics,
+    })
+}
+
+fn metric(kind: &str, value: f64, name: &str) -> Value {
+    json!({"type": kind, "value": value, "name": name, "verified": false})
 }
 
 /// JSON in which all characters beyond ASCII are escaped: YAML forbids some of them.
@@ -73,10 +99,11 @@ fn ascii(value: &Value) -> String {
 fn write_page(
     page: &mut String,
     policy: &Policy,
-    card: &Card,
     scenario: &TrainedScenario,
     onnx_file: &str,
+    results: &[EvalResults],
 ) -> std::fmt::Result {
+    let Some(card) = policy.card.as_deref() else { return Ok(()) };
     let (scenario_name, file) = (escaped(&scenario.name), escaped(onnx_file));
     writeln!(page, "# LIDAR navigation in {scenario_name}\n")?;
     writeln!(
@@ -87,6 +114,7 @@ fn write_page(
     )?;
     write_tensors(page, card, scenario)?;
     write_actions(page, card)?;
+    write_results(page, results)?;
     write_training(page, card, &scenario_name)?;
     writeln!(page, "## Use\n\n```python\nimport numpy as np\nimport onnxruntime\n")?;
     writeln!(page, "session = onnxruntime.InferenceSession({})", json!(onnx_file))?;
@@ -149,6 +177,34 @@ fn write_actions(page: &mut String, card: &Card) -> std::fmt::Result {
     writeln!(page, "| action | m/s | rad/s |\n|---|---|---|")?;
     for (number, action) in card.actions.iter().enumerate() {
         writeln!(page, "| {number} | {} | {} |", action.v_m_s, action.w_rad_s)?;
+    }
+    writeln!(page)
+}
+
+fn write_results(page: &mut String, results: &[EvalResults]) -> std::fmt::Result {
+    if results.is_empty() {
+        return Ok(());
+    }
+    writeln!(page, "## Evaluation\n\nMeasured by `wayfield --eval`, in simulation.\n")?;
+    writeln!(page, "| scenario | success (95 %) | collisions | timeouts | mean time | episodes | seed |")?;
+    writeln!(page, "|---|---:|---:|---:|---:|---:|---:|")?;
+    for test in results {
+        let [success, low, high, collisions, timeouts] = [
+            test.success_rate,
+            test.success_interval[0],
+            test.success_interval[1],
+            test.collision_rate,
+            test.timeout_rate,
+        ]
+        .map(|share| format!("{:.1}", 100.0 * share));
+        let time = test.mean_time_s.map_or("-".into(), |time_s| format!("{time_s:.1} s"));
+        writeln!(
+            page,
+            "| {} | {success} % ({low} to {high}) | {collisions} % | {timeouts} % | {time} | {} | {} |",
+            escaped(&test.scenario),
+            test.episodes,
+            test.seed
+        )?;
     }
     writeln!(page)
 }

@@ -110,7 +110,7 @@ fn a_policy_without_a_card_is_not_exported() {
     let mut policy = shipped("scenario-1.safetensors");
     policy.card = None;
     assert_eq!(to_onnx(&policy), Err(ExportError::NoCard));
-    assert_eq!(model_card(&policy, "policy.onnx"), Err(ExportError::NoCard));
+    assert_eq!(model_card(&policy, "policy.onnx", &[]), Err(ExportError::NoCard));
 }
 
 #[test]
@@ -118,7 +118,7 @@ fn the_model_card_gives_the_cards_numbers_and_no_others() {
     let policy = shipped("scenario-1.safetensors");
     let card = policy.card.as_ref().expect("a card");
     let rate = card.training.success_rate.expect("a measured rate");
-    let page = model_card(&policy, "policy.onnx").expect("a page");
+    let page = model_card(&policy, "policy.onnx", &[]).expect("a page");
     assert!(
         page.starts_with("---\nlibrary_name: \"wayfield\"\n") && page.contains(MODEL_CARD_MARK),
         "{page}"
@@ -139,7 +139,7 @@ fn the_model_card_gives_the_cards_numbers_and_no_others() {
         layer_norm: false,
         activation: Activation::Relu,
     };
-    let page = model_card(&random(shape, Encoding::Raw, &SENSORS), "my.onnx").expect("a page");
+    let page = model_card(&random(shape, Encoding::Raw, &SENSORS), "my.onnx", &[]).expect("a page");
     assert!(!page.contains("model-index") && page.contains("was not measured"), "{page}");
     assert!(page.contains("# LIDAR navigation in A \\<b\\>\"room\"\\</b\\> \\| 迷路\n"), "{page}");
 }
@@ -148,7 +148,7 @@ fn the_model_card_gives_the_cards_numbers_and_no_others() {
 fn the_front_matter_of_a_model_card_is_what_hugging_face_reads() {
     let Some(python) = python::python() else { return };
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let page = model_card(&shipped("scenario-1.safetensors"), "policy.onnx").expect("a page");
+    let page = model_card(&shipped("scenario-1.safetensors"), "policy.onnx", &[]).expect("a page");
     fs::write(folder.path().join("README.md"), page).expect("written");
     let script = folder.path().join("read.py");
     let program = "from huggingface_hub import ModelCard\n\

@@ -158,6 +158,13 @@ impl Policy {
         greedy(self.q_values(observation, scratch))
     }
 
+    /// The CRC-32C of the weights, as eight hexadecimal digits. Results of tests name their policy by it.
+    #[must_use]
+    pub fn weights_crc32c(&self) -> String {
+        let append = |crc, value: &f32| crc32c::crc32c_append(crc, &value.to_le_bytes());
+        format!("{:08x}", self.parameters.iter().fold(0, append))
+    }
+
     /// The policy as the bytes of a safetensors file: one f32 tensor per entry of [`NetworkShape::parameters`]; weight
     /// matrices are `[outputs, inputs]`.
     ///

@@ -50,7 +50,7 @@ use super::schema::Scenario;
 use glam::Vec2;
 
 pub(crate) const METRES: &str = " (metres)";
-const METRES_PER_SECOND: &str = " (metres per second)";
+pub(crate) const METRES_PER_SECOND: &str = " (metres per second)";
 /// The words and the paths of lengths that others must exceed.
 const ROBOT_RADIUS: (&str, &str) = ("the robot's radius", "robot.radius_m");
 const GOAL_RADIUS: (&str, &str) = ("the goal radius", "task.goal_radius_m");
@@ -119,6 +119,16 @@ pub fn value_diagnostics_of_known(scenario: &Scenario, unknown: &[String]) -> Ve
         !is_unknown(path) && !is_unknown(&path.replace(".max_m[", ".min_m["))
     });
     diagnostics.0
+}
+
+/// Whether `scenario` passes all checks but that of reachability.
+pub(crate) fn has_valid_space(scenario: &Scenario) -> bool {
+    let mut diagnostics = Diagnostics::default();
+    check_robot_and_task(scenario, &mut diagnostics);
+    if diagnostics.is_empty() {
+        space::check(scenario, &mut diagnostics);
+    }
+    diagnostics.is_empty()
 }
 
 /// Checks the single values of a scenario, of which some parts are not final, and the motions of its robot.

@@ -9,8 +9,8 @@ use super::schema::{Enclosure, Lidar, Obstacle, ObstacleMotion, Scenario, Shape,
 use super::shape::to_local;
 use glam::{Vec2, vec2};
 
-/// A part of a scenario that the robot can collide with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// A part of a scenario that the robot can collide with. Their order is that in which they are searched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Solid {
     /// The enclosure.
     Enclosure,
@@ -60,19 +60,21 @@ pub fn enclosure_distance(enclosure: &Enclosure, Vec2 { x, y }: Vec2) -> f32 {
 /// Distance from a point to an inner wall, in m; negative inside it.
 #[must_use]
 pub fn inner_wall_distance(wall: &Wall, point: Vec2) -> f32 {
-    let half = wall.thickness_m / 2.0;
-    let to_piece = |ends: &[Vec2]| {
-        let (from, to) = (ends[0], ends[1]);
-        let (dx, dy) = (to.x - from.x, to.y - from.y);
-        let long = length(dx, dy);
-        let (ux, uy) = if long > 0.0 { (dx / long, dy / long) } else { (1.0, 0.0) };
-        let (px, py) = (point.x - (from.x + to.x) / 2.0, point.y - (from.y + to.y) / 2.0);
-        box_distance(vec2((px * ux + py * uy).abs() - long / 2.0 - half, (py * ux - px * uy).abs() - half))
-    };
-    wall.corners_m.windows(2).map(to_piece).fold(f32::INFINITY, f32::min)
+    let to_segment = |ends: &[Vec2]| wall_segment_distance(ends[0], ends[1], wall.thickness_m, point);
+    wall.corners_m.windows(2).map(to_segment).fold(f32::INFINITY, f32::min)
 }
 
-fn obstacle_distance(obstacle: &Obstacle, point: Vec2, step: u64, control_period_s: f32) -> f32 {
+/// Distance from a point to a segment of a wall between two of its corners, in m; negative inside it.
+pub(super) fn wall_segment_distance(from: Vec2, to: Vec2, thickness_m: f32, point: Vec2) -> f32 {
+    let half = thickness_m / 2.0;
+    let (dx, dy) = (to.x - from.x, to.y - from.y);
+    let long = length(dx, dy);
+    let (ux, uy) = if long > 0.0 { (dx / long, dy / long) } else { (1.0, 0.0) };
+    let (px, py) = (point.x - (from.x + to.x) / 2.0, point.y - (from.y + to.y) / 2.0);
+    box_distance(vec2((px * ux + py * uy).abs() - long / 2.0 - half, (py * ux - px * uy).abs() - half))
+}
+
+pub(super) fn obstacle_distance(obstacle: &Obstacle, point: Vec2, step: u64, control_period_s: f32) -> f32 {
     shape_distance(&obstacle.shape, pose_at(obstacle, step, control_period_s), point)
 }
 

@@ -26,8 +26,10 @@ mod schema;
 mod setting;
 mod shape;
 mod shape_fields;
+mod spatial_index;
 mod text;
 mod track;
+mod uniform_grid;
 #[cfg(target_arch = "wasm32")]
 pub mod virtual_files;
 mod write;
@@ -40,7 +42,9 @@ pub use geometry::{Solid, clearance, enclosure_distance, inner_wall_distance, ne
 pub use glam::{Vec2, vec2};
 #[cfg(not(target_arch = "wasm32"))]
 pub use input::{is_special_file, path_exists, read_bytes};
-pub use levels::{Clutter, LevelError, LevelGenerator, Route, WallLayout, level_generator_diagnostics};
+pub use levels::{
+    Clutter, LevelError, LevelGenerator, Route, Traffic, WallLayout, level_generator_diagnostics,
+};
 pub use limits::MAX_FILE_BYTES;
 pub use load::{
     field_names, parse_checked, parse_ron, parse_ron_with_limit, read_ron, read_ron_with_limit, read_text,
@@ -55,8 +59,10 @@ pub use schema::*;
 pub use setting::with_setting;
 pub use shape::RoundedBox;
 pub use shape_fields::Sizes;
+pub use spatial_index::{IndexedScenario, SpatialIndex};
 pub use text::{is_noncharacter, is_unprintable, printable, printable_lines, printable_path, quoted};
 pub use track::{MotionSpeed, Track};
+pub use uniform_grid::UniformGrid;
 #[cfg(target_arch = "wasm32")]
 pub use virtual_files::{contains as path_exists, read as read_bytes};
 pub use wayfield_ron_patch::overlay;

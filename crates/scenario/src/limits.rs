@@ -85,7 +85,7 @@ pub const LEVEL_GAP_M: RangeInclusive<f32> = 0.02..=50.0;
 /// Clearance of the starts and goals of a level, in m.
 pub const LEVEL_CLEARANCE_M: RangeInclusive<f32> = 0.01..=50.0;
 /// Smallest clearance of starts and goals, as a multiple of the width of the passages.
-pub const MIN_CLEARANCE_GAPS: f32 = 0.55;
+pub const MIN_CLEARANCE_GAPS: f64 = 0.55;
 /// Depth of the free strips at both ends of a level, in m.
 pub const LEVEL_MARGIN_M: RangeInclusive<f32> = 0.1..=50.0;
 /// Most layouts in a list of a level generator, and most shapes of a layout.
@@ -100,8 +100,16 @@ pub const SOLID_FILL: RangeInclusive<f32> = 0.0..=0.8;
 pub const ROOM_SIDE_M: RangeInclusive<f32> = 0.2..=50.0;
 /// Side of a cell of a level, in m.
 pub const LEVEL_CELL_M: RangeInclusive<f32> = 0.02..=10.0;
-/// Most cells of a level.
-pub const MAX_LEVEL_CELLS: u32 = 10_000;
+/// Most cells of a layout of a level.
+pub const MAX_LEVEL_CELLS: u32 = 4_000;
+/// Most rooms of a level, approximately.
+pub const MAX_LEVEL_ROOMS: u32 = 250;
+/// Number of pairs of lanes of a level.
+pub const LANE_PAIRS: RangeInclusive<u32> = 0..=10;
+/// Radius of a moving obstacle, and reach of a random walk, of a level, in m.
+pub const TRAFFIC_SIZE_M: RangeInclusive<f32> = 0.01..=10.0;
+/// Radius of the circle that the obstacles of a level cross, in m.
+pub const LEVEL_CIRCLE_M: RangeInclusive<f32> = 0.1..=50.0;
 /// Number of obstacles of a layout.
 pub const LEVEL_COUNT: RangeInclusive<u32> = 0..=200;
 /// Most cells of the grid on which a level is searched for paths.

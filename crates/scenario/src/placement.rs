@@ -5,8 +5,9 @@
 
 use std::f32::consts::{PI, TAU};
 
-use super::geometry::{is_clear, length};
+use super::geometry::length;
 use super::schema::{PlacementRule, Region, Scenario};
+use super::spatial_index::IndexedScenario;
 use glam::{Vec2, vec2};
 use wayfield_random::{Stream, uniform, uniform_01, uniform_index};
 
@@ -34,11 +35,12 @@ pub struct NoFreeSpace {
 ///
 /// # Errors
 /// [`NoFreeSpace`] if the obstacles leave no space at `step`.
-pub fn draw_start_and_goal(
-    scenario: &Scenario,
+pub fn draw_start_and_goal<'a>(
+    scenario: impl Into<IndexedScenario<'a>>,
     step: u64,
     stream: &mut Stream,
 ) -> Result<((f32, f32, f32), Vec2), NoFreeSpace> {
+    let scenario = scenario.into();
     let mut drawn = Err(NoFreeSpace { what: "goal", step });
     for _ in 0..STARTS {
         let start = draw_start(scenario, step, stream)?;
@@ -55,14 +57,15 @@ pub fn draw_start_and_goal(
 ///
 /// # Errors
 /// [`NoFreeSpace`] if the obstacles leave no space at `step`.
-pub fn draw_start(
-    scenario: &Scenario,
+pub fn draw_start<'a>(
+    scenario: impl Into<IndexedScenario<'a>>,
     step: u64,
     stream: &mut Stream,
 ) -> Result<(f32, f32, f32), NoFreeSpace> {
-    let rule = &scenario.starts;
+    let space = scenario.into();
+    let rule = &space.scenario.starts;
     let Vec2 { x, y } =
-        draw(scenario, rule, step, stream, |_| true).ok_or(NoFreeSpace { what: "start", step })?;
+        draw(space, rule, step, stream, |_| true).ok_or(NoFreeSpace { what: "start", step })?;
     let heading = match rule {
         PlacementRule::Fixed { heading_rad: Some(heading), .. } => *heading,
         _ => PI - TAU * uniform_01(stream),
@@ -74,20 +77,22 @@ pub fn draw_start(
 ///
 /// # Errors
 /// [`NoFreeSpace`] if the obstacles leave no space at `step`, or if the rule has no position far enough away.
-pub fn draw_goal(
-    scenario: &Scenario,
+pub fn draw_goal<'a>(
+    scenario: impl Into<IndexedScenario<'a>>,
     step: u64,
     robot_m: Vec2,
     stream: &mut Stream,
 ) -> Result<Vec2, NoFreeSpace> {
+    let space = scenario.into();
+    let scenario = space.scenario;
     let far = |Vec2 { x, y }: Vec2| length(x - robot_m.x, y - robot_m.y) >= scenario.task.min_goal_distance_m;
-    draw(scenario, &scenario.goals, step, stream, far).ok_or(NoFreeSpace { what: "goal", step })
+    draw(space, &scenario.goals, step, stream, far).ok_or(NoFreeSpace { what: "goal", step })
 }
 
 /// A point by `rule` for which `fits` holds: by rejection sampling and, if that fails, the first fitting point of a grid.
 /// Positions that the rule names are used even if an obstacle is there at this step.
 fn draw(
-    scenario: &Scenario,
+    space: IndexedScenario,
     rule: &PlacementRule,
     step: u64,
     stream: &mut Stream,
@@ -101,14 +106,14 @@ fn draw(
             if count == 0 { None } else { fitting().nth(uniform_index(stream, count)) }
         }
         PlacementRule::Random { clearance_m } | PlacementRule::Within { clearance_m, .. } => {
-            let (low, high) = region(scenario, rule);
+            let (low, high) = region(space.scenario, rule);
             if !(low.x <= high.x && low.y <= high.y) {
                 return None;
             }
             (0..TRIES)
                 .map(|_| vec2(uniform(stream, low.x, high.x), uniform(stream, low.y, high.y)))
-                .find(|&point| fits(point) && is_clear(scenario, point, step, *clearance_m))
-                .or_else(|| free_points(scenario, rule, step).find(|&point| fits(point)))
+                .find(|&point| fits(point) && space.is_clear(point, step, *clearance_m))
+                .or_else(|| free_points(space, rule, step).find(|&point| fits(point)))
         }
     }
 }
@@ -127,11 +132,13 @@ fn region(scenario: &Scenario, rule: &PlacementRule) -> (Vec2, Vec2) {
 
 /// The points that satisfy `rule` at `step`: the clear points of a grid of 64 x 64 over the enclosure or the rule's region,
 /// or those named positions at which the robot would not collide.
-pub(super) fn free_points(
-    scenario: &Scenario,
+pub(super) fn free_points<'a>(
+    scenario: impl Into<IndexedScenario<'a>>,
     rule: &PlacementRule,
     step: u64,
 ) -> impl Iterator<Item = Vec2> {
+    let space = scenario.into();
+    let scenario = space.scenario;
     let named = rule.positions_m();
     let clearance_m = rule.clearance_m().unwrap_or(scenario.task.collision_range_m);
     let (low, high) = match rule.region() {
@@ -144,7 +151,7 @@ pub(super) fn free_points(
     let of_grid = if named.is_empty() { GRID * GRID } else { 0 };
     let grid = (0..of_grid).map(move |k| vec2(at(k % GRID, low.x, high.x), at(k / GRID, low.y, high.y)));
     let named = named.iter().copied();
-    grid.chain(named).filter(move |&point| is_clear(scenario, point, step, clearance_m))
+    grid.chain(named).filter(move |&point| space.is_clear(point, step, clearance_m))
 }
 
 #[cfg(test)]

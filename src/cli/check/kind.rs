@@ -9,14 +9,20 @@ use crate::run::notes::preset_notes;
 use crate::run::policy_card;
 use crate::run::preset::Preset;
 use crate::scenario::{
-    FileError, LocatedDiagnostic, Note, NoteLevel, Scenario, locate, notes, quoted, read_text, resemblance,
+    FileError, LevelGenerator, LocatedDiagnostic, Note, NoteLevel, Scenario, locate, notes, quoted,
+    read_text, resemblance,
 };
+
+/// Number of levels that are made to check a level generator.
+const CHECKED_LEVELS: u64 = 8;
 
 /// The kind of a file that can be checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileKind {
     /// A scenario.
     Scenario,
+    /// A level generator.
+    LevelGenerator,
     /// A training preset.
     Preset,
     /// An experiment.
@@ -32,6 +38,7 @@ impl FileKind {
     pub fn name(self) -> &'static str {
         match self {
             Self::Scenario => "scenario",
+            Self::LevelGenerator => "level generator",
             Self::Preset => "preset",
             Self::Experiment => "experiment",
             Self::RunConfig => "run configuration",
@@ -43,7 +50,7 @@ impl FileKind {
     /// that could be of any kind is a scenario.
     pub fn of_text(text: &str) -> Self {
         // The last of several kinds with equally many fields.
-        let kinds = [Self::RunConfig, Self::Experiment, Self::Preset, Self::Scenario];
+        let kinds = [Self::RunConfig, Self::Experiment, Self::Preset, Self::LevelGenerator, Self::Scenario];
         kinds.into_iter().max_by_key(|kind| kind.resemblance(text)).unwrap_or(Self::Scenario)
     }
 
@@ -51,6 +58,7 @@ impl FileKind {
     fn resemblance(self, text: &str) -> usize {
         match self {
             Self::Scenario => resemblance::<Scenario>(text, "Scenario"),
+            Self::LevelGenerator => resemblance::<LevelGenerator>(text, "LevelGenerator"),
             Self::Preset => resemblance::<Preset>(text, "Preset"),
             Self::Experiment => resemblance::<Experiment>(text, "Experiment"),
             Self::RunConfig => resemblance::<RunConfig>(text, "RunConfig"),
@@ -61,7 +69,7 @@ impl FileKind {
     /// The way to give a file of this kind in the command line.
     fn usage(self, file: &str) -> String {
         match self {
-            Self::Scenario => format!("--train --scenario {file}"),
+            Self::Scenario | Self::LevelGenerator => format!("--train --scenario {file}"),
             Self::Preset => format!("--train --preset {file}"),
             Self::Experiment => format!("--reproduce --experiment {file}"),
             Self::RunConfig => format!("--train {file}"),
@@ -71,7 +79,8 @@ impl FileKind {
 }
 
 /// Checks that the RON file `path` is not clearly of another kind than `wanted`. A file that cannot be read, or whose kind is in
-/// doubt, passes: whoever reads it next finds its problems. The configuration of a run passes as its scenario or preset.
+/// doubt, passes: whoever reads it next finds its problems. The configuration of a run passes as its scenario or preset, and a
+/// level generator as a scenario.
 ///
 /// # Errors
 /// The file is of another kind: which, and how such a file is given.
@@ -82,7 +91,12 @@ pub fn expect_kind(path: &Path, wanted: FileKind) -> Result<(), RunError> {
     }
     let Ok(text) = read_text(path) else { return Ok(()) };
     let kind = FileKind::of_text(&text);
-    if kind.resemblance(&text) <= wanted.resemblance(&text) || kind == FileKind::RunConfig {
+    let is_wanted = match kind {
+        FileKind::RunConfig => true,
+        FileKind::LevelGenerator => wanted == FileKind::Scenario,
+        _ => kind.resemblance(&text) <= wanted.resemblance(&text),
+    };
+    if is_wanted {
         return Ok(());
     }
     let article = if kind == FileKind::Experiment { "an" } else { "a" };
@@ -109,12 +123,20 @@ pub fn check(path: &Path) -> (Option<FileKind>, Result<LocatedNotes, FileError>)
     let found = match kind {
         FileKind::Preset => Preset::parse(&text, path).map(|preset| preset_notes(&preset, None, false)),
         FileKind::Experiment => Experiment::check(&text, path),
+        FileKind::LevelGenerator => check_levels(&text, path).map(|()| Vec::new()),
         FileKind::RunConfig => RunConfig::parse(&text, path).map(|_| Vec::new()),
         FileKind::Scenario | FileKind::Policy => {
             Scenario::parse(&text, path).map(|scenario| notes(&scenario))
         }
     };
     (Some(kind), found.map(|notes| located(kind, &text, path, &notes)))
+}
+
+/// Checks a level generator, and that it has a few levels.
+fn check_levels(text: &str, path: &Path) -> Result<(), FileError> {
+    let generator = LevelGenerator::parse(text, path)?;
+    let hopeless = (0..CHECKED_LEVELS).find_map(|seed| generator.level(seed).err());
+    hopeless.map_or(Ok(()), |error| Err(FileError::for_file(path, error.to_string())))
 }
 
 fn located(kind: FileKind, text: &str, path: &Path, notes: &[Note]) -> LocatedNotes {
@@ -138,6 +160,8 @@ mod tests {
             ("(name: \"arenas\", // learning is fun\n obstacles: [(shap: 1)])", FileKind::Scenario),
             ("(title: \"x\", arms: [(name: \"a\", stages: [(budget: Episodes(1))])])", FileKind::Experiment),
             ("(version: \"1\", seed: 1, scenario: (name: \"a\"), preset: ())", FileKind::RunConfig),
+            ("(name: \"a\", traffic: [Lanes()])", FileKind::LevelGenerator),
+            ("(name: \"a\", wall_layouts: [Rooms()], robot: ())", FileKind::LevelGenerator),
             ("Preset()", FileKind::Preset),
             ("", FileKind::Scenario),
         ] {

@@ -23,6 +23,7 @@ const ROUTE_EPISODES_PER_ROUND: usize = 5;
 #[derive(Serialize)]
 pub struct PolicyReport {
     pub policy: String,
+    pub weights_crc32c: String,
     #[serde(flatten)]
     pub provenance: Provenance,
     pub scenario: String,

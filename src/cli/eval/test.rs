@@ -155,6 +155,7 @@ impl Test<'_> {
         let course = |route| CourseReport::new(scenario, route, policy, *seed, self.extensions);
         Ok(PolicyReport {
             policy: name.clone(),
+            weights_crc32c: policy.weights_crc32c(),
             provenance: Provenance::of(scenario),
             scenario: scenario.name.clone(),
             evaluation: Evaluation::from_episodes(episodes, self.per_round, &scenario.task, *seed),

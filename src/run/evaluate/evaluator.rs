@@ -17,7 +17,8 @@ use crate::scenario::Scenario;
 use crate::sim;
 use crate::simulation::{self, Extensions, Simulation, SimulationBuilder};
 use crate::task::{
-    ArenaState, Clock, EpisodeEnd, EpisodeEnded, EpisodeSetup, ObservationLayout, Streams, TaskMode,
+    ArenaState, Clock, CommandedMotions, EpisodeEnd, EpisodeEnded, EpisodeSetup, ObservationLayout, Streams,
+    TaskMode,
 };
 
 /// Maximum number of parallel episodes. In a browser it is smaller, because the simulation is built within a
@@ -36,6 +37,25 @@ pub struct EvaluationRun {
     ends: Vec<Option<(EpisodeEnd, u32)>>,
     /// The paths of the current episodes, if they are measured.
     paths: Vec<PathTracker>,
+}
+
+impl EvaluationRun {
+    pub(super) fn new(seed: u64, count: usize) -> Self {
+        Self {
+            seed,
+            count,
+            episodes: Vec::with_capacity(count),
+            initial: Vec::new(),
+            ends: Vec::new(),
+            paths: Vec::new(),
+        }
+    }
+
+    /// The number of episodes that run at present.
+    #[must_use]
+    pub fn parallel_episodes(&self) -> usize {
+        self.ends.len()
+    }
 }
 
 /// A simulation for evaluations. It is built once and can be reused with other policies.
@@ -107,14 +127,7 @@ impl Evaluator {
         setup: EpisodeSetup,
     ) -> Result<EvaluationRun, RunError> {
         self.use_policy(policy, setup)?;
-        Ok(EvaluationRun {
-            seed,
-            count,
-            episodes: Vec::with_capacity(count),
-            initial: Vec::new(),
-            ends: Vec::new(),
-            paths: Vec::new(),
-        })
+        Ok(EvaluationRun::new(seed, count))
     }
 
     /// Takes one control step of `run`, which must be the evaluation that was started last. Returns whether
@@ -126,11 +139,17 @@ impl Evaluator {
         if run.episodes.len() >= run.count {
             return Ok(true);
         }
-        if run.ends.is_empty() {
-            self.begin(run, self.arenas.min(run.count - run.episodes.len()));
-        }
+        self.begin_if_needed(run);
         self.advance(run)?;
         Ok(run.episodes.len() >= run.count)
+    }
+
+    /// Begins the next parallel episodes of `run`, if none are in progress and some remain.
+    pub(super) fn begin_if_needed(&mut self, run: &mut EvaluationRun) {
+        let remaining = run.count - run.episodes.len();
+        if run.ends.is_empty() && remaining > 0 {
+            self.begin(run, self.arenas.min(remaining));
+        }
     }
 
     /// Starts the next `batch` episodes of `run`, one per arena.
@@ -186,6 +205,10 @@ impl Evaluator {
         self.simulation.world_mut()
     }
 
+    pub(super) fn scenario(&self) -> &Scenario {
+        &self.scenario
+    }
+
     /// Makes `policy` choose the actions and `setup` the starts and goals of the next episodes.
     fn use_policy(&mut self, policy: &Policy, setup: EpisodeSetup) -> Result<(), RunError> {
         let layout = self.simulation.world().resource::<ObservationLayout>();
@@ -194,6 +217,7 @@ impl Evaluator {
         let world = self.simulation.world_mut();
         world.resource_mut::<ObservationLayout>().encoding = policy_card::encoding(policy)?;
         world.insert_resource(GreedyPolicy(network));
+        world.remove_resource::<CommandedMotions>();
         world.insert_resource(setup);
         Ok(())
     }

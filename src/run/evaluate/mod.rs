@@ -9,6 +9,7 @@
 //! start and one goal, drawn from random streams that training never uses. The obstacles' clock at the
 //! start is drawn too.
 
+mod commanded;
 mod evaluator;
 mod optimum;
 mod path;

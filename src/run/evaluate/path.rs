@@ -3,7 +3,7 @@
 use bevy::math::vec2;
 use bevy::prelude::*;
 
-use crate::scenario::{Solid, nearest};
+use crate::scenario::Solid;
 use crate::task::{Arena, ArenaLayout, Clock, EpisodeEnd, Pose, Scan};
 
 /// The measures of the path that the robot took in an episode.
@@ -47,7 +47,7 @@ pub(super) struct Clearance {
 
 impl Clearance {
     pub(super) fn new(layout: &ArenaLayout, pose: &Pose, clock: Clock, scan: &Scan) -> Self {
-        let (nearest, distance_m) = nearest(&layout.scenario, vec2(pose.x_m, pose.y_m), clock.0);
+        let (nearest, distance_m) = layout.indexed().nearest(vec2(pose.x_m, pose.y_m), clock.0);
         let gap_m = (distance_m - layout.scenario.robot.radius_m).max(0.0);
         Self { distance_m: if scan.touching { 0.0 } else { gap_m }, nearest }
     }

@@ -23,7 +23,9 @@ pub use curve_chart::{BandPoint, ChartPanel, CurveChart, CurveLine, EventMarker,
 #[cfg(not(target_arch = "wasm32"))]
 pub use dot_plot::{DotCell, DotColumn, DotPlot};
 #[cfg(not(target_arch = "wasm32"))]
-pub use map::{MapObstacle, MapObstacleKind, MapRobot, MapShape, MapTrack, MapTrajectory, ScenarioMap};
+pub use map::{
+    MapObstacle, MapObstacleKind, MapRobot, MapShape, MapTrack, MapTrajectory, ScenarioMap, contact_sheet_svg,
+};
 
 #[cfg(test)]
 mod tests {
@@ -169,6 +171,7 @@ mod tests {
         let map = ScenarioMap {
             title: "a < b & c".to_owned(),
             enclosure: vec![(-2.5, -2.5), (2.5, -2.5), (2.5, 2.5), (-2.5, 2.5)],
+            marked_areas: vec![beyond_the_enclosure.clone(), vec![(f64::NAN, 0.0), (1e300, 0.0), (0.0, 1.0)]],
             obstacles: vec![
                 disc(0.0, 0.0, 0.5),
                 disc(2.4, 2.4, 1.0),
@@ -218,6 +221,12 @@ mod tests {
                 check(name, &svg);
                 assert_eq!(svg, draw(&figure).expect("the figure is drawn"), "{name}");
             }
+        }
+        for count in [0, 1, 6] {
+            check(
+                "contact sheet",
+                &contact_sheet_svg("a < b & c", &vec![map.clone(); count]).expect("it is drawn"),
+            );
         }
         let small = map.thumbnail_svg().expect("the figure is drawn");
         assert!(small.contains(r#"width="480" height="360""#) && !small.contains("<text"));

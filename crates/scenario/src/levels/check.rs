@@ -4,8 +4,10 @@ use std::fmt::Arguments;
 use std::ops::RangeInclusive;
 
 use super::floor;
-use super::schema::{Clutter, LevelGenerator, Route, WallLayout};
-use crate::check::{Diagnostics, METRES, TWICE_COLLISION_RANGE, check_random_shape, check_robot_and_task};
+use super::schema::{Clutter, LevelGenerator, Route, Traffic, WallLayout};
+use crate::check::{
+    Diagnostics, METRES, METRES_PER_SECOND, TWICE_COLLISION_RANGE, check_random_shape, check_robot_and_task,
+};
 use crate::file_error::Diagnostic;
 use crate::limits::*;
 use crate::schema::{PlacementRule, Scenario};
@@ -19,13 +21,17 @@ pub fn level_generator_diagnostics(generator: &LevelGenerator) -> Vec<Diagnostic
     check_scenario_parts(generator, &mut diagnostics);
     check_sizes(generator, &mut diagnostics);
     let most = 0..=MAX_LEVEL_LAYOUTS;
-    diagnostics.check_count(format_args!("walls"), generator.walls.len(), most.clone());
-    for (k, walls) in generator.walls.iter().enumerate().take(MAX_LEVEL_LAYOUTS) {
-        check_walls(format_args!("walls[{k}]"), walls, generator, &mut diagnostics);
+    diagnostics.check_count(format_args!("wall_layouts"), generator.wall_layouts.len(), most.clone());
+    for (k, walls) in generator.wall_layouts.iter().enumerate().take(MAX_LEVEL_LAYOUTS) {
+        check_walls(format_args!("wall_layouts[{k}]"), walls, generator, &mut diagnostics);
     }
     diagnostics.check_count(format_args!("clutter"), generator.clutter.len(), most);
     for (k, clutter) in generator.clutter.iter().enumerate().take(MAX_LEVEL_LAYOUTS) {
         check_clutter(format_args!("clutter[{k}]"), clutter, generator, &mut diagnostics);
+    }
+    diagnostics.check_count(format_args!("traffic"), generator.traffic.len(), 0..=MAX_LEVEL_LAYOUTS);
+    for (k, traffic) in generator.traffic.iter().enumerate().take(MAX_LEVEL_LAYOUTS) {
+        check_traffic(format_args!("traffic[{k}]"), traffic, generator, &mut diagnostics);
     }
     if diagnostics.is_empty() {
         check_work(generator, &mut diagnostics);
@@ -57,10 +63,10 @@ fn check_sizes(generator: &LevelGenerator, diagnostics: &mut Diagnostics) {
         Route::Random { clearance_m } => {
             let path = format_args!("route.clearance_m");
             diagnostics.check_range(path, clearance_m, LEVEL_CLEARANCE_M, METRES);
-            let least = MIN_CLEARANCE_GAPS * gap_m;
-            if clearance_m < least {
+            let least = MIN_CLEARANCE_GAPS * f64::from(gap_m);
+            if f64::from(clearance_m) < least {
                 let message =
-                    format!("is {clearance_m}: write at least {least}, {MIN_CLEARANCE_GAPS} times gap_m");
+                    format!("is {clearance_m}: write at least {least:.4}, {MIN_CLEARANCE_GAPS} times gap_m");
                 diagnostics.push(path, message);
             }
         }
@@ -91,21 +97,27 @@ fn check_walls(
         WallLayout::Cells { cell_m, fill } => {
             pair("cell_m", *cell_m, LEVEL_CELL_M, METRES);
             pair("fill", *fill, SOLID_FILL, " (a share)");
-            check_cells(format_args!("{path}.cell_m"), cell_m.0, generator, diagnostics);
+            check_cells(format_args!("{path}.cell_m"), cell_m.0, MAX_LEVEL_CELLS, generator, diagnostics);
         }
         WallLayout::Rooms { side_m, door_m, loops } => {
             pair("side_m", *side_m, ROOM_SIDE_M, METRES);
             pair("door_m", *door_m, LEVEL_GAP_M, METRES);
             pair("loops", *loops, 0.0..=1.0, " (a probability)");
             check_passage(format_args!("{path}.door_m"), door_m.0, generator, diagnostics);
-            check_cells(format_args!("{path}.side_m"), side_m.0, generator, diagnostics);
+            check_cells(format_args!("{path}.side_m"), side_m.0, MAX_LEVEL_ROOMS, generator, diagnostics);
         }
         WallLayout::Maze { passage_m, wall_m, loops } => {
             pair("passage_m", *passage_m, LEVEL_GAP_M, METRES);
             pair("wall_m", *wall_m, LEVEL_CELL_M, METRES);
             pair("loops", *loops, 0.0..=1.0, " (a share)");
             check_passage(format_args!("{path}.passage_m"), passage_m.0, generator, diagnostics);
-            check_cells(format_args!("{path}.passage_m"), passage_m.0, generator, diagnostics);
+            check_cells(
+                format_args!("{path}.passage_m"),
+                passage_m.0,
+                MAX_LEVEL_CELLS,
+                generator,
+                diagnostics,
+            );
         }
         WallLayout::Traps { count, width_m, depth_m } => {
             pair("width_m", *width_m, LEVEL_GAP_M, METRES);
@@ -138,7 +150,7 @@ fn check_clutter(
             check_pair(format_args!("{path}.smoothings"), *smoothings, SMOOTHINGS, "", diagnostics);
             let path = format_args!("{path}.cell_m");
             check_pair(path, *cell_m, LEVEL_CELL_M, METRES, diagnostics);
-            check_cells(path, cell_m.0, generator, diagnostics);
+            check_cells(path, cell_m.0, MAX_LEVEL_CELLS, generator, diagnostics);
         }
         Clutter::Scatter { count, shapes } => {
             check_pair(format_args!("{path}.count"), *count, LEVEL_COUNT, "", diagnostics);
@@ -150,13 +162,47 @@ fn check_clutter(
     }
 }
 
-/// Checks the number of cells with the smallest side `cell_m` in the largest enclosure.
-fn check_cells(path: Arguments<'_>, cell_m: f32, generator: &LevelGenerator, diagnostics: &mut Diagnostics) {
-    let cells = generator.width_m.1 * generator.height_m.1 / (cell_m * cell_m);
-    if cells > MAX_LEVEL_CELLS as f32 {
+fn check_traffic(
+    path: Arguments<'_>,
+    traffic: &Traffic,
+    generator: &LevelGenerator,
+    diagnostics: &mut Diagnostics,
+) {
+    let (Traffic::Lanes { count, radius_m, speed_m_s, .. }
+    | Traffic::CircleCrossing { count, radius_m, speed_m_s, .. }
+    | Traffic::RandomCrossing { count, radius_m, speed_m_s }
+    | Traffic::RandomWalks { count, radius_m, speed_m_s, .. }) = *traffic;
+    check_pair(format_args!("{path}.count"), count, LEVEL_COUNT, "", diagnostics);
+    check_pair(format_args!("{path}.radius_m"), radius_m, TRAFFIC_SIZE_M, METRES, diagnostics);
+    // An obstacle must not jump over the robot in one control step.
+    let most = MAX_SPEED_M_S.min(MAX_STEP_M / generator.task.control_period_s);
+    check_pair(format_args!("{path}.speed_m_s"), speed_m_s, 0.0..=most, METRES_PER_SECOND, diagnostics);
+    match *traffic {
+        Traffic::Lanes { pairs, .. } => {
+            check_pair(format_args!("{path}.pairs"), pairs, LANE_PAIRS, "", diagnostics);
+        }
+        Traffic::CircleCrossing { circle_m, .. } => {
+            check_pair(format_args!("{path}.circle_m"), circle_m, LEVEL_CIRCLE_M, METRES, diagnostics);
+        }
+        Traffic::RandomCrossing { .. } => {}
+        Traffic::RandomWalks { reach_m, .. } => {
+            check_pair(format_args!("{path}.reach_m"), reach_m, TRAFFIC_SIZE_M, METRES, diagnostics);
+        }
+    }
+}
+
+/// Checks that cells with the smallest side `side_m` are at most `most` in the largest enclosure.
+fn check_cells(
+    path: Arguments<'_>,
+    side_m: f32,
+    most: u32,
+    generator: &LevelGenerator,
+    diagnostics: &mut Diagnostics,
+) {
+    if generator.width_m.1 * generator.height_m.1 / (side_m * side_m) > most as f32 {
         let message = format!(
-            "is {cell_m} m at the least: the largest enclosure would have more than {MAX_LEVEL_CELLS} such cells; write \
-             larger cells, or a smaller enclosure"
+            "is {side_m} m at the least, of which the largest enclosure would have more than {most}: write a larger side, or a \
+             smaller enclosure"
         );
         diagnostics.push(path, message);
     }

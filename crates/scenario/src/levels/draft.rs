@@ -1,14 +1,14 @@
 //! A level under construction: its scenario, and the areas that are taken.
 
 use glam::{Vec2, vec2};
-use wayfield_random::Stream;
+use wayfield_random::{Stream, uniform};
 
 use super::floor::Floor;
 use super::number;
 use super::schema::{LevelGenerator, Route};
 use crate::check::RoundedArea;
 use crate::geometry::length;
-use crate::schema::{Enclosure, Obstacle, Region, Scenario, Wall};
+use crate::schema::{Enclosure, Obstacle, ObstacleMotion, Region, Scenario, Shape, Wall};
 
 /// A level under construction.
 pub(super) struct Draft {
@@ -18,8 +18,10 @@ pub(super) struct Draft {
     pub(super) gap_m: f32,
     /// The starts and goals.
     pub(super) route: Route,
-    /// The part of the enclosure for clutter.
+    /// The part of the enclosure for clutter and traffic.
     pub(super) field: Region,
+    /// The corners of the pairs of lanes.
+    pub(super) lanes_m: Vec<[Vec2; 4]>,
     /// The static obstacles and wall segments.
     bodies: Vec<Body>,
 }
@@ -71,6 +73,7 @@ impl Draft {
             gap_m: generator.gap_m,
             route: generator.route,
             field: Region { min_m: -high, max_m: high },
+            lanes_m: Vec::new(),
             bodies: Vec::new(),
         }
     }
@@ -85,6 +88,31 @@ impl Draft {
     pub(super) fn add_obstacle(&mut self, obstacle: Obstacle) {
         self.bodies.push(Body::new(&obstacle));
         self.scenario.obstacles.push(obstacle);
+    }
+
+    /// Adds a moving obstacle. Others may cross its path.
+    pub(super) fn add_moving(&mut self, obstacle: Obstacle) {
+        self.scenario.obstacles.push(obstacle);
+    }
+
+    /// A random point of the field.
+    pub(super) fn random_point(&self, stream: &mut Stream) -> Vec2 {
+        let (low, high) = (self.field.min_m, self.field.max_m);
+        vec2(uniform(stream, low.x, high.x), uniform(stream, low.y, high.y))
+    }
+
+    /// Whether a circle can move from one point to another inside the field without touching anything static.
+    pub(super) fn is_free(&self, from: Vec2, to: Vec2, radius_m: f32) -> bool {
+        let (low, high) = (self.field.min_m + radius_m, self.field.max_m - radius_m);
+        let is_inside = |point: Vec2| point.cmpge(low).all() && point.cmple(high).all();
+        let along = to - from;
+        let swept = Body::new(&Obstacle {
+            shape: Shape::Capsule { length_m: length(along.x, along.y), radius_m },
+            position_m: (from + to) / 2.0,
+            rotation_rad: libm::atan2f(along.y, along.x),
+            motion: ObstacleMotion::Static,
+        });
+        is_inside(from) && is_inside(to) && !self.bodies.iter().any(|other| swept.is_near(other, 0.0))
     }
 
     /// Adds an inner wall.

@@ -56,20 +56,19 @@ impl<'a> Floor<'a> {
         if all_in(starts[0].part) { Ok(()) } else { Err("some goals can't be reached from some starts") }
     }
 
-    /// The circles among `candidates`, of radius `radius_m`, that can be added without closing a passage of the largest
-    /// region. Empty if the level passes the check without them.
+    /// The circles among `candidates`, of radius `radius_m`, that fill the regions which can't be reached from the largest one,
+    /// and leave that one as it is.
     pub(super) fn plugs(&self, mut candidates: Vec<Obstacle>, radius_m: f32) -> Vec<Obstacle> {
-        let main = self.sites(&self.scenario.starts).into_iter().max_by_key(|site| site.cells);
-        match main {
-            Some(main) if self.check().is_err() => {
-                let away_m = self.room_m + f64::from(radius_m);
-                candidates.retain(|plug| {
-                    !self.regions.is_near(&self.grid, main.part, plug.position_m.as_dvec2(), away_m)
-                });
-                candidates
-            }
-            _ => Vec::new(),
-        }
+        let sites = self.sites(&self.scenario.starts);
+        let Some(main) = sites.iter().max_by_key(|site| site.cells) else { return Vec::new() };
+        let radius_m = f64::from(radius_m);
+        candidates.retain(|plug| {
+            let near =
+                |part, away_m| self.regions.is_near(&self.grid, part, plug.position_m.as_dvec2(), away_m);
+            sites.iter().any(|site| site.part != main.part && near(site.part, radius_m))
+                && !near(main.part, self.room_m + radius_m)
+        });
+        candidates
     }
 
     /// The regions that contain positions of `rule`.

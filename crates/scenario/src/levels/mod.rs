@@ -13,6 +13,7 @@
 //! | `walls.rs` | the choice of walls; each layout has a file: `cells.rs`, `rooms.rs`, `maze.rs`, `traps.rs` |
 //! | `blocks.rs` | solid blocks on a grid, for cells and mazes |
 //! | `automaton.rs`, `scatter.rs` | clutter |
+//! | `traffic.rs`, `lanes.rs` | moving obstacles |
 //! | `route.rs` | starts and goals |
 
 mod automaton;
@@ -21,11 +22,13 @@ mod cells;
 mod check;
 mod draft;
 mod floor;
+mod lanes;
 mod maze;
 mod rooms;
 mod route;
 mod scatter;
 mod schema;
+mod traffic;
 mod traps;
 mod walls;
 
@@ -33,13 +36,14 @@ use std::path::Path;
 
 use wayfield_random::{Stream, stream, uniform, uniform_index};
 
+use crate::check::has_valid_space;
 use crate::file_error::FileError;
-use crate::load::{parse_checked, read_text};
+use crate::load::{parse_checked, read_text, resemblance};
 use crate::schema::Scenario;
 use draft::Draft;
 
 pub use check::level_generator_diagnostics;
-pub use schema::{Clutter, LevelGenerator, Route, WallLayout};
+pub use schema::{Clutter, LevelGenerator, Route, Traffic, WallLayout};
 
 /// Attempts, each with its own random streams, to make a level that the robot can solve.
 const ATTEMPTS: u64 = 100;
@@ -82,6 +86,12 @@ impl LevelGenerator {
         )
     }
 
+    /// Whether `text` is probably a level generator and not a scenario: by its fields.
+    #[must_use]
+    pub fn is_meant_by(text: &str) -> bool {
+        resemblance::<Self>(text, "LevelGenerator") > resemblance::<Scenario>(text, "Scenario")
+    }
+
     /// The level of this generator, which has no diagnostics, for `seed`. The same seed gives the same level.
     ///
     /// # Errors
@@ -100,7 +110,7 @@ impl LevelGenerator {
     /// A level, or the reason why the robot can't solve it.
     fn attempt(&self, streams: &Streams) -> Result<Scenario, &'static str> {
         let mut draft = Draft::new(self, &mut streams.named("levels: size"), streams.seed);
-        walls::add(&mut draft, &self.walls, &mut streams.named("levels: walls"));
+        walls::add(&mut draft, &self.wall_layouts, &mut streams.named("levels: walls"));
         let mut stream = streams.named("levels: clutter");
         match one_of(&self.clutter, &mut stream) {
             Some(Clutter::Automaton { fill, smoothings, cell_m }) => {
@@ -110,7 +120,13 @@ impl LevelGenerator {
             None => {}
         }
         draft.floor().check()?;
-        route::add(draft, &mut streams.named("levels: route"))
+        traffic::add(&mut draft, &self.traffic, &mut streams.named("levels: traffic"));
+        let level = route::add(draft, &mut streams.named("levels: route"))?;
+        if has_valid_space(&level) {
+            Ok(level)
+        } else {
+            Err("there is too little free space for starts and goals")
+        }
     }
 }
 

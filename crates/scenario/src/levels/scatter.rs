@@ -7,7 +7,6 @@ use wayfield_random::{Stream, uniform};
 use super::draft::Draft;
 use super::{number, one_of, whole};
 use crate::schema::{Obstacle, ObstacleMotion, RandomShape, Shape};
-use glam::vec2;
 
 /// Attempts to place an obstacle before it is omitted.
 const TRIES: usize = 50;
@@ -34,8 +33,7 @@ fn sized(shape: &RandomShape, stream: &mut Stream) -> Shape {
 
 /// An obstacle at a random position of the field, with a random rotation if that changes it.
 fn placed(draft: &Draft, shape: &Shape, stream: &mut Stream) -> Obstacle {
-    let (low, high) = (draft.field.min_m, draft.field.max_m);
-    let position_m = vec2(uniform(stream, low.x, high.x), uniform(stream, low.y, high.y));
+    let position_m = draft.random_point(stream);
     let rotation_rad = if shape.has_orientation() { uniform(stream, -PI, PI) } else { 0.0 };
     Obstacle { shape: shape.clone(), position_m, rotation_rad, motion: ObstacleMotion::Static }
 }

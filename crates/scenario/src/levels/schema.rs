@@ -9,7 +9,7 @@ use crate::schema::{Lidar, RandomShape, Robot, TaskRules};
 
 /// A level generator: a family of scenarios. Each seed gives one of them, a level.
 ///
-/// A level has one layout of `walls`, one of `clutter` and one of `traffic`, each drawn from its list with equal
+/// A level has one layout of `wall_layouts`, one of `clutter` and one of `traffic`, each drawn from its list with equal
 /// probabilities. With several lists, a level has rooms with things and traffic in them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -31,10 +31,13 @@ pub struct LevelGenerator {
     pub gap_m: f32,
     /// Layouts of inner walls, at most 16.
     #[serde(default)]
-    pub walls: Vec<WallLayout>,
+    pub wall_layouts: Vec<WallLayout>,
     /// Layouts of static obstacles, at most 16.
     #[serde(default)]
     pub clutter: Vec<Clutter>,
+    /// Layouts of moving obstacles, at most 16.
+    #[serde(default)]
+    pub traffic: Vec<Traffic>,
     /// Where episodes start and where goals are.
     #[serde(default)]
     pub route: Route,
@@ -166,10 +169,15 @@ pub enum Clutter {
     /// Obstacles at random positions, at least `gap_m` from each other and from all walls. Fewer are placed if space runs out.
     Scatter {
         /// Number of obstacles, 0 to 200.
+        #[serde(default = "default_scatter")]
         count: (u32, u32),
         /// Shapes, 1 to 16; each obstacle has one of them with equal probability. A rod is a thin rectangle.
         shapes: Vec<RandomShape>,
     },
+}
+
+fn default_scatter() -> (u32, u32) {
+    (5, 15)
 }
 
 fn default_fill() -> (f32, f32) {
@@ -184,6 +192,99 @@ fn default_cell_m() -> (f32, f32) {
     (0.15, 0.15)
 }
 
+/// A layout of moving obstacles: circles whose paths are clear of walls and static obstacles. They don't give way. Fewer are
+/// placed if no free path is found.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Traffic {
+    /// Pairs of straight lanes across the enclosure, one in each direction, on which obstacles go round and round.
+    Lanes {
+        /// Number of pairs, 0 to 10.
+        #[serde(default = "default_pairs")]
+        pairs: (u32, u32),
+        /// Number of obstacles on a pair, 0 to 200, evenly spaced.
+        #[serde(default = "default_per_pair")]
+        count: (u32, u32),
+        /// Radius, 0.01 to 10 m; the same for all obstacles on a pair.
+        #[serde(default = "default_radius_m")]
+        radius_m: (f32, f32),
+        /// Speed, 0 to 5 m/s; the same for all obstacles on a pair.
+        #[serde(default = "default_speed_m_s")]
+        speed_m_s: (f32, f32),
+    },
+    /// Obstacles that start all around a circle and cross it to the opposite points and back, as in CrowdNav.
+    CircleCrossing {
+        /// Number of obstacles, 0 to 200.
+        #[serde(default = "default_count")]
+        count: (u32, u32),
+        /// Radius of an obstacle, 0.01 to 10 m.
+        #[serde(default = "default_radius_m")]
+        radius_m: (f32, f32),
+        /// Speed, 0 to 5 m/s.
+        #[serde(default = "default_speed_m_s")]
+        speed_m_s: (f32, f32),
+        /// Radius of the circle, 0.1 to 50 m. It is decreased to fit into the enclosure.
+        #[serde(default = "default_circle_m")]
+        circle_m: (f32, f32),
+    },
+    /// Obstacles that move back and forth between two random points each.
+    RandomCrossing {
+        /// Number of obstacles, 0 to 200.
+        #[serde(default = "default_count")]
+        count: (u32, u32),
+        /// Radius, 0.01 to 10 m.
+        #[serde(default = "default_radius_m")]
+        radius_m: (f32, f32),
+        /// Speed, 0 to 5 m/s.
+        #[serde(default = "default_speed_m_s")]
+        speed_m_s: (f32, f32),
+    },
+    /// Obstacles that walk at random around random points.
+    RandomWalks {
+        /// Number of obstacles, 0 to 200.
+        #[serde(default = "default_count")]
+        count: (u32, u32),
+        /// Radius of an obstacle, 0.01 to 10 m.
+        #[serde(default = "default_radius_m")]
+        radius_m: (f32, f32),
+        /// Highest speed, 0 to 5 m/s.
+        #[serde(default = "default_speed_m_s")]
+        speed_m_s: (f32, f32),
+        /// Largest distance of a walk from its point, 0.01 to 10 m.
+        #[serde(default = "default_reach_m")]
+        reach_m: (f32, f32),
+    },
+}
+
+fn default_pairs() -> (u32, u32) {
+    (1, 2)
+}
+
+fn default_per_pair() -> (u32, u32) {
+    (2, 6)
+}
+
+fn default_count() -> (u32, u32) {
+    (3, 8)
+}
+
+fn default_radius_m() -> (f32, f32) {
+    (0.1, 0.2)
+}
+
+/// From 0.2 to 1.0 of the speed of the paper's robot.
+fn default_speed_m_s() -> (f32, f32) {
+    (0.03, 0.15)
+}
+
+fn default_circle_m() -> (f32, f32) {
+    (1.5, 2.5)
+}
+
+fn default_reach_m() -> (f32, f32) {
+    (0.3, 1.0)
+}
+
 /// The starts and goals of a level.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -196,7 +297,7 @@ pub enum Route {
     },
     /// From the middle of the lower side, heading along +y, to the middle of the upper side, as in the BARN dataset.
     Across {
-        /// Depth of the strips along both sides that are kept free of clutter, 0.1 to 50 m. Start and goal are in their middle.
+        /// Depth of the strips along both sides that are kept free of clutter and traffic, 0.1 to 50 m. Start and goal are in their middle.
         #[serde(default = "default_margin_m")]
         margin_m: f32,
     },

@@ -33,8 +33,7 @@ pub(super) fn add(
 
 /// A trap with the size `size` between the centre lines of its walls.
 fn trap(draft: &Draft, size: Vec2, stream: &mut Stream) -> Wall {
-    let (low, high) = (draft.field.min_m, draft.field.max_m);
-    let middle = vec2(uniform(stream, low.x, high.x), uniform(stream, low.y, high.y));
+    let middle = draft.random_point(stream);
     let (sin, cos) = libm::sincosf(uniform(stream, -PI, PI));
     let (x, y) = (size.x / 2.0, size.y / 2.0);
     let corners = [vec2(-x, y), vec2(-x, -y), vec2(x, -y), vec2(x, y)];

@@ -55,9 +55,9 @@ impl FloorPlan {
         points.iter().filter(|p| is_drawable(p.0) && is_drawable(p.1)).map(|&p| self.pixel(p)).collect()
     }
 
-    /// The plan moved to the middle of a drawing of the given size.
-    pub(super) fn centred(mut self, (width, height): (i32, i32)) -> Self {
-        let (right, down) = ((width - self.left - self.right) / 2, (height - self.upper - self.lower) / 2);
+    /// The plan moved so that its middle is at `(x, y)`.
+    pub(super) fn centred(mut self, (x, y): Pixel) -> Self {
+        let (right, down) = ((2 * x - self.left - self.right) / 2, (2 * y - self.upper - self.lower) / 2);
         (self.left, self.right) = (self.left + right, self.right + right);
         (self.upper, self.lower) = (self.upper + down, self.lower + down);
         self

@@ -6,11 +6,13 @@
 //! | `frame.rs` | a frame of a simulation: the robot to scale, and its beams |
 //! | `floor_plan.rs` | metres to pixels, and everything drawn to scale |
 //! | `tracks.rs` | the tracks of moving obstacles |
+//! | `sheet.rs` | a contact sheet of many small maps |
 //! | `symbols.rs` | symbols and the legend |
 
 mod floor_plan;
 mod frame;
 mod model;
+mod sheet;
 mod symbols;
 mod tracks;
 
@@ -18,12 +20,13 @@ use plotters::prelude::*;
 
 use floor_plan::FloorPlan;
 pub use model::{MapObstacle, MapObstacleKind, MapRobot, MapShape, MapTrack, MapTrajectory, ScenarioMap};
-use symbols::{draw_cross, draw_robot, legend_entries, obstacle_colours};
+pub use sheet::contact_sheet_svg;
+use symbols::{draw_cross, draw_robot, legend_entries, marked_colour, obstacle_colours};
 use tracks::draw_tracks;
 
 use super::layout::{LEFT, WIDTH, draw_no_data};
 use crate::style::{
-    Canvas, DrawError, DrawResult, GREEN, Legend, Pixel, STROKE, colour, draw_marker, draw_title,
+    Canvas, DrawError, DrawResult, GREEN, Legend, Pixel, STROKE, area, colour, draw_marker, draw_title,
     is_drawable, line, picture, pixels_along, thinned, title_height,
 };
 
@@ -82,7 +85,7 @@ impl ScenarioMap {
             let Some(plan) = FloorPlan::new(&self.enclosure, (MARGIN, MARGIN), available) else {
                 return draw_no_data(root, (MARGIN, width - MARGIN), (MARGIN, height - MARGIN));
             };
-            let plan = plan.centred(THUMBNAIL);
+            let plan = plan.centred((width / 2, height / 2));
             plan.draw_grid(root)?;
             self.draw_contents(root, &plan)?;
             draw_robot(root, &plan)?;
@@ -115,7 +118,7 @@ impl ScenarioMap {
         Ok(())
     }
 
-    /// Draws tracks, obstacles and the goal.
+    /// Draws tracks, obstacles, marked areas and the goal.
     fn draw_contents(&self, root: &Canvas, plan: &FloorPlan) -> DrawResult {
         draw_tracks(plan, root, &self.tracks)?;
         for obstacle in &self.obstacles {
@@ -129,6 +132,9 @@ impl ScenarioMap {
             if let MapObstacleKind::Moving(heading) = obstacle.kind {
                 plan.draw_arrow(root, &obstacle.outline, heading, edge)?;
             }
+        }
+        for corners in &self.marked_areas {
+            area(root, plan.pixels(corners), marked_colour().filled())?;
         }
         let Some((x, y, radius)) = self.goal else { return Ok(()) };
         plan.draw_disc(root, (x, y, radius), GREEN.mix(0.25).filled(), GREEN)?;

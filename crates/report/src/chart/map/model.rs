@@ -7,6 +7,8 @@ pub struct ScenarioMap {
     pub title: String,
     /// The corners of the enclosing walls, anticlockwise, in m.
     pub enclosure: Vec<(f64, f64)>,
+    /// Areas that are marked above everything that stands still: the occupied cells of a map. The corners of each, in m.
+    pub marked_areas: Vec<Vec<(f64, f64)>>,
     /// Walls and obstacles; later ones are drawn over earlier ones.
     pub obstacles: Vec<MapObstacle>,
     /// The tracks of moving obstacles.

@@ -13,6 +13,11 @@ const GENERATED: RGBColor = RGBColor(232, 232, 232);
 const MOVING: RGBColor = RGBColor(242, 207, 150);
 const MOVING_EDGE: RGBColor = RGBColor(138, 92, 8);
 
+/// The colour of marked areas, through which obstacles can be seen.
+pub(super) fn marked_colour() -> RGBAColor {
+    RGBColor(214, 108, 30).mix(0.4)
+}
+
 /// The fill and the edge colour of an obstacle.
 pub(super) fn obstacle_colours(kind: MapObstacleKind) -> (RGBColor, RGBColor) {
     match kind {
@@ -58,6 +63,9 @@ pub(super) fn legend_entries(map: &ScenarioMap) -> Vec<LegendEntry> {
             entries.push(LegendEntry::Symbol(symbol, name.into()));
         }
     }
+    if !map.marked_areas.is_empty() {
+        entries.push(LegendEntry::Symbol(draw_marked, "occupied in the map".into()));
+    }
     entries.extend(map.trajectories.iter().map(|path| LegendEntry::Line(path.colour, path.name.clone())));
     entries
 }
@@ -82,6 +90,12 @@ pub(super) fn draw_cross(root: &Canvas, (x, y): Pixel) -> DrawResult {
 fn draw_moving(root: &Canvas, (x, y): Pixel) -> DrawResult {
     draw_dots(root, &[(x - 30, y), (x + 30, y)])?;
     draw_block(root, (x, y), MapObstacleKind::Moving(0.0))
+}
+
+/// Draws a marked area in the legend.
+fn draw_marked(root: &Canvas, (x, y): Pixel) -> DrawResult {
+    let corners = vec![(x - 16, y - 12), (x + 16, y - 12), (x + 16, y + 12), (x - 16, y + 12)];
+    area(root, corners, marked_colour().filled())
 }
 
 /// Draws the goal in the legend.

@@ -1,0 +1,122 @@
+//! The scenario made of what an importer has found: starts and goals, the time limit, a benchmark route, and a description.
+
+use glam::{DVec2, dvec2};
+use wayfield_scenario::limits::{
+    EPISODE_STEPS, MAX_ABOUT_CHARS, MAX_NAME_CHARS, MAX_OBSTACLES, MAX_WALL_SEGMENTS, MAX_WALLS,
+};
+use wayfield_scenario::{
+    BenchmarkRoute, Enclosure, MAX_FILE_BYTES, PlacementRule, Scenario, diagnostics, is_unprintable, to_text,
+};
+
+use crate::floor::{Floor, Margins};
+use crate::frame::Frame;
+use crate::grid::Cell;
+use crate::round::{metres, point};
+use crate::trace::{Scale, Surroundings};
+
+/// Ways along the sides of cells, times this, are long enough for a robot that still learns.
+const WAY_FACTOR: f64 = 1.5;
+
+/// Where a scenario comes from.
+#[derive(Clone, Debug)]
+pub struct Source {
+    /// The file's name, without its folder.
+    pub file: String,
+    /// Sentences about what was read.
+    pub about: String,
+    /// The pose of the scenario in the source's frame.
+    pub frame: Frame,
+}
+
+/// The margins of the robot of `base` in cells of `cell_m`.
+pub fn margins(base: &Scenario, cell_m: f64) -> Margins {
+    let usual = |rule: &PlacementRule| rule.clearance_m().map_or(0.0, f64::from);
+    let clearance_m =
+        usual(&base.starts).max(usual(&base.goals)).max(1.1 * f64::from(base.task.collision_range_m));
+    Margins { collision: f64::from(base.task.collision_range_m) / cell_m, clearance: clearance_m / cell_m }
+}
+
+/// The scenario with the robot, the LIDAR and the rules of `base` in these surroundings. `size_m` is that of its enclosure.
+pub fn scenario(
+    base: &Scenario,
+    source: &Source,
+    size_m: DVec2,
+    floor: &Floor,
+    scale: Scale,
+    found: &Surroundings,
+) -> Scenario {
+    let clearance_m = metres(floor.clearance * scale.cell_m);
+    let mut scenario = Scenario {
+        name: name(&source.file),
+        about: about(&format!("Imported from {}. {} {}", source.file, source.about, source.frame)),
+        enclosure: Enclosure::Rectangle { width_m: metres(size_m.x), height_m: metres(size_m.y) },
+        walls: found.walls.clone(),
+        obstacles: found.obstacles.clone(),
+        generators: Vec::new(),
+        starts: PlacementRule::Random { clearance_m },
+        goals: PlacementRule::Random { clearance_m },
+        benchmark_route: None,
+        ..base.clone()
+    };
+    scenario.benchmark_route = Some(route(floor, scale)).filter(|route| {
+        route.start_m.distance(route.goal_m) > base.task.goal_radius_m.max(base.task.min_goal_distance_m)
+    });
+    scenario.task.max_episode_steps = steps(base, floor.longest_way as f64 * scale.cell_m);
+    scenario
+}
+
+/// The name of a scenario from the file `file`.
+pub fn name(file: &str) -> String {
+    let name: String = file.chars().filter(|&c| !is_unprintable(c)).take(MAX_NAME_CHARS).collect();
+    if name.trim().is_empty() { "Imported".into() } else { name }
+}
+
+/// `text` as a description.
+pub fn about(text: &str) -> String {
+    text.chars().filter(|&c| !is_unprintable(c)).take(MAX_ABOUT_CHARS).collect()
+}
+
+/// The benchmark route between the ends of the floor, with the robot facing the goal.
+fn route(floor: &Floor, scale: Scale) -> BenchmarkRoute {
+    let at = |(column, row): Cell| point(scale.point_m(dvec2(column as f64 + 0.5, row as f64 + 0.5)));
+    let (start_m, goal_m) = (at(floor.ends.0), at(floor.ends.1));
+    let way = goal_m - start_m;
+    BenchmarkRoute { start_m, heading_rad: (libm::atan2f(way.y, way.x) * 100.0).round() / 100.0, goal_m }
+}
+
+/// The time limit of `base`, or more where ways are long.
+fn steps(base: &Scenario, way_m: f64) -> u32 {
+    let fastest = base.robot.motions.iter().map(|motion| motion.v_m_s.abs()).fold(0.0, f32::max);
+    let step_m = f64::from(fastest) * f64::from(base.task.control_period_s);
+    if step_m <= 0.0 {
+        return base.task.max_episode_steps;
+    }
+    let hundreds = (WAY_FACTOR * way_m / step_m / 100.0).ceil();
+    let needed = (100.0 * hundreds).min(f64::from(*EPISODE_STEPS.end())) as u32;
+    base.task.max_episode_steps.max(needed)
+}
+
+/// Checks the scenario, and that it fits into a file.
+///
+/// # Errors
+/// The first problem, as a message without a fix.
+pub fn check(scenario: &Scenario) -> Result<(), String> {
+    let corners: usize = scenario.walls.iter().map(|wall| wall.corners_m.len()).sum();
+    for (count, most, what) in [
+        (scenario.walls.len(), MAX_WALLS, "walls"),
+        (corners, MAX_WALL_SEGMENTS, "corners of walls"),
+        (scenario.obstacles.len(), MAX_OBSTACLES, "obstacles"),
+    ] {
+        if count > most {
+            return Err(format!("the scenario would have {count} {what}, more than {most}"));
+        }
+    }
+    if let Some(first) = diagnostics(scenario).first() {
+        return Err(format!("the scenario would be invalid: {first}"));
+    }
+    let bytes = to_text(scenario, None).len() as u64;
+    if bytes > MAX_FILE_BYTES {
+        return Err(format!("the scenario's file would be larger than {} MiB", MAX_FILE_BYTES >> 20));
+    }
+    Ok(())
+}

@@ -1,0 +1,155 @@
+//! The floor: the cells that the robot can reach, and those beside them.
+//!
+//! In: the free cells of a map. Out: the part of them that the scenario keeps, with the longest way across it. Rooms that the
+//! robot cannot enter are left out, because a goal in them could never be reached.
+
+use std::collections::VecDeque;
+
+use crate::grid::{Cell, Grid};
+
+/// Share of the reachable positions that must keep the usual clearance; otherwise a smaller one is chosen.
+const ROOMY_SHARE: f64 = 0.2;
+
+/// What the robot needs, in cells.
+#[derive(Clone, Copy, Debug)]
+pub struct Margins {
+    /// The collision range.
+    pub collision: f64,
+    /// The clearance of starts and goals.
+    pub clearance: f64,
+}
+
+/// The floor of a map.
+#[derive(Clone, Debug)]
+pub struct Floor {
+    /// The cells that the scenario keeps free.
+    pub cells: Grid<bool>,
+    /// The clearance for starts and goals, in cells. At most the usual one; smaller where corridors are narrow.
+    pub clearance: f64,
+    /// The two ends of a longest way of the robot's centre.
+    pub ends: (Cell, Cell),
+    /// Length of that way along the sides of cells, in cells.
+    pub longest_way: usize,
+}
+
+impl Floor {
+    /// The part of the `free` cells through which the robot fits that has the most cells between two corners, of which the upper
+    /// right one is exclusive. `None` if the robot fits nowhere.
+    pub fn new(free: &Grid<bool>, margins: Margins, (low, high): (Cell, Cell)) -> Option<Self> {
+        let distances = free.map(|is_free| !is_free).squared_distances(true);
+        // From the centre of a cell to the side of the nearest one that is not free.
+        let room = |cell: Cell| f64::from(distances.at(cell)).sqrt() - 0.5;
+        let mut centres = Grid::filled(free.columns, free.rows, false);
+        for cell in free.members() {
+            centres.set(cell, room(cell) > margins.collision);
+        }
+        let (numbers, sizes) = centres.components();
+        let mut counts = vec![0_usize; sizes.len()];
+        for row in low.1..high.1 {
+            for cell in (low.0..high.0).map(|column| (column, row)).filter(|&cell| centres.at(cell)) {
+                counts[numbers.at(cell) as usize] += 1;
+            }
+        }
+        let most = |&part: &usize| (counts[part], sizes[part], usize::MAX - part);
+        let part = (0..counts.len()).max_by_key(most)? as u32;
+        let centres = numbers.map(|number| number == part);
+        let rooms: Vec<f64> = centres.members().map(room).collect();
+        let clearance = clearance(&rooms, margins);
+        let cells = widened(free, centres.clone(), (clearance / 1.12).floor() as usize);
+        let roomy = |cell: &Cell| room(*cell) > clearance;
+        let (one, _) = farthest(&centres, centres.members().find(roomy)?, roomy);
+        let (other, longest_way) = farthest(&centres, one, roomy);
+        Some(Self { cells, clearance, ends: (one, other), longest_way })
+    }
+}
+
+/// The largest clearance that enough of the positions keep; `rooms` are their distances from everything.
+fn clearance(rooms: &[f64], Margins { collision, clearance }: Margins) -> f64 {
+    let share = |least: f64| rooms.iter().filter(|&&room| room > least).count() as f64 / rooms.len() as f64;
+    let smaller = [1.8, 1.5, 1.25].map(|factor| factor * collision).into_iter();
+    let mut choices = std::iter::once(clearance).chain(smaller.filter(|&smaller| smaller < clearance));
+    choices.find(|&least| share(least) >= ROOMY_SHARE).unwrap_or(1.1 * collision)
+}
+
+/// The cells of `free` that are at most `steps` steps from the cells `from`. Every other step may be diagonal, so that a step
+/// leads 1.12 cells away at most, and about one on average.
+fn widened(free: &Grid<bool>, from: Grid<bool>, steps: usize) -> Grid<bool> {
+    let mut cells = from;
+    let mut border: Vec<Cell> = cells.members().collect();
+    for step in 0..steps {
+        let mut next = Vec::new();
+        for &(column, row) in &border {
+            let diagonal = (step % 2 == 1).then(|| free.around((column, row)));
+            let sides = free.neighbours((column, row));
+            for cell in sides.chain(diagonal.into_iter().flatten()).filter(|&cell| free.at(cell)) {
+                if !cells.at(cell) {
+                    cells.set(cell, true);
+                    next.push(cell);
+                }
+            }
+        }
+        border = next;
+    }
+    cells
+}
+
+/// The cell that is farthest from `from` inside the set among those that `is_allowed`, with its distance in steps.
+fn farthest(set: &Grid<bool>, from: Cell, is_allowed: impl Fn(&Cell) -> bool) -> (Cell, usize) {
+    let mut seen = Grid::filled(set.columns, set.rows, false);
+    let mut queue = VecDeque::from([(from, 0)]);
+    seen.set(from, true);
+    let mut last = (from, 0);
+    while let Some((cell, way)) = queue.pop_front() {
+        if way > last.1 && is_allowed(&cell) {
+            last = (cell, way);
+        }
+        for next in set.neighbours(cell).filter(|&next| set.at(next)) {
+            if !seen.at(next) {
+                seen.set(next, true);
+                queue.push_back((next, way + 1));
+            }
+        }
+    }
+    last
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The set of cells marked `.` in rows from the top.
+    fn free(rows: &[&str]) -> Grid<bool> {
+        let values = rows.iter().rev().flat_map(|row| row.bytes().map(|byte| byte == b'.')).collect();
+        Grid { columns: rows[0].len(), rows: rows.len(), values }
+    }
+
+    #[test]
+    fn a_room_behind_a_narrow_door_is_left_out() {
+        let (wall, rooms) = ("#".repeat(38), format!("#{}#{}#", ".".repeat(24), ".".repeat(11)));
+        let door = rooms.replace(".#.", "...");
+        let mut rows = vec![rooms.as_str(); 22];
+        (rows[0], rows[21]) = (&wall, &wall);
+        rows[10..13].fill(&door);
+        let map = free(&rows);
+        let margins = Margins { collision: 2.0, clearance: 5.0 };
+        let floor = Floor::new(&map, margins, map.corners()).expect("the robot fits");
+        assert_eq!(floor.clearance, 5.0);
+        assert!(
+            floor.cells.at((1, 1)) && floor.cells.at((24, 20)),
+            "the large room is floor up to its corners"
+        );
+        assert!(!floor.cells.at((31, 10)), "the small one is not");
+        let other = Floor::new(&map, margins, ((26, 0), (38, 22))).expect("the robot fits");
+        assert!(other.cells.at((36, 20)) && !other.cells.at((3, 3)), "unless only its side counts");
+        assert!(Floor::new(&map, Margins { collision: 11.0, clearance: 12.0 }, map.corners()).is_none());
+    }
+
+    #[test]
+    fn the_clearance_shrinks_in_narrow_corridors() {
+        let map = free(&["..........", "..........", "..........", "..........", ".........."]);
+        let floor = Floor::new(&map, Margins { collision: 1.0, clearance: 4.0 }, map.corners())
+            .expect("the robot fits");
+        assert_eq!(floor.clearance, 1.8);
+        assert_eq!(floor.longest_way, 5, "between columns 2 and 7");
+    }
+}

@@ -1,0 +1,199 @@
+//! Scenarios from other people's worlds: maps of ROS's `map_server`, plain pictures, Gazebo's SDF worlds, and BARN.
+//!
+//! In: a file. Out: a valid scenario that can be edited, trained in and drawn over its source, and a list of what could not be
+//! represented. No input causes a panic, and no small file asks for much memory ([`limits`]).
+//!
+//! | file | duty |
+//! |---|---|
+//! | `options.rs` | the choices of an import |
+//! | `map_file.rs`, `picture.rs` | the description of a map; the pixels of its picture |
+//! | `map.rs` | the import of a map or a picture |
+//! | `sdf/` | the solids of an SDF world |
+//! | `world.rs`, `solid.rs` | the import of a world of solids |
+//! | `barn.rs`, `npy.rs` | BARN worlds, with start, goal and path |
+//! | `floor.rs` | the part of a map that the robot can reach |
+//! | `trace.rs`, `contour.rs`, `rectangles.rs` | walls and obstacles around that part |
+//! | `draft.rs`, `frame.rs` | the scenario around them: starts, goals, time limit, description, position in the source |
+//! | `findings.rs` | what could not be represented |
+//! | `grid.rs` | cells, their connected parts, and distances |
+//!
+//! ```no_run
+//! use wayfield_import::{ImportOptions, import};
+//!
+//! let imported = import("map.yaml".as_ref(), &ImportOptions::default())?;
+//! imported.findings.iter().for_each(|line| eprintln!("note: {line}"));
+//! std::fs::write("room.ron", imported.text())?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod barn;
+mod contour;
+mod draft;
+mod findings;
+mod floor;
+mod frame;
+mod grid;
+pub mod limits;
+mod map;
+mod map_file;
+mod npy;
+mod options;
+mod picture;
+mod rectangles;
+mod round;
+mod sdf;
+mod solid;
+mod trace;
+mod world;
+
+use std::path::Path;
+
+use wayfield_scenario::{FileError, Scenario, to_text};
+
+pub use frame::Frame;
+pub use map::Backdrop;
+pub use options::ImportOptions;
+
+/// An imported scenario.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Imported {
+    /// The scenario. It is valid.
+    pub scenario: Scenario,
+    /// The largest distance, in m, of a wall from the cells that it stands for. 0 for shapes that were taken over exactly.
+    pub deviation_m: f64,
+    /// The length in m of a shortest path from start to goal, if the source says it, as BARN does.
+    pub path_length_m: Option<f64>,
+    /// What could not be represented, a line for each kind of thing.
+    pub findings: Vec<String>,
+}
+
+impl Imported {
+    /// The scenario as the text of a RON file, which begins with the findings as comments.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let comments: String =
+            self.findings.iter().map(|line| format!("// Not imported: {line}.\n")).collect();
+        comments + &to_text(&self.scenario, None)
+    }
+}
+
+/// The scenario in the file at `path`: a map (`.yaml`), a picture (`.png`, `.pgm`, `.pnm`, `.ppm`, `.pbm`), a world or model of
+/// Gazebo (`.world`, `.sdf`), or one of the BARN worlds in a `.json` file.
+///
+/// # Errors
+/// The file or one that it names is missing, invalid or too large; or there is no valid scenario in it. The message names file,
+/// line and fix.
+pub fn import(path: &Path, options: &ImportOptions) -> Result<Imported, FileError> {
+    options.check(path)?;
+    match kind(path) {
+        Some(Kind::Map) => map::Map::read_yaml(path)?.import(path, options),
+        Some(Kind::Picture) => map::Map::read_picture(path, options.resolution_m)?.import(path, options),
+        Some(Kind::Sdf) => import_sdf(path, options),
+        Some(Kind::Barn) if options.world.is_none() => {
+            let message =
+                "it holds many worlds; help: choose one with --world N, or name a folder with --out";
+            Err(FileError::for_file(path, message))
+        }
+        Some(Kind::Barn) => Ok(barn::import_file(path, options)?.swap_remove(0).1),
+        None => Err(FileError::for_file(
+            path,
+            "not a kind of file that can be imported; help: give a map (.yaml), a picture (.png, .pgm), a world (.world, .sdf) \
+             or BARN worlds (.json)",
+        )),
+    }
+}
+
+/// The scenario in the `bytes` of a picture, an SDF world or BARN worlds, whose kind the extension of `path` names; also for
+/// messages. Models that a world includes are read from files.
+///
+/// # Errors
+/// As for [`import`].
+pub fn import_bytes(path: &Path, bytes: &[u8], options: &ImportOptions) -> Result<Imported, FileError> {
+    options.check(path)?;
+    let text = || std::str::from_utf8(bytes).map_err(|_| FileError::for_file(path, "the text is not UTF-8"));
+    match kind(path) {
+        Some(Kind::Picture) => {
+            map::Map::parse_picture(bytes, path, options.resolution_m)?.import(path, options)
+        }
+        Some(Kind::Sdf) => import_solids(path, &sdf::SdfWorld::parse(text()?, path, options)?, options),
+        Some(Kind::Barn) => Ok(barn::parse_file(text()?, path, options)?.swap_remove(0).1),
+        _ => Err(FileError::for_file(path, "not a kind of file that can be imported from memory")),
+    }
+}
+
+/// The scenario of a map of `map_server` with the description `yaml` and the bytes of its picture. Errors name `path`.
+///
+/// # Errors
+/// As for [`import`].
+pub fn import_map(
+    yaml: &str,
+    picture: &[u8],
+    path: &Path,
+    options: &ImportOptions,
+) -> Result<Imported, FileError> {
+    options.check(path)?;
+    map::Map::from_parts(yaml, picture, path)?.import(path, options)
+}
+
+/// The length in m of the path in the bytes of one of BARN's path files, from start to goal.
+///
+/// # Errors
+/// The bytes are no path. Errors name `path`.
+pub fn barn_path_length_m(bytes: &[u8], path: &Path) -> Result<f64, FileError> {
+    barn::path_length_m(bytes, path)
+}
+
+/// The scenarios of all BARN worlds in the `.json` file at `path`, each with its number.
+///
+/// # Errors
+/// As for [`import`].
+pub fn import_barn(path: &Path, options: &ImportOptions) -> Result<Vec<(u32, Imported)>, FileError> {
+    barn::import_file(path, options)
+}
+
+/// What a scenario that was imported from the map or picture at `path` can be drawn over.
+///
+/// # Errors
+/// As for [`import`].
+pub fn backdrop(path: &Path, options: &ImportOptions) -> Result<Backdrop, FileError> {
+    match kind(path) {
+        Some(Kind::Map) => Ok(map::Map::read_yaml(path)?.backdrop()),
+        Some(Kind::Picture) => Ok(map::Map::read_picture(path, options.resolution_m)?.backdrop()),
+        _ => Err(FileError::for_file(path, "not a map; help: give a map (.yaml) or a picture (.png, .pgm)")),
+    }
+}
+
+fn import_sdf(path: &Path, options: &ImportOptions) -> Result<Imported, FileError> {
+    let world = sdf::SdfWorld::read(path, options)?;
+    if let Some(file) = barn::path_file(path) {
+        return barn::import_world(path, &file, &world.solids, &world.findings, options);
+    }
+    import_solids(path, &world, options)
+}
+
+fn import_solids(path: &Path, world: &sdf::SdfWorld, options: &ImportOptions) -> Result<Imported, FileError> {
+    let base = options.robot_from.clone().unwrap_or_default();
+    let (count, height_m) = (world.solids.len(), options.lidar_height_m);
+    let about = format!("{count} shapes, cut {height_m} m above the ground.");
+    world::import(path, &world.solids, &base, about, &world.findings)
+}
+
+/// A kind of file.
+enum Kind {
+    Map,
+    Picture,
+    Sdf,
+    Barn,
+}
+
+/// The kind that the extension names.
+fn kind(path: &Path) -> Option<Kind> {
+    let extension = path.extension()?.to_string_lossy().to_ascii_lowercase();
+    match extension.as_str() {
+        "yaml" | "yml" => Some(Kind::Map),
+        "png" | "pgm" | "pnm" | "ppm" | "pbm" => Some(Kind::Picture),
+        "world" | "sdf" => Some(Kind::Sdf),
+        "json" => Some(Kind::Barn),
+        _ => None,
+    }
+}

@@ -1,0 +1,209 @@
+//! The import of a map: a picture whose bright pixels are floor.
+
+use std::path::{Path, PathBuf};
+
+use glam::{DVec2, dvec2};
+use wayfield_scenario::{FileError, Scenario, is_special_file, printable, read_text};
+
+use crate::Imported;
+use crate::draft::{self, Source};
+use crate::findings::Findings;
+use crate::floor::Floor;
+use crate::frame::Frame;
+use crate::grid::Grid;
+use crate::limits::RESOLUTION_M;
+use crate::map_file::{MapFile, PixelReading};
+use crate::options::ImportOptions;
+use crate::picture::{self, Pixels};
+use crate::rectangles::rectangles;
+use crate::trace::{Scale, THICKNESS_M, surroundings};
+
+/// A map with its place.
+pub struct Map {
+    /// The pixels.
+    pub pixels: Pixels,
+    /// How to read them.
+    pub reading: PixelReading,
+    /// Side of a pixel in m.
+    pub cell_m: f64,
+    /// Pose of the lower left corner in the map's frame: x and y in m, yaw in rad.
+    pub origin: [f64; 3],
+}
+
+/// The cells of a map that are not free.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Backdrop {
+    /// The cells as few polygons: the corners of each, counterclockwise, in m in the source's frame.
+    pub areas_m: Vec<[DVec2; 4]>,
+}
+
+impl Map {
+    /// The map of `map_server` whose description is at `path`.
+    ///
+    /// # Errors
+    /// The description or its picture is missing or invalid.
+    pub fn read_yaml(path: &Path) -> Result<Self, FileError> {
+        let text = read_text(path)?;
+        let file = MapFile::parse(&text, path)?;
+        let picture = path.parent().unwrap_or(Path::new("")).join(&file.image);
+        let picture = if picture.is_absolute() { picture } else { PathBuf::from(".").join(picture) };
+        if !picture.is_file() && !is_special_file(&picture) {
+            let message = format!(
+                "there is no picture `{}`; help: put it there, or name another file in `image`",
+                printable(&file.image)
+            );
+            return Err(FileError::at_offset(path, &text, file.image_at, message));
+        }
+        let picture = picture.strip_prefix(".").map_or(picture.clone(), Path::to_path_buf);
+        let pixels = picture::read(&picture)?;
+        Ok(Self { pixels, reading: file.reading, cell_m: file.resolution_m, origin: file.origin })
+    }
+
+    /// The map with this description and this picture. Errors name `path`.
+    ///
+    /// # Errors
+    /// The description or the picture is invalid.
+    pub fn from_parts(yaml: &str, picture: &[u8], path: &Path) -> Result<Self, FileError> {
+        let file = MapFile::parse(yaml, path)?;
+        let pixels = picture::decode(picture).map_err(|message| FileError::for_file(path, message))?;
+        Ok(Self { pixels, reading: file.reading, cell_m: file.resolution_m, origin: file.origin })
+    }
+
+    /// The plain picture at `path`, with dark walls and pixels of `resolution_m`. The source's frame has its origin in the
+    /// lower left corner.
+    ///
+    /// # Errors
+    /// The picture is missing or invalid, or the scale.
+    pub fn read_picture(path: &Path, resolution_m: Option<f64>) -> Result<Self, FileError> {
+        let cell_m = scale(path, resolution_m)?;
+        Ok(Self::from_picture(picture::read(path)?, cell_m))
+    }
+
+    /// The same with the bytes of the picture.
+    ///
+    /// # Errors
+    /// The picture is invalid, or the scale.
+    pub fn parse_picture(bytes: &[u8], path: &Path, resolution_m: Option<f64>) -> Result<Self, FileError> {
+        let cell_m = scale(path, resolution_m)?;
+        let pixels = picture::decode(bytes).map_err(|message| FileError::for_file(path, message))?;
+        Ok(Self::from_picture(pixels, cell_m))
+    }
+
+    fn from_picture(pixels: Pixels, cell_m: f64) -> Self {
+        Self { pixels, reading: PixelReading::PICTURE, cell_m, origin: [0.0; 3] }
+    }
+
+    /// The cells that are free.
+    pub fn free(&self) -> Grid<bool> {
+        self.pixels.map(|pixel| pixel.is_some_and(|brightness| self.reading.is_free(brightness)))
+    }
+
+    /// The cells that are not free.
+    pub fn backdrop(&self) -> Backdrop {
+        let frame = self.frame(DVec2::ZERO);
+        let corner =
+            |column: usize, row: usize| frame.to_source(dvec2(column as f64, row as f64) * self.cell_m);
+        let area = |((left, low), (right, high))| {
+            [corner(left, low), corner(right, low), corner(right, high), corner(left, high)]
+        };
+        let blocked = self.free().map(|is_free| !is_free);
+        Backdrop { areas_m: rectangles(&blocked).into_iter().map(area).collect() }
+    }
+
+    /// The frame of a scenario whose (0, 0) is at a point of the picture, given in pixels from its lower left corner.
+    fn frame(&self, centre: DVec2) -> Frame {
+        let [x, y, yaw_rad] = self.origin;
+        let corner = Frame { origin_m: dvec2(x, y), yaw_rad };
+        Frame { origin_m: corner.to_source(centre * self.cell_m), yaw_rad }
+    }
+
+    /// The scenario of the map.
+    ///
+    /// # Errors
+    /// The robot fits nowhere, or the scenario would be invalid or too large.
+    pub fn import(&self, path: &Path, options: &ImportOptions) -> Result<Imported, FileError> {
+        let fail = |message: String| FileError::for_file(path, message);
+        let base = options.robot_from.clone().unwrap_or_default();
+        let (free, dropped) = without_specks(self.free(), options.speck_cells);
+        let margins = draft::margins(&base, self.cell_m);
+        let floor = Floor::new(&free, margins, free.corners()).ok_or_else(|| fail(self.no_floor(&base)))?;
+        let Some(((left, low), (right, high))) = floor.cells.bounds() else {
+            return Err(fail(self.no_floor(&base)));
+        };
+        let size = dvec2((right - left) as f64, (high - low) as f64);
+        let centre = dvec2(left as f64, low as f64) + size / 2.0;
+        let scale = Scale { cell_m: self.cell_m, centre };
+        let asked_m = options.tolerance_m.unwrap_or(self.cell_m + THICKNESS_M / 2.0);
+        let clearance_m = floor.clearance * self.cell_m;
+        let mut problem = String::new();
+        // Simplified walls may close a gap. Then the next tolerance is tried, and at last the cells themselves.
+        for tolerance_m in [asked_m, asked_m / 2.0, asked_m / 4.0, 0.0] {
+            let checked = surroundings(&floor.cells, scale, tolerance_m, clearance_m).and_then(|found| {
+                let about = self.about(found.deviation_m, dropped);
+                let source = Source { file: file_name(path), about, frame: self.frame(centre) };
+                let scenario = draft::scenario(&base, &source, size * self.cell_m, &floor, scale, &found);
+                draft::check(&scenario).map(|()| (scenario, found.deviation_m))
+            });
+            match checked {
+                Ok((scenario, deviation_m)) => {
+                    let mut findings = Findings::default();
+                    if tolerance_m < asked_m {
+                        let what = "a gap would have closed, so the walls are closer to the map than asked";
+                        findings.add(what, &format!("{tolerance_m} m"));
+                    }
+                    let findings = findings.lines();
+                    return Ok(Imported { scenario, deviation_m, path_length_m: None, findings });
+                }
+                Err(message) if problem.is_empty() => problem = message,
+                Err(_) => {}
+            }
+        }
+        Err(fail(format!("{problem}; help: try a larger --tolerance, --specks, or another robot (--robot)")))
+    }
+
+    fn no_floor(&self, base: &Scenario) -> String {
+        format!(
+            "the robot fits nowhere on this map: it needs {:.2} m of free cells to each side; help: check the resolution, the \
+             thresholds and `negate`, or use a smaller robot (--robot)",
+            base.task.collision_range_m
+        )
+    }
+
+    fn about(&self, deviation_m: f64, dropped: usize) -> String {
+        let specks = match dropped {
+            0 => String::new(),
+            n => format!(" {n} specks became floor."),
+        };
+        format!(
+            "{} x {} cells of {} m; walls deviate from them by at most {:.3} m.{specks}",
+            self.pixels.columns, self.pixels.rows, self.cell_m, deviation_m
+        )
+    }
+}
+
+/// The side of a pixel of the picture at `path`, in m.
+fn scale(path: &Path, resolution_m: Option<f64>) -> Result<f64, FileError> {
+    resolution_m.filter(|side| RESOLUTION_M.contains(side)).ok_or_else(|| {
+        let message =
+            "a picture has no scale; help: give the side of a pixel in m, such as --resolution 0.05";
+        FileError::for_file(path, message)
+    })
+}
+
+/// `free` with the blocked parts of up to `most` cells added, and the number of these parts.
+fn without_specks(free: Grid<bool>, most: usize) -> (Grid<bool>, usize) {
+    if most == 0 {
+        return (free, 0);
+    }
+    let blocked = free.map(|is_free| !is_free);
+    let (numbers, sizes) = blocked.components();
+    let is_speck = |number: u32| sizes.get(number as usize).is_some_and(|&size| size <= most);
+    let mut cleaned = free;
+    blocked.members().filter(|&cell| is_speck(numbers.at(cell))).for_each(|cell| cleaned.set(cell, true));
+    (cleaned, sizes.iter().filter(|&&size| size <= most).count())
+}
+
+/// The name of a file without its folder.
+pub fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}

@@ -1,0 +1,93 @@
+//! The pixels of a PNG or PNM file.
+//!
+//! In: a path. Out: brightness and opacity of every pixel, with row 0 at the bottom. The size is checked before anything is
+//! decoded, so that a small file cannot ask for much memory.
+
+use std::io::{Cursor, ErrorKind};
+use std::path::Path;
+
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
+use wayfield_scenario::{FileError, is_special_file, read_bytes};
+
+use crate::grid::Grid;
+use crate::limits::{MAX_CELLS, MAX_PICTURE_BYTES};
+
+/// Brightness of a pixel, 0 to 255, or `None` if it is not opaque.
+pub type Pixels = Grid<Option<u8>>;
+
+const FORMATS: &str = "give a PGM, PPM, PBM or PNG file";
+
+/// The pixels of the picture at `path`.
+///
+/// # Errors
+/// The file is missing, no picture in one of these formats, incomplete, or too large.
+pub fn read(path: &Path) -> Result<Pixels, FileError> {
+    let fail = |message: String| FileError::for_file(path, message);
+    if is_special_file(path) {
+        return Err(fail(format!("it is a device or a pipe; help: {FORMATS}")));
+    }
+    let bytes = read_bytes(path, MAX_PICTURE_BYTES + 1).map_err(|error| match error.kind() {
+        ErrorKind::NotFound => fail("no such file".into()),
+        ErrorKind::IsADirectory => fail(format!("this is a folder; help: {FORMATS}")),
+        _ => fail(format!("can't be read: {error}")),
+    })?;
+    if bytes.len() as u64 > MAX_PICTURE_BYTES {
+        return Err(fail(format!("larger than {} MiB, the limit for pictures", MAX_PICTURE_BYTES >> 20)));
+    }
+    decode(&bytes).map_err(fail)
+}
+
+/// The pixels of the picture in `bytes`.
+///
+/// # Errors
+/// As a message: it is no picture in one of the formats, incomplete, or too large.
+pub fn decode(bytes: &[u8]) -> Result<Pixels, String> {
+    let broken = |error: image::ImageError| format!("not a complete picture: {error}; help: save it again");
+    let Ok(format @ (ImageFormat::Pnm | ImageFormat::Png)) = image::guess_format(bytes) else {
+        return Err(format!("not a picture that can be read; help: {FORMATS}"));
+    };
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+    let mut limits = Limits::default();
+    limits.max_alloc = Some(16 * MAX_CELLS as u64);
+    reader.limits(limits);
+    let decoder = reader.into_decoder().map_err(broken)?;
+    let (width, height) = decoder.dimensions();
+    let (columns, rows) = (width as usize, height as usize);
+    if columns.saturating_mul(rows) > MAX_CELLS {
+        return Err(format!(
+            "{width} x {height} pixels, more than {MAX_CELLS}; help: make it smaller, with a larger resolution"
+        ));
+    }
+    let image = DynamicImage::from_decoder(decoder).map_err(broken)?.into_luma_alpha8();
+    let pixel = |[brightness, alpha]: [u8; 2]| (alpha == u8::MAX).then_some(brightness);
+    let from_above: Vec<Option<u8>> = image.pixels().map(|found| pixel(found.0)).collect();
+    let values = from_above.chunks(columns.max(1)).rev().flatten().copied().collect();
+    Ok(Grid { columns, rows, values })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_flipped_and_levels_scaled() {
+        let pixels = decode(b"P2\n# CREATOR: by hand\n2 2\n100\n0 50\n100 100\n").expect("a valid picture");
+        assert_eq!(pixels.values, [Some(255), Some(255), Some(0), Some(128)]);
+        let bits = decode(b"P1\n2 1\n1 0\n").expect("a valid picture");
+        assert_eq!(bits.values, [Some(0), Some(255)]);
+    }
+
+    #[test]
+    fn incomplete_and_foreign_files_are_errors_and_huge_ones_are_not_decoded() {
+        for (bytes, expected) in [
+            (&b"P5\n4 4\n255\n\0\0\0"[..], "not a complete picture: "),
+            (b"P5\n400000 400000\n255\n", "400000 x 400000 pixels, more than 8388608; help: "),
+            (b"P5\n4 4\n", "not a complete picture: "),
+            (b"GIF89a......", "not a picture that can be read; help: give a PGM, PPM, PBM or PNG file"),
+            (b"", "not a picture that can be read; help: "),
+        ] {
+            let error = decode(bytes).expect_err("invalid");
+            assert!(error.starts_with(expected), "{error}");
+        }
+    }
+}

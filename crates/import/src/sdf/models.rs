@@ -1,0 +1,29 @@
+//! The files of included models.
+
+use std::path::{Component, Path, PathBuf};
+
+/// The names of models that are only ground and light.
+const SCENERY: [&str; 3] = ["ground_plane", "ground plane", "sun"];
+
+/// Whether a model is only ground or light, so that it need not be found.
+pub fn is_scenery(uri: &str) -> bool {
+    let last = uri.rsplit('/').next().unwrap_or(uri);
+    SCENERY.iter().any(|name| last.eq_ignore_ascii_case(name))
+}
+
+/// The SDF file of the model `uri`, such as `model://table`: in one of the `folders`, beside the file `from`, or in a folder
+/// `models` beside it or beside its folder. A model is a folder with a file `model.sdf`.
+pub fn find(uri: &str, from: &Path, folders: &[PathBuf]) -> Option<PathBuf> {
+    let relative = uri.strip_prefix("model://").unwrap_or(uri.rsplit('/').next()?);
+    let relative = Path::new(relative);
+    // Nothing outside of the folders is read.
+    let is_plain = relative.components().all(|part| matches!(part, Component::Normal(_)));
+    if !is_plain || relative.as_os_str().is_empty() {
+        return None;
+    }
+    let beside = from.parent().unwrap_or(Path::new(""));
+    let usual = [beside.to_path_buf(), beside.join("models"), beside.join("../models")];
+    let model =
+        |folder: &PathBuf| Some(folder.join(relative).join("model.sdf")).filter(|file| file.is_file());
+    folders.iter().chain(&usual).find_map(model)
+}

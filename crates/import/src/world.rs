@@ -1,0 +1,148 @@
+//! The import of a world of solids: they are taken over exactly, and what the robot can't reach between them is filled.
+
+use std::path::Path;
+
+use glam::{DVec2, dvec2};
+use wayfield_scenario::{FileError, Scenario};
+
+use crate::Imported;
+use crate::draft::{self, Source};
+use crate::findings::Findings;
+use crate::floor::Floor;
+use crate::frame::Frame;
+use crate::grid::{Cell, Grid};
+use crate::map::file_name;
+use crate::solid::{Solid, bounds};
+use crate::trace::{Scale, Surroundings, filled};
+
+/// Space around a world without outer walls, in m.
+const MARGIN_M: f64 = 1.0;
+/// Most cells of the grid over a world.
+const MAX_GRID_CELLS: f64 = (1 << 22) as f64;
+/// Most tests of a cell against a solid.
+const MAX_TESTS: f64 = (1 << 27) as f64;
+
+/// A grid over a world.
+struct Raster {
+    /// The lower left corner in m.
+    low_m: DVec2,
+    /// Side of a cell in m.
+    cell_m: f64,
+    /// The cells that no solid touches.
+    free: Grid<bool>,
+}
+
+impl Raster {
+    /// A grid with cells that are small beside the robot's collision range.
+    ///
+    /// # Errors
+    /// The world is too large for the robot, or has too many large solids.
+    fn new(solids: &[Solid], collision_m: f64) -> Result<Self, String> {
+        let (low, high) = bounds(solids, &[]);
+        let low_m = low - DVec2::splat(MARGIN_M);
+        let size = high - low + DVec2::splat(2.0 * MARGIN_M);
+        let cell_m = (collision_m / 8.0).max((size.x * size.y / MAX_GRID_CELLS).sqrt());
+        if cell_m > collision_m / 2.0 || !cell_m.is_finite() {
+            return Err(format!(
+                "the world is {:.0} m x {:.0} m, too large for a robot of {collision_m} m; help: remove what is far away, or take a \
+                 larger robot (--robot)",
+                size.x, size.y
+            ));
+        }
+        let count = |length: f64| (length / cell_m).ceil() as usize;
+        let mut raster = Self { low_m, cell_m, free: Grid::filled(count(size.x), count(size.y), true) };
+        let mut tests = 0.0;
+        for solid in solids {
+            let ((left, bottom), (right, top)) = raster.around(solid);
+            tests += (right - left) as f64 * (top - bottom) as f64;
+            if tests > MAX_TESTS {
+                return Err("too many large shapes; help: remove those that cover each other".into());
+            }
+            for row in bottom..top {
+                for column in left..right {
+                    if solid.distance(raster.centre_m((column, row))) < cell_m / 2.0 {
+                        raster.free.set((column, row), false);
+                    }
+                }
+            }
+        }
+        Ok(raster)
+    }
+
+    /// The cells within the margin: lower left and upper right corner, the latter exclusive. Only these count for which part of
+    /// the world is the largest, because the space around a building is as large as the margin makes it.
+    fn inner(&self) -> (Cell, Cell) {
+        let beyond = (MARGIN_M / self.cell_m) as usize;
+        ((beyond, beyond), (self.free.columns - beyond, self.free.rows - beyond))
+    }
+
+    fn centre_m(&self, (column, row): Cell) -> DVec2 {
+        self.low_m + dvec2(column as f64 + 0.5, row as f64 + 0.5) * self.cell_m
+    }
+
+    /// The cells around a solid: lower left and upper right corner, the latter exclusive.
+    fn around(&self, solid: &Solid) -> (Cell, Cell) {
+        let (low, high) = solid.bounds();
+        let at = |point: DVec2, more: f64| {
+            let cells = ((point - self.low_m) / self.cell_m + DVec2::splat(more)).max(DVec2::ZERO);
+            ((cells.x as usize).min(self.free.columns), (cells.y as usize).min(self.free.rows))
+        };
+        (at(low, -2.0), at(high, 3.0))
+    }
+
+    /// Whether the solid touches the floor.
+    fn touches(&self, solid: &Solid, floor: &Grid<bool>) -> bool {
+        let ((left, bottom), (right, top)) = self.around(solid);
+        (bottom..top).any(|row| {
+            (left..right).any(|column| {
+                floor.at((column, row)) && solid.distance(self.centre_m((column, row))) < 2.0 * self.cell_m
+            })
+        })
+    }
+}
+
+/// The scenario of a world of `solids`, with the robot of `base`. `about` is a sentence on what was read.
+///
+/// # Errors
+/// The robot fits nowhere, or the scenario would be invalid or too large.
+pub fn import(
+    path: &Path,
+    solids: &[Solid],
+    base: &Scenario,
+    about: String,
+    findings: &Findings,
+) -> Result<Imported, FileError> {
+    let fail = |message: String| FileError::for_file(path, message);
+    let raster = Raster::new(solids, f64::from(base.task.collision_range_m)).map_err(fail)?;
+    let margins = draft::margins(base, raster.cell_m);
+    let no_floor = || {
+        let needed_m = base.task.collision_range_m;
+        fail(format!(
+            "the robot fits nowhere in this world: it needs {needed_m:.2} m to each side; help: use a smaller robot (--robot)"
+        ))
+    };
+    let floor = Floor::new(&raster.free, margins, raster.inner()).ok_or_else(no_floor)?;
+    let ((left, bottom), (right, top)) = floor.cells.bounds().ok_or_else(no_floor)?;
+    let kept: Vec<Solid> =
+        solids.iter().filter(|solid| raster.touches(solid, &floor.cells)).copied().collect();
+    let corner = |column: usize, row: usize| raster.low_m + dvec2(column as f64, row as f64) * raster.cell_m;
+    let (low, high) = bounds(&kept, &[corner(left, bottom), corner(right, top)]);
+    let centre_m = (low + high) / 2.0;
+    let scale = Scale { cell_m: raster.cell_m, centre: (centre_m - raster.low_m) / raster.cell_m };
+    let mut pockets = raster.free.clone();
+    for cell in raster.free.cells() {
+        let at = raster.centre_m(cell);
+        let half = DVec2::splat(raster.cell_m / 2.0);
+        let is_inside = (at - half).cmpge(low).all() && (at + half).cmple(high).all();
+        pockets.set(cell, is_inside && raster.free.at(cell) && !floor.cells.at(cell));
+    }
+    let clearance_m = (floor.clearance - 2.0) * raster.cell_m;
+    let mut obstacles: Vec<_> = kept.iter().map(|solid| solid.obstacle(centre_m)).collect();
+    obstacles.extend(filled(&pockets, scale, clearance_m));
+    let found = Surroundings { obstacles, ..Surroundings::default() };
+    let source = Source { file: file_name(path), about, frame: Frame { origin_m: centre_m, yaw_rad: 0.0 } };
+    let scenario = draft::scenario(base, &source, high - low, &floor, scale, &found);
+    draft::check(&scenario)
+        .map_err(|problem| fail(format!("{problem}; help: use another robot (--robot)")))?;
+    Ok(Imported { scenario, deviation_m: 0.0, path_length_m: None, findings: findings.lines() })
+}

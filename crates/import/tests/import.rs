@@ -1,0 +1,497 @@
+//! Imports of worlds written by hand: what they become, and which message invalid ones get.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use tempfile::TempDir;
+use wayfield_import::{Frame, ImportOptions, Imported, import, import_barn};
+use wayfield_scenario::{Scenario, Shape, Vec2, clearance, diagnostics, vec2};
+
+/// A folder with files. It is deleted on drop.
+struct Folder(TempDir);
+
+impl Folder {
+    fn new(files: &[(&str, &[u8])]) -> Self {
+        let folder = Self(tempfile::tempdir().expect("a folder"));
+        files.iter().for_each(|(name, contents)| folder.write(name, contents));
+        folder
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn write(&self, name: &str, contents: &[u8]) {
+        let path = self.path(name);
+        fs::create_dir_all(path.parent().expect("a parent")).expect("a folder");
+        fs::write(path, contents).expect("a file");
+    }
+
+    fn import(&self, name: &str) -> Result<Imported, String> {
+        self.import_with(name, &ImportOptions::default())
+    }
+
+    /// The result, or the message without the folder's path.
+    fn import_with(&self, name: &str, options: &ImportOptions) -> Result<Imported, String> {
+        let folder = format!("{}/", self.0.path().display());
+        let result =
+            import(&self.path(name), options).map_err(|error| error.to_string().replace(&folder, ""));
+        if let Ok(imported) = &result {
+            assert_eq!(diagnostics(&imported.scenario), [], "the scenario is valid");
+            let again = Scenario::parse(&imported.text(), "again.ron").expect("the text is a scenario");
+            assert_eq!(again, imported.scenario, "the text says the same");
+        }
+        result
+    }
+}
+
+/// A PGM file in which 0 is black and 255 white.
+fn pgm(width: usize, height: usize, value: impl Fn(usize, usize) -> u8) -> Vec<u8> {
+    let mut bytes = format!("P5\n# by hand\n{width} {height}\n255\n").into_bytes();
+    bytes.extend(
+        (0..height).flat_map(|row| (0..width).map(move |column| (column, row))).map(|(c, r)| value(c, r)),
+    );
+    bytes
+}
+
+const YAML: &str = "image: map.pgm\nresolution: 0.05\norigin: [-3.0, -2.0, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
+
+/// Positions of round pillars in the hand-made hall, in its own frame, whose origin is the hall's middle.
+const PILLARS: [(f64, f64); 3] = [(-1.0, 0.5), (1.0, 0.5), (0.4, -0.8)];
+
+/// A map of a hall of 5 m x 3 m with walls of 0.2 m and round pillars of 0.2 m, in a grey unknown surrounding of 6 m x 4 m. The
+/// row at the top of the picture is the first.
+fn hall() -> Vec<u8> {
+    pgm(120, 80, |column, row| {
+        let (x, y) = (column as f64 * 0.05 + 0.025 - 3.0, 2.0 - (row as f64 * 0.05 + 0.025));
+        let is_pillar = PILLARS.iter().any(|pillar| (x - pillar.0).hypot(y - pillar.1) < 0.2);
+        let (beyond_x, beyond_y) = (x.abs() - 2.5, y.abs() - 1.5);
+        let beyond = beyond_x.max(beyond_y);
+        if is_pillar || (0.0..0.2).contains(&beyond) {
+            0
+        } else if beyond < 0.0 {
+            254
+        } else {
+            205
+        }
+    })
+}
+
+/// The same hall as a world of Gazebo.
+fn hall_world() -> String {
+    let mut models = String::new();
+    for (k, (x, y, width, height)) in
+        [(0.0, 1.6, 5.4, 0.2), (0.0, -1.6, 5.4, 0.2), (2.6, 0.0, 0.2, 3.4), (-2.6, 0.0, 0.2, 3.4)]
+            .iter()
+            .enumerate()
+    {
+        let _ = write!(
+            models,
+            "<link name='wall{k}'><pose>{x} {y} 0.5 0 0 0</pose><collision name='c'><geometry><box><size>{width} {height} 1</size></box></geometry></collision></link>"
+        );
+    }
+    let mut pillars = String::new();
+    for (k, (x, y)) in PILLARS.iter().enumerate() {
+        let _ = write!(
+            pillars,
+            "<model name='pillar{k}'><static>true</static><pose>{x} {y} 0 0 0 0</pose><link name='l'><pose>0 0 0.5 0 0 1</pose><collision name='c'><geometry><cylinder><radius>0.2</radius><length>1</length></cylinder></geometry></collision></link></model>"
+        );
+    }
+    format!(
+        "<?xml version='1.0'?>\n<sdf version='1.6'><world name='hall'>\n<include><uri>model://ground_plane</uri></include>\n<model name='walls'><static>1</static>{models}</model>\n{pillars}</world></sdf>\n"
+    )
+}
+
+/// Signed distance from everything at a point of the source's frame.
+fn distance(imported: &Imported, x: f64, y: f64) -> f32 {
+    let frame = Frame::find(&imported.scenario.about).expect("the about says it");
+    let at = frame.to_scenario([x, y].into());
+    clearance(&imported.scenario, vec2(at.x as f32, at.y as f32), 0)
+}
+
+#[test]
+fn a_map_and_a_world_of_the_same_hall_agree_within_a_cell() {
+    let folder = Folder::new(&[
+        ("map.yaml", YAML.as_bytes()),
+        ("map.pgm", &hall()),
+        ("hall.world", hall_world().as_bytes()),
+    ]);
+    let (map, world) =
+        (folder.import("map.yaml").expect("a map"), folder.import("hall.world").expect("a world"));
+    let every_cell = ImportOptions { tolerance_m: Some(0.0), ..ImportOptions::default() };
+    let cells = folder.import_with("map.yaml", &every_cell).expect("a map");
+    assert!(map.deviation_m <= 0.06 && cells.deviation_m == 0.0 && world.deviation_m == 0.0);
+    assert_eq!(
+        world.scenario.obstacles.len(),
+        7,
+        "every shape is taken over: {:?}",
+        world.scenario.obstacles
+    );
+    let mut compared = 0;
+    for step_x in -24..=24 {
+        for step_y in -14..=14 {
+            let (x, y) = (f64::from(step_x) * 0.1, f64::from(step_y) * 0.1);
+            let exact = distance(&world, x, y);
+            if exact > 0.1 {
+                let tolerance_m = 0.06 + 0.036;
+                assert!(
+                    (distance(&map, x, y) - exact).abs() <= tolerance_m,
+                    "({x}, {y}): {} and {exact}",
+                    distance(&map, x, y)
+                );
+                assert!((distance(&cells, x, y) - exact).abs() <= 0.05, "({x}, {y}): cells");
+                compared += 1;
+            }
+        }
+    }
+    assert!(compared > 1000, "{compared} points");
+    for (x, y) in PILLARS {
+        assert!(distance(&map, x, y) < -0.1 && distance(&world, x, y) < -0.19, "the pillars are solid");
+    }
+}
+
+#[test]
+fn simplified_walls_are_few_and_the_stated_deviation_is_true() {
+    let folder = Folder::new(&[("map.yaml", YAML.as_bytes()), ("map.pgm", &hall())]);
+    let map = folder.import("map.yaml").expect("a map").scenario;
+    let pieces = map.obstacles.len() + map.walls.iter().map(|wall| wall.corners_m.len()).sum::<usize>();
+    assert!(pieces <= 3, "a pillar is one polygon, and the hall is the enclosure: {map:?}");
+    assert!(map.about.contains("walls deviate from them by at most 0.0"), "{}", map.about);
+    assert!(map.benchmark_route.is_some());
+    let every_cell = ImportOptions { tolerance_m: Some(0.0), ..ImportOptions::default() };
+    let cells = folder.import_with("map.yaml", &every_cell).expect("a map").scenario;
+    assert!(cells.walls.is_empty() && cells.obstacles.len() > 10);
+}
+
+#[test]
+fn modes_thresholds_and_negated_maps_decide_what_is_floor() {
+    let width_m = |yaml: &str, picture: &[u8]| {
+        let folder = Folder::new(&[("map.yaml", yaml.as_bytes()), ("map.pgm", picture)]);
+        let (low, high) = folder.import("map.yaml").expect("a map").scenario.enclosure.bounds_m();
+        high.x - low.x
+    };
+    assert!((width_m(YAML, &hall()) - 5.0).abs() < 1e-4);
+    // Above 0.196 the grey of unknown cells is free: the robot may drive around the hall, where that is the larger part.
+    let unknown_is_free = YAML.replace("0.196", "0.25");
+    let island = pgm(120, 80, |c, r| if (30..50).contains(&c) && (30..50).contains(&r) { 0 } else { 205 });
+    assert!((width_m(&unknown_is_free, &island) - 6.0).abs() < 1e-4);
+    let negated: Vec<u8> =
+        pgm(120, 80, |c, r| if (10..110).contains(&c) && (10..70).contains(&r) { 0 } else { 255 });
+    assert!((width_m(&YAML.replace("negate: 0", "negate: 1"), &negated) - 5.0).abs() < 1e-4);
+    let raw = pgm(120, 80, |c, r| if (10..110).contains(&c) && (10..70).contains(&r) { 0 } else { 100 });
+    assert!((width_m(&format!("{YAML}mode: raw\n"), &raw) - 5.0).abs() < 1e-4);
+    let scale = pgm(120, 80, |c, r| if (10..110).contains(&c) && (10..70).contains(&r) { 240 } else { 150 });
+    assert!((width_m(&format!("{YAML}mode: scale\n"), &scale) - 5.0).abs() < 1e-4);
+}
+
+#[test]
+fn specks_and_unreachable_rooms_are_dropped() {
+    let picture = pgm(120, 80, |column, row| {
+        let is_speck = column % 20 == 10 && row % 20 == 10 && column < 80;
+        let is_frame = column == 0 || row == 0 || column == 119 || row == 79;
+        // A room at the right that has no door.
+        if is_speck || is_frame || column == 90 { 0 } else { 254 }
+    });
+    let folder = Folder::new(&[("map.yaml", YAML.as_bytes()), ("map.pgm", &picture)]);
+    let all = folder.import("map.yaml").expect("a map").scenario;
+    let (low, high) = all.enclosure.bounds_m();
+    assert!((high - low - vec2(89.0 * 0.05, 78.0 * 0.05)).length() < 1e-4, "the other room is left out");
+    assert_eq!(all.obstacles.len() + all.walls.len(), 16, "each speck stays");
+    let options = ImportOptions { speck_cells: 1, ..ImportOptions::default() };
+    let clean = folder.import_with("map.yaml", &options).expect("a map").scenario;
+    assert_eq!(clean.obstacles.len() + clean.walls.len(), 0);
+    assert!(clean.about.contains("16 specks became floor."), "{}", clean.about);
+}
+
+#[test]
+fn the_about_leads_back_to_the_map_whose_origin_has_a_yaw() {
+    let yaml = YAML.replace("[-3.0, -2.0, 0.0]", "[2.0, 3.0, 1.0]");
+    let folder = Folder::new(&[("map.yaml", yaml.as_bytes()), ("map.pgm", &hall())]);
+    let imported = folder.import("map.yaml").expect("a map");
+    // The pillar (-1, 0.5) is 2 m and 2.5 m from the lower left corner of the picture.
+    let (sin, cos) = 1_f64.sin_cos();
+    let pillar = (2.0 + 2.0 * cos - 2.5 * sin, 3.0 + 2.0 * sin + 2.5 * cos);
+    assert!(distance(&imported, pillar.0, pillar.1) < -0.1);
+}
+
+#[test]
+fn a_plain_picture_needs_a_scale() {
+    let folder = Folder::new(&[("plan.pgm", &hall())]);
+    let error = folder.import("plan.pgm").expect_err("no scale");
+    assert_eq!(
+        error,
+        "plan.pgm: a picture has no scale; help: give the side of a pixel in m, such as --resolution 0.05"
+    );
+    let options = ImportOptions { resolution_m: Some(0.1), ..ImportOptions::default() };
+    let (low, high) = folder.import_with("plan.pgm", &options).expect("a plan").scenario.enclosure.bounds_m();
+    // The unknown grey is bright, so the outside is floor, but the hall is larger.
+    assert!((high - low - vec2(10.0, 6.0)).length() < 1e-4, "{low} {high}");
+}
+
+/// A world with one element inside.
+fn world(inside: &str) -> String {
+    format!("<sdf version='1.6'>\n<world name='w'>\n{inside}\n</world>\n</sdf>\n")
+}
+
+fn model(name: &str, more: &str, geometry: &str) -> String {
+    format!(
+        "<model name='{name}'><static>1</static>{more}<link name='l'><pose>0 0 0.5 0 0 0</pose><collision name='c'><geometry>{geometry}</geometry></collision></link></model>"
+    )
+}
+
+const BOX: &str = "<box><size>2 0.5 1</size></box>";
+
+#[test]
+fn nested_poses_turn_and_move_their_shapes() {
+    let inner = "<model name='inner'><static>1</static><pose>2 0 0 0 0 0.5</pose><link name='l'><pose>1 0 0 0 0 0</pose><collision name='c'><pose>0 1 0.5 0 0 0</pose><geometry><box><size>2 0.5 1</size></box></geometry></collision></link></model>";
+    let outer = format!("<model name='outer'><static>1</static><pose>1 1 0 0 0 1.0</pose>{inner}</model>");
+    let folder = Folder::new(&[("w.world", world(&outer).as_bytes())]);
+    let imported = folder.import("w.world").expect("a world");
+    // By hand: outer, then inner, then (1, 1) of link and collision.
+    let (a, b) = ((1.0_f64.sin_cos()), (1.5_f64.sin_cos()));
+    let at = (1.0 + 2.0 * a.1 + b.1 - b.0, 1.0 + 2.0 * a.0 + b.0 + b.1);
+    assert!((distance(&imported, at.0, at.1) + 0.25).abs() < 1e-3);
+    assert!((imported.scenario.obstacles[0].rotation_rad - 1.5).abs() < 1e-5);
+}
+
+#[test]
+fn included_models_are_found_and_their_pose_is_replaced() {
+    let table = format!("<sdf version='1.6'>{}</sdf>", model("table", "<pose>50 50 0 0 0 0</pose>", BOX));
+    let include = "<include><uri>model://table</uri><pose>1 2 0 0 0 0</pose></include>";
+    let files = [("w.world", world(include)), ("lib/table/model.sdf", table)];
+    let files = files.each_ref().map(|(name, text)| (*name, text.as_bytes()));
+    let folder = Folder::new(&files);
+    let error = folder.import("w.world").expect_err("the model is elsewhere");
+    assert!(
+        error.starts_with("w.world: nothing in it can be imported: models that were not found are left out"),
+        "{error}"
+    );
+    let options = ImportOptions { models: vec![folder.path("lib")], ..ImportOptions::default() };
+    let imported = folder.import_with("w.world", &options).expect("a world");
+    assert!((distance(&imported, 1.0, 2.0) + 0.25).abs() < 1e-3);
+    for uri in ["model://../lib/table", "model:///etc", "model://", ""] {
+        folder.write("w.world", world(&format!("<include><uri>{uri}</uri></include>")).as_bytes());
+        assert!(folder.import_with("w.world", &options).is_err(), "{uri} leads out of the folders");
+    }
+    let itself = format!(
+        "<sdf version='1.6'><model name='m'><static>1</static>{include}{}</model></sdf>",
+        "<link name='l'/>"
+    );
+    folder.write("lib/table/model.sdf", itself.as_bytes());
+    folder.write("w.world", world(include).as_bytes());
+    let error = folder.import_with("w.world", &options).expect_err("it includes itself");
+    assert!(error.contains("or 8 within each other; help: flatten them"), "{error}");
+}
+
+#[test]
+fn what_a_scenario_cannot_represent_is_listed() {
+    let parts = [
+        model("fine", "", BOX),
+        model("statue", "", "<mesh><uri>a.dae</uri></mesh>"),
+        model("leaning", "<pose>3 0 0 0.3 0 0</pose>", BOX),
+        model("lamp", "<pose>0 3 3 0 0 0</pose>", BOX),
+        model("step", "<pose>0 5 -0.9 0 0 0</pose>", BOX),
+        model("crate", "<plugin filename='libpush.so' name='p'/>", BOX)
+            .replace("<static>1</static>", "<pose>0 -3 0 0 0 0</pose>"),
+        model("robot", "<joint name='j' type='revolute'/>", BOX),
+        "<plugin filename='libworld.so' name='p'/><actor name='walker'/>".into(),
+        model("relative", "<pose relative_to='fine'>0 0 0 0 0 0</pose>", BOX),
+        model("ground", "", "<plane><normal>0 0 1</normal></plane>"),
+    ];
+    let folder = Folder::new(&[("w.world", world(&parts.concat()).as_bytes())]);
+    let imported = folder.import("w.world").expect("a world");
+    assert_eq!(imported.scenario.obstacles.len(), 2, "fine and crate");
+    let expected = [
+        "plugins do not run: libworld.so, libpush.so",
+        "actors are left out: walker",
+        "meshes are left out: statue/c",
+        "rolled or pitched shapes are left out: leaning/c",
+        "shapes above the LIDAR, which is 0.18 m high, are left out: lamp/c",
+        "shapes below the LIDAR, which is 0.18 m high, are left out: step/c",
+        "models that could be pushed stand still: crate",
+        "models with joints, such as robots, are left out: robot",
+        "poses relative to other frames are not understood, so these are left out: relative",
+    ];
+    assert_eq!(imported.findings, expected);
+    assert!(imported.text().starts_with("// Not imported: plugins do not run: libworld.so, libpush.so.\n"));
+}
+
+#[test]
+fn invalid_worlds_are_rejected_with_their_place() {
+    let deep = format!("{}{}", "<model name='m'>".repeat(12), "</model>".repeat(12));
+    for (text, expected) in [
+        (
+            world(&model("m", "", "<box><size>1 nan 1</size></box>")),
+            "w.world:3:111: <size> is `1 nan 1`; help: write 3 finite numbers",
+        ),
+        (
+            world(&model("m", "", "<box><size>1 -1 1</size></box>")),
+            "w.world:3:111: <size> of the box is `1 -1 1`; help: write sizes from 0.001 to 1000 m",
+        ),
+        (
+            world(&model("m", "", "<cylinder><radius>1</radius></cylinder>")),
+            "w.world:3:106: <cylinder> has no <length>; help: add it",
+        ),
+        (
+            world(&model("m", "<pose>1 2 3</pose>", BOX)),
+            "w.world:3:37: <pose> is `1 2 3`; help: write 6 finite numbers",
+        ),
+        (
+            world(&model("m", "", "<mesh/>")),
+            "w.world: nothing in it can be imported: meshes are left out: m/c; help: ",
+        ),
+        (world(""), "w.world: nothing in it can be imported: it has no collision shapes; help: "),
+        (world(&deep), "w.world:3:"),
+        ("<sdf>\n<world>".into(), "w.world:2:"),
+        ("<html/>".into(), "w.world:1:1: not an SDF file"),
+        (
+            "<!DOCTYPE a [<!ENTITY b 'bb'>]><sdf>&b;</sdf>".into(),
+            "w.world:1:1: not XML that can be read: XML with DTD detected",
+        ),
+        (
+            world(&model("m", "", "<box><size>900 900 1</size></box>")),
+            "w.world: the world is 902 m x 902 m, too large",
+        ),
+    ] {
+        let folder = Folder::new(&[("w.world", text.as_bytes())]);
+        let error = folder.import("w.world").expect_err("invalid");
+        assert!(error.starts_with(expected) && error.contains("help: "), "{error}");
+    }
+}
+
+#[test]
+fn invalid_maps_are_rejected_with_their_place() {
+    let black = pgm(20, 20, |_, _| 0);
+    let whole = hall();
+    for (yaml, picture, expected) in [
+        (
+            YAML.replace("map.pgm", "other.png"),
+            &whole[..],
+            "map.yaml:1:8: there is no picture `other.png`; help: ",
+        ),
+        (YAML.replace("0.05", "0"), &whole, "map.yaml:2:13: `resolution` is 0"),
+        (YAML.into(), &whole[..5000], "map.pgm: not a complete picture: "),
+        (
+            YAML.into(),
+            &black,
+            "map.yaml: the robot fits nowhere on this map: it needs 0.13 m of free cells to each side; help: ",
+        ),
+        (String::new(), &whole, "map.yaml: `image` is missing; help: "),
+    ] {
+        let folder = Folder::new(&[("map.yaml", yaml.as_bytes()), ("map.pgm", picture)]);
+        let error = folder.import("map.yaml").expect_err("invalid");
+        assert!(error.starts_with(expected), "{error}");
+    }
+    let folder = Folder::new(&[("a.txt", b"x")]);
+    let error = folder.import("a.txt").expect_err("another kind");
+    assert!(error.starts_with("a.txt: not a kind of file that can be imported; help: "), "{error}");
+    assert!(folder.import("missing.yaml").is_err() && folder.import("missing.world").is_err());
+}
+
+const BARN: &str = r#"{"radius_m": 0.075, "start_m": [-2.25, 3.0], "heading_rad": 1.57, "goal_m": [-2.25, 13.0],
+"goal_radius_m": 1.0, "time_limit_s": 100, "worlds": [
+{"world": 3, "circles_m": [[-0.075, 5.0], [-4.425, 5.0]], "metric_path_length_m": 10.5},
+{"world": 7, "circles_m": [[-2.25, 8.0]]}]}"#;
+
+#[test]
+fn barn_worlds_have_their_start_goal_and_path_length() {
+    let folder = Folder::new(&[("barn.json", BARN.as_bytes())]);
+    let error = folder.import("barn.json").expect_err("many worlds");
+    assert_eq!(
+        error,
+        "barn.json: it holds many worlds; help: choose one with --world N, or name a folder with --out"
+    );
+    let one = |world| {
+        folder.import_with("barn.json", &ImportOptions { world: Some(world), ..ImportOptions::default() })
+    };
+    let imported = one(3).expect("a world");
+    assert_eq!(imported.path_length_m, Some(10.5));
+    let scenario = &imported.scenario;
+    assert_eq!((scenario.obstacles.len(), scenario.task.max_episode_steps), (2, 500));
+    let route = scenario.benchmark_route.expect("a route");
+    assert!((route.goal_m - route.start_m - vec2(0.0, 10.0)).length() < 1e-4);
+    assert!((distance(&imported, -0.5, 5.0) - 0.35).abs() < 1e-3);
+    assert!(
+        one(4)
+            .expect_err("no such world")
+            .starts_with("barn.json: it has no such world; help: --world takes 3 to 7")
+    );
+    let all = import_barn(&folder.path("barn.json"), &ImportOptions::default()).expect("all worlds");
+    assert_eq!(all.iter().map(|(number, _)| *number).collect::<Vec<_>>(), [3, 7]);
+    folder.write("barn.json", BARN.replace("[[-2.25, 8.0]]", "[[-2.25]]").as_bytes());
+    let error = one(7).expect_err("invalid");
+    assert!(error.starts_with("barn.json:4:") && error.contains("not a file of BARN worlds: "), "{error}");
+}
+
+#[test]
+fn a_barn_world_with_its_path_file_has_barns_task() {
+    let cylinder = "<cylinder><radius>0.075</radius><length>1</length></cylinder>";
+    let text = world(&model("unit_cylinder_0", "<pose>-0.075 5.0 0 0 0 0</pose>", cylinder));
+    let header = "{'descr': '<i8', 'fortran_order': False, 'shape': (2, 2), }\n";
+    let mut path =
+        [&b"\x93NUMPY\x01\0"[..], &(header.len() as u16).to_le_bytes(), header.as_bytes()].concat();
+    path.extend([15_i64, 0, 15, 20].iter().flat_map(|value| value.to_le_bytes()));
+    let folder = Folder::new(&[("world_7.world", text.as_bytes()), ("path_files/path_7.npy", &path)]);
+    let imported = folder.import("world_7.world").expect("a world");
+    // The cells are (-2.325, 5.075) and (-2.325, 8.075).
+    let ends = 0.075_f64.hypot(2.075) + 3.0 + 0.075_f64.hypot(4.925);
+    assert!((imported.path_length_m.expect("a length") - ends).abs() < 1e-9);
+    assert_eq!(imported.scenario.robot.radius_m, 0.3, "the Jackal");
+    let scenario_1 = ImportOptions { robot_from: Some(Scenario::default()), ..ImportOptions::default() };
+    assert_eq!(
+        folder.import_with("world_7.world", &scenario_1).expect("a world").scenario.robot.radius_m,
+        0.1
+    );
+    folder.write("path_files/path_7.npy", b"PK\x03\x04");
+    let error = folder.import("world_7.world").expect_err("invalid");
+    assert_eq!(error, "path_files/path_7.npy: not a .npy file; help: fetch the file again");
+}
+
+#[test]
+fn shapes_are_cut_at_the_height_of_the_lidar() {
+    let ball = model("ball", "<pose>0 0 0 0 0 0</pose>", "<sphere><radius>0.5</radius></sphere>");
+    let folder = Folder::new(&[("w.world", world(&ball).as_bytes())]);
+    let radius = |height_m: f64| {
+        let options = ImportOptions { lidar_height_m: height_m, ..ImportOptions::default() };
+        match folder.import_with("w.world", &options).map(|found| found.scenario.obstacles[0].shape.clone()) {
+            Ok(Shape::Circle { radius_m }) => Some(radius_m),
+            _ => None,
+        }
+    };
+    // Its centre is 0.5 m above the ground.
+    assert_eq!((radius(0.5), radius(0.1), radius(1.1)), (Some(0.5), Some(0.3), None));
+}
+
+#[test]
+fn an_enclosed_court_that_the_robot_cannot_enter_is_filled() {
+    let mut walls = String::new();
+    for (k, (x, y, width, height)) in
+        [(0.0, 1.0, 2.2, 0.2), (0.0, -1.0, 2.2, 0.2), (1.0, 0.0, 0.2, 2.2), (-1.0, 0.0, 0.2, 2.2)]
+            .iter()
+            .enumerate()
+    {
+        let geometry = format!("<box><size>{width} {height} 1</size></box>");
+        walls += &model(&format!("wall{k}"), &format!("<pose>{x} {y} 0 0 0 0</pose>"), &geometry);
+    }
+    let outside = model("far", "<pose>4 4 0 0 0 0</pose>", BOX);
+    let folder = Folder::new(&[("w.world", world(&(walls + &outside)).as_bytes())]);
+    let imported = folder.import("w.world").expect("a world");
+    let free: Vec<Vec2> = (-9..=9)
+        .flat_map(|x| (-9..=9).map(move |y| vec2(x as f32 * 0.1, y as f32 * 0.1)))
+        .filter(|at| distance(&imported, f64::from(at.x), f64::from(at.y)) >= 0.35)
+        .collect();
+    assert_eq!(free, [], "no start or goal can be placed in the court");
+}
+
+#[test]
+fn a_named_pipe_or_a_folder_is_not_read_as_a_picture() {
+    let folder = Folder::new(&[("map.yaml", YAML.as_bytes()), ("map.pgm/x", b"")]);
+    let error = folder.import("map.yaml").expect_err("a folder");
+    assert!(error.starts_with("map.yaml:1:8: there is no picture `map.pgm`"), "{error}");
+    if Path::new("/dev/zero").exists() {
+        folder.write("map.yaml", YAML.replace("map.pgm", "/dev/zero").as_bytes());
+        let error = folder.import("map.yaml").expect_err("a device");
+        assert!(error.starts_with("/dev/zero: it is a device or a pipe; help: "), "{error}");
+    }
+}

@@ -1,0 +1,117 @@
+//! Moving obstacles: circles on paths that are clear of everything static. They don't avoid each other or the robot.
+
+use std::f32::consts::{PI, TAU};
+
+use glam::{Vec2, vec2};
+use wayfield_random::{Stream, random_u64, uniform};
+
+use super::draft::Draft;
+use super::schema::Traffic;
+use super::{lanes, number, one_of, whole};
+use crate::geometry::length;
+use crate::schema::{Obstacle, ObstacleMotion, Shape};
+
+/// Attempts to find a free path before an obstacle is omitted.
+const TRIES: usize = 50;
+/// Largest deviation of an obstacle from its even place on the circle, as a share of the angle between two places.
+const JITTER: f32 = 0.3;
+
+/// Adds one of `layouts`; nothing if there is none.
+pub(super) fn add(draft: &mut Draft, layouts: &[Traffic], stream: &mut Stream) {
+    let Some(layout) = one_of(layouts, stream) else { return };
+    match *layout {
+        Traffic::Lanes { pairs, count, radius_m, speed_m_s } => {
+            for _ in 0..whole(stream, pairs) {
+                let walkers = Walkers { radius_m, speed_m_s }.draw(stream);
+                lanes::add(draft, walkers, whole(stream, count), stream);
+            }
+        }
+        Traffic::CircleCrossing { count, radius_m, speed_m_s, circle_m } => {
+            add_circle(draft, whole(stream, count), Walkers { radius_m, speed_m_s }, circle_m, stream);
+        }
+        Traffic::RandomCrossing { count, radius_m, speed_m_s } => {
+            for _ in 0..whole(stream, count) {
+                let walker = Walkers { radius_m, speed_m_s }.draw(stream);
+                add_crossing(draft, walker, stream);
+            }
+        }
+        Traffic::RandomWalks { count, radius_m, speed_m_s, reach_m } => {
+            for _ in 0..whole(stream, count) {
+                let walker = Walkers { radius_m, speed_m_s }.draw(stream);
+                let reach_m = number(stream, reach_m);
+                add_walk(draft, walker, reach_m, stream);
+            }
+        }
+    }
+}
+
+/// The ranges of the sizes and speeds of moving obstacles.
+#[derive(Clone, Copy)]
+struct Walkers {
+    radius_m: (f32, f32),
+    speed_m_s: (f32, f32),
+}
+
+impl Walkers {
+    fn draw(self, stream: &mut Stream) -> Walker {
+        Walker { radius_m: number(stream, self.radius_m), speed_m_s: number(stream, self.speed_m_s) }
+    }
+}
+
+/// The size and the speed of a moving obstacle.
+#[derive(Clone, Copy)]
+pub(super) struct Walker {
+    pub(super) radius_m: f32,
+    pub(super) speed_m_s: f32,
+}
+
+impl Walker {
+    /// The moving obstacle at a position.
+    pub(super) fn at(self, position_m: Vec2, motion: ObstacleMotion) -> Obstacle {
+        let shape = Shape::Circle { radius_m: self.radius_m };
+        Obstacle { shape, position_m, rotation_rad: 0.0, motion }
+    }
+
+    fn between(self, from: Vec2, to: Vec2) -> Obstacle {
+        let waypoints_m = vec![to];
+        self.at(from, ObstacleMotion::BackAndForth { waypoints_m, speed_m_s: self.speed_m_s })
+    }
+}
+
+/// Obstacles from all around a circle to the opposite points and back.
+fn add_circle(draft: &mut Draft, count: u32, walkers: Walkers, circle_m: (f32, f32), stream: &mut Stream) {
+    let (circle_m, first) = (number(stream, circle_m), uniform(stream, -PI, PI));
+    let middle = (draft.field.min_m + draft.field.max_m) / 2.0;
+    let size = draft.field.max_m - draft.field.min_m;
+    for k in 0..count {
+        let walker = walkers.draw(stream);
+        let angle = first + TAU * (k as f32 + uniform(stream, -JITTER, JITTER)) / count as f32;
+        let (sin, cos) = libm::sincosf(angle);
+        let arm = circle_m.min(size.min_element() / 2.0 - walker.radius_m).max(0.0) * vec2(cos, sin);
+        if draft.is_free(middle + arm, middle - arm, walker.radius_m) {
+            draft.add_moving(walker.between(middle + arm, middle - arm));
+        }
+    }
+}
+
+/// An obstacle between two random points that are at least half the shorter side of the field apart.
+fn add_crossing(draft: &mut Draft, walker: Walker, stream: &mut Stream) {
+    let far = (draft.field.max_m - draft.field.min_m).min_element() / 2.0;
+    let mut ends = (0..TRIES).map(|_| (draft.random_point(stream), draft.random_point(stream)));
+    let free = ends.find(|&(from, to)| {
+        length(to.x - from.x, to.y - from.y) >= far && draft.is_free(from, to, walker.radius_m)
+    });
+    if let Some((from, to)) = free {
+        draft.add_moving(walker.between(from, to));
+    }
+}
+
+/// An obstacle that walks at random within `reach_m` of a random point.
+fn add_walk(draft: &mut Draft, walker: Walker, reach_m: f32, stream: &mut Stream) {
+    let mut points = (0..TRIES).map(|_| draft.random_point(stream));
+    if let Some(at) = points.find(|&at| draft.is_free(at, at, walker.radius_m + reach_m)) {
+        let seed = random_u64(stream) as u32;
+        let motion = ObstacleMotion::RandomWalk { radius_m: reach_m, speed_m_s: walker.speed_m_s, seed };
+        draft.add_moving(walker.at(at, motion));
+    }
+}

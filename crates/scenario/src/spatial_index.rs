@@ -1,0 +1,160 @@
+//! The spatial index of a scenario with many still parts: the clearance of a point from those near it.
+//!
+//! In: a [`Scenario`]. Out: a [`SpatialIndex`], which gives the same results as a test of all parts, to the bit.
+
+use super::geometry::{enclosure_distance, is_clear, nearest, obstacle_distance, wall_segment_distance};
+use super::schema::{ObstacleMotion, Scenario};
+use super::uniform_grid::UniformGrid;
+use super::{Solid, Vec2};
+
+/// A bound of the rounding of distances, relative to the coordinates.
+const ROUNDING: f32 = 1e-5;
+
+/// An index over the walls and the static obstacles of a scenario. It is valid for this scenario only.
+#[derive(Clone, Debug)]
+pub struct SpatialIndex {
+    grid: UniformGrid,
+    parts: Vec<Part>,
+    /// The indices of the moving obstacles.
+    moving: Vec<usize>,
+}
+
+/// A still part of a scenario.
+#[derive(Clone, Copy, Debug)]
+enum Part {
+    /// The segment between corner `corner` of wall `wall` and the next one.
+    Segment { wall: usize, corner: usize },
+    /// A static obstacle.
+    Obstacle(usize),
+}
+
+impl Part {
+    fn solid(self) -> Solid {
+        match self {
+            Self::Segment { wall, .. } => Solid::Wall(wall),
+            Self::Obstacle(index) => Solid::Obstacle(index),
+        }
+    }
+
+    fn distance_m(self, scenario: &Scenario, point_m: Vec2) -> f32 {
+        match self {
+            Self::Segment { wall, corner } => {
+                let wall = &scenario.walls[wall];
+                let (from, to) = (wall.corners_m[corner], wall.corners_m[corner + 1]);
+                wall_segment_distance(from, to, wall.thickness_m, point_m)
+            }
+            Self::Obstacle(index) => {
+                obstacle_distance(&scenario.obstacles[index], point_m, 0, scenario.task.control_period_s)
+            }
+        }
+    }
+
+    /// Lower left and upper right corner of a box around it, in m.
+    fn bounds_m(self, scenario: &Scenario) -> (Vec2, Vec2) {
+        let (from, to, reach_m) = match self {
+            Self::Segment { wall, corner } => {
+                let wall = &scenario.walls[wall];
+                (wall.corners_m[corner], wall.corners_m[corner + 1], wall.thickness_m)
+            }
+            Self::Obstacle(index) => {
+                let obstacle = &scenario.obstacles[index];
+                (obstacle.position_m, obstacle.position_m, obstacle.shape.bounding_radius_m())
+            }
+        };
+        (from.min(to) - reach_m, from.max(to) + reach_m)
+    }
+}
+
+impl SpatialIndex {
+    /// The index of `scenario`. None if the scenario has so few still parts that testing all of them is as fast.
+    #[must_use]
+    pub fn new(scenario: &Scenario) -> Option<Self> {
+        let of_wall = |wall: usize| {
+            let segments = scenario.walls[wall].corners_m.len().saturating_sub(1);
+            (0..segments).map(move |corner| Part::Segment { wall, corner })
+        };
+        let is_static = |index: &usize| scenario.obstacles[*index].motion == ObstacleMotion::Static;
+        let (still, moving): (Vec<_>, Vec<_>) = (0..scenario.obstacles.len()).partition(is_static);
+        let walls = (0..scenario.walls.len()).flat_map(of_wall);
+        let parts: Vec<Part> = walls.chain(still.into_iter().map(Part::Obstacle)).collect();
+        if parts.len() < UniformGrid::MIN_ITEMS {
+            return None;
+        }
+        let boxes: Vec<_> = parts.iter().map(|part| part.bounds_m(scenario)).collect();
+        let farthest_m = boxes.iter().flat_map(|(low, high)| [low, high]).map(|at| at.abs().max_element());
+        let margin_m = ROUNDING * farthest_m.fold(1.0, f32::max);
+        let grid = UniformGrid::new(&boxes, margin_m, |part, point| parts[part].distance_m(scenario, point))?;
+        Some(Self { grid, parts, moving })
+    }
+
+    /// The still parts near a point, and their distances in m; the same part may come more than once.
+    fn near<'a>(
+        &'a self,
+        scenario: &'a Scenario,
+        point_m: Vec2,
+        radius_m: f32,
+    ) -> impl Iterator<Item = (Solid, f32)> + 'a {
+        let parts = self.grid.near(point_m, radius_m).map(|part| self.parts[part]);
+        parts.map(move |part| (part.solid(), part.distance_m(scenario, point_m)))
+    }
+
+    fn moving<'a>(
+        &'a self,
+        scenario: &'a Scenario,
+        point_m: Vec2,
+        step: u64,
+    ) -> impl Iterator<Item = (Solid, f32)> + 'a {
+        let period_s = scenario.task.control_period_s;
+        self.moving.iter().map(move |&index| {
+            let distance_m = obstacle_distance(&scenario.obstacles[index], point_m, step, period_s);
+            (Solid::Obstacle(index), distance_m)
+        })
+    }
+}
+
+/// A scenario, with its spatial index if it has one. A `&Scenario` converts into one without.
+#[derive(Clone, Copy, Debug)]
+pub struct IndexedScenario<'a> {
+    /// The scenario.
+    pub scenario: &'a Scenario,
+    /// Its index.
+    pub index: Option<&'a SpatialIndex>,
+}
+
+impl<'a> From<&'a Scenario> for IndexedScenario<'a> {
+    fn from(scenario: &'a Scenario) -> Self {
+        Self { scenario, index: None }
+    }
+}
+
+impl IndexedScenario<'_> {
+    /// Whether the [`clearance`](super::clearance) of `point_m` at `step` is at least `clearance_m`.
+    #[must_use]
+    pub fn is_clear(self, point_m: Vec2, step: u64, clearance_m: f32) -> bool {
+        let Some(index) = self.index else { return is_clear(self.scenario, point_m, step, clearance_m) };
+        enclosure_distance(&self.scenario.enclosure, point_m) >= clearance_m
+            && index.near(self.scenario, point_m, clearance_m).all(|(_, other)| other >= clearance_m)
+            && index.moving(self.scenario, point_m, step).all(|(_, other)| other >= clearance_m)
+    }
+
+    /// [`nearest`](super::nearest): the part that is nearest to `point_m` at `step`, and its distance in m.
+    #[must_use]
+    pub fn nearest(self, point_m: Vec2, step: u64) -> (Solid, f32) {
+        let Some(index) = self.index else { return nearest(self.scenario, point_m, step) };
+        let nearer = |best: (Solid, f32), other: (Solid, f32)| {
+            let is_nearer = other.1 < best.1 || (other.1 == best.1 && other.0 < best.0);
+            if is_nearer { other } else { best }
+        };
+        let enclosure = (Solid::Enclosure, enclosure_distance(&self.scenario.enclosure, point_m));
+        let mut best = index.moving(self.scenario, point_m, step).fold(enclosure, nearer);
+        let mut radius_m = index.grid.cell_m();
+        loop {
+            best = index.near(self.scenario, point_m, radius_m).fold(best, nearer);
+            // Beyond the farthest cell there is nothing to find.
+            if best.1 <= radius_m || radius_m > index.grid.reach_m(point_m) {
+                return best;
+            }
+            radius_m *= 2.0;
+        }
+    }
+}

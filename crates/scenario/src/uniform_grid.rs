@@ -1,0 +1,169 @@
+//! A uniform grid over many shapes: which of them are near a point, and which a ray may hit.
+//!
+//! In: the bounding boxes of numbered items, and their distances from points. Out: the numbers of the items in cells. An item
+//! is listed in every cell that it touches, and in some cells near it.
+
+use glam::{Vec2, vec2};
+
+/// The number of cells per item.
+const CELLS_PER_ITEM: f32 = 2.0;
+/// The most cells along a side.
+const MAX_SIDE: f32 = 512.0;
+/// The most cells in all bounding boxes together. Of many large items, the grid is coarser.
+const MAX_BOX_CELLS: f64 = 262_144.0;
+
+/// A grid of square cells over numbered items. Immutable.
+#[derive(Clone, Debug)]
+pub struct UniformGrid {
+    /// The lower left corner, in m.
+    low: Vec2,
+    cell_m: f32,
+    cells_per_m: f32,
+    columns: usize,
+    rows: usize,
+    /// Where the items of each cell begin in `items`, row by row; one more entry than cells.
+    starts: Vec<u32>,
+    items: Vec<u32>,
+}
+
+impl UniformGrid {
+    /// The number of items from which on a grid is worth its cost.
+    pub const MIN_ITEMS: usize = 32;
+
+    /// A grid over items with these bounding boxes: their lower left and upper right corners, in m. `distance_m` is the
+    /// distance of an item, by its number, from a point. Items are listed as if they were larger by `margin_m` on all sides.
+    ///
+    /// None if there are no items or if a coordinate is not finite.
+    #[must_use]
+    pub fn new(
+        boxes: &[(Vec2, Vec2)],
+        margin_m: f32,
+        distance_m: impl Fn(usize, Vec2) -> f32,
+    ) -> Option<Self> {
+        let boxes: Vec<_> = boxes.iter().map(|(low, high)| (*low - margin_m, *high + margin_m)).collect();
+        let (low, high) = boxes.iter().copied().reduce(|all, item| (all.0.min(item.0), all.1.max(item.1)))?;
+        let extent = high - low;
+        if !boxes.iter().all(|(low, high)| low.is_finite() && high.is_finite()) || !extent.is_finite() {
+            return None;
+        }
+        let mut grid = Self::empty(low, extent, boxes.len());
+        while boxes.iter().map(|item| grid.box_cells(item)).sum::<f64>() > MAX_BOX_CELLS {
+            grid = Self::with_cells(low, extent, 2.0 * grid.cell_m);
+        }
+        grid.fill(&boxes, |item, point| distance_m(item, point) - margin_m);
+        Some(grid)
+    }
+
+    fn empty(low: Vec2, extent: Vec2, items: usize) -> Self {
+        let of_equal_share = (extent.x * extent.y / (CELLS_PER_ITEM * items as f32)).sqrt();
+        Self::with_cells(low, extent, of_equal_share.max(extent.max_element() / MAX_SIDE).max(1e-3))
+    }
+
+    fn with_cells(low: Vec2, extent: Vec2, cell_m: f32) -> Self {
+        let cells_per_m = 1.0 / cell_m;
+        // One more, so that the upper right corner is inside.
+        let count = |side_m: f32| (side_m * cells_per_m) as usize + 1;
+        let (columns, rows) = (count(extent.x), count(extent.y));
+        Self { low, cell_m, cells_per_m, columns, rows, starts: Vec::new(), items: Vec::new() }
+    }
+
+    /// The number of cells in a box.
+    fn box_cells(&self, &(low, high): &(Vec2, Vec2)) -> f64 {
+        let (low, high) = (self.cell_at(low), self.cell_at(high));
+        (high.0 - low.0 + 1) as f64 * (high.1 - low.1 + 1) as f64
+    }
+
+    fn fill(&mut self, boxes: &[(Vec2, Vec2)], distance_m: impl Fn(usize, Vec2) -> f32) {
+        // Half the diagonal of a cell, with room for rounding.
+        let reach_m = 0.7072 * self.cell_m;
+        let mut listed = Vec::new();
+        for (item, &(low, high)) in boxes.iter().enumerate() {
+            let (low, high) = (self.cell_at(low), self.cell_at(high));
+            for (row, column) in (low.1..=high.1).flat_map(|row| (low.0..=high.0).map(move |c| (row, c))) {
+                let centre = self.low + vec2(column as f32 + 0.5, row as f32 + 0.5) * self.cell_m;
+                if distance_m(item, centre) <= reach_m {
+                    listed.push(((row * self.columns + column) as u32, item as u32));
+                }
+            }
+        }
+        listed.sort_unstable();
+        let first_of = |cell: usize| listed.partition_point(|&(other, _)| (other as usize) < cell) as u32;
+        self.starts = (0..=self.columns * self.rows).map(first_of).collect();
+        self.items = listed.into_iter().map(|(_, item)| item).collect();
+    }
+
+    /// The column and row of the cell at `point`, or of the nearest cell if the point is outside.
+    fn cell_at(&self, point: Vec2) -> (usize, usize) {
+        let cell = (point - self.low) * self.cells_per_m;
+        // The conversion gives 0 for negative numbers.
+        ((cell.x as usize).min(self.columns - 1), (cell.y as usize).min(self.rows - 1))
+    }
+
+    /// The side of a cell, in m.
+    #[must_use]
+    pub fn cell_m(&self) -> f32 {
+        self.cell_m
+    }
+
+    /// A distance, in m, that is not less than that of any cell from `point`.
+    #[must_use]
+    pub fn reach_m(&self, point: Vec2) -> f32 {
+        let high = self.low + vec2(self.columns as f32, self.rows as f32) * self.cell_m;
+        (point - self.low).abs().max((high - point).abs()).element_sum()
+    }
+
+    /// Whether `point`, in m, is inside the grid.
+    #[must_use]
+    pub fn contains(&self, point: Vec2) -> bool {
+        let cell = (point - self.low) * self.cells_per_m;
+        cell.x >= 0.0 && cell.y >= 0.0 && cell.x < self.columns as f32 && cell.y < self.rows as f32
+    }
+
+    /// All items at most `radius_m` from `point`, and others. An item may come more than once. A negative radius counts as 0.
+    pub fn near(&self, point: Vec2, radius_m: f32) -> impl Iterator<Item = usize> + '_ {
+        let radius_m = radius_m.max(0.0);
+        let (low, high) = (self.cell_at(point - radius_m), self.cell_at(point + radius_m));
+        let of_row = move |row: usize| {
+            let (from, to) = (row * self.columns + low.0, row * self.columns + high.0 + 1);
+            &self.items[self.starts[from] as usize..self.starts[to] as usize]
+        };
+        (low.1..=high.1).flat_map(of_row).map(|&item| item as usize)
+    }
+
+    /// Walks along a ray from a point inside the grid, in a direction of length 1. Calls `visit` with the items of every cell
+    /// on the way and the distance, in m, at which the ray leaves the cell. Ends when `visit` returns false, or at the border.
+    #[inline]
+    pub fn walk<'a>(&'a self, origin: Vec2, direction: Vec2, mut visit: impl FnMut(&'a [u32], f32) -> bool) {
+        let start = (origin - self.low) * self.cells_per_m;
+        let (mut column, mut row) = self.cell_at(origin);
+        let (step_x, mut next_x, each_x) = self.axis(start.x, column, direction.x);
+        let (step_y, mut next_y, each_y) = self.axis(start.y, row, direction.y);
+        while column < self.columns && row < self.rows {
+            let cell = row * self.columns + column;
+            let items = &self.items[self.starts[cell] as usize..self.starts[cell + 1] as usize];
+            let exit_m = next_x.min(next_y);
+            if !visit(items, exit_m) || exit_m == f32::INFINITY {
+                return;
+            }
+            if next_x < next_y {
+                (column, next_x) = (column.wrapping_add_signed(step_x), next_x + each_x);
+            } else {
+                (row, next_y) = (row.wrapping_add_signed(step_y), next_y + each_y);
+            }
+        }
+    }
+
+    /// For one axis of a ray: the step from cell to cell, the distance to the end of the first cell, and that between the
+    /// next ends, in m.
+    #[inline]
+    fn axis(&self, start: f32, cell: usize, direction: f32) -> (isize, f32, f32) {
+        let each = self.cell_m / direction.abs();
+        if direction > 0.0 {
+            (1, (cell as f32 + 1.0 - start) * each, each)
+        } else if direction < 0.0 {
+            (-1, (start - cell as f32) * each, each)
+        } else {
+            (0, f32::INFINITY, f32::INFINITY)
+        }
+    }
+}

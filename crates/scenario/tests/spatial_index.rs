@@ -1,0 +1,105 @@
+//! The spatial index gives the same clearances, starts and goals as a test of all parts, to the bit.
+
+use proptest::prelude::*;
+use wayfield_random::stream;
+use wayfield_scenario::{
+    Enclosure, IndexedScenario, Obstacle, ObstacleMotion, PlacementRule, Scenario, Shape, SpatialIndex, Vec2,
+    Wall, clearance, draw_start_and_goal, nearest, vec2,
+};
+
+/// A point on a lattice of 0.5 m, so that parts touch and distances are equal, or anywhere.
+fn point(reach_m: f32) -> impl Strategy<Value = Vec2> {
+    let lattice = (-20_i8..=20, -20_i8..=20).prop_map(|(x, y)| vec2(f32::from(x), f32::from(y)) * 0.5);
+    prop_oneof![lattice, (-reach_m..reach_m, -reach_m..reach_m).prop_map(Vec2::from)]
+}
+
+fn obstacle() -> impl Strategy<Value = Obstacle> {
+    let size = || prop_oneof![0.01_f32..1.0, Just(0.5), Just(6.0)];
+    let shape = prop_oneof![
+        size().prop_map(|radius_m| Shape::Circle { radius_m }),
+        (size(), size()).prop_map(|(width_m, height_m)| Shape::Rectangle { width_m, height_m }),
+        (size(), size()).prop_map(|(length_m, radius_m)| Shape::Capsule { length_m, radius_m }),
+        size().prop_map(|side| Shape::Polygon {
+            corners_m: vec![vec2(0.0, 0.0), vec2(side, 0.0), vec2(0.0, side)]
+        }),
+    ];
+    let motion = prop_oneof![
+        9 => Just(ObstacleMotion::Static),
+        1 => point(5.0).prop_map(|centre_m| ObstacleMotion::Orbit { centre_m, speed_rad_s: 0.5 }),
+    ];
+    let rotation = prop_oneof![Just(0.0_f32), -3.0_f32..3.0];
+    (shape, point(10.0), rotation, motion).prop_map(|(shape, position_m, rotation_rad, motion)| Obstacle {
+        shape,
+        position_m,
+        rotation_rad,
+        motion,
+    })
+}
+
+/// A world of 20 m x 20 m with 32 to 120 obstacles and some walls.
+fn world() -> impl Strategy<Value = Scenario> {
+    let wall = (prop::collection::vec(point(10.0), 2..6), prop_oneof![0.01_f32..0.5, Just(3.0)])
+        .prop_map(|(corners_m, thickness_m)| Wall { corners_m, thickness_m });
+    let parts = (prop::collection::vec(obstacle(), 60..120), prop::collection::vec(wall, 0..9));
+    parts.prop_map(|(obstacles, walls)| Scenario {
+        enclosure: Enclosure::Rectangle { width_m: 20.0, height_m: 20.0 },
+        obstacles,
+        walls,
+        starts: PlacementRule::Random { clearance_m: 0.1 },
+        ..Scenario::default()
+    })
+}
+
+proptest! {
+    #[test]
+    fn clearances_and_placements_are_those_without_an_index(
+        scenario in world(), points in prop::collection::vec(point(15.0), 40), step in 0_u64..100, seed in 0_u64..9,
+    ) {
+        let index = SpatialIndex::new(&scenario).expect("there are enough parts");
+        let indexed = IndexedScenario { scenario: &scenario, index: Some(&index) };
+        for point in points {
+            let (part, distance_m) = nearest(&scenario, point, step);
+            let found = indexed.nearest(point, step);
+            prop_assert_eq!((part, distance_m.to_bits()), (found.0, found.1.to_bits()), "{:?}", point);
+            for asked_m in [0.0, 0.1, 0.35, 2.0, distance_m, distance_m.next_up(), distance_m.next_down()] {
+                let expected = clearance(&scenario, point, step) >= asked_m;
+                prop_assert_eq!(indexed.is_clear(point, step, asked_m), expected, "{} m at {:?}", asked_m, point);
+            }
+        }
+        let drawn = draw_start_and_goal(&scenario, step, &mut stream(seed, "places", 0));
+        prop_assert_eq!(drawn, draw_start_and_goal(indexed, step, &mut stream(seed, "places", 0)));
+    }
+}
+
+#[test]
+fn a_scenario_with_few_parts_or_without_finite_numbers_has_no_index() {
+    assert!(SpatialIndex::new(&Scenario::default()).is_none());
+    let circle = |x: f32| Obstacle {
+        shape: Shape::Circle { radius_m: 0.1 },
+        position_m: vec2(x, 0.0),
+        rotation_rad: 0.0,
+        motion: ObstacleMotion::Static,
+    };
+    let mut scenario =
+        Scenario { obstacles: (0..100).map(|k| circle(k as f32)).collect(), ..Scenario::default() };
+    assert!(SpatialIndex::new(&scenario).is_some());
+    scenario.obstacles[50].position_m.x = f32::NAN;
+    assert!(SpatialIndex::new(&scenario).is_none());
+}
+
+/// The largest files allowed: an index takes neither much memory nor much time.
+#[test]
+fn ten_thousand_large_obstacles_are_indexed_quickly() {
+    let large = |k: u16| Obstacle {
+        shape: Shape::Rectangle { width_m: 900.0, height_m: 900.0 },
+        position_m: vec2(f32::from(k) * 0.01, 0.0),
+        rotation_rad: 0.3,
+        motion: ObstacleMotion::Static,
+    };
+    let enclosure = Enclosure::Rectangle { width_m: 1000.0, height_m: 1000.0 };
+    let scenario = Scenario { enclosure, obstacles: (0..10_000).map(large).collect(), ..Scenario::default() };
+    let index = SpatialIndex::new(&scenario).expect("there are enough parts");
+    let indexed = IndexedScenario { scenario: &scenario, index: Some(&index) };
+    let point = vec2(-480.0, 480.0);
+    assert_eq!(indexed.nearest(point, 0), nearest(&scenario, point, 0));
+}

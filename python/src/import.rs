@@ -1,0 +1,60 @@
+//! Imports of maps and worlds.
+
+use std::path::PathBuf;
+
+use pyo3::prelude::*;
+use wayfield::import::{ImportOptions, import};
+use wayfield::scenario::Scenario;
+
+use crate::env_options::{scenario as find_scenario, settings};
+use crate::errors::{detached, file_error, setting_errors};
+
+/// The options of an import, before they are checked.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct ImportArguments {
+    resolution_m: Option<f64>,
+    tolerance_m: Option<f64>,
+    speck_cells: usize,
+    lidar_height_m: f64,
+    models: Vec<PathBuf>,
+    world: Option<u32>,
+    /// The scenario with the robot.
+    robot: Option<String>,
+    /// Settings of that scenario: pairs of a field's path and its value as RON.
+    settings: Vec<(String, String)>,
+}
+
+/// The scenario in the file `path`: its RON text, the largest deviation of a wall in m, the length of a shortest path in m if it
+/// is known, and what was not imported.
+#[pyfunction]
+pub fn import_scenario(
+    py: Python<'_>,
+    path: PathBuf,
+    options: ImportArguments,
+) -> PyResult<(String, f64, Option<f64>, Vec<String>)> {
+    let robot_from = robot_from(options.robot.as_deref(), options.settings)?;
+    let options = ImportOptions {
+        resolution_m: options.resolution_m,
+        tolerance_m: options.tolerance_m,
+        speck_cells: options.speck_cells,
+        lidar_height_m: options.lidar_height_m,
+        models: options.models,
+        world: options.world,
+        robot_from,
+    };
+    detached(py, || {
+        let found = import(&path, &options).map_err(|error| file_error(&path.to_string_lossy(), error))?;
+        Ok((found.text(), found.deviation_m, found.path_length_m, found.findings))
+    })
+}
+
+/// The scenario with the robot that the user has chosen, by name or by single fields.
+fn robot_from(robot: Option<&str>, pairs: Vec<(String, String)>) -> PyResult<Option<Scenario>> {
+    if robot.is_none() && pairs.is_empty() {
+        return Ok(None);
+    }
+    let mut scenario = robot.map_or_else(|| Ok(Scenario::default()), find_scenario)?;
+    settings(pairs).apply_to_scenario(&mut scenario).map_err(setting_errors)?;
+    Ok(Some(scenario))
+}

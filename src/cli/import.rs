@@ -1,0 +1,135 @@
+//! The mode `--import`: a scenario from somebody else's world.
+
+use std::fs;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde_json::json;
+
+use super::output::{print_json, print_stdout};
+use super::shared::SharedArgs;
+use super::values;
+use crate::import::limits::{LIDAR_HEIGHT_M, MAX_CELLS, RESOLUTION_M, TOLERANCE_M};
+use crate::import::{ImportOptions, Imported, import, import_barn};
+use crate::run::output_file::{check_writable, is_stream, write_atomic};
+use crate::run::progress::print_stderr;
+use crate::run::{RunError, shipped};
+use crate::scenario::{Scenario, printable_path};
+
+/// The options of `--import`.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Options of --import")]
+pub struct ImportArgs {
+    /// The side of a pixel of a plain picture in m; a map's file says it itself. Also with --draw and --over
+    #[arg(long, value_name = "M", value_parser = values::metres(RESOLUTION_M), allow_negative_numbers = true)]
+    pub resolution: Option<f64>,
+
+    /// How far the walls may be from the cells of a map, in m; with 0, every cell is kept [default: the side of a cell and 0.01, half
+    /// the thickness of a wall]
+    #[arg(long, value_name = "M", value_parser = values::metres(TOLERANCE_M), allow_negative_numbers = true)]
+    tolerance: Option<f64>,
+
+    /// Take specks of up to N cells of a map, such as a scanner's noise, for floor [default: 0]
+    #[arg(long, value_name = "N", value_parser = values::whole::<usize>(0..=MAX_CELLS as u64), allow_negative_numbers = true)]
+    specks: Option<usize>,
+
+    /// The height of the LIDAR above the ground in m, at which the shapes of an SDF world are cut [default: 0.18]
+    #[arg(long, value_name = "M", value_parser = values::metres(LIDAR_HEIGHT_M), allow_negative_numbers = true)]
+    lidar_height: Option<f64>,
+
+    /// A folder with the models that an SDF world includes; may be repeated
+    #[arg(long, value_name = "DIR")]
+    models: Vec<PathBuf>,
+
+    /// The number of the world in a file of BARN worlds
+    #[arg(long, value_name = "N", value_parser = values::whole::<u32>(0..=u64::from(u32::MAX)), allow_negative_numbers = true)]
+    world: Option<u32>,
+
+    /// Take robot, LIDAR and rules from this scenario, a file or a shipped one by name; --set changes single fields
+    /// [default: the robot of scenario-1; in a BARN world, BARN's]
+    #[arg(long, value_name = "SCENARIO")]
+    robot: Option<String>,
+}
+
+/// Imports `file` into the scenario's file that `--out` names, or all worlds of a BARN file into the folder that it names. Prints
+/// the path, and on stderr what was not imported.
+///
+/// # Errors
+/// No output is given, `file` cannot be imported, or a scenario's file cannot be written.
+pub fn run(file: &Path, args: &ImportArgs, shared: &SharedArgs) -> Result<(), RunError> {
+    let Some(out) = &shared.out else {
+        return Err(RunError::InvalidInput(
+            "--import needs an output file; help: add --out SCENARIO.ron".into(),
+        ));
+    };
+    let is_file = is_stream(out) || out.extension() == Some("ron".as_ref());
+    if !is_file && file.extension() == Some("json".as_ref()) && args.world.is_none() {
+        return all_worlds(file, &options(args, shared)?, out);
+    }
+    if !is_file {
+        return Err(RunError::invalid_input(
+            out,
+            "not a scenario's file; help: give a name that ends in .ron",
+        ));
+    }
+    check_writable(out)?;
+    let imported = import(file, &options(args, shared)?)?;
+    write(out, &imported)?;
+    for finding in &imported.findings {
+        print_stderr(&format!("note: {}: {finding}", printable_path(file)));
+    }
+    if shared.json {
+        return print_json(&json!({
+            "scenario": out,
+            "deviation_m": imported.deviation_m,
+            "path_length_m": imported.path_length_m,
+            "findings": imported.findings,
+        }));
+    }
+    if is_stream(out) { Ok(()) } else { print_stdout(&format!("{}\n", out.display())) }
+}
+
+/// Imports all BARN worlds in `file` into `folder`, and prints the paths.
+fn all_worlds(file: &Path, options: &ImportOptions, folder: &Path) -> Result<(), RunError> {
+    let worlds = import_barn(file, options)?;
+    fs::create_dir_all(folder)
+        .map_err(|error| RunError::not_writable(folder, format!("{error}; help: choose another folder")))?;
+    let mut printed = String::new();
+    for (number, imported) in worlds {
+        let path = folder.join(format!("barn-{number:03}.ron"));
+        write(&path, &imported)?;
+        printed += &format!("{}\n", path.display());
+    }
+    print_stdout(&printed)
+}
+
+fn write(path: &Path, imported: &Imported) -> Result<(), RunError> {
+    let text = imported.text();
+    write_atomic(path, |file| file.write_all(text.as_bytes()))
+        .map_err(|error| RunError::not_written(path, error))
+}
+
+fn options(args: &ImportArgs, shared: &SharedArgs) -> Result<ImportOptions, RunError> {
+    let usual = ImportOptions::default();
+    Ok(ImportOptions {
+        resolution_m: args.resolution,
+        tolerance_m: args.tolerance,
+        speck_cells: args.specks.unwrap_or(usual.speck_cells),
+        lidar_height_m: args.lidar_height.unwrap_or(usual.lidar_height_m),
+        models: args.models.clone(),
+        world: args.world,
+        robot_from: robot_from(args, shared)?,
+    })
+}
+
+/// The scenario with the robot that the user has chosen, with `--robot` or by single fields.
+fn robot_from(args: &ImportArgs, shared: &SharedArgs) -> Result<Option<Scenario>, RunError> {
+    let settings = shared.settings();
+    if args.robot.is_none() && settings.is_empty() {
+        return Ok(None);
+    }
+    let mut scenario = args.robot.as_deref().map_or_else(|| Ok(Scenario::default()), shipped::scenario)?;
+    settings.apply_to_scenario(&mut scenario)?;
+    Ok(Some(scenario))
+}

@@ -1,0 +1,92 @@
+//! What the caller commands the robots: actions by number, or motions.
+
+use bevy::prelude::World;
+
+use super::VecEnvError;
+use crate::scenario::{Motion, Scenario};
+use crate::task::{Actions, CommandedMotions};
+
+/// The commands for one control step, one per environment.
+#[derive(Clone, Copy, Debug)]
+pub enum Commands<'a> {
+    /// Indices into the robot's motions.
+    Actions(&'a [usize]),
+    /// Speeds and turning rates, which are limited to those between 0 and the extremes of the robot's motions.
+    Motions(&'a [Motion]),
+}
+
+/// The number of the robot's motions, and the limits of motions.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CommandRules {
+    pub num_actions: usize,
+    /// The smallest speed and turning rate.
+    pub low: Motion,
+    /// The largest speed and turning rate.
+    pub high: Motion,
+}
+
+impl CommandRules {
+    /// The rules for the robot of `scenario`.
+    pub fn of(scenario: &Scenario) -> Self {
+        let still = Motion { v_m_s: 0.0, w_rad_s: 0.0 };
+        let (low, high) = scenario.robot.motions.iter().fold((still, still), |(low, high), motion| {
+            let least =
+                Motion { v_m_s: low.v_m_s.min(motion.v_m_s), w_rad_s: low.w_rad_s.min(motion.w_rad_s) };
+            let most =
+                Motion { v_m_s: high.v_m_s.max(motion.v_m_s), w_rad_s: high.w_rad_s.max(motion.w_rad_s) };
+            (least, most)
+        });
+        Self { num_actions: scenario.robot.motions.len(), low, high }
+    }
+
+    /// Checks `commands` for the first `num_envs` environments of `world`, and makes them those of the next control step.
+    pub fn apply(
+        &self,
+        commands: Commands<'_>,
+        num_envs: usize,
+        world: &mut World,
+    ) -> Result<(), VecEnvError> {
+        match commands {
+            Commands::Actions(actions) => {
+                self.check_actions(actions, num_envs)?;
+                world.remove_resource::<CommandedMotions>();
+                world.resource_mut::<Actions>().0[..num_envs].copy_from_slice(actions);
+            }
+            Commands::Motions(motions) => {
+                check_motions(motions, num_envs)?;
+                let limited = motions.iter().map(|motion| Motion {
+                    v_m_s: motion.v_m_s.clamp(self.low.v_m_s, self.high.v_m_s),
+                    w_rad_s: motion.w_rad_s.clamp(self.low.w_rad_s, self.high.w_rad_s),
+                });
+                let arenas = world.resource::<Actions>().0.len();
+                let mut commanded = world.get_resource_or_init::<CommandedMotions>();
+                commanded.0.clear();
+                commanded.0.extend(limited);
+                commanded.0.resize(arenas, Motion { v_m_s: 0.0, w_rad_s: 0.0 });
+            }
+        }
+        Ok(())
+    }
+
+    fn check_actions(&self, actions: &[usize], num_envs: usize) -> Result<(), VecEnvError> {
+        check_count(actions.len(), num_envs)?;
+        let num_actions = self.num_actions;
+        match actions.iter().enumerate().find(|(_, action)| **action >= num_actions) {
+            Some((env, &action)) => Err(VecEnvError::Action { env, action, num_actions }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Checks that there is one value per environment.
+pub(super) fn check_count(given: usize, num_envs: usize) -> Result<(), VecEnvError> {
+    if given == num_envs { Ok(()) } else { Err(VecEnvError::ActionCount { given, num_envs }) }
+}
+
+fn check_motions(motions: &[Motion], num_envs: usize) -> Result<(), VecEnvError> {
+    check_count(motions.len(), num_envs)?;
+    match motions.iter().position(|motion| !motion.v_m_s.is_finite() || !motion.w_rad_s.is_finite()) {
+        Some(env) => Err(VecEnvError::Motion { env }),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,96 @@
+//! What a name after `--scenario` stands for: a scenario, a level of a generator, or a level generator.
+
+use std::path::Path;
+
+use super::{GENERATORS, SCENARIOS, find, user_file};
+use crate::scenario::{FileError, LevelGenerator, Scenario, path_exists};
+
+/// A scenario, or a generator of scenarios.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Source {
+    /// A scenario, or a level of a generator.
+    Scenario(Scenario),
+    /// A level generator.
+    Levels(LevelGenerator),
+}
+
+impl Source {
+    /// The scenario or level generator in the file `wanted`, which may be the `config.ron` of a run, or the shipped one of
+    /// that name. With a seed after a colon, as in `clutter:17`, the level with this seed.
+    ///
+    /// # Errors
+    /// As for [`Scenario::load`] and [`LevelGenerator::load`]; for an unknown name, the closest shipped one. Or the generator
+    /// has no level for the seed.
+    pub fn load(wanted: &str) -> Result<Self, FileError> {
+        let (file, seed) = split_seed(wanted);
+        let path = Path::new(file);
+        let source = if let Some(shipped) = find(SCENARIOS, file) {
+            Self::Scenario(Scenario::parse(shipped.text, shipped.path)?)
+        } else if let Some(shipped) = find(GENERATORS, file) {
+            Self::Levels(LevelGenerator::parse(shipped.text, shipped.path)?)
+        } else {
+            user_file(
+                file,
+                SCENARIOS,
+                |text| Self::parse(text, path),
+                |config| Self::Scenario(config.scenario),
+            )?
+        };
+        match (source, seed) {
+            (Self::Levels(generator), Some(seed)) => level(&generator, seed, path).map(Self::Scenario),
+            (Self::Scenario(_), Some(seed)) => Err(FileError::for_file(
+                path,
+                format!("is a scenario, which has no levels; help: leave out `:{seed}`"),
+            )),
+            (source, None) => Ok(source),
+        }
+    }
+
+    fn parse(text: &str, path: &Path) -> Result<Self, FileError> {
+        if LevelGenerator::is_meant_by(text) {
+            LevelGenerator::parse(text, path).map(Self::Levels)
+        } else {
+            Scenario::parse(text, path).map(Self::Scenario)
+        }
+    }
+
+    /// The scenario itself, or level 0 of the generator in the file `wanted`.
+    ///
+    /// # Errors
+    /// The generator has no level 0.
+    pub fn into_scenario(self, wanted: &str) -> Result<Scenario, FileError> {
+        match self {
+            Self::Scenario(scenario) => Ok(scenario),
+            Self::Levels(generator) => level(&generator, 0, Path::new(wanted)),
+        }
+    }
+}
+
+fn level(generator: &LevelGenerator, seed: u64, path: &Path) -> Result<Scenario, FileError> {
+    generator.level(seed).map_err(|error| FileError::for_file(path, error.to_string()))
+}
+
+/// `clutter` and 17 for `clutter:17`. A file with this name is no level.
+fn split_seed(wanted: &str) -> (&str, Option<u64>) {
+    let parts = wanted.rsplit_once(':').filter(|_| !path_exists(Path::new(wanted)));
+    match parts.and_then(|(file, seed)| Some((file, seed.parse().ok()?))) {
+        Some((file, seed)) => (file, Some(seed)),
+        None => (wanted, None),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_seed_after_a_colon_names_a_level() {
+        let Ok(Source::Levels(generator)) = Source::load("clutter") else { panic!("a shipped generator") };
+        let level = |seed| Ok(Source::Scenario(generator.level(seed).expect("a level")));
+        assert_eq!(Source::load("clutter:17"), level(17));
+        assert_eq!(Source::load("scenarios/generators/clutter.ron:17"), level(17));
+        assert_eq!(super::super::scenario("clutter").map(Source::Scenario), level(0));
+        let error = Source::load("maze:17").expect_err("a scenario").to_string();
+        assert_eq!(error, "maze: is a scenario, which has no levels; help: leave out `:17`");
+    }
+}

@@ -1,0 +1,228 @@
+//! The still shapes of a world in a grid, for ray casts and contacts in worlds with many shapes.
+//!
+//! In: rapier's colliders of what never moves. Out: ranges along beams, and the shapes near a point. Arenas of the same world
+//! share one [`StillShapes`]. The results are those of a test of every shape, to the bit.
+
+use std::sync::Arc;
+
+use bevy::prelude::*;
+use bevy_rapier2d::prelude::RapierContextColliders;
+use bevy_rapier2d::rapier::geometry::{
+    Ball, ColliderHandle, ColliderSet, Cuboid, Ray, Segment, Shape, SharedShape, TypedShape,
+};
+use bevy_rapier2d::rapier::math::Pose as BodyPose;
+
+use super::contact::distance_m;
+use super::physics::Bodies;
+use super::ray_cast::{MARGIN, cast_ray};
+use crate::scenario::{Scenario, UniformGrid};
+use crate::task::ArenaLayout;
+
+/// The rounding of coordinates in a cast, relative to the coordinates.
+const ROUNDING: f32 = 1e-5;
+
+/// Shapes that never move, and a grid over them.
+#[derive(Debug)]
+pub(super) struct StillShapes {
+    grid: UniformGrid,
+    shapes: Vec<StillShape>,
+    /// The longest beam, in m, for which the grid lists every shape that the beam hits.
+    max_range_m: f32,
+}
+
+/// A shape at its position.
+#[derive(Clone, Debug)]
+pub(super) struct StillShape {
+    pub(super) position: BodyPose,
+    /// Whether the shape is rotated. Without a rotation, a cast needs no transformation.
+    is_rotated: bool,
+    kind: Kind,
+}
+
+/// A LIDAR beam; all vectors but the origin have length 1.
+struct Beam {
+    origin: Vec2,
+    /// The robot's heading.
+    heading: Vec2,
+    /// The beam's direction in the robot's frame.
+    in_robot: Vec2,
+    direction: Vec2,
+}
+
+/// A copy of a shape: the frequent ones in place, so that a cast follows no pointers.
+#[derive(Clone, Debug)]
+enum Kind {
+    Ball(Ball),
+    Cuboid(Cuboid),
+    Segment(Segment),
+    Other(SharedShape),
+}
+
+impl StillShape {
+    fn new(position: BodyPose, shape: &SharedShape) -> Self {
+        let kind = match shape.as_typed_shape() {
+            TypedShape::Ball(ball) => Kind::Ball(*ball),
+            TypedShape::Cuboid(cuboid) => Kind::Cuboid(*cuboid),
+            TypedShape::Segment(segment) => Kind::Segment(*segment),
+            _ => Kind::Other(shape.clone()),
+        };
+        let is_rotated = position.rotation != BodyPose::IDENTITY.rotation;
+        Self { position, is_rotated, kind }
+    }
+
+    pub(super) fn shape(&self) -> &dyn Shape {
+        match &self.kind {
+            Kind::Ball(ball) => ball,
+            Kind::Cuboid(cuboid) => cuboid,
+            Kind::Segment(segment) => segment,
+            Kind::Other(shape) => &**shape,
+        }
+    }
+
+    /// The distance along a beam, if it is at most `max_m`.
+    #[inline]
+    fn cast(&self, beam: &Beam, max_m: f32) -> Option<f32> {
+        let ray = if self.is_rotated {
+            // Rounded as in casts without the grid.
+            let local_heading = self.position.inverse_transform_vector(beam.heading);
+            Ray::new(self.position.inverse_transform_point(beam.origin), local_heading.rotate(beam.in_robot))
+        } else {
+            Ray::new(beam.origin - self.position.translation, beam.direction)
+        };
+        let shape = match &self.kind {
+            Kind::Ball(ball) => TypedShape::Ball(ball),
+            Kind::Cuboid(cuboid) => TypedShape::Cuboid(cuboid),
+            Kind::Segment(segment) => TypedShape::Segment(segment),
+            Kind::Other(shape) => shape.as_typed_shape(),
+        };
+        cast_ray(&shape, &ray, max_m)
+    }
+}
+
+impl StillShapes {
+    /// The grid over the colliders `still`, for beams of up to `max_range_m`. None if a test of every shape is as fast.
+    pub(super) fn new(
+        colliders: &ColliderSet,
+        still: impl Iterator<Item = ColliderHandle>,
+        max_range_m: f32,
+    ) -> Option<Self> {
+        let still: Vec<_> = still.filter_map(|handle| colliders.get(handle)).collect();
+        if still.len() < UniformGrid::MIN_ITEMS {
+            return None;
+        }
+        let boxes: Vec<_> =
+            still.iter().map(|solid| solid.compute_aabb()).map(|bounds| (bounds.mins, bounds.maxs)).collect();
+        let shapes: Vec<_> =
+            still.iter().map(|solid| StillShape::new(*solid.position(), solid.shared_shape())).collect();
+        // As in `BeamRange`.
+        let largest_m = shapes.iter().map(|one| one.shape().compute_local_bounding_sphere().radius);
+        let farthest_m = boxes.iter().flat_map(|(low, high)| [low, high]).map(|at| at.abs().max_element());
+        let margin_m = MARGIN * (max_range_m + largest_m.fold(0.0, f32::max))
+            + ROUNDING * farthest_m.fold(0.0, f32::max);
+        let distance_m = |item: usize, at| distance_m(&shapes[item].position, shapes[item].shape(), at);
+        let grid = UniformGrid::new(&boxes, margin_m, distance_m)?;
+        Some(Self { grid, shapes, max_range_m })
+    }
+
+    /// The shapes at most `radius_m` from `at`, and others. A shape may come more than once.
+    pub(super) fn near(&self, at: Vec2, radius_m: f32) -> impl Iterator<Item = &StillShape> {
+        self.grid.near(at, radius_m).map(|item| &self.shapes[item])
+    }
+
+    /// Shortens `ranges_m`, one per beam, to the nearest shapes. `heading` and `beams` are unit vectors; `beams` are in the
+    /// robot's frame.
+    pub(super) fn cast(&self, origin: Vec2, heading: Vec2, beams: &[Vec2], ranges_m: &mut [f32]) {
+        let is_inside = self.grid.contains(origin);
+        for (&in_robot, range_m) in beams.iter().zip(ranges_m) {
+            let beam = Beam { origin, heading, in_robot, direction: heading.rotate(in_robot) };
+            if is_inside && *range_m <= self.max_range_m {
+                *range_m = self.cast_along_cells(&beam, *range_m);
+            } else {
+                *range_m = nearest_m(&self.shapes, &beam, *range_m);
+            }
+        }
+    }
+
+    /// The range of a beam, at most `range_m`, from the shapes in the cells that it crosses.
+    fn cast_along_cells(&self, beam: &Beam, mut range_m: f32) -> f32 {
+        // The shapes of the cell before, which are not tested again. In a crowded cell, the search would take longer.
+        let mut tested: &[u32] = &[];
+        self.grid.walk(beam.origin, beam.direction, |items, exit_m| {
+            let known = if tested.len() <= 4 { tested } else { &[] };
+            let new = items.iter().filter(|item| !known.contains(item));
+            range_m = nearest_m(new.map(|&item| &self.shapes[item as usize]), beam, range_m);
+            tested = items;
+            range_m > exit_m
+        });
+        range_m
+    }
+}
+
+/// The range of a beam, at most `range_m`, from `shapes`.
+#[inline]
+fn nearest_m<'a>(shapes: impl IntoIterator<Item = &'a StillShape>, beam: &Beam, range_m: f32) -> f32 {
+    shapes.into_iter().fold(range_m, |range_m, shape| shape.cast(beam, range_m).unwrap_or(range_m))
+}
+
+impl Bodies {
+    /// Tests every solid in every query from now on, which changes no result. For comparisons.
+    pub fn remove_grid(&mut self) {
+        self.set_grid(None);
+    }
+
+    /// The solids that are not in the grid, and their numbers in `solids`.
+    pub(super) fn not_in_grid(&self) -> impl Iterator<Item = (usize, ColliderHandle)> {
+        self.not_in_grid.iter().map(|&number| (number, self.solids[number]))
+    }
+
+    /// Indexes the generated obstacles, which have been replaced. The few of most scenarios stay outside the grid.
+    pub(super) fn index_generated(&mut self, colliders: &ColliderSet, max_range_m: f32) {
+        if self.generated.len() < UniformGrid::MIN_ITEMS {
+            let permanent = self.solids.iter().take_while(|solid| !self.generated.contains(solid)).count();
+            self.not_in_grid.retain(|&number| number < permanent);
+            self.not_in_grid.extend(permanent..self.solids.len());
+        } else {
+            let still = self.make_grid(colliders, max_range_m);
+            self.set_grid(still);
+        }
+    }
+
+    /// The grid over all still solids.
+    fn make_grid(&self, colliders: &ColliderSet, max_range_m: f32) -> Option<Arc<StillShapes>> {
+        let still = (0..self.solids.len()).filter(|&number| !self.moves(number));
+        StillShapes::new(colliders, still.map(|number| self.solids[number]), max_range_m).map(Arc::new)
+    }
+
+    /// Uses the grid from [`Self::make_grid`].
+    fn set_grid(&mut self, still: Option<Arc<StillShapes>>) {
+        let numbers = 0..self.solids.len();
+        self.not_in_grid = numbers.filter(|&number| still.is_none() || self.moves(number)).collect();
+        self.still = still;
+    }
+
+    fn moves(&self, number: usize) -> bool {
+        self.obstacles.get(number).is_some_and(Option::is_some)
+    }
+}
+
+/// The grids of new arenas: arenas of the same scenario share one.
+#[derive(Default)]
+pub(super) struct SharedGrids(Vec<(Arc<Scenario>, Option<Arc<StillShapes>>)>);
+
+impl SharedGrids {
+    /// Gives the bodies of `arena` the grid of the arena's scenario.
+    pub(super) fn index(&mut self, world: &World, arena: Entity, bodies: &mut Bodies) {
+        bodies.set_grid(self.grid(world, arena, bodies));
+    }
+
+    fn grid(&mut self, world: &World, arena: Entity, bodies: &Bodies) -> Option<Arc<StillShapes>> {
+        let scenario = &world.get::<ArenaLayout>(arena)?.written;
+        if let Some((_, still)) = self.0.iter().find(|(other, _)| Arc::ptr_eq(other, scenario)) {
+            return still.clone();
+        }
+        let colliders = &world.get::<RapierContextColliders>(arena)?.colliders;
+        let still = bodies.make_grid(colliders, scenario.lidar.max_range_m);
+        self.0.push((scenario.clone(), still.clone()));
+        still
+    }
+}

@@ -1,0 +1,170 @@
+//! In worlds with many still shapes, the grid over them changes no bit: not of ranges, contacts, starts or goals.
+
+mod common;
+
+use std::f32::consts::PI;
+
+use bevy::math::{Vec2, vec2};
+use common::{Lab, bits, large_worlds, static_obstacle};
+use proptest::prelude::*;
+use wayfield::scenario::{
+    Enclosure, Generator, Obstacle, ObstacleMotion, PlacementRule, RandomShape, Scenario, Shape, Wall,
+};
+use wayfield::sim::{Bodies, lidar};
+use wayfield::task::{ArenaLayout, Pose};
+
+/// `lab`, but every query tests every shape.
+fn without_index(mut lab: Lab) -> Lab {
+    let world = lab.simulation.world_mut();
+    for (mut bodies, mut layout) in world.query::<(&mut Bodies, &mut ArenaLayout)>().iter_mut(world) {
+        bodies.remove_grid();
+        layout.index = None;
+    }
+    lab
+}
+
+/// Drives robots at random, until contacts end their episodes, with and without the index. Returns the number of contacts.
+fn contacts_with_equal_bits(mut scenario: Scenario, steps: usize) -> usize {
+    // Only contact ends an episode.
+    scenario.task.collision_range_m = 0.0;
+    let (mut indexed, mut plain) = (Lab::new(&scenario, 8, 1), without_index(Lab::new(&scenario, 8, 1)));
+    let mut streams = common::action_streams(8);
+    let mut contacts = 0;
+    for step in 0..steps {
+        let actions = common::random_actions(&mut streams);
+        indexed.step(&actions);
+        plain.step(&actions);
+        for (arena, (state, expected)) in indexed.states().iter().zip(plain.states()).enumerate() {
+            let place = |pose: &Pose| bits(&[pose.x_m, pose.y_m, pose.heading_rad]);
+            assert_eq!(place(&state.pose), place(&expected.pose), "step {step}, arena {arena}");
+            assert_eq!(
+                bits(&state.scan.ranges_m),
+                bits(&expected.scan.ranges_m),
+                "step {step}, arena {arena}"
+            );
+            assert_eq!((state.goal, state.scan.touching), (expected.goal, expected.scan.touching));
+        }
+        contacts += indexed.outcomes().iter().filter(|outcome| outcome.collided).count();
+    }
+    contacts
+}
+
+#[test]
+fn a_simulation_in_a_field_of_277_circles_has_the_same_bits_with_and_without_the_index() {
+    let contacts = contacts_with_equal_bits(large_worlds::barn(), 1_000);
+    assert!(contacts > 50, "{contacts}");
+}
+
+#[test]
+fn a_simulation_in_an_office_with_a_moving_obstacle_has_the_same_bits_with_and_without_the_index() {
+    let mut office = large_worlds::office();
+    // Robots start around an obstacle on patrol in the room in the middle.
+    let region =
+        |clearance_m| PlacementRule::Within { min_m: vec2(0.3, 0.3), max_m: vec2(4.7, 4.7), clearance_m };
+    (office.starts, office.goals) = (region(0.2), region(0.2));
+    let motion = ObstacleMotion::Patrol { waypoints_m: vec![vec2(4.0, 2.5)], speed_m_s: 0.5 };
+    let patrol = static_obstacle(Shape::Rectangle { width_m: 0.4, height_m: 0.2 }, vec2(1.0, 2.5), 0.3);
+    office.obstacles.insert(100, Obstacle { motion, ..patrol });
+    let contacts = contacts_with_equal_bits(office, 1_000);
+    assert!(contacts > 30, "{contacts}");
+}
+
+/// A pose on a lattice of 0.5 m, so that beams run along sides, or anywhere.
+fn pose() -> impl Strategy<Value = Pose> {
+    let place = || prop_oneof![-9.9_f32..9.9, (-19_i8..=19).prop_map(|k| 0.5 * f32::from(k))];
+    let heading = prop_oneof![-PI..PI, (-4_i8..=4).prop_map(|k| f32::from(k) * PI / 4.0)];
+    (place(), place(), heading).prop_map(|(x_m, y_m, heading_rad)| Pose { x_m, y_m, heading_rad })
+}
+
+/// A world of 20 m x 20 m with 32 to 80 still obstacles of all shapes, some moving ones, and walls.
+fn world() -> impl Strategy<Value = Scenario> {
+    let place = || prop_oneof![-10.0_f32..10.0, (-20_i8..=20).prop_map(|k| 0.5 * f32::from(k))];
+    let point = move || (place(), place()).prop_map(Vec2::from);
+    let size = || prop_oneof![(-2.0_f32..0.3).prop_map(|power| 10.0_f32.powf(power)), Just(0.5), Just(9.0)];
+    let shape = prop_oneof![
+        size().prop_map(|radius_m| Shape::Circle { radius_m: radius_m.min(1.0) }),
+        (size(), size()).prop_map(|(width_m, height_m)| Shape::Rectangle { width_m, height_m }),
+        (size(), 0.01_f32..0.5).prop_map(|(length_m, radius_m)| Shape::Capsule { length_m, radius_m }),
+        size().prop_map(|side| Shape::Polygon {
+            corners_m: vec![vec2(0.0, 0.0), vec2(side, 0.0), vec2(0.0, side)]
+        }),
+    ];
+    let orbit = point().prop_map(|centre_m| ObstacleMotion::Orbit { centre_m, speed_rad_s: 0.1 });
+    let motion = prop_oneof![19 => Just(ObstacleMotion::Static), 1 => orbit];
+    let obstacle = (shape, point(), prop_oneof![Just(0.0_f32), -PI..PI], motion).prop_map(
+        |(shape, position_m, rotation_rad, motion)| Obstacle { shape, position_m, rotation_rad, motion },
+    );
+    let wall = (prop::collection::vec(point(), 2..6), 0.01_f32..0.3)
+        .prop_map(|(corners_m, thickness_m)| Wall { corners_m, thickness_m });
+    let square = Enclosure::Rectangle { width_m: 20.0, height_m: 20.0 };
+    let corners_m = vec![vec2(-10.0, -10.0), vec2(10.0, -10.0), vec2(0.0, 10.0)];
+    let enclosure = prop_oneof![Just(square), Just(Enclosure::Polygon { corners_m })];
+    let obstacles = prop::collection::vec(obstacle, 45..85);
+    let range = prop_oneof![Just(3.5_f32), 0.05_f32..50.0];
+    (
+        enclosure,
+        obstacles,
+        prop::collection::vec(wall, 0..9),
+        range,
+        prop_oneof![Just(24_usize), 1_usize..200],
+    )
+        .prop_map(|(enclosure, obstacles, walls, max_range_m, beams)| {
+            // The robots stand in a corner; only rays are cast.
+            let position_m = vec2(-9.5, -9.5);
+            let starts = PlacementRule::Fixed { position_m, heading_rad: None };
+            let goals = PlacementRule::Fixed { position_m: vec2(-9.5, -5.0), heading_rad: None };
+            let mut scenario = Scenario { enclosure, obstacles, walls, starts, goals, ..Scenario::default() };
+            (scenario.lidar.max_range_m, scenario.lidar.beams) = (max_range_m, beams);
+            scenario
+        })
+}
+
+/// Asserts that ranges from `poses` have the bits of casts against every shape.
+fn assert_ranges_of_all_shapes(lab: &mut Lab, poses: &[Pose]) {
+    let beams = lidar::BeamDirections::from_lidar(&lab.scenario.lidar);
+    let max_range_m = lab.scenario.lidar.max_range_m;
+    for pose in poses {
+        let ranges_m = lab.cast(0, pose);
+        let mut expected_m = Vec::new();
+        lab.with_physics(0, |bodies, _, colliders| {
+            lidar::cast(&colliders.colliders, &bodies.solids, pose, &beams.0, max_range_m, &mut expected_m);
+        });
+        assert_eq!(bits(&ranges_m), bits(&expected_m), "{pose:?}: {ranges_m:?}, expected {expected_m:?}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    #[test]
+    fn ranges_in_worlds_with_many_shapes_are_those_of_a_test_of_every_shape(
+        scenario in world(), poses in prop::collection::vec(pose(), 40),
+    ) {
+        assert_ranges_of_all_shapes(&mut Lab::new(&scenario, 1, 1), &poses);
+    }
+}
+
+#[test]
+fn many_generated_obstacles_are_indexed_in_every_episode() {
+    let circles = Generator {
+        count: 120,
+        shape: RandomShape::Circle { radius_m: (0.05, 0.2) },
+        gap_m: 0.3,
+        within: None,
+    };
+    let enclosure = Enclosure::Rectangle { width_m: 20.0, height_m: 20.0 };
+    let scenario = Scenario { enclosure, generators: vec![circles], ..Scenario::default() };
+    let mut lab = Lab::new(&scenario, 1, 1);
+    let mut layouts = Vec::new();
+    let mut stream = wayfield::random::stream(1, "poses", 0);
+    for _ in 0..5 {
+        let mut place = || wayfield::random::uniform(&mut stream, -9.9, 9.9);
+        let poses: Vec<Pose> =
+            (0..200).map(|_| Pose { x_m: place(), y_m: place(), heading_rad: 0.3 }).collect();
+        assert_ranges_of_all_shapes(&mut lab, &poses);
+        layouts.push(lab.state(0).layout_seed);
+        lab.edit(0, |state| state.layout_seed += 1);
+    }
+    layouts.dedup();
+    assert_eq!(layouts.len(), 5, "each time another layout");
+}
