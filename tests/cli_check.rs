@@ -4,6 +4,7 @@ mod cli_support;
 
 use std::fs;
 
+use cli_support::messages::Messages;
 use cli_support::{CommandOutput, FAST, SCENARIO_1, Workspace, edited, quick_fast};
 use serde_json::json;
 
@@ -350,6 +351,118 @@ fn all_problems_of_a_file_are_listed_at_once() {
         lines[starts.len()..],
         ["many.ron: 6 problems in this preset", "error: 1 of 1 checked files are invalid"]
     );
+}
+
+/// A scenario, a preset and an experiment with a field of an unknown name, a value of the wrong type, numbers out of range, and parts
+/// that do not fit together.
+#[test]
+fn faults_of_every_kind_are_listed_at_once() {
+    let workspace = workspace();
+    let mut messages = Messages::new("checks");
+    workspace.write(
+        "scenario.ron",
+        r#"(
+    name: "All",
+    colour: 3,
+    walls: [(corners_m: [(0.0, 1.0), (3.0, 1.0)])],
+    obstacles: [
+        (shape: Circle(radius_m: "big"), position_m: (0.6, 0.6)),
+        (shape: Circle(radius_m: 99), position_m: (0.6, -0.6)),
+        (shape: Circle(radius_m: 0.15), position_m: (1.95, 0.6)),
+        (shape: Circle(radius_m: 0.15), position_m: (-1.95, 0.6), motion: Orbit(centre_m: (-1.0, 0.6), speed_rad_s: 50.0)),
+        (shape: Circle(radius_m: 0.2)),
+    ],
+    task: (max_episode_steps: 3),
+    starts: Fixed(position_m: (1.9, 0.7)),
+    goals: Random(clearance_m: 1.95),
+)
+"#,
+    );
+    let preset = r#"(
+    based_on: "base.ron",
+    arenas: "16",
+    budget: EnvSteps(6e5),
+    evaluation: (episodes: 0),
+    colour: 3,
+    reward: (mu: -1, l_r_m: 0),
+    learning: (
+        gamma: 1.5,
+        lr: 3e-4,
+        gradient_clip: 10,
+        buffer_size: 100000,
+        network: (hidden: [64, 0, 0]),
+        optimizer: Adam(beta1: 2.0, beta2: 2.0),
+    ),
+)
+"#;
+    workspace.write("preset.ron", preset);
+    workspace.write("base.ron", "(arenas: 8,\n    learning: (tau: 0.01, batch_size: none),\n)\n");
+    workspace.write(
+        "experiment.ron",
+        r#"(
+    title: "",
+    seeds: 0,
+    colour: 3,
+    arms: [
+        (name: "a", stages: [(scenario: "empty", preset: "fast", budget: EnvSteps(0))]),
+        (name: "b", stages: [(scenario: "mazze", preset: "fsat")]),
+        (name: "c", stages: [(scenario: "empty", preset: "fast", overrides: {"learning.gama": 1})]),
+    ],
+    tables: [
+        (
+            name: "t",
+            title: "T",
+            show: Seeds(measure: Success, after: EnvSteps("5")),
+            claims: [(statement: "x", measure: SuccessRates, better: "d", than: "a")],
+        ),
+    ],
+)
+"#,
+    );
+    for file in ["scenario.ron", "preset.ron", "experiment.ron"] {
+        messages.checked(&workspace, file);
+    }
+    messages.check();
+}
+
+#[test]
+fn what_comes_from_another_preset_is_reported_where_it_stands() {
+    let workspace = Workspace::new();
+    workspace.write(
+        "base.ron",
+        "(\n    learning: (\n        train_freq: 5000000,\n        gamma: 0.9,\n    ),\n)\n",
+    );
+    workspace.write("mine.ron", "(\n    based_on: \"base.ron\",\n    budget: EnvSteps(600000),\n)\n");
+    let done = workspace.run_ok("--check mine.ron");
+    let start = "base.ron:3:21: warning: `learning.train_freq` is 5000000, ";
+    assert!(done.stderr.lines().any(|line| line.starts_with(start)), "{}", done.stderr);
+    let notes = workspace.run_ok("--check mine.ron --json").json()["notes"].clone();
+    let notes = notes.as_array().expect("a list");
+    assert!(notes.iter().any(|note| note["path"] == "base.ron" && note["line"] == 3), "{notes:?}");
+    workspace.write("base.ron", "(\n    learning: (\n        gamma: 1.5,\n    ),\n)\n");
+    let done = workspace.run("--check mine.ron");
+    assert_eq!(done.status, Some(2), "{}", done.stderr);
+    assert!(done.stderr.starts_with("base.ron:3:16: `learning.gamma` is 1.5; "), "{}", done.stderr);
+}
+
+#[test]
+fn names_of_other_libraries_lead_to_the_field() {
+    let workspace = Workspace::new();
+    for (field, meant) in [
+        ("learning: (gradient_clip: 10)", "did you mean `max_gradient_norm`?"),
+        ("learning: (lr: 3e-4)", "did you mean `learning_rate`?"),
+        ("learning: (hidden: [64])", "did you mean `network.hidden`?"),
+        ("learning: (buffer_size: 1000)", "did you mean `replay.capacity`?"),
+        ("learning: (tau: 0.005)", "did you mean `target_update: Soft(tau: ...)`?"),
+        ("lr: 3e-4", "did you mean `learning.learning_rate`?"),
+    ] {
+        workspace.write("mine.ron", format!("(arenas: 4, {field})"));
+        let done = workspace.run("--check mine.ron");
+        assert!(done.stderr.contains(meant), "{field}: {}", done.stderr);
+    }
+    let done = workspace.run("--train --set learning.gradient_clip=10 --out new");
+    assert_eq!(done.status, Some(2), "{}", done.stderr);
+    assert!(done.stderr.contains("did you mean `max_gradient_norm`?"), "{}", done.stderr);
 }
 
 #[test]

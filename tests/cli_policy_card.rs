@@ -320,6 +320,22 @@ fn the_python_program_in_the_documentation_takes_as_long_on_the_benchmark_route(
     workspace.run_ok("--train --steps 30000 --seed 1 --out plain");
     workspace.write("narrow.ron", with("lidar: (field_of_view_rad: 4.712)"));
     workspace.run_ok("--train --scenario narrow.ron --steps 60000 --seed 1 --out narrow");
+    let angular = [
+        (
+            "(shape: Circle(radius_m: 0.15), position_m: (0.6, 0.6)",
+            "(shape: Rectangle(width_m: 0.3, height_m: 0.2), rotation_rad: 0.5, position_m: (0.6, 0.6)",
+        ),
+        (
+            "(shape: Circle(radius_m: 0.15), position_m: (-0.6, 0.6)",
+            "(shape: Polygon(corners_m: [(-0.15, -0.1), (0.15, -0.1), (0.0, 0.2)]), position_m: (-0.6, 0.6)",
+        ),
+        (
+            "    obstacles: [",
+            "    enclosure: Polygon(corners_m: [(-2.0, -2.0), (2.0, -2.0), (2.0, 2.0), (-1.0, 2.0), (-2.0, 1.5)]),\n    obstacles: [",
+        ),
+    ];
+    workspace.write("angular.ron", edited(SCENARIO_1, &angular));
+    workspace.run_ok("--train --scenario angular.ron --steps 60000 --seed 1 --out angular");
     let network = "dueling: true, layer_norm: true, activation: Silu";
     workspace.write("silu.ron", edited(FAST, &[("dueling: true", network)]));
     workspace.run_ok("--train --preset silu.ron --steps 60000 --seed 1 --out silu");
@@ -327,6 +343,7 @@ fn the_python_program_in_the_documentation_takes_as_long_on_the_benchmark_route(
         "shipped.safetensors",
         "plain/policy.safetensors",
         "narrow/policy.safetensors",
+        "angular/policy.safetensors",
         "silu/policy.safetensors",
     ] {
         let report =
@@ -339,6 +356,27 @@ fn the_python_program_in_the_documentation_takes_as_long_on_the_benchmark_route(
             .expect("python3 starts");
         let printed = String::from_utf8_lossy(&run.stdout);
         assert_eq!(printed, format!("{time_s:.3} s\n"), "{policy}: {}", String::from_utf8_lossy(&run.stderr));
+    }
+}
+
+#[test]
+fn the_python_program_says_what_it_cannot_simulate() {
+    if !PYTHON.is_met() {
+        return;
+    }
+    let workspace = Workspace::new();
+    workspace.write("drive.py", program());
+    for (scenario, what) in
+        [("scenario-2", "moving obstacles"), ("doorway", "walls"), ("random-field", "generators")]
+    {
+        workspace.run_ok(&format!("--train --scenario {scenario} --steps 16 --out {scenario}"));
+        let run = Command::new("python3")
+            .args(["drive.py", &format!("{scenario}/policy.safetensors")])
+            .current_dir(workspace.path(""))
+            .output()
+            .expect("python3 starts");
+        let printed = String::from_utf8_lossy(&run.stderr);
+        assert_eq!(printed, format!("this program cannot simulate {what}\n"), "{scenario}");
     }
 }
 

@@ -108,6 +108,7 @@ fn section(results: &Results<'_>, index: usize, selected: &SelectedExperiment) -
     };
     let mut items = Vec::new();
     for figure in selected.figures.iter().map(|&i| &experiment.figures[i]) {
+        results.progress().begin(&figure.name);
         items.push(Item::Figure {
             name: figure.name.clone(),
             svg: figures::draw(results, index, figure)?,
@@ -116,6 +117,7 @@ fn section(results: &Results<'_>, index: usize, selected: &SelectedExperiment) -
         });
     }
     for table in selected.tables.iter().map(|&i| &experiment.tables[i]) {
+        results.progress().begin(&table.name);
         items.push(Item::Table {
             table: tables::make(results, index, table)?,
             claim_results: test(&table.claims, None)?,

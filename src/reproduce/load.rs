@@ -22,13 +22,12 @@ impl Experiment {
     /// # Errors
     /// As for [`Experiment::load`].
     pub fn parse(text: &str, path: impl AsRef<Path>) -> Result<Self, FileError> {
-        // Names of arms and conditions refer to each other, so nothing is checked in an experiment that lacks a part.
-        parse_checked(text, path, |_| Vec::new(), Self::diagnostics)
+        parse_checked(text, path, check::diagnostics, Self::diagnostics)
     }
 
     /// All invalid values, with their fixes; empty for a valid experiment.
     #[must_use]
     pub fn diagnostics(&self) -> Vec<Diagnostic> {
-        check::diagnostics(self)
+        check::diagnostics(self, &[])
     }
 }

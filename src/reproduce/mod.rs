@@ -14,7 +14,7 @@
 //! | execute | `open_report.rs`, `execute.rs`, `queue.rs`, `policy_test.rs`, `progress.rs` | training and testing, several runs in parallel |
 //! | measure | `results.rs`, `records.rs`, `measured_value.rs`, `optimal_times.rs` | numbers from the run folders |
 //! | compare | `claim_result.rs` | whether a claim held |
-//! | present | `rows.rs`, `data_note.rs`, `figures.rs`, `learning_curves.rs`, `tables/`, `compose.rs`, `provenance.rs` | figures, tables and the page |
+//! | present | `rows.rs`, `data_note.rs`, `figures.rs`, `learning_curves.rs`, `tables/`, `compose.rs`, `provenance.rs`, `report_progress.rs` | figures, tables and the page |
 //! | write | `report_folder.rs`, `report_contents.rs`, `report_files.rs` | the folder and the files of the report, and which report they may replace |
 
 pub mod arm_run;
@@ -45,6 +45,7 @@ mod records;
 mod report_contents;
 mod report_files;
 mod report_folder;
+mod report_progress;
 mod results;
 mod rows;
 mod run_config;

@@ -12,6 +12,7 @@ use super::options::ReproduceOptions;
 use super::plan::RunPlan;
 use super::report_contents::ReportContents;
 use super::report_folder::ReportFolder;
+use super::report_progress::ReportProgress;
 use super::results::Results;
 use super::select::select;
 use super::selected::SelectedExperiment;
@@ -81,10 +82,13 @@ impl OpenReport {
         }
 
         print_stderr("computing optimal times and drawing the report");
-        let optimal_times = OptimalTimesCache::new(self.folder.join("optimum"));
+        let items = self.selected.iter().map(|selected| selected.figures.len() + selected.tables.len());
+        let progress = ReportProgress::new(items.sum());
+        let optimal_times = OptimalTimesCache::new(self.folder.join("optimum"), progress);
         let results = Results::read(&self.plan, &self.selected, &runs, optimal_times)?;
         let jobs = parallel.unwrap_or(jobs);
         let page = compose::page(&results, &self.selected, &self.plan, &self.options, jobs, wall_s?)?;
+        results.progress().finish();
         self.folder.write(&page)?;
         let wall_s = self.folder.record_time(began)?;
         let path = Some(self.folder.join("report.html"));

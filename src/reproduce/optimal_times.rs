@@ -13,11 +13,15 @@ use serde::{Deserialize, Serialize};
 
 use super::experiment::TestRule;
 use super::policy_test;
+use super::report_progress::ReportProgress;
 use crate::planner::StepBounds;
 use crate::run::RunError;
-use crate::run::evaluate::{EpisodeResult, bounds};
+use crate::run::evaluate::bounds;
 use crate::run::output_file::replace;
 use crate::scenario::{Scenario, to_ron};
+
+/// The number of episodes whose optimal times are computed between two updates of the progress.
+const EPISODES_PER_UPDATE: usize = 16;
 
 /// The optimal times in one scenario, in the order of the test's episodes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -32,12 +36,18 @@ pub struct OptimalTimes {
 pub struct OptimalTimesCache {
     folder: PathBuf,
     known: RefCell<BTreeMap<String, Rc<OptimalTimes>>>,
+    progress: ReportProgress,
 }
 
 impl OptimalTimesCache {
-    /// A cache with files in `folder`.
-    pub fn new(folder: PathBuf) -> Self {
-        Self { folder, known: RefCell::default() }
+    /// A cache with files in `folder`, which shows in `progress` what it computes.
+    pub fn new(folder: PathBuf, progress: ReportProgress) -> Self {
+        Self { folder, known: RefCell::default(), progress }
+    }
+
+    /// The progress of the report.
+    pub fn progress(&self) -> &ReportProgress {
+        &self.progress
     }
 
     /// The optimal times of the test by `rule` in `scenario`. If they are not known, the policy in the file `policy` is
@@ -61,7 +71,7 @@ impl OptimalTimesCache {
         let times = match stored {
             Some(times) => times,
             None => {
-                let times = compute(scenario, rule, policy)?;
+                let times = compute(scenario, rule, policy, &self.progress)?;
                 self.store(&path, &times)?;
                 times
             }
@@ -79,10 +89,20 @@ impl OptimalTimesCache {
     }
 }
 
-fn compute(scenario: &Scenario, rule: TestRule, policy: &Path) -> Result<OptimalTimes, RunError> {
+fn compute(
+    scenario: &Scenario,
+    rule: TestRule,
+    policy: &Path,
+    progress: &ReportProgress,
+) -> Result<OptimalTimes, RunError> {
     let policy = policy_test::read_policy(policy)?;
     let (episodes, benchmark_route) = policy_test::run_episodes(&policy, scenario, rule)?;
-    let all_cores = 0;
-    let of = |results: &[EpisodeResult]| bounds(scenario, results, all_cores);
-    Ok(OptimalTimes { episodes: of(&episodes), benchmark_route: of(&benchmark_route) })
+    let (all_cores, all) = (0, episodes.len());
+    let mut known = Vec::with_capacity(all);
+    for some in episodes.chunks(EPISODES_PER_UPDATE) {
+        progress.show(&format!("optimal times in {}: {} of {all} episodes", scenario.name, known.len()));
+        known.extend(bounds(scenario, some, all_cores));
+    }
+    let benchmark_route = bounds(scenario, &benchmark_route, all_cores);
+    Ok(OptimalTimes { episodes: known, benchmark_route })
 }

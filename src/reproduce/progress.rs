@@ -15,7 +15,7 @@ use crate::run::progress::{Progress, ProgressListener, bar, print_stderr};
 use crate::scenario::printable;
 
 /// Time between two plain lines.
-const LINE_INTERVAL: Duration = Duration::from_secs(10);
+pub const LINE_INTERVAL: Duration = Duration::from_secs(10);
 /// Steps of the progress bar.
 const BAR_STEPS: u64 = 10_000;
 

@@ -16,6 +16,7 @@ use super::optimal_times::{OptimalTimes, OptimalTimesCache};
 use super::plan::{RunPlan, Training};
 use super::policy_test::{self, PolicyTestResult};
 use super::records::{Records, Windows};
+use super::report_progress::ReportProgress;
 use super::selected::SelectedExperiment;
 use super::test_point::TestPoint;
 use crate::run::evaluate::{period_s, round_to_microsecond};
@@ -60,6 +61,11 @@ impl<'a> Results<'a> {
         let records = plan.trainings.iter().map(records).collect::<Result<_, _>>()?;
         let tests = plan.trainings.iter().map(|t| policy_test::read_results(&runs.join(&t.name))).collect();
         Ok(Self { plan, selected, runs: runs.into(), optimal_times_cache, records, tests })
+    }
+
+    /// The progress of the report.
+    pub fn progress(&self) -> &ReportProgress {
+        self.optimal_times_cache.progress()
     }
 
     /// The experiment at `index`.

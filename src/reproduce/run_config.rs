@@ -25,8 +25,12 @@ pub fn run_config(
     for name in [&scenario_from, &stage.preset] {
         check_is_file(from, name)?;
     }
-    let mut scenario = shipped::scenario(&resolve(from, &scenario_from))?;
-    let mut preset = shipped::preset(&resolve(from, &stage.preset))?;
+    let scenario = shipped::scenario(&resolve(from, &scenario_from));
+    let (mut scenario, mut preset) = match (scenario, shipped::preset(&resolve(from, &stage.preset))) {
+        (Ok(scenario), Ok(preset)) => (scenario, preset),
+        (Err(scenario), Err(preset)) => return Err(scenario.and(preset).into()),
+        (Err(error), _) | (_, Err(error)) => return Err(error.into()),
+    };
     preset.budget = stage.budget.unwrap_or(preset.budget);
     preset.evaluation = experiment.evaluation.unwrap_or(preset.evaluation);
     // The experiment tests its policies itself.
@@ -36,13 +40,19 @@ pub fn run_config(
         condition.map(|condition| (format!("condition \"{}\"", condition.name), &condition.overrides)),
         Some(("all stages".into(), &experiment.overrides)),
     ];
+    let mut problems = Vec::new();
     for (owner, overrides) in owners.into_iter().flatten() {
         let in_arm = format!("{owner}, {scenario_from} with {}", stage.preset);
-        overrides.apply(&mut scenario, &mut preset).map_err(|errors| {
-            let lines =
-                errors.iter().map(|error| format!("overrides of {in_arm}: {error}")).collect::<Vec<_>>();
-            FileError::for_file(Path::new(from), lines.join("\n"))
-        })?;
+        let (mut changed, mut changed_preset) = (scenario.clone(), preset.clone());
+        match overrides.apply(&mut changed, &mut changed_preset) {
+            Ok(()) => (scenario, preset) = (changed, changed_preset),
+            Err(errors) => {
+                problems.extend(errors.iter().map(|error| format!("overrides of {in_arm}: {error}")));
+            }
+        }
+    }
+    if !problems.is_empty() {
+        return Err(FileError::for_file(Path::new(from), problems.join("\n")).into());
     }
     Ok(RunConfig::new((scenario_from, scenario), (stage.preset.clone(), preset), seed))
 }

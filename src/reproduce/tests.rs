@@ -15,6 +15,7 @@ use super::policy_test::{self, PolicyTestResult};
 use super::progress::gradient_steps;
 use super::quick::make_quick;
 use super::records::Windows;
+use super::report_progress::ReportProgress;
 use super::results::{ArmIndex, Results};
 use super::seeds::Seeds;
 use super::select::select;
@@ -258,7 +259,7 @@ fn measures_are_computed_from_the_records() {
     };
     write_records(folder.path(), &plan.trainings[0], &[0; 100], &[]);
     write_records(folder.path(), &plan.trainings[1], &second, &[result]);
-    let optimal_times = OptimalTimesCache::new(folder.path().join("optimum"));
+    let optimal_times = OptimalTimesCache::new(folder.path().join("optimum"), ReportProgress::new(1));
     let results =
         Results::read(&plan, &selected, folder.path(), optimal_times).expect("the results are read");
     let arm = ArmIndex { experiment: 0, condition: 0, arm: 0 };

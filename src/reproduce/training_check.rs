@@ -1,8 +1,10 @@
 //! The check of an experiment's trainings, as `--check` makes it: whether all of them can be planned, and what is doubtful in
 //! their settings.
 
+use std::cell::RefCell;
 use std::path::Path;
 
+use super::check;
 use super::experiment::Experiment;
 use super::plan::RunPlan;
 use super::run_config::run_config;
@@ -11,64 +13,111 @@ use super::selected::{ExperimentSource, SelectedExperiment};
 use crate::run::RunError;
 use crate::run::folder::RunConfig;
 use crate::run::notes::{RunNote, run_notes};
-use crate::scenario::{Diagnostic, FileError, Note, NoteLevel, printable_path};
+use crate::scenario::{Diagnostic, FileError, Note, NoteLevel, overlap, parse_checked, printable_path};
 
 impl Experiment {
-    /// The doubtful settings of the trainings of this experiment, whose file is `path` with this `text`. Each is at the stage,
-    /// or at the condition that makes the setting doubtful.
+    /// Checks the experiment in the file at `path`, which has this `text`, and its trainings. Returns the doubtful settings of the
+    /// trainings: each is at the stage, or at the condition that makes the setting doubtful.
     ///
     /// # Errors
-    /// Trainings are invalid after their overrides, a scenario, preset or run cannot be read, or a figure or table needs more
-    /// training than there is. All invalid trainings are listed.
-    pub fn training_notes(&self, path: &Path, text: &str) -> Result<Vec<Note>, FileError> {
+    /// As for [`Experiment::parse`]; also, trainings are invalid after their overrides, a scenario, preset or run cannot be read,
+    /// or a figure or table needs more training than there is. All invalid trainings are listed.
+    pub fn check(text: &str, path: &Path) -> Result<Vec<Note>, FileError> {
+        let notes = RefCell::new(Vec::new());
+        let check = |experiment: &Self, unknown: &[String]| {
+            let mut found = check::diagnostics(experiment, unknown);
+            if check::is_small(experiment) {
+                let (of_trainings, invalid) = experiment.check_trainings(path, unknown, &found);
+                notes.replace(of_trainings);
+                found.extend(invalid);
+            }
+            found
+        };
+        parse_checked(text, path, check, |experiment| check(experiment, &[]))?;
+        Ok(notes.into_inner())
+    }
+
+    /// The doubtful settings of the trainings, and the problems. The values at the paths `unknown` could not be read, and `found`
+    /// are the problems of the file itself.
+    fn check_trainings(
+        &self,
+        path: &Path,
+        unknown: &[String],
+        found: &[Diagnostic],
+    ) -> (Vec<Note>, Vec<Diagnostic>) {
         let from = path.display().to_string();
+        let faulty: Vec<&str> =
+            unknown.iter().map(String::as_str).chain(found.iter().map(|found| found.path.as_str())).collect();
+        let is_faulty = |path: &str| faulty.iter().any(|other| overlap(other, path));
         // Seeds change no setting.
-        let seeds = self.seeds.list().first().map_or_else(Seeds::default, |&seed| Seeds::List(vec![seed]));
-        let experiment = Self { seeds, ..self.clone() };
-        let mut found = Found { from: &from, notes: Vec::new(), invalid: Vec::new() };
-        for condition in 0..experiment.conditions.len().max(1) {
-            found.check_trainings(&experiment, condition);
+        let first =
+            Some(&self.seeds).filter(|_| !is_faulty("seeds")).and_then(|seeds| seeds.list().first().copied());
+        let seeds = Seeds::List(vec![first.unwrap_or(1)]);
+        let mut experiment = Self { seeds, ..self.clone() };
+        experiment.evaluation = experiment.evaluation.filter(|_| !is_faulty("evaluation"));
+        let mut trainings = Trainings { from: &from, unknown, notes: Vec::new(), invalid: Vec::new() };
+        for (i, arm) in experiment.arms.iter_mut().enumerate() {
+            for (k, stage) in arm.stages.iter_mut().enumerate() {
+                stage.budget = stage.budget.filter(|_| !is_faulty(&format!("arms[{i}].stages[{k}].budget")));
+            }
         }
-        if found.invalid.is_empty() {
+        for condition in 0..experiment.conditions.len().max(1) {
+            trainings.check(&experiment, condition);
+        }
+        let planned = ["arms", "conditions", "overrides", "figures", "tables", "seeds"];
+        if trainings.invalid.is_empty() && !planned.iter().any(|part| is_faulty(part)) {
             let selected = SelectedExperiment {
                 figures: (0..experiment.figures.len()).collect(),
                 tables: (0..experiment.tables.len()).collect(),
                 source: ExperimentSource { from: from.clone(), experiment },
             };
             if let Err(error) = RunPlan::new(&[selected]) {
-                return Err(FileError::for_file(path, without_path(&error, path)));
+                let message = without_path(&error, path);
+                trainings.invalid.push(Diagnostic { path: String::new(), message });
             }
-            return Ok(found.notes);
         }
-        Err(FileError::from_diagnostics(path, text, &found.invalid))
+        (trainings.notes, trainings.invalid)
     }
 }
 
 /// What was found in the trainings so far.
-struct Found<'a> {
+struct Trainings<'a> {
     from: &'a str,
+    /// The paths of values that could not be read.
+    unknown: &'a [String],
     notes: Vec<Note>,
     invalid: Vec<Diagnostic>,
 }
 
-impl Found<'_> {
-    /// Checks the trainings under a condition.
-    fn check_trainings(&mut self, experiment: &Experiment, condition: usize) {
+impl Trainings<'_> {
+    /// Checks the trainings under a condition, as far as it is known what they are.
+    fn check(&mut self, experiment: &Experiment, condition: usize) {
+        let is_known = |path: &str| !self.unknown.iter().any(|other| overlap(other, path));
+        if !is_known("overrides") || !is_known(&format!("conditions[{condition}]")) {
+            return;
+        }
+        let mut stages = Vec::new();
         for (i, arm) in experiment.arms.iter().enumerate() {
             for (k, stage) in arm.stages.iter().enumerate() {
-                let at = match experiment.conditions.get(condition) {
-                    Some(found) if found.changes(arm, stage) => format!("conditions[{condition}]"),
-                    _ => format!("arms[{i}].stages[{k}]"),
-                };
-                match run_config(self.from, experiment, condition, (arm, stage), 1) {
-                    Ok(config) => self.add_notes(&at, &arm.name, &config),
-                    Err(error) => {
-                        let message =
-                            format!("cannot be trained: {}", without_path(&error, Path::new(self.from)));
-                        let problem = Diagnostic { path: at, message };
-                        if !self.invalid.contains(&problem) {
-                            self.invalid.push(problem);
-                        }
+                let at = format!("arms[{i}].stages[{k}]");
+                if ["scenario", "preset", "overrides"].iter().all(|part| is_known(&format!("{at}.{part}"))) {
+                    stages.push((at, arm, stage));
+                }
+            }
+        }
+        for (at, arm, stage) in stages {
+            let at = match experiment.conditions.get(condition) {
+                Some(found) if found.changes(arm, stage) => format!("conditions[{condition}]"),
+                _ => at,
+            };
+            match run_config(self.from, experiment, condition, (arm, stage), 1) {
+                Ok(config) => self.add_notes(&at, &arm.name, &config),
+                Err(error) => {
+                    let message =
+                        format!("cannot be trained: {}", without_path(&error, Path::new(self.from)));
+                    let problem = Diagnostic { path: at, message };
+                    if !self.invalid.contains(&problem) {
+                        self.invalid.push(problem);
                     }
                 }
             }

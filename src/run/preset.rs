@@ -10,8 +10,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::learning::LearningConfig;
 use crate::limits::{MAX_ABOUT_CHARS, MAX_ARENAS, MAX_EVALUATION_EPISODES, MAX_STEPS};
-use crate::policy::range::within;
-use crate::scenario::{Diagnostic, FileError, read_text};
+use crate::policy::range::{ConfigError, within};
+use crate::scenario::{Diagnostic, FileError, LocatedDiagnostic, read_text};
 use crate::task::{Encoding, RewardConfig};
 
 /// A training preset: all settings of a training run except the scenario and the seed.
@@ -109,13 +109,36 @@ impl Preset {
         if diagnostics.is_empty() {
             Ok(preset)
         } else {
-            Err(FileError::from_diagnostics(path, text, &diagnostics))
+            Err(FileError::from_located(path, Self::locate(text, path, diagnostics.iter())))
         }
     }
 
-    /// All invalid values.
+    /// The locations of `diagnostics` of the preset whose file is at `path` with this `text`: each in the file from which the
+    /// field comes, if the preset is based on another.
+    #[must_use]
+    pub fn locate<'d>(
+        text: &str,
+        path: &Path,
+        diagnostics: impl Iterator<Item = &'d Diagnostic>,
+    ) -> Vec<LocatedDiagnostic> {
+        based_on::locate_fields(text, path, diagnostics)
+    }
+
+    /// All invalid values, and those that do not fit together.
     #[must_use]
     pub fn diagnostics(&self) -> Vec<Diagnostic> {
+        let mut diagnostics = self.value_diagnostics();
+        let of_learning = self.learning.problems().into_iter().map(in_learning);
+        diagnostics.extend(of_learning.filter(|found| !diagnostics.contains(found)).collect::<Vec<_>>());
+        if self.based_on.is_some() {
+            let message = "is only read from a preset's own file; help: remove it here".into();
+            diagnostics.push(Diagnostic { path: "based_on".into(), message });
+        }
+        diagnostics
+    }
+
+    /// The invalid values, each by itself.
+    fn value_diagnostics(&self) -> Vec<Diagnostic> {
         let mut diagnostics = Vec::new();
         let mut add =
             |path: &str, message: String| diagnostics.push(Diagnostic { path: path.into(), message });
@@ -134,17 +157,16 @@ impl Preset {
         if self.about.chars().count() > MAX_ABOUT_CHARS {
             add("about", format!("is too long; help: write at most {MAX_ABOUT_CHARS} characters"));
         }
-        if self.based_on.is_some() {
-            add("based_on", "is only read from a preset's own file; help: remove it here".into());
-        }
-        if let Err((field, problem)) = self.reward.check() {
+        for (field, problem) in self.reward.problems() {
             add(&format!("reward.{field}"), problem);
         }
-        if let Err(error) = self.learning.check() {
-            add(&format!("learning.{}", error.field), error.problem);
-        }
+        diagnostics.extend(self.learning.range_problems().into_iter().map(in_learning));
         diagnostics
     }
+}
+
+fn in_learning(error: ConfigError) -> Diagnostic {
+    Diagnostic { path: format!("learning.{}", error.field), message: error.problem }
 }
 
 #[cfg(test)]

@@ -131,32 +131,30 @@ impl RewardConfig {
     /// Checks that every parameter is from -1e9 to 1e9, the gains are not negative, and l_r is positive.
     ///
     /// # Errors
-    /// The first invalid field: its name, the problem and the fix.
+    /// The first of the [`problems`](Self::problems).
     pub fn check(&self) -> Result<(), (&'static str, String)> {
+        self.problems().into_iter().next().map_or(Ok(()), Err)
+    }
+
+    /// All invalid fields: the name, and the problem with its fix.
+    #[must_use]
+    pub fn problems(&self) -> Vec<(&'static str, String)> {
+        let mut problems = Vec::new();
         let finite = [("reached", self.reached), ("collided", self.collided)];
         let gains = [("mu", self.mu), ("sigma", self.sigma)];
         for (field, value) in finite.into_iter().chain(gains) {
             if !value.is_finite() || value.abs() > MAX_REWARD_PARAMETER {
-                return Err((
-                    field,
-                    format!(
-                        "is {value:e}; help: give a number from -{MAX_REWARD_PARAMETER:e} to {MAX_REWARD_PARAMETER:e}"
-                    ),
-                ));
-            }
-        }
-        for (field, value) in gains {
-            if value < 0.0 {
-                return Err((field, format!("is {value}; help: give 0 or more (the paper uses 100)")));
+                let range = format!("-{MAX_REWARD_PARAMETER:e} to {MAX_REWARD_PARAMETER:e}");
+                problems.push((field, format!("is {value:e}; help: give a number from {range}")));
+            } else if value < 0.0 && gains.iter().any(|gain| gain.0 == field) {
+                problems.push((field, format!("is {value}; help: give 0 or more (the paper uses 100)")));
             }
         }
         if !self.l_r_m.is_finite() || self.l_r_m <= 0.0 {
-            return Err((
-                "l_r_m",
-                format!("is {}; help: give a distance above 0 m, such as 0.3", self.l_r_m),
-            ));
+            let message = format!("is {}; help: give a distance above 0 m, such as 0.3", self.l_r_m);
+            problems.push(("l_r_m", message));
         }
-        Ok(())
+        problems
     }
 }
 

@@ -35,6 +35,14 @@ impl Messages {
         let _ = writeln!(self.text, "$ wayfield {arguments}\n{message}");
     }
 
+    /// Adds all that `wayfield --check file` prints about an invalid `file`.
+    pub fn checked(&mut self, workspace: &Workspace, file: &str) {
+        let done = workspace.run(&format!("--check {file}"));
+        assert_eq!((done.status, done.stdout.as_str()), (Some(2), ""), "{}", done.stderr);
+        assert!(!done.stderr.contains("panicked"), "{}", done.stderr);
+        let _ = writeln!(self.text, "$ wayfield --check {file}\n{}", done.stderr);
+    }
+
     /// Compares the messages with the snapshot, or renews it if `WAYFIELD_RENEW` is set.
     pub fn check(self) {
         if !cfg!(feature = "gui") {

@@ -70,12 +70,20 @@ impl NetworkShape {
     /// # Errors
     /// There are too many layers, or a width is out of its range.
     pub fn check_hidden(hidden: &[usize]) -> Result<(), ConfigError> {
+        Self::hidden_problems(hidden).into_iter().next().map_or(Ok(()), Err)
+    }
+
+    /// All problems that [`check_hidden`](Self::check_hidden) looks for. The widths of too many layers are not checked.
+    #[must_use]
+    pub fn hidden_problems(hidden: &[usize]) -> Vec<ConfigError> {
         if hidden.len() > MAX_LAYERS {
             let problem = format!("has {} layers; help: give at most {MAX_LAYERS}", hidden.len());
-            return Err(ConfigError { field: "network.hidden".into(), problem });
+            return vec![ConfigError { field: "network.hidden".into(), problem }];
         }
-        let mut widths = hidden.iter().enumerate();
-        widths.try_for_each(|(i, &width)| within(&format!("network.hidden[{i}]"), width, 1..=MAX_UNITS))
+        let widths = hidden.iter().enumerate();
+        widths
+            .filter_map(|(i, &width)| within(&format!("network.hidden[{i}]"), width, 1..=MAX_UNITS).err())
+            .collect()
     }
 
     /// The sizes `(inputs, outputs)` of each layer; the head comes last. A dueling head has one output for the state

@@ -14,6 +14,7 @@
 //! | `space.rs` | geometry inside the enclosure; free space for starts, goals and the benchmark route |
 //! | `extent.rs` | how far an obstacle reaches outside the enclosure along its whole path |
 //! | `reachability.rs`, `grid.rs` | a path for the robot from every start to every goal |
+//! | `valid_part.rs` | what the checks from `motions.rs` on look at if some values are invalid |
 //! | `time_limit.rs`, `turning.rs` | notes: goals out of reach within the time limit, no space to turn round |
 //! | `overlaps.rs`, `swept_path.rs`, `convex.rs` | notes: obstacles that overlap or cross walls and each other |
 
@@ -31,6 +32,7 @@ mod speeds;
 mod swept_path;
 mod time_limit;
 mod turning;
+mod valid_part;
 
 pub(crate) use convex::RoundedArea;
 pub(crate) use grid::{CellGrid, ConnectedRegions};
@@ -41,7 +43,8 @@ pub(crate) use reachability::{RegionSite, blocked, sites};
 use std::fmt;
 use std::ops::RangeInclusive;
 
-use super::file_error::Diagnostic;
+use self::valid_part::ValidPart;
+use super::file_error::{Diagnostic, overlap};
 use super::limits::COORDINATE_M;
 use super::note::{Note, NoteLevel};
 use super::schema::Scenario;
@@ -49,21 +52,42 @@ use glam::Vec2;
 
 pub(crate) const METRES: &str = " (metres)";
 pub(crate) const METRES_PER_SECOND: &str = " (metres per second)";
+/// The words and the paths of lengths that others must exceed.
+const ROBOT_RADIUS: (&str, &str) = ("the robot's radius", "robot.radius_m");
+const GOAL_RADIUS: (&str, &str) = ("the goal radius", "task.goal_radius_m");
+const COLLISION_RANGE: (&str, &str) = ("the collision range", "task.collision_range_m");
+pub(crate) const TWICE_COLLISION_RANGE: (&str, &str) =
+    ("twice the collision range", "task.collision_range_m");
 const SECONDS: &str = " (seconds)";
 const RADIANS: &str = " (radians: a full turn is 6.2832)";
 const RADIANS_PER_SECOND: &str = " (radians per second)";
 
-/// All problems of `scenario`. Free space is checked only if all numbers are valid, reachability only if there is free
-/// space.
+/// All problems of `scenario`: first invalid numbers, then parts that do not fit together. Of the latter, those are found that
+/// do not depend on an invalid number.
 #[must_use]
 pub fn diagnostics(scenario: &Scenario) -> Vec<Diagnostic> {
-    let mut diagnostics = Diagnostics(Vec::new());
-    for check in [numbers::check, motions::check, space::check, reachability::check] {
-        if diagnostics.0.is_empty() {
-            check(scenario, &mut diagnostics);
-        }
-    }
-    diagnostics.0
+    diagnostics_of_known(scenario, &[])
+}
+
+/// The [`diagnostics`] of a scenario of which the values at the paths `unknown` could not be read and have any value. None is
+/// about them.
+#[must_use]
+pub fn diagnostics_of_known(scenario: &Scenario, unknown: &[String]) -> Vec<Diagnostic> {
+    let mut all = value_diagnostics_of_known(scenario, unknown);
+    let invalid = all.iter().map(|found| &found.path).chain(unknown).cloned().collect();
+    let valid = ValidPart::new(scenario, invalid);
+    let found_by = |check: fn(&ValidPart, &mut Diagnostics)| {
+        let mut diagnostics = Diagnostics(Vec::new());
+        check(&valid, &mut diagnostics);
+        diagnostics.0
+    };
+    let in_whole = |found: Diagnostic| valid.in_whole(found);
+    all.extend(found_by(motions::check));
+    all.extend(found_by(space::check_walls).into_iter().map(in_whole));
+    all.extend(found_by(space::check_paths));
+    all.extend(found_by(space::check).into_iter().map(in_whole));
+    all.extend(found_by(reachability::check));
+    all
 }
 
 /// The doubtful settings of `scenario`, the more important ones first. None for a scenario with invalid numbers.
@@ -81,8 +105,20 @@ pub fn notes(scenario: &Scenario) -> Vec<Note> {
 /// The invalid numbers of `scenario`. A scenario without them can be drawn and edited, but perhaps not run.
 #[must_use]
 pub fn value_diagnostics(scenario: &Scenario) -> Vec<Diagnostic> {
+    value_diagnostics_of_known(scenario, &[])
+}
+
+/// The [`value_diagnostics`] of a scenario of which the values at the paths `unknown` could not be read and have any value.
+/// None is about them.
+#[must_use]
+pub fn value_diagnostics_of_known(scenario: &Scenario, unknown: &[String]) -> Vec<Diagnostic> {
     let mut diagnostics = Diagnostics(Vec::new());
     numbers::check(scenario, &mut diagnostics);
+    let is_unknown = |path: &str| unknown.iter().any(|other| overlap(other, path));
+    // The upper corner of a rectangle is compared with the lower one.
+    diagnostics.0.retain(|Diagnostic { path, .. }| {
+        !is_unknown(path) && !is_unknown(&path.replace(".max_m[", ".min_m["))
+    });
     diagnostics.0
 }
 
@@ -99,9 +135,8 @@ pub(crate) fn has_valid_space(scenario: &Scenario) -> bool {
 /// Checks the single values of a scenario, of which some parts are not final, and the motions of its robot.
 pub(crate) fn check_robot_and_task(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     numbers::check(scenario, diagnostics);
-    if diagnostics.is_empty() {
-        motions::check(scenario, diagnostics);
-    }
+    let invalid = diagnostics.0.iter().map(|found| found.path.clone()).collect();
+    motions::check(&ValidPart::new(scenario, invalid), diagnostics);
 }
 
 /// The diagnostics collected so far.
@@ -168,10 +203,17 @@ impl Diagnostics {
         }
     }
 
-    /// Reports `value` if it is not greater than `bound`, which the message calls `what`. A field that was reported before
-    /// is not reported again.
-    pub(crate) fn check_above(&mut self, path: fmt::Arguments<'_>, value: f32, bound: f32, what: &str) {
-        if value <= bound && !self.0.iter().any(|found| found.path == path.to_string()) {
+    /// Reports `value` if it is not greater than `bound`, whose words and path are `(what, bound_path)`. Nothing is reported about a
+    /// field that was reported before, or because of one.
+    pub(crate) fn check_above(
+        &mut self,
+        path: fmt::Arguments<'_>,
+        value: f32,
+        bound: f32,
+        (what, bound_path): (&str, &str),
+    ) {
+        let is_reported = |path: &str| self.0.iter().any(|found| found.path == path);
+        if value <= bound && !is_reported(&path.to_string()) && !is_reported(bound_path) {
             self.push(path, format!("is {value}: write more than {what}, {bound} m"));
         }
     }

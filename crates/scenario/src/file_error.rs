@@ -14,16 +14,28 @@ use super::text::{printable_path, without_mark};
 /// A problem found by a check in a value that was read successfully.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostic {
-    /// Path of the field, such as `obstacles[2].shape.radius_m`.
+    /// Path of the field, such as `obstacles[2].shape.radius_m`; empty for the whole file.
     pub path: String,
-    /// The problem and its fix, as the rest of a sentence that starts with the path.
+    /// The problem and its fix, as the rest of a sentence that starts with the path, or as a whole one without a path.
     pub message: String,
 }
 
 impl fmt::Display for Diagnostic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "`{}` {}", self.path, self.message)
+        if self.path.is_empty() {
+            f.write_str(&self.message)
+        } else {
+            write!(f, "`{}` {}", self.path, self.message)
+        }
     }
+}
+
+/// Whether one of two fields, given by their paths, is the other one or in it.
+#[must_use]
+pub fn overlap(a: &str, b: &str) -> bool {
+    let (short, long) = if a.len() <= b.len() { (a, b) } else { (b, a) };
+    long.strip_prefix(short)
+        .is_some_and(|rest| short.is_empty() || rest.is_empty() || rest.starts_with(['.', '[']))
 }
 
 /// A problem of a file, with its location in the text.
@@ -33,6 +45,16 @@ pub struct LocatedDiagnostic {
     pub line_column: Option<(usize, usize)>,
     /// The problem and its fix.
     pub message: String,
+    /// The file, if it is not the one that was read, but one that it names.
+    pub file: Option<PathBuf>,
+}
+
+impl LocatedDiagnostic {
+    /// This problem as one in another file than the one that was read.
+    #[must_use]
+    pub fn in_file(self, file: &Path) -> Self {
+        Self { file: Some(file.into()), ..self }
+    }
 }
 
 /// The error for an unusable file, with all of its problems.
@@ -48,7 +70,7 @@ impl FileError {
     pub fn for_file(path: &Path, message: impl Into<String>) -> Self {
         Self {
             path: path.into(),
-            problems: vec![LocatedDiagnostic { line_column: None, message: message.into() }],
+            problems: vec![LocatedDiagnostic { line_column: None, message: message.into(), file: None }],
         }
     }
 
@@ -61,20 +83,47 @@ impl FileError {
     /// The error for several problems at byte offsets of the text.
     #[must_use]
     pub(super) fn at_offsets(path: &Path, text: &str, problems: Vec<(usize, String)>) -> Self {
-        let located =
-            |(offset, message)| LocatedDiagnostic { line_column: Some(line_column(text, offset)), message };
-        Self { path: path.into(), problems: problems.into_iter().map(located).collect() }
+        let located = |(offset, message)| LocatedDiagnostic {
+            line_column: Some(line_column(text, offset)),
+            message,
+            file: None,
+        };
+        Self::first_of(path, problems.len(), problems.into_iter().take(MAX_PROBLEMS).map(located).collect())
+    }
+
+    /// The error for `count` problems, of which the first are given.
+    fn first_of(path: &Path, count: usize, mut problems: Vec<LocatedDiagnostic>) -> Self {
+        if let Some(more @ 1..) = count.checked_sub(MAX_PROBLEMS) {
+            let message = format!("and {more} more problems: fix some and check again");
+            problems.push(LocatedDiagnostic { line_column: None, message, file: None });
+        }
+        Self { path: path.into(), problems }
+    }
+
+    /// The error for located problems of which there is at least one. Only the first [`MAX_PROBLEMS`] are kept.
+    #[must_use]
+    pub fn from_located(path: &Path, mut problems: Vec<LocatedDiagnostic>) -> Self {
+        let count = problems.len();
+        problems.truncate(MAX_PROBLEMS);
+        Self::first_of(path, count, problems)
+    }
+
+    /// This error with the problems of another file that this one names.
+    #[must_use]
+    pub fn and(mut self, other: Self) -> Self {
+        let is_same = other.path == self.path;
+        let of_other = other.problems.into_iter();
+        self.problems.extend(of_other.map(|found| match found.file {
+            None if !is_same => found.in_file(&other.path),
+            _ => found,
+        }));
+        self
     }
 
     /// The error for the problems that a check found, as [`locate`] locates them. Only the first [`MAX_PROBLEMS`] are kept.
     #[must_use]
     pub fn from_diagnostics(path: &Path, text: &str, diagnostics: &[Diagnostic]) -> Self {
-        let mut problems = locate(text, diagnostics.iter().take(MAX_PROBLEMS));
-        if let Some(more @ 1..) = diagnostics.len().checked_sub(MAX_PROBLEMS) {
-            let message = format!("and {more} more problems: fix some and check again");
-            problems.push(LocatedDiagnostic { line_column: None, message });
-        }
-        Self { path: path.into(), problems }
+        Self::first_of(path, diagnostics.len(), locate(text, diagnostics.iter().take(MAX_PROBLEMS)))
     }
 
     /// Path of the file.
@@ -98,7 +147,7 @@ impl fmt::Display for FileError {
             if k > 0 {
                 f.write_str("\n")?;
             }
-            write!(f, "{}:", printable_path(&self.path))?;
+            write!(f, "{}:", printable_path(problem.file.as_ref().unwrap_or(&self.path)))?;
             if let Some((line, column)) = problem.line_column {
                 write!(f, "{line}:{column}:")?;
             }
@@ -114,13 +163,21 @@ pub fn locate<'d>(text: &str, diagnostics: impl Iterator<Item = &'d Diagnostic>)
     let text = without_mark(text);
     let source_map = SourceMap::new(text);
     let located = |found: &Diagnostic| LocatedDiagnostic {
-        line_column: source_map
-            .offset_of(&found.path)
-            .or_else(|| source_map.start())
+        line_column: Some(&found.path)
+            .filter(|path| !path.is_empty())
+            .and_then(|path| source_map.offset_of(path).or_else(|| source_map.start()))
             .map(|offset| line_column(text, offset)),
         message: found.to_string(),
+        file: None,
     };
     diagnostics.map(located).collect()
+}
+
+/// Whether a RON text contains the field at `path`.
+#[must_use]
+pub fn has_field(text: &str, path: &str) -> bool {
+    let map = SourceMap::new(without_mark(text));
+    map.offset_of(path).is_some_and(|at| map.path_at(at) == path)
 }
 
 /// `path` as text. Runs record the names of their files as text, so that a file whose name is not UTF-8 could not be found

@@ -35,10 +35,10 @@ mod uniform_grid;
 pub mod virtual_files;
 mod write;
 
-pub use check::{diagnostics, notes, value_diagnostics};
+pub use check::{diagnostics, diagnostics_of_known, notes, value_diagnostics};
 pub use explain::{choose, closest_name, whole_number};
 pub use fields::{Field, FieldValue, Quantity};
-pub use file_error::{Diagnostic, FileError, LocatedDiagnostic, locate, utf8};
+pub use file_error::{Diagnostic, FileError, LocatedDiagnostic, has_field, locate, overlap, utf8};
 pub use geometry::{Solid, clearance, enclosure_distance, inner_wall_distance, nearest, shape_distance};
 pub use glam::{Vec2, vec2};
 #[cfg(not(target_arch = "wasm32"))]

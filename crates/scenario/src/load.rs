@@ -14,9 +14,9 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use wayfield_ron_patch::SourceMap;
 
-use super::check::{diagnostics, value_diagnostics};
-use super::explain::{Recovered, closest_name, recover};
-use super::file_error::{Diagnostic, FileError};
+use super::check::{diagnostics, diagnostics_of_known, value_diagnostics, value_diagnostics_of_known};
+use super::explain::{closest_name, recover};
+use super::file_error::{Diagnostic, FileError, overlap};
 use super::limits::{MAX_FILE_BYTES, MAX_NESTING};
 use super::read_bytes;
 use super::schema::Scenario;
@@ -40,7 +40,7 @@ impl Scenario {
     /// # Errors
     /// As [`Scenario::load`].
     pub fn parse(text: &str, path: impl AsRef<Path>) -> Result<Self, FileError> {
-        parse_checked(text, path, value_diagnostics, diagnostics)
+        parse_checked(text, path, diagnostics_of_known, diagnostics)
     }
 
     /// The scenario in the file at `path`, for editing: all numbers are valid, but the parts may not fit together.
@@ -57,33 +57,34 @@ impl Scenario {
     /// # Errors
     /// As [`Scenario::load_draft`].
     pub fn parse_draft(text: &str, path: impl AsRef<Path>) -> Result<Self, FileError> {
-        parse_checked(text, path, value_diagnostics, value_diagnostics)
+        parse_checked(text, path, value_diagnostics_of_known, value_diagnostics)
     }
 }
 
-/// A `T` from RON text, checked with `check`. If ron finds problems, `check_values` looks for more in what could be read:
-/// it checks single values, not whether they fit together. Errors name `path`.
+/// A `T` from RON text, checked with `check`. If ron finds problems, `check_known` looks for more in what could be read: it also
+/// gets the paths of the fields that have any value, because theirs could not be read. What it finds about them is left out.
+/// Errors name `path`.
 ///
 /// # Errors
 /// [`FileError`] with all problems.
 pub fn parse_checked<T: DeserializeOwned>(
     text: &str,
     path: impl AsRef<Path>,
-    check_values: fn(&T) -> Vec<Diagnostic>,
-    check: fn(&T) -> Vec<Diagnostic>,
+    check_known: impl FnOnce(&T, &[String]) -> Vec<Diagnostic>,
+    check: impl FnOnce(&T) -> Vec<Diagnostic>,
 ) -> Result<T, FileError> {
     let path = path.as_ref();
     if text.len() as u64 > MAX_FILE_BYTES {
         return Err(too_large(path, MAX_FILE_BYTES));
     }
-    parse_any(text, path, check_values, check)
+    parse_any(text, path, check_known, check)
 }
 
 fn parse_any<T: DeserializeOwned>(
     text: &str,
     path: &Path,
-    check_values: fn(&T) -> Vec<Diagnostic>,
-    check: fn(&T) -> Vec<Diagnostic>,
+    check_known: impl FnOnce(&T, &[String]) -> Vec<Diagnostic>,
+    check: impl FnOnce(&T) -> Vec<Diagnostic>,
 ) -> Result<T, FileError> {
     let text = without_mark(text);
     if text.trim().is_empty() {
@@ -102,18 +103,14 @@ fn parse_any<T: DeserializeOwned>(
         }
         Err(error) => error,
     };
-    let Recovered { mut problems, value, ignored } = recover(text, error, read);
-    if let Some(value) = value {
-        let map = SourceMap::new(text);
-        let is_ignored = |at: &usize| {
-            let value = map.value_at(*at);
-            ignored.iter().any(|range| range.start < value.end && value.start <= range.end)
-        };
-        problems.extend(check_values(&value).iter().filter_map(|found| {
-            let at =
-                map.offset_of(&found.path).filter(|at| map.path_at(*at) == found.path && !is_ignored(at))?;
-            Some((at, found.to_string()))
-        }));
+    let mut recovered = recover(text, error, read);
+    let mut problems = std::mem::take(&mut recovered.problems);
+    if let Some(value) = &recovered.value {
+        let unknown = &recovered.unknown;
+        let mut found = check_known(value, unknown);
+        found.retain(|found| !unknown.iter().any(|path| overlap(path, &found.path)));
+        let located = |found: &Diagnostic| Some((recovered.offset_of(&found.path)?, found.to_string()));
+        problems.extend(found.iter().filter_map(located));
     }
     problems.sort_by_key(|(at, _)| *at);
     Err(FileError::at_offsets(path, text, problems))
@@ -137,7 +134,7 @@ pub fn read_ron_with_limit<T: DeserializeOwned>(
     max_bytes: u64,
 ) -> Result<T, FileError> {
     let path = path.as_ref();
-    parse_any(&read_text_with_limit(path, max_bytes)?, path, unchecked, unchecked)
+    parse_any(&read_text_with_limit(path, max_bytes)?, path, none_known, unchecked)
 }
 
 /// A `T` from RON text. Errors name `path`.
@@ -145,7 +142,7 @@ pub fn read_ron_with_limit<T: DeserializeOwned>(
 /// # Errors
 /// [`FileError`] if `text` is not RON for a `T`.
 pub fn parse_ron<T: DeserializeOwned>(text: &str, path: impl AsRef<Path>) -> Result<T, FileError> {
-    parse_checked(text, path, unchecked, unchecked)
+    parse_checked(text, path, none_known, unchecked)
 }
 
 /// A `T` from RON text of up to `max_bytes`, for files that the program itself wrote. Errors name `path`.
@@ -161,7 +158,11 @@ pub fn parse_ron_with_limit<T: DeserializeOwned>(
     if text.len() as u64 > max_bytes {
         return Err(too_large(path, max_bytes));
     }
-    parse_any(text, path, unchecked, unchecked)
+    parse_any(text, path, none_known, unchecked)
+}
+
+fn none_known<T>(_: &T, _: &[String]) -> Vec<Diagnostic> {
+    Vec::new()
 }
 
 fn unchecked<T>(_: &T) -> Vec<Diagnostic> {

@@ -144,7 +144,9 @@ fn named_positions_must_be_far_enough_apart() {
         with(within(vec2(1.8, -1.0), vec2(2.0, 1.0)), within(vec2(1.0, 0.5), vec2(0.5, 1.0))),
         [
             "`goals.max_m[0]` is 0.5 and `min_m[0]` is 1: write the lower left corner as min_m and the upper right one \
-             as max_m"
+             as max_m",
+            "`starts` has no free space at step 0: no point of its rectangle has a clearance of 0.3 m; use fewer or smaller \
+             obstacles, or a smaller clearance_m",
         ]
     );
     assert_eq!(
@@ -499,7 +501,7 @@ fn both_ends_of_a_benchmark_route_need_free_space() {
     let mut office = Scenario { obstacles: vec![pillar], ..Scenario::default() };
     assert_eq!(found(&office), [""; 0], "without a route");
     office.benchmark_route = Some(BenchmarkRoute { goal_m: vec2(1.0, 1.0), ..BenchmarkRoute::default() });
-    let blocked = "`benchmark_route.start_m` is 0.300 m inside an obstacle or wall: keep it at least 0.13 m away from \
+    let blocked = "`benchmark_route.start_m` is 0.300 m inside `obstacles[0]`: keep it at least 0.13 m away from \
                    everything";
     assert_eq!(found(&office), [blocked]);
     office.benchmark_route.get_or_insert_default().start_m = vec2(-1.0, 1.0);

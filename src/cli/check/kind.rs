@@ -137,9 +137,7 @@ pub fn check(path: &Path) -> (Option<FileKind>, Result<LocatedNotes, FileError>)
     let kind = FileKind::of_text(&text);
     let found = match kind {
         FileKind::Preset => Preset::parse(&text, path).map(|preset| preset_notes(&preset, None, false)),
-        FileKind::Experiment => {
-            Experiment::parse(&text, path).and_then(|experiment| experiment.training_notes(path, &text))
-        }
+        FileKind::Experiment => Experiment::check(&text, path),
         FileKind::LevelGenerator => check_levels(&text, path).map(|()| Vec::new()),
         FileKind::RunConfig => RunConfig::parse(&text, path).map(|_| Vec::new()),
         FileKind::ScenarioSet => scenario_set::parse(&text, path).map(|_| Vec::new()),
@@ -147,7 +145,7 @@ pub fn check(path: &Path) -> (Option<FileKind>, Result<LocatedNotes, FileError>)
             Scenario::parse(&text, path).map(|scenario| notes(&scenario))
         }
     };
-    (Some(kind), found.map(|notes| located(&text, &notes)))
+    (Some(kind), found.map(|notes| located(kind, &text, path, &notes)))
 }
 
 /// Checks a level generator, and that it has a few levels.
@@ -157,8 +155,12 @@ fn check_levels(text: &str, path: &Path) -> Result<(), FileError> {
     hopeless.map_or(Ok(()), |error| Err(FileError::for_file(path, error.to_string())))
 }
 
-fn located(text: &str, notes: &[Note]) -> LocatedNotes {
-    let located = locate(text, notes.iter().map(|note| &note.diagnostic));
+fn located(kind: FileKind, text: &str, path: &Path, notes: &[Note]) -> LocatedNotes {
+    let diagnostics = notes.iter().map(|note| &note.diagnostic);
+    let located = match kind {
+        FileKind::Preset => Preset::locate(text, path, diagnostics),
+        _ => locate(text, diagnostics),
+    };
     notes.iter().map(|note| note.level).zip(located).collect()
 }
 

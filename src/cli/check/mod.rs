@@ -81,6 +81,7 @@ fn print_lines(checked: &[CheckedFile]) -> Result<(), RunError> {
             }
         }
         for (level, note) in &file.notes {
+            let path = note.file.as_deref().map_or_else(|| path.clone(), printable_path);
             let place = note.line_column.map_or(String::new(), |(line, column)| format!("{line}:{column}:"));
             print_stderr(&format!("{path}:{place} {level}: {}", note.message));
         }
@@ -112,7 +113,7 @@ impl CheckReport {
 impl ProblemReport {
     fn new(path: &Path, problem: &LocatedDiagnostic) -> Self {
         Self {
-            path: path.display().to_string(),
+            path: problem.file.as_deref().unwrap_or(path).display().to_string(),
             line: problem.line_column.map(|(line, _)| line),
             column: problem.line_column.map(|(_, column)| column),
             message: problem.message.clone(),

@@ -59,7 +59,7 @@ impl Check<'_> {
     fn only_scenarios(&mut self, path: &str, names: &[String]) {
         let known = || self.arms.iter().flat_map(|arm| &arm.stages).map(|stage| stage.scenario.as_str());
         for name in names {
-            if known().any(|known| known == name) {
+            if !self.names_are_known || known().any(|known| known == name) {
                 continue;
             }
             let help = match closest_name(name, known()) {

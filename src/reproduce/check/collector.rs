@@ -9,6 +9,8 @@ use crate::scenario::Diagnostic;
 #[derive(Default)]
 pub(super) struct Collector {
     pub(super) diagnostics: Vec<Diagnostic>,
+    /// Whether a list is too long, so that what refers to it is not checked.
+    pub(super) is_too_large: bool,
 }
 
 impl Collector {
@@ -19,6 +21,7 @@ impl Collector {
     pub(super) fn count(&mut self, path: &str, count: usize, max: usize) {
         if count > max {
             self.add(path, format!("has {count} entries; help: give at most {max}"));
+            self.is_too_large = true;
         }
     }
 

@@ -21,14 +21,16 @@ use super::measure::Measure;
 use super::table_spec::TableKind;
 use super::test_point::{TestPoint, contrast_points};
 use crate::limits::MAX_EVALUATION_EPISODES;
-use crate::limits::experiment::{MAX_ROUNDS, MAX_SEEDS, MAX_SMOOTHING, MAX_TEST_EPISODES};
-use crate::scenario::{Diagnostic, closest_name};
+use crate::limits::experiment::{MAX_ROUNDS, MAX_SEEDS, MAX_SMOOTHING, MAX_TEST_EPISODES, MAX_TRAININGS};
+use crate::scenario::{Diagnostic, closest_name, overlap};
 
-/// All diagnostics of `experiment`. If it exceeds a size limit, only those are reported.
-pub(super) fn diagnostics(experiment: &Experiment) -> Vec<Diagnostic> {
-    let mut check = Check { arms: &experiment.arms, found: Collector::default() };
+/// All diagnostics of `experiment`, of which the values at the paths `unknown` could not be read. If a list is too long, only what
+/// is too large is reported.
+pub(super) fn diagnostics(experiment: &Experiment, unknown: &[String]) -> Vec<Diagnostic> {
+    let names_are_known = !unknown.iter().any(|path| overlap(path, "arms"));
+    let mut check = Check { arms: &experiment.arms, names_are_known, found: Collector::default() };
     sizes::check(&mut check.found, experiment);
-    if check.found.diagnostics.is_empty() {
+    if !check.found.is_too_large {
         check.header(experiment);
         check.arms();
         check.conditions(experiment);
@@ -38,9 +40,19 @@ pub(super) fn diagnostics(experiment: &Experiment) -> Vec<Diagnostic> {
     check.found.diagnostics
 }
 
+/// Whether the lists of `experiment`, and the trainings with one seed, are few enough to be checked one by one.
+pub(super) fn is_small(experiment: &Experiment) -> bool {
+    let mut found = Collector::default();
+    sizes::check(&mut found, experiment);
+    let stages: usize = experiment.arms.iter().map(|arm| arm.stages.len()).sum();
+    !found.is_too_large && (stages * experiment.conditions.len().max(1)) as u64 <= MAX_TRAININGS
+}
+
 /// The check of a file within the size limits.
 struct Check<'a> {
     arms: &'a [Arm],
+    /// Whether the names of arms, and of their scenarios, could be read.
+    names_are_known: bool,
     found: Collector,
 }
 
@@ -138,7 +150,7 @@ impl Check<'_> {
 
     /// The name of an arm must exist.
     fn arm(&mut self, path: &str, name: &str) {
-        if self.arms.iter().any(|arm| arm.name == name) {
+        if !self.names_are_known || self.arms.iter().any(|arm| arm.name == name) {
             return;
         }
         let names = || self.arms.iter().map(|arm| arm.name.as_str());
@@ -212,7 +224,7 @@ mod tests {
         for (path, breakage) in breakages {
             let mut broken = valid.clone();
             breakage(&mut broken);
-            let found = diagnostics(&broken);
+            let found = diagnostics(&broken, &[]);
             assert!(found.iter().any(|diagnostic| diagnostic.path == *path), "{path}: {found:?}");
             assert!(found.len() < 10, "{path}: too many other diagnostics: {found:?}");
         }

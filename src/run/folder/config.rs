@@ -12,7 +12,7 @@ use crate::run::provenance::{COMMIT, VERSION};
 use crate::run::settings::{SettingError, Settings};
 use crate::run::shipped;
 use crate::scenario::{
-    Diagnostic, FileError, Scenario, ScenarioSet, diagnostics, is_unprintable, parse_checked,
+    Diagnostic, FileError, Scenario, ScenarioSet, diagnostics_of_known, is_unprintable, parse_checked,
     read_ron_with_limit, read_text_with_limit, resemblance,
 };
 use crate::simulation::Extensions;
@@ -143,12 +143,22 @@ impl RunConfig {
     /// # Errors
     /// The text is not a configuration or has invalid values.
     pub fn parse(text: &str, path: &Path) -> Result<Self, FileError> {
-        parse_checked(text, path, Self::diagnostics, Self::diagnostics)
+        parse_checked(text, path, Self::diagnostics_of_known, Self::diagnostics)
     }
 
     /// All invalid values of the preset and the scenario.
     #[must_use]
     pub fn diagnostics(&self) -> Vec<Diagnostic> {
+        self.diagnostics_of_known(&[])
+    }
+
+    /// The [`diagnostics`](Self::diagnostics), if the values at the paths `unknown` could not be read.
+    fn diagnostics_of_known(&self, unknown: &[String]) -> Vec<Diagnostic> {
+        let in_scenario = |path: &String| match path.strip_prefix("scenario") {
+            Some(rest) => Some(rest.trim_start_matches('.').to_owned()),
+            None => path.is_empty().then(String::new),
+        };
+        let unknown: Vec<String> = unknown.iter().filter_map(in_scenario).collect();
         let inside = |part: &'static str| {
             move |found: Diagnostic| Diagnostic { path: format!("{part}.{}", found.path), ..found }
         };
@@ -161,7 +171,8 @@ impl RunConfig {
             inside.chain(misfit).collect()
         };
         let set: Vec<Diagnostic> = self.scenario_set.as_ref().map(of_set).unwrap_or_default();
-        preset.chain(set).chain(diagnostics(&self.scenario).into_iter().map(inside("scenario"))).collect()
+        let scenario = diagnostics_of_known(&self.scenario, &unknown).into_iter().map(inside("scenario"));
+        preset.chain(set).chain(scenario).collect()
     }
 
     /// This configuration with the user's plugins; their sensors and reward terms are recorded.

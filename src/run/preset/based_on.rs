@@ -1,59 +1,119 @@
 //! Presets that are based on another: they hold only the fields that differ.
 
+use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 
 use super::Preset;
 use crate::run::shipped;
 use crate::scenario::{
-    Diagnostic, FileError, choose, overlay, parse_checked, parse_ron, path_exists, printable_path, read_text,
-    to_ron,
+    Diagnostic, FileError, LocatedDiagnostic, choose, has_field, locate, overlay, parse_checked, parse_ron,
+    path_exists, printable_path, read_text, to_ron,
 };
 
 /// The largest number of presets that are each based on the next.
 const MAX_CHAIN: usize = 16;
 
-/// The preset in `text`, complete: fields that it lacks come from the preset that it is based on. Values are not checked.
-/// `chain` holds the files that led to this one, which is at `path`.
+/// The preset in `text`, complete: fields that it lacks come from the preset that it is based on. Whether the values of both
+/// are valid is not checked. `chain` holds the files that led to this one, which is at `path`.
 ///
 /// # Errors
-/// The text, or one that it is based on, is not a preset; there is no such preset; or a preset is based on itself.
+/// The text, or one that it is based on, is not a preset; there is no such preset; or a preset is based on itself. Then also
+/// the invalid values of the text.
 pub(super) fn read(text: &str, path: &Path, chain: &[PathBuf]) -> Result<Preset, FileError> {
-    let preset = parse_checked(text, path, value_diagnostics, |_| Vec::new())?;
-    let Some(name) = &preset.based_on else { return Ok(preset) };
+    let base = OnceCell::new();
+    let read_base = |preset: &Preset| base.get_or_init(|| base_of(preset, text, path, chain));
+    let check_known = |preset: &Preset, unknown: &[String]| {
+        if !unknown.iter().any(|path| path == "based_on") {
+            read_base(preset);
+        }
+        preset.value_diagnostics()
+    };
+    let check = |preset: &Preset| match read_base(preset) {
+        Ok(_) => Vec::new(),
+        Err(_) => preset.value_diagnostics(),
+    };
+    let parsed = parse_checked(text, path, check_known, check);
+    match (parsed, base.into_inner()) {
+        (Err(own), Some(Err(of_base))) => Err(own.and(of_base)),
+        (Ok(_), Some(Err(of_base))) => Err(of_base),
+        (Ok(_), Some(Ok(Some(base)))) => {
+            let base = to_ron(&base).map_err(|error| FileError::for_file(path, error.to_string()))?;
+            // Both texts are presets, so this one is.
+            let preset: Preset = parse_ron(&overlay(&base, text), path)?;
+            Ok(Preset { based_on: None, ..preset })
+        }
+        (parsed, _) => parsed,
+    }
+}
+
+/// The complete preset that `preset` is based on, if it is; `text` is that of the file at `path`.
+fn base_of(preset: &Preset, text: &str, path: &Path, chain: &[PathBuf]) -> Result<Option<Preset>, FileError> {
+    let Some(name) = &preset.based_on else { return Ok(None) };
     let fail = |message: String| {
         let diagnostic = Diagnostic { path: "based_on".into(), message };
         FileError::from_diagnostics(path, text, &[diagnostic])
     };
     let chain: Vec<PathBuf> = chain.iter().cloned().chain([identity(path)]).collect();
-    let file = path.parent().unwrap_or(Path::new("")).join(name);
-    let base = if path_exists(&file) && !file.is_dir() {
-        if chain.contains(&identity(&file)) || chain.len() >= MAX_CHAIN {
-            let files: Vec<_> = chain.iter().map(|file| printable_path(file)).collect();
-            let files = files.join(" -> ");
-            return Err(fail(format!(
-                "leads to no end ({files}); help: remove the `based_on` of one of them"
-            )));
-        }
-        read(&read_text(&file)?, &file, &chain)?
-    } else {
+    let file = file_of(name, path);
+    if chain.contains(&identity(&file)) || chain.len() >= MAX_CHAIN {
+        let files: Vec<_> = chain.iter().map(|file| printable_path(file)).collect();
+        let files = files.join(" -> ");
+        return Err(fail(format!("leads to no end ({files}); help: remove the `based_on` of one of them")));
+    }
+    let Some((file, text)) = base_text(name, path)? else {
         let names: Vec<_> = shipped::preset_names().collect();
-        let (from, shipped) = shipped::preset_text(name).ok_or_else(|| {
-            fail(format!(
-                "names no file and no shipped preset: {}",
-                choose(name, &names, "the shipped ones are")
-            ))
-        })?;
-        read(shipped, Path::new(from), &chain)?
+        let known = choose(name, &names, "the shipped ones are");
+        return Err(fail(format!("names no file and no shipped preset: {known}")));
     };
-    let base = to_ron(&base).map_err(|error| fail(error.to_string()))?;
-    // Both texts are presets, so this one is.
-    let preset: Preset = parse_ron(&overlay(&base, text), path)?;
-    Ok(Preset { based_on: None, ..preset })
+    read(&text, &file, &chain).map(Some)
 }
 
-/// The invalid values in a preset's own file.
-fn value_diagnostics(preset: &Preset) -> Vec<Diagnostic> {
-    Preset { based_on: None, ..preset.clone() }.diagnostics()
+/// The locations of `diagnostics` of the complete preset whose file is at `path` with this `text`. Those about a field that comes
+/// from a preset that it is based on are in the file of that one.
+pub(super) fn locate_fields<'d>(
+    text: &str,
+    path: &Path,
+    diagnostics: impl Iterator<Item = &'d Diagnostic>,
+) -> Vec<LocatedDiagnostic> {
+    let files = files(text, path);
+    let located = |found: &Diagnostic| {
+        let holder = files.iter().find(|(_, text)| has_field(text, &found.path));
+        match holder.filter(|(file, _)| file != path) {
+            Some((file, text)) => {
+                locate(text, [found].into_iter()).into_iter().map(|at| at.in_file(file)).next()
+            }
+            None => locate(text, [found].into_iter()).into_iter().next(),
+        }
+    };
+    diagnostics.filter_map(located).collect()
+}
+
+/// The files of a valid preset, with their texts: its own, then those that it is based on.
+fn files(text: &str, path: &Path) -> Vec<(PathBuf, String)> {
+    let mut files = vec![(path.to_path_buf(), text.to_owned())];
+    while files.len() <= MAX_CHAIN {
+        let (path, text) = &files[files.len() - 1];
+        let preset: Option<Preset> = parse_ron(text, path).ok();
+        let Some(name) = preset.and_then(|preset| preset.based_on) else { break };
+        let Ok(Some(base)) = base_text(&name, path) else { break };
+        files.push(base);
+    }
+    files
+}
+
+/// The file and the text of the preset that the preset at `path` names; `None` if there is no such file or shipped preset.
+fn base_text(name: &str, path: &Path) -> Result<Option<(PathBuf, String)>, FileError> {
+    let file = file_of(name, path);
+    if path_exists(&file) && !file.is_dir() {
+        let text = read_text(&file)?;
+        return Ok(Some((file, text)));
+    }
+    Ok(shipped::preset_text(name).map(|(from, text)| (from.into(), text.to_owned())))
+}
+
+/// The file of this name, relative to the preset at `path`.
+fn file_of(name: &str, path: &Path) -> PathBuf {
+    path.parent().unwrap_or(Path::new("")).join(name)
 }
 
 /// The file at `path`, by the same path however it is named.

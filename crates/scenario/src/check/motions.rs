@@ -1,16 +1,23 @@
 //! The checks of the robot's motions that need no map: it moves, and the time limit allows for the nearest goals.
 
-use super::Diagnostics;
+use super::{Diagnostics, ValidPart};
 use crate::limits::EPISODE_STEPS;
 use crate::schema::{Robot, Scenario, TaskRules};
 
 /// Factor of tolerance for rounding.
 const SLACK: f64 = 1.0 - 1e-6;
 
-pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
+pub(super) fn check(valid: &ValidPart, diagnostics: &mut Diagnostics) {
+    let scenario = &valid.scenario;
+    if !valid.has("robot.motions") {
+        return;
+    }
     if max_speed_m_s(&scenario.robot) == 0.0 {
         let message = "never move the robot: write a v_m_s other than 0 for at least one of them";
         diagnostics.push(format_args!("robot.motions"), message);
+        return;
+    }
+    if !valid.has("task") {
         return;
     }
     let TaskRules { max_episode_steps, min_goal_distance_m, .. } = scenario.task;

@@ -4,6 +4,7 @@ use std::fmt::Arguments;
 
 use glam::Vec2;
 
+use super::{COLLISION_RANGE, GOAL_RADIUS, ROBOT_RADIUS};
 use super::{Diagnostics, METRES, METRES_PER_SECOND, RADIANS, RADIANS_PER_SECOND, SECONDS};
 use super::{obstacles, polygons, speeds};
 use crate::limits::*;
@@ -128,20 +129,10 @@ fn check_task(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     );
     diagnostics.check_range(goal_distance, min_goal_distance_m, GOAL_DISTANCE_M, METRES);
 
-    diagnostics.check_above(
-        collision_range,
-        collision_range_m,
-        scenario.robot.radius_m,
-        "the robot's radius",
-    );
+    diagnostics.check_above(collision_range, collision_range_m, scenario.robot.radius_m, ROBOT_RADIUS);
     let lidar_range = format_args!("lidar.max_range_m");
-    diagnostics.check_above(
-        lidar_range,
-        scenario.lidar.max_range_m,
-        collision_range_m,
-        "the collision range",
-    );
-    diagnostics.check_above(goal_distance, min_goal_distance_m, goal_radius_m, "the goal radius");
+    diagnostics.check_above(lidar_range, scenario.lidar.max_range_m, collision_range_m, COLLISION_RANGE);
+    diagnostics.check_above(goal_distance, min_goal_distance_m, goal_radius_m, GOAL_RADIUS);
 }
 
 /// Checks the placement rule in the field `name`.
@@ -183,7 +174,7 @@ fn check_benchmark_route(route: &BenchmarkRoute, diagnostics: &mut Diagnostics) 
 fn check_clearance(name: &str, clearance_m: f32, scenario: &Scenario, diagnostics: &mut Diagnostics) {
     let path = format_args!("{name}.clearance_m");
     diagnostics.check_range(path, clearance_m, CLEARANCE_M, METRES);
-    diagnostics.check_above(path, clearance_m, scenario.task.collision_range_m, "the collision range");
+    diagnostics.check_above(path, clearance_m, scenario.task.collision_range_m, COLLISION_RANGE);
 }
 
 /// Checks the two corners of a rectangle: `min` must be below and to the left of `max`.

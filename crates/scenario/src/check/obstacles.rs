@@ -3,7 +3,9 @@
 use std::fmt::Arguments;
 
 use super::numbers::check_region;
-use super::{Diagnostics, METRES, METRES_PER_SECOND, RADIANS, RADIANS_PER_SECOND, polygons};
+use super::{
+    Diagnostics, METRES, METRES_PER_SECOND, RADIANS, RADIANS_PER_SECOND, TWICE_COLLISION_RANGE, polygons,
+};
 use crate::fields::{Field, FieldValue, Quantity};
 use crate::limits::*;
 use crate::schema::*;
@@ -86,7 +88,7 @@ fn check_generator(k: usize, generator: &Generator, collision_range_m: f32, diag
     check_random_shape(format_args!("generators[{k}].shape"), &generator.shape, diagnostics);
     let path = format_args!("generators[{k}].gap_m");
     diagnostics.check_range(path, generator.gap_m, CLEARANCE_M, METRES);
-    diagnostics.check_above(path, generator.gap_m, 2.0 * collision_range_m, "twice the collision range");
+    diagnostics.check_above(path, generator.gap_m, 2.0 * collision_range_m, TWICE_COLLISION_RANGE);
     if let Some(Region { min_m, max_m }) = generator.within {
         check_region(format_args!("generators[{k}].within"), min_m, max_m, diagnostics);
     }

@@ -1,12 +1,12 @@
 //! The check that the robot can reach every possible goal from every possible start.
 //!
-//! In: a scenario that passed all other checks. The robot's centre must keep the collision range from everything; the
+//! In: the part of a scenario with valid numbers. The robot's centre must keep the collision range from everything; the
 //! space that remains is divided into a fine grid. A cell counts as free if it could contain a free point, so that only
 //! goals that are certainly out of reach are reported. Moving and generated obstacles are ignored: the former don't block
 //! a passage for ever, the latter leave gaps.
 
-use super::Diagnostics;
 use super::grid::{BlockedCells, CellGrid, ConnectedRegions};
+use super::{Diagnostics, ValidPart};
 use crate::polygon::sides;
 use crate::schema::*;
 use glam::DVec2;
@@ -21,13 +21,19 @@ pub(crate) struct RegionSite {
     place: DVec2,
 }
 
-pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
+pub(super) fn check(valid: &ValidPart, diagnostics: &mut Diagnostics) {
+    let scenario = &valid.scenario;
+    if !valid.has("enclosure") || !valid.has("task.collision_range_m") {
+        return;
+    }
     let room = f64::from(scenario.task.collision_range_m);
     let (low, high) = scenario.enclosure.bounds_m();
     let Some(grid) = CellGrid::over(low.as_dvec2(), high.as_dvec2(), room) else { return };
     let half = grid.half_diagonal_m();
     let parts = ConnectedRegions::of(&blocked(scenario, &grid, (room - half) * (1.0 - 1e-6)));
-    check_rules(scenario, &grid, &parts, diagnostics);
+    if valid.has("starts") && valid.has("goals") {
+        check_rules(scenario, &grid, &parts, diagnostics);
+    }
     let Some(route) = &scenario.benchmark_route else { return };
     let [start, goal] = [route.start_m, route.goal_m].map(|place| {
         let (row, column) = grid.cell_at(place.as_dvec2());

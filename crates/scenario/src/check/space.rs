@@ -1,10 +1,10 @@
 //! The checks that everything stays inside the enclosure and leaves free space for starts, goals and the benchmark route.
 //!
-//! In: a scenario with valid numbers.
+//! In: the part of a scenario with valid numbers.
 
-use super::Diagnostics;
 use super::extent::{EnclosureExtent, TOLERANCE_M};
-use crate::geometry::{clearance, length};
+use super::{Diagnostics, ValidPart};
+use crate::geometry::{Solid, length, nearest};
 use crate::limits::{MAX_EDGE_CHECKS, MAX_GENERATION_WORK};
 use crate::motion::pose_at;
 use crate::placement::free_points;
@@ -21,10 +21,30 @@ const GENERATION_WORK_BUDGET: usize = 20_000;
 /// One in this many random starts must have a goal that is far enough away.
 const FAR_START_DIVISOR: usize = 4;
 
-pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
-    let inside = EnclosureExtent::new(&scenario.enclosure);
-    check_walls(scenario, &inside, diagnostics);
-    for (k, obstacle) in scenario.obstacles.iter().enumerate() {
+pub(super) fn check(valid: &ValidPart, diagnostics: &mut Diagnostics) {
+    if !valid.has("enclosure") {
+        return;
+    }
+    let scenario = &valid.scenario;
+    check_regions(scenario, diagnostics);
+    if valid.has("task.collision_range_m") {
+        check_named_positions(valid, diagnostics);
+    }
+    if valid.has("task") {
+        if let Some(route) = &scenario.benchmark_route {
+            check_benchmark_route(valid, route, diagnostics);
+        }
+        check_free_space(valid, diagnostics);
+    }
+}
+
+/// Checks that obstacles stay inside the enclosure. Paths are those in the whole scenario.
+pub(super) fn check_paths(valid: &ValidPart, diagnostics: &mut Diagnostics) {
+    if !valid.has("enclosure") {
+        return;
+    }
+    let inside = EnclosureExtent::new(&valid.scenario.enclosure);
+    for (k, obstacle) in &valid.paths {
         let over = inside.overhang_m(obstacle);
         if over > TOLERANCE_M {
             let (when, fix) = if obstacle.motion.is_moving() {
@@ -38,16 +58,15 @@ pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
             );
         }
     }
-    check_regions(scenario, diagnostics);
-    check_named_positions(scenario, diagnostics);
-    if let Some(route) = &scenario.benchmark_route {
-        check_benchmark_route(scenario, route, diagnostics);
-    }
-    check_free_space(scenario, diagnostics);
 }
 
 /// Checks that the centre line of every inner wall is inside the enclosure; it may end in the enclosure's own walls.
-fn check_walls(scenario: &Scenario, inside: &EnclosureExtent<'_>, diagnostics: &mut Diagnostics) {
+pub(super) fn check_walls(valid: &ValidPart, diagnostics: &mut Diagnostics) {
+    if !valid.has("enclosure") {
+        return;
+    }
+    let scenario = &valid.scenario;
+    let inside = EnclosureExtent::new(&scenario.enclosure);
     for (k, wall) in scenario.walls.iter().enumerate() {
         let before = diagnostics.0.len();
         for (j, &corner) in wall.corners_m.iter().enumerate() {
@@ -91,48 +110,68 @@ fn named_positions(rule: &PlacementRule) -> impl Iterator<Item = (String, Vec2)>
 }
 
 /// Checks that the robot does not collide with a static object at the positions that the rules name.
-fn check_named_positions(scenario: &Scenario, diagnostics: &mut Diagnostics) {
+fn check_named_positions(valid: &ValidPart, diagnostics: &mut Diagnostics) {
+    let scenario = &valid.scenario;
     let still = without_moving_obstacles(scenario);
+    let is_still = |&k: &usize| !scenario.obstacles[k].motion.is_moving();
+    let indices: Vec<usize> = (0..scenario.obstacles.len()).filter(is_still).collect();
     for (name, rule) in [("starts", &scenario.starts), ("goals", &scenario.goals)] {
         for (path, place) in named_positions(rule) {
-            let clear = clearance(&still, place, 0);
-            check_clearance(
-                format_args!("{name}.{path}"),
-                clear,
-                scenario.task.collision_range_m,
-                diagnostics,
-            );
+            let near = match nearest(&still, place, 0) {
+                (Solid::Obstacle(k), clear) => (Solid::Obstacle(indices[k]), clear),
+                near => near,
+            };
+            check_clearance(format_args!("{name}.{path}"), near, valid, diagnostics);
         }
     }
 }
 
 /// Checks that the robot does not collide at either end of the benchmark route, and that the ends are apart.
-fn check_benchmark_route(scenario: &Scenario, route: &BenchmarkRoute, diagnostics: &mut Diagnostics) {
-    let task = &scenario.task;
+fn check_benchmark_route(valid: &ValidPart, route: &BenchmarkRoute, diagnostics: &mut Diagnostics) {
+    let scenario = &valid.scenario;
     for (name, point) in [("start_m", route.start_m), ("goal_m", route.goal_m)] {
-        let clear = clearance(scenario, point, 0);
-        check_clearance(format_args!("benchmark_route.{name}"), clear, task.collision_range_m, diagnostics);
+        let near = nearest(scenario, point, 0);
+        check_clearance(format_args!("benchmark_route.{name}"), near, valid, diagnostics);
     }
     let apart = length(route.start_m.x - route.goal_m.x, route.start_m.y - route.goal_m.y);
     diagnostics.check_above(
         format_args!("benchmark_route.goal_m"),
         apart,
-        task.goal_radius_m,
-        "the goal radius from the start",
+        scenario.task.goal_radius_m,
+        ("the goal radius from the start", "task.goal_radius_m"),
     );
 }
 
-fn check_clearance(path: std::fmt::Arguments<'_>, clear: f32, least: f32, diagnostics: &mut Diagnostics) {
+/// Reports a position to which what is `near` is closer than the collision range. `near` is named as in the whole scenario.
+fn check_clearance(
+    path: std::fmt::Arguments<'_>,
+    (near, clear): (Solid, f32),
+    valid: &ValidPart,
+    diagnostics: &mut Diagnostics,
+) {
+    let least = valid.scenario.task.collision_range_m;
     if clear < least {
-        let side = if clear < 0.0 { "inside an obstacle or wall" } else { "from an obstacle or wall" };
+        let place = match (near, clear < 0.0) {
+            (Solid::Enclosure, true) => "outside the enclosure".into(),
+            (Solid::Enclosure, false) => "from the wall of the enclosure".into(),
+            (Solid::Wall(k), inside) => format!("{} `{}`", inside_or_from(inside), valid.name("walls", k)),
+            (Solid::Obstacle(k), inside) => {
+                format!("{} `{}`", inside_or_from(inside), valid.name("obstacles", k))
+            }
+        };
         let message =
-            format!("is {:.3} m {side}: keep it at least {least} m away from everything", clear.abs());
+            format!("is {:.3} m {place}: keep it at least {least} m away from everything", clear.abs());
         diagnostics.push(path, message);
     }
 }
 
+fn inside_or_from(is_inside: bool) -> &'static str {
+    if is_inside { "inside" } else { "from" }
+}
+
 /// Checks that there is free space for starts and goals, and for goals far enough from any position of the robot.
-fn check_free_space(scenario: &Scenario, diagnostics: &mut Diagnostics) {
+fn check_free_space(valid: &ValidPart, diagnostics: &mut Diagnostics) {
+    let scenario = &valid.scenario;
     let moments = if scenario.obstacles.iter().any(|obstacle| obstacle.motion.is_moving()) {
         (MAX_EDGE_CHECKS / sides(scenario).max(1)).clamp(1, SAMPLED_STEPS as usize) as u64
     } else {
@@ -145,8 +184,10 @@ fn check_free_space(scenario: &Scenario, diagnostics: &mut Diagnostics) {
         goals = goals.or((!found.goals).then_some(step));
         too_narrow |= found.goals && !found.wide;
     }
-    report_no_free_space("starts", starts, &scenario.starts, diagnostics);
-    report_no_free_space("goals", goals, &scenario.goals, diagnostics);
+    let (has_starts, has_goals) = (valid.has("starts"), valid.has("goals"));
+    report_no_free_space("starts", starts.filter(|_| has_starts), &scenario.starts, diagnostics);
+    report_no_free_space("goals", goals.filter(|_| has_goals), &scenario.goals, diagnostics);
+    too_narrow &= has_goals;
     if too_narrow {
         let message = format!(
             "is {}, but the free space for goals is less than twice as long, so that no goal is far enough from some robot \
@@ -155,7 +196,7 @@ fn check_free_space(scenario: &Scenario, diagnostics: &mut Diagnostics) {
         );
         diagnostics.push(format_args!("task.min_goal_distance_m"), message);
     }
-    if starts.is_none() && goals.is_none() {
+    if has_starts && has_goals && starts.is_none() && goals.is_none() {
         check_goal_distance(scenario, diagnostics);
         if !too_narrow {
             check_layouts(scenario, diagnostics);

@@ -7,7 +7,7 @@
 //! |---|---|
 //! | `formats.rs`, `lookalike.rs` | characters that look like those of RON, signs of other formats |
 //! | `numbers.rs`, `number_text.rs` | numbers as people write them |
-//! | `names.rs` | names of fields and choices |
+//! | `names.rs`, `synonyms.rs` | names of fields and choices |
 //! | `values.rs`, `choices.rs` | values of the wrong type |
 //! | `syntax.rs` | brackets, commas, quotes, comments |
 
@@ -18,6 +18,7 @@ mod names;
 mod number_text;
 mod numbers;
 mod recover;
+mod synonyms;
 mod syntax;
 mod values;
 
@@ -30,7 +31,7 @@ use wayfield_ron_patch::SourceMap;
 pub use self::names::{choose, closest_name};
 pub use self::number_text::whole_number;
 pub(super) use self::number_text::with_plain_numbers;
-pub(super) use self::recover::{Recovered, recover};
+pub(super) use self::recover::recover;
 
 /// A problem that ron found in a text.
 struct Problem {
@@ -46,6 +47,8 @@ struct Problem {
 enum Repair {
     /// The range gets another text.
     Replace(Range<usize>, &'static str),
+    /// The name of a field or a choice gets this one.
+    Rename(Range<usize>, &'static str),
     /// The range gets any valid value.
     Value(Range<usize>),
     /// A field is added to the struct that starts at the offset.

@@ -2,6 +2,7 @@
 
 use ron::error::Error;
 
+use super::synonyms::synonym;
 use super::{Place, Problem, Repair};
 
 impl Place<'_> {
@@ -36,11 +37,14 @@ impl Place<'_> {
         })
     }
 
-    /// The change of the name `found` at `start` to the closest of the `expected` names, if one is close.
+    /// The change of the name `found` at `start` to the one of the `expected` names that is meant, if there is one.
     fn renaming(&self, found: &str, expected: &'static [&'static str]) -> Option<Repair> {
-        let near = closest_name(found, expected.iter().copied())?;
+        let near = match synonym(found, expected) {
+            Some(path) => expected.iter().copied().find(|name| *name == path)?,
+            None => closest_name(found, expected.iter().copied())?,
+        };
         let is_there = self.text[self.start..].starts_with(found);
-        is_there.then(|| Repair::Replace(self.start..self.start + found.len(), near))
+        is_there.then(|| Repair::Rename(self.start..self.start + found.len(), near))
     }
 
     /// The removal of the field at `start`, with the comma after it.
@@ -60,11 +64,12 @@ pub(super) fn missing_fields(owner: &str, fields: &[&str]) -> String {
     }
 }
 
-/// The text "did you mean `x`? the fields are `x`, `y`": the closest of `known` to `word`, if one is close, then all, with the
-/// words `lead` before them.
+/// The text "did you mean `x`? the fields are `x`, `y`": the one of `known` that is meant by `word` or closest to it, if there is
+/// one, then all, with the words `lead` before them.
 #[must_use]
 pub fn choose(word: &str, known: &[&str], lead: &str) -> String {
-    let hint = closest_name(word, known.iter().copied())
+    let hint = synonym(word, known)
+        .or_else(|| closest_name(word, known.iter().copied()))
         .map(|near| format!("did you mean `{near}`? "))
         .unwrap_or_default();
     let all: Vec<_> = known.iter().map(|name| format!("`{name}`")).collect();

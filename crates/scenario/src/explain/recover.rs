@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use ron::error::SpannedError;
 use serde::de::DeserializeOwned;
+use wayfield_ron_patch::SourceMap;
 
 use super::choices::{choices, is_read, lacks_fields, replaced};
 use super::names::missing_fields;
@@ -20,8 +21,20 @@ const VALUES: [&str; 6] = ["0", "0.0", "\"\"", "true", "[]", "(0, 0)"];
 pub struct Recovered<T> {
     pub problems: Vec<(usize, String)>,
     pub value: Option<T>,
-    /// The ranges of the text that were ignored.
-    pub ignored: Vec<Range<usize>>,
+    /// The paths of the fields in `value` that have any value, because theirs could not be read.
+    pub unknown: Vec<String>,
+    /// The repaired text.
+    draft: Draft,
+}
+
+impl<T> Recovered<T> {
+    /// The offset in the original text of the field at `path`, or of the innermost field around it, or else of the whole value.
+    /// `None` if it begins with a repair.
+    pub fn offset_of(&self, path: &str) -> Option<usize> {
+        let map = SourceMap::new(&self.draft.text);
+        let at = map.offset_of(path).or_else(|| map.start())?;
+        self.draft.origin(at)
+    }
 }
 
 /// The problems of `text`, of which ron has found `error`. `read` is ron.
@@ -30,15 +43,15 @@ pub fn recover<T: DeserializeOwned>(
     mut error: SpannedError,
     read: impl Fn(&str) -> Result<T, SpannedError>,
 ) -> Recovered<T> {
-    let mut found = Recovered { problems: Vec::new(), value: None, ignored: Vec::new() };
+    let draft = Draft { text: text.to_owned(), edits: Vec::new(), unknown: Vec::new() };
+    let mut found = Recovered { problems: Vec::new(), value: None, unknown: Vec::new(), draft };
     let parse = |text: &str| if text.len() > MAX_BYTES { None } else { read(text).err() };
-    let mut draft = Draft { text: text.to_owned(), edits: Vec::new() };
     // The fields that the struct of the last problem lacks.
     let mut missing: Vec<&'static str> = Vec::new();
     for _ in 0..MAX_REPAIRS {
-        let Problem { offset, message, repair } = explain(&draft.text, &error, &parse);
+        let Problem { offset, message, repair } = explain(&found.draft.text, &error, &parse);
         // Problems inside a repair are not the user's.
-        if let Some(at) = draft.origin(offset) {
+        if let Some(at) = found.draft.origin(offset) {
             match (&repair, found.problems.last_mut()) {
                 (Some(Repair::Add { owner, field, .. }), Some(last))
                     if last.0 == at && !missing.is_empty() =>
@@ -58,11 +71,12 @@ pub fn recover<T: DeserializeOwned>(
                 }
             }
         }
-        let is_repaired = text.len() <= MAX_BYTES && repair.is_some_and(|repair| draft.apply(repair, &parse));
+        let is_repaired =
+            text.len() <= MAX_BYTES && repair.is_some_and(|repair| found.draft.apply(repair, &parse));
         if !is_repaired {
             break;
         }
-        match read(&draft.text) {
+        match read(&found.draft.text) {
             Ok(value) => {
                 found.value = Some(value);
                 break;
@@ -70,7 +84,7 @@ pub fn recover<T: DeserializeOwned>(
             Err(next) => error = next,
         }
     }
-    found.ignored = draft.edits.iter().filter_map(|edit| edit.origin.clone()).collect();
+    found.unknown = std::mem::take(&mut found.draft.unknown);
     found
 }
 
@@ -78,6 +92,8 @@ pub fn recover<T: DeserializeOwned>(
 struct Draft {
     text: String,
     edits: Vec<Edit>,
+    /// The paths of the fields that got any value.
+    unknown: Vec<String>,
 }
 
 /// A range of a draft that was replaced.
@@ -88,8 +104,6 @@ struct Edit {
     old: usize,
     /// The length after.
     new: usize,
-    /// The replaced range of the original text; `None` if that was a repair already.
-    origin: Option<Range<usize>>,
 }
 
 impl Draft {
@@ -106,9 +120,8 @@ impl Draft {
     }
 
     fn replace(&mut self, range: Range<usize>, new: &str) {
-        let origin = self.origin(range.start).map(|start| start..start + range.len());
         self.text = replaced(&self.text, &range, new);
-        self.edits.push(Edit { at: range.start, old: range.len(), new: new.len(), origin });
+        self.edits.push(Edit { at: range.start, old: range.len(), new: new.len() });
     }
 
     /// Applies a repair. Returns whether the draft has changed.
@@ -118,8 +131,18 @@ impl Draft {
                 self.replace(range, new);
                 true
             }
+            Repair::Rename(range, name) => {
+                self.replace(range.clone(), name);
+                let map = SourceMap::new(&self.text);
+                // A number under another name may have another unit.
+                if self.text[map.value_at(range.start)].parse::<f64>().is_ok() {
+                    self.unknown.push(map.path_at(range.start));
+                }
+                true
+            }
             Repair::Value(range) => {
                 let Some(value) = self.any_value(&range, parse) else { return false };
+                self.unknown.push(SourceMap::new(&self.text).path_at(range.start));
                 self.replace(range, &value);
                 true
             }
@@ -133,10 +156,10 @@ impl Draft {
         let name = format!("{field}: ");
         let with_name = replaced(&self.text, &(open..open), &(name.clone() + ", "));
         let value = open + name.len()..open + name.len();
-        let Some(value) = (Draft { text: with_name, edits: Vec::new() }).any_value(&value, parse) else {
-            return false;
-        };
+        let draft = Draft { text: with_name, edits: Vec::new(), unknown: Vec::new() };
+        let Some(value) = draft.any_value(&value, parse) else { return false };
         self.replace(open..open, &format!("{name}{value}, "));
+        self.unknown.push(SourceMap::new(&self.text).path_at(open));
         true
     }
 

@@ -5,7 +5,9 @@ use std::ops::RangeInclusive;
 
 use super::floor;
 use super::schema::{Clutter, LevelGenerator, Route, Traffic, WallLayout};
-use crate::check::{Diagnostics, METRES, METRES_PER_SECOND, check_random_shape, check_robot_and_task};
+use crate::check::{
+    Diagnostics, METRES, METRES_PER_SECOND, TWICE_COLLISION_RANGE, check_random_shape, check_robot_and_task,
+};
 use crate::file_error::Diagnostic;
 use crate::limits::*;
 use crate::schema::{PlacementRule, Scenario};
@@ -56,7 +58,7 @@ fn check_sizes(generator: &LevelGenerator, diagnostics: &mut Diagnostics) {
     check_pair(format_args!("height_m"), height_m, LEVEL_SIDE_M, METRES, diagnostics);
     let path = format_args!("gap_m");
     diagnostics.check_range(path, gap_m, LEVEL_GAP_M, METRES);
-    diagnostics.check_above(path, gap_m, 2.0 * generator.task.collision_range_m, "twice the collision range");
+    diagnostics.check_above(path, gap_m, 2.0 * generator.task.collision_range_m, TWICE_COLLISION_RANGE);
     match generator.route {
         Route::Random { clearance_m } => {
             let path = format_args!("route.clearance_m");
@@ -133,7 +135,7 @@ fn check_passage(
     generator: &LevelGenerator,
     diagnostics: &mut Diagnostics,
 ) {
-    diagnostics.check_above(format_args!("{path}[0]"), least_m, generator.gap_m, "gap_m");
+    diagnostics.check_above(format_args!("{path}[0]"), least_m, generator.gap_m, ("gap_m", "gap_m"));
 }
 
 fn check_clutter(

@@ -78,7 +78,12 @@ impl LevelGenerator {
     /// # Errors
     /// As [`LevelGenerator::load`].
     pub fn parse(text: &str, path: impl AsRef<Path>) -> Result<Self, FileError> {
-        parse_checked(text, path, level_generator_diagnostics, level_generator_diagnostics)
+        parse_checked(
+            text,
+            path,
+            |generator, _| level_generator_diagnostics(generator),
+            level_generator_diagnostics,
+        )
     }
 
     /// Whether `text` is probably a level generator and not a scenario: by its fields.

@@ -1,0 +1,122 @@
+//! The valid part of a scenario that has invalid values, for the checks of how its parts fit together.
+//!
+//! In: a scenario, and the paths of its invalid values. Out: a [`ValidPart`]. Walls, obstacles and generators with an invalid
+//! value are left out of it. That can only make more space, so a problem of the valid part is one of the whole scenario.
+
+use crate::fields::Quantity;
+use crate::file_error::{Diagnostic, overlap};
+use crate::schema::*;
+
+/// A speed that an obstacle gets in place of an invalid one. How far the obstacle reaches does not depend on it.
+const ANY_SPEED: f32 = 0.01;
+
+/// The valid part of a scenario.
+pub(super) struct ValidPart {
+    /// A scenario with valid numbers. What is invalid in the whole one is left out, or has its default.
+    pub(super) scenario: Scenario,
+    /// The obstacles whose path is valid, with their index in the whole scenario. Their speed may be another.
+    pub(super) paths: Vec<(usize, Obstacle)>,
+    /// For each list, the indices of its valid elements in the whole scenario.
+    kept: [(&'static str, Vec<usize>); 3],
+    invalid: Vec<String>,
+}
+
+impl ValidPart {
+    pub(super) fn new(whole: &Scenario, invalid: Vec<String>) -> Self {
+        let indices = |list: &str, count: usize| {
+            let is_valid = |k: &usize| !touches(&invalid, &format!("{list}[{k}]"));
+            let count = if invalid.iter().any(|path| path.is_empty() || path == list) { 0 } else { count };
+            (0..count).filter(is_valid).collect::<Vec<_>>()
+        };
+        let kept = [
+            ("walls", indices("walls", whole.walls.len())),
+            ("obstacles", indices("obstacles", whole.obstacles.len())),
+            ("generators", indices("generators", whole.generators.len())),
+        ];
+        let mut scenario = Scenario {
+            walls: kept[0].1.iter().map(|&k| whole.walls[k].clone()).collect(),
+            obstacles: kept[1].1.iter().map(|&k| whole.obstacles[k].clone()).collect(),
+            generators: kept[2].1.iter().map(|&k| whole.generators[k].clone()).collect(),
+            ..whole.clone()
+        };
+        let default = Scenario::default();
+        let is_invalid = |path: &str| touches(&invalid, path);
+        if is_invalid("enclosure") {
+            scenario.enclosure = default.enclosure;
+        }
+        if is_invalid("starts") {
+            scenario.starts = default.starts;
+        }
+        if is_invalid("goals") {
+            scenario.goals = default.goals;
+        }
+        if is_invalid("benchmark_route") {
+            scenario.benchmark_route = None;
+        }
+        if is_invalid("robot.motions") {
+            scenario.robot.motions = default.robot.motions;
+        }
+        let collision_range_m = scenario.task.collision_range_m;
+        if is_invalid("task") {
+            scenario.task = default.task;
+        }
+        if !is_invalid("task.collision_range_m") {
+            scenario.task.collision_range_m = collision_range_m;
+        }
+        Self { paths: paths(whole, &invalid), scenario, kept, invalid }
+    }
+
+    /// Whether the part of the scenario at `path` is valid.
+    pub(super) fn has(&self, path: &str) -> bool {
+        !touches(&self.invalid, path)
+    }
+
+    /// The path of an element of a list in the whole scenario.
+    pub(super) fn name(&self, list: &str, index: usize) -> String {
+        let kept = self.kept.iter().find(|(name, _)| *name == list).and_then(|(_, kept)| kept.get(index));
+        format!("{list}[{}]", kept.unwrap_or(&index))
+    }
+
+    /// A diagnostic of the valid part, with its path in the whole scenario.
+    pub(super) fn in_whole(&self, mut found: Diagnostic) -> Diagnostic {
+        for (list, _) in &self.kept {
+            let Some(rest) = found.path.strip_prefix(list).and_then(|rest| rest.strip_prefix('[')) else {
+                continue;
+            };
+            let Some((index, rest)) = rest.split_once(']') else { continue };
+            if let Ok(index) = index.parse() {
+                found.path = self.name(list, index) + rest;
+                break;
+            }
+        }
+        found
+    }
+}
+
+/// Whether an invalid value is in the field at `path`, or around it.
+fn touches(invalid: &[String], path: &str) -> bool {
+    invalid.iter().any(|other| overlap(other, path))
+}
+
+/// The obstacles that have no other invalid value than their speed.
+fn paths(whole: &Scenario, invalid: &[String]) -> Vec<(usize, Obstacle)> {
+    if invalid.iter().any(|path| path.is_empty() || path == "obstacles") {
+        return Vec::new();
+    }
+    let path = |(k, obstacle): (usize, &Obstacle)| {
+        let at = format!("obstacles[{k}]");
+        let speed = format!("{at}.motion.speed_");
+        let mut here = invalid.iter().filter(|other| overlap(other, &at)).peekable();
+        let mut obstacle = obstacle.clone();
+        if here.peek().is_some() {
+            if !here.all(|other| other.starts_with(&speed)) {
+                return None;
+            }
+            for quantity in [Quantity::Speed, Quantity::AngularSpeed] {
+                obstacle.motion.number_mut(quantity).into_iter().for_each(|number| *number = ANY_SPEED);
+            }
+        }
+        Some((k, obstacle))
+    };
+    whole.obstacles.iter().enumerate().filter_map(path).collect()
+}
