@@ -32,7 +32,12 @@ impl TestDriver {
         }
         if exists && path.extension().is_some_and(|extension| extension == "ron") {
             let check = DriverConfig::diagnostics;
-            return Ok(Self::Classical(parse_checked(&read_text(path)?, path, check, check)?));
+            return Ok(Self::Classical(parse_checked(
+                &read_text(path)?,
+                path,
+                |driver, _| check(driver),
+                check,
+            )?));
         }
         if !exists && policy::is_unknown_name(path) {
             let policies: Vec<&str> =

@@ -12,7 +12,6 @@ pub use self::source::Source;
 use super::folder::RunConfig;
 use super::policy_card;
 use super::preset::Preset;
-use super::scenario_set;
 use crate::policy::Policy;
 use crate::scenario::{
     FileError, LevelGenerator, Scenario, ScenarioSet, closest_name, path_exists, read_text,

@@ -127,7 +127,7 @@ pub(crate) fn has_valid_space(scenario: &Scenario) -> bool {
     let mut diagnostics = Diagnostics::default();
     check_robot_and_task(scenario, &mut diagnostics);
     if diagnostics.is_empty() {
-        space::check(scenario, &mut diagnostics);
+        space::check(&ValidPart::new(scenario, Vec::new()), &mut diagnostics);
     }
     diagnostics.is_empty()
 }

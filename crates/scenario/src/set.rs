@@ -51,7 +51,7 @@ impl ScenarioSetFile {
     /// # Errors
     /// [`FileError`] if the text is not a set, or has diagnostics; it lists all of them.
     pub fn parse(text: &str, path: impl AsRef<Path>) -> Result<Self, FileError> {
-        parse_checked(text, path, Self::diagnostics, Self::diagnostics)
+        parse_checked(text, path, |set, _| Self::diagnostics(set), Self::diagnostics)
     }
 
     /// All problems of the set itself.
