@@ -4,7 +4,7 @@ mod cli_support;
 
 use std::fmt::Write as _;
 
-use cli_support::messages::Messages;
+use cli_support::messages::rejection;
 use cli_support::{Workspace, quick_fast};
 
 const MAP: &str = "image: room.pgm\nresolution: 0.1\norigin: [-2.0, -1.5, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
@@ -59,7 +59,7 @@ fn an_imported_map_can_be_checked_drawn_over_the_map_and_trained_in() {
     assert!(areas >= 1, "the pillar is marked");
     assert!(workspace.text("over.svg").contains("occupied in the map"));
     for name in ["over.pdf", "over.png"] {
-        workspace.run_ok(&format!("--draw {name} --scenario room.ron --over room.pgm --resolution 0.1"));
+        workspace.run_ok(&format!("--draw {name} --scenario room.ron --over map.yaml"));
     }
     workspace.run_ok("--train --scenario room.ron --preset quick.ron --steps 200 --out run");
 }
@@ -69,7 +69,7 @@ fn the_robot_of_the_import_can_be_chosen() {
     let workspace = workspace();
     workspace.run_ok("--import map.yaml --out hall.ron --robot hall --set scenario.lidar.beams=36");
     let text = workspace.text("hall.ron");
-    assert!(text.contains("beams: 36") && text.contains("radius_m: 0.2"), "{text}");
+    assert!(text.contains("beams: 36") && text.contains("v_m_s: 0.3"), "{text}");
     workspace.run_ok("--check hall.ron");
 }
 
@@ -116,35 +116,49 @@ fn invalid_imports_are_rejected_and_nothing_is_written() {
     workspace.write("meshes.world", "<sdf><world name='w'><model name='m'><link name='l'><collision name='c'><geometry><mesh/></geometry></collision></link></model></world></sdf>");
     workspace.write("number.world", WORLD.replace("4 0.1 1", "4 0 1"));
     workspace.write("broken.world", "<sdf>\n<world>\n");
-    let mut messages = Messages::new("imports");
-    for arguments in [
-        "--import map.yaml",
-        "--import map.yaml --out room.txt",
-        "--import map.yaml --out no/room.ron",
-        "--import nothing.yaml --out new.ron",
-        "--import quick.ron --out new.ron",
-        "--import zero.yaml --out new.ron",
-        "--import missing.yaml --out new.ron",
-        "--import nan.yaml --out new.ron",
-        "--import cut.yaml --out new.ron",
-        "--import huge.yaml --out new.ron",
-        "--import small.yaml --out new.ron",
-        "--import room.pgm --out new.ron",
-        "--import meshes.world --out new.ron",
-        "--import number.world --out new.ron",
-        "--import broken.world --out new.ron",
-        "--import barn.json --out new.ron",
-        "--import barn.json --world 4 --out new.ron",
-        "--import map.yaml --robot nobody --out new.ron",
-        "--import map.yaml --set scenario.robot.radius_m=-1 --out new.ron",
-        "--draw new.svg --scenario scenario-1 --over map.yaml",
+    for (arguments, expected) in [
+        ("--import map.yaml", "--import needs an output file; help: add --out SCENARIO.ron"),
+        (
+            "--import map.yaml --out room.txt",
+            "room.txt: not a scenario's file; help: give a name that ends in .ron",
+        ),
+        ("--import map.yaml --out no/room.ron", "the folder no does not exist; help: create it first"),
+        ("--import nothing.yaml --out new.ron", "nothing.yaml: no such file"),
+        ("--import quick.ron --out new.ron", "quick.ron: not a kind of file that can be imported; help: "),
+        (
+            "--import zero.yaml --out new.ron",
+            "zero.yaml:2:13: `resolution` is 0, not a number from 0.001 to 10; help: ",
+        ),
+        ("--import missing.yaml --out new.ron", "missing.yaml:1:8: there is no picture `other.png`; help: "),
+        (
+            "--import nan.yaml --out new.ron",
+            "nan.yaml:3:9: `origin` is [.nan, 0, 0], not three numbers; help: ",
+        ),
+        ("--import cut.yaml --out new.ron", "cut.pgm: not a complete picture: it ends too early; help: "),
+        ("--import huge.yaml --out new.ron", "huge.pgm: 100000 x 100000 pixels, more than 8388608; help: "),
+        ("--import small.yaml --out new.ron", "small.yaml: the robot fits nowhere on this map: "),
+        ("--import room.pgm --out new.ron", "room.pgm: a picture has no scale; help: "),
+        (
+            "--import meshes.world --out new.ron",
+            "nothing in it can be imported: meshes are left out: m/c; help: ",
+        ),
+        ("--import number.world --out new.ron", "number.world:3:"),
+        ("--import broken.world --out new.ron", "not XML that can be read: "),
+        (
+            "--import barn.json --out new.ron",
+            "barn.json: it holds many worlds; help: choose one with --world N",
+        ),
+        ("--import barn.json --world 4 --out new.ron", "barn.json: it has no such world; help: "),
+        ("--import map.yaml --robot nobody --out new.ron", "nobody: no such file"),
+        ("--import map.yaml --set scenario.robot.radius_m=-1 --out new.ron", "radius_m"),
+        (
+            "--draw new.svg --scenario scenario-1 --over map.yaml",
+            "does not say where it lies in a map; help: ",
+        ),
+        ("--import map.yaml --out new.ron --tolerance -1", "give 0 to 10 (metres)"),
+        ("--import map.yaml --out new.ron --resolution 0", "give 0.001 to 10 (metres)"),
     ] {
-        messages.line(&workspace, arguments);
+        let message = rejection(&workspace, arguments);
+        assert!(message.contains(expected), "wayfield {arguments}\n{message}");
     }
-    for arguments in
-        ["--import map.yaml --out new.ron --tolerance -1", "--import map.yaml --out new.ron --resolution 0"]
-    {
-        messages.add(&workspace, arguments);
-    }
-    messages.check();
 }

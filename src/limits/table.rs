@@ -280,6 +280,12 @@ const IMPORTS: &[Limit] = &[
     Limit("size of a picture's file", Bytes(import::MAX_PICTURE_BYTES), "", "memory"),
     Limit("pixels of a picture", count(import::MAX_CELLS), "", "memory; checked before it is decoded"),
     Limit(
+        "corners of an outline of a map's floor",
+        count(import::MAX_RING_CORNERS),
+        "",
+        "time of the import",
+    ),
+    Limit(
         "size of an SDF or JSON file, and of all included models",
         Bytes(import::MAX_WORLD_BYTES),
         "",
