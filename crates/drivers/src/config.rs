@@ -89,9 +89,9 @@ impl Default for DwaParameters {
         Self {
             horizon_s: 2.0,
             heading_time_s: 0.6,
-            heading: 1.0,
-            clearance: 1.0,
-            speed: 0.3,
+            heading: 0.8,
+            clearance: 0.2,
+            speed: 1.0,
             margin: 0.2,
             memory_s: 0.6,
         }
