@@ -152,14 +152,18 @@ pub fn scenario(wanted: &str) -> Result<Scenario, FileError> {
 }
 
 /// The scenario `wanted`, as for [`scenario`]; or, if `wanted` is the file of a set of scenarios or the `config.ron` of a run
-/// with a set, the first scenario of the set, and the set.
+/// with a set, the first scenario of the set, and the set. A level generator is the set of its levels.
 ///
 /// # Errors
 /// As for [`scenario`]; a scenario of the set cannot be used.
 pub fn scenario_or_set(wanted: &str) -> Result<(Scenario, Option<ScenarioSet>), FileError> {
     match Source::load(wanted)? {
+        Source::Scenario(scenario) => Ok((scenario, None)),
         Source::Set(first, set) => Ok((*first, Some(set))),
-        source => Ok((source.into_scenario(wanted)?, None)),
+        Source::Levels(generator) => {
+            let set = ScenarioSet::of_levels(generator.clone());
+            Ok((Source::Levels(generator).into_scenario(wanted)?, Some(set)))
+        }
     }
 }
 

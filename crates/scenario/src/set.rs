@@ -14,6 +14,9 @@ use super::limits::{SET_LEVELS, SET_SCENARIOS, SET_SHARE};
 use super::load::parse_checked;
 use super::schema::{Lidar, Robot, Scenario, TaskRules};
 
+/// Number of levels of a generator, unless a set names another.
+const DEFAULT_LEVELS: u32 = 1_000;
+
 /// The file of a set of scenarios. Each episode of each arena draws one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -97,7 +100,7 @@ impl SetEntry {
     /// The number of levels, if the entry is a generator.
     #[must_use]
     pub fn levels(&self) -> u32 {
-        self.levels.unwrap_or(1_000)
+        self.levels.unwrap_or(DEFAULT_LEVELS)
     }
 
     /// Checks entry `k`.
@@ -187,6 +190,20 @@ impl SetSource {
 }
 
 impl ScenarioSet {
+    /// The set of 1,000 levels of one generator.
+    #[must_use]
+    pub fn of_levels(generator: LevelGenerator) -> Self {
+        let name = generator.name.clone();
+        let source = SetSource::Levels { generator: Box::new(generator), levels: DEFAULT_LEVELS };
+        Self { name: name.clone(), members: vec![SetMember { name, share: 1.0, source }] }
+    }
+
+    /// Whether it has only the levels of one generator.
+    #[must_use]
+    pub fn is_of_levels(&self) -> bool {
+        matches!(self.members.as_slice(), [SetMember { source: SetSource::Levels { .. }, .. }])
+    }
+
     /// All problems of the set and of its scenarios.
     #[must_use]
     pub fn diagnostics(&self) -> Vec<Diagnostic> {

@@ -67,6 +67,8 @@ pub(super) fn prepare_new(
     extensions: &Extensions,
 ) -> Result<PreparedTraining, RunError> {
     let mut config = RunConfig::resolve(scenario, preset, seed)?.with_extensions(extensions);
+    // The app trains in one scenario: of a level generator, in level 0.
+    config.scenario_set = config.scenario_set.filter(|set| !set.is_of_levels());
     settings.apply_to_preset(&mut config.preset)?;
     prepare(config, None)
 }

@@ -111,6 +111,9 @@ mod tests {
         assert_eq!(Source::load("clutter:17"), level(17));
         assert_eq!(Source::load("scenarios/generators/clutter.ron:17"), level(17));
         assert_eq!(super::super::scenario("clutter").map(Source::Scenario), level(0));
+        let of_levels = ScenarioSet::of_levels(generator.clone());
+        assert_eq!(super::super::scenario_or_set("clutter").expect("levels").1, Some(of_levels));
+        assert_eq!(super::super::scenario_or_set("clutter:3").expect("a level").1, None);
         let error = Source::load("maze:17").expect_err("a scenario").to_string();
         assert_eq!(error, "maze: is a scenario, which has no levels; help: leave out `:17`");
     }
