@@ -249,7 +249,7 @@ mod tests {
         };
         assert!(free_s(0.25, 2) >= dwa.admissible_s && free_s(0.15, 2) < dwa.admissible_s);
         assert!(free_s(0.15, 1) >= dwa.admissible_s, "half as fast, 0.1 m");
-        let near = |distance_m| choose(&dwa, (5.0, 0.0), &[point(0.13 + distance_m, 0.0, (0.0, 0.0))]);
+        let near = |distance_m: f32| choose(&dwa, (5.0, 0.0), &[point(0.13 + distance_m, 0.0, (0.0, 0.0))]);
         assert_eq!((near(0.25), near(0.15), near(0.05)), (2, 1, 0), "the fastest admissible motion");
     }
 
