@@ -2,6 +2,7 @@
 
 mod cli_support;
 
+use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
 use cli_support::{FAST, SCENARIO_1, Workspace, edited, quick_fast, raw};
@@ -418,7 +419,8 @@ fn classical_drivers_are_tested_in_the_same_episodes_as_a_policy() {
         );
         assert_eq!(result["physics"], "kinematic, rapier contact");
     }
-    let rows = workspace.rows("episodes.csv");
+    let mut reader = csv::Reader::from_path(workspace.path("episodes.csv")).expect("written");
+    let rows: Vec<BTreeMap<String, String>> = reader.deserialize().map(Result::unwrap).collect();
     for (index, row) in rows.iter().enumerate() {
         let same = &rows[index % 10];
         for column in ["start_x_m", "start_heading_rad", "goal_x_m", "clock_steps"] {

@@ -343,7 +343,10 @@ fn invalid_worlds_are_rejected_with_their_place() {
         ),
         (world(""), "w.world: nothing in it can be imported: it has no collision shapes; help: "),
         (world(&deep), "w.world:3:"),
-        ("<sdf>\n<world>".into(), "w.world:2:"),
+        (
+            "<sdf>\n<world>".into(),
+            "w.world:1:1: not XML that can be read: the root node was opened but never closed",
+        ),
         ("<html/>".into(), "w.world:1:1: not an SDF file"),
         (
             "<!DOCTYPE a [<!ENTITY b 'bb'>]><sdf>&b;</sdf>".into(),

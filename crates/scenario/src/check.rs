@@ -77,9 +77,9 @@ pub fn diagnostics_of_known(scenario: &Scenario, unknown: &[String]) -> Vec<Diag
     let invalid = all.iter().map(|found| &found.path).chain(unknown).cloned().collect();
     let valid = ValidPart::new(scenario, invalid);
     let found_by = |check: fn(&ValidPart, &mut Diagnostics)| {
-        let mut diagnostics = Diagnostics(Vec::new());
+        let mut diagnostics = Diagnostics::default();
         check(&valid, &mut diagnostics);
-        diagnostics.0
+        diagnostics.found
     };
     let in_whole = |found: Diagnostic| valid.in_whole(found);
     all.extend(found_by(motions::check));
@@ -112,14 +112,14 @@ pub fn value_diagnostics(scenario: &Scenario) -> Vec<Diagnostic> {
 /// None is about them.
 #[must_use]
 pub fn value_diagnostics_of_known(scenario: &Scenario, unknown: &[String]) -> Vec<Diagnostic> {
-    let mut diagnostics = Diagnostics(Vec::new());
+    let mut diagnostics = Diagnostics { incomparable: unknown.to_vec(), ..Diagnostics::default() };
     numbers::check(scenario, &mut diagnostics);
     let is_unknown = |path: &str| unknown.iter().any(|other| overlap(other, path));
     // The upper corner of a rectangle is compared with the lower one.
-    diagnostics.0.retain(|Diagnostic { path, .. }| {
+    diagnostics.found.retain(|Diagnostic { path, .. }| {
         !is_unknown(path) && !is_unknown(&path.replace(".max_m[", ".min_m["))
     });
-    diagnostics.0
+    diagnostics.found
 }
 
 /// Whether `scenario` passes all checks but that of reachability.
@@ -135,28 +135,32 @@ pub(crate) fn has_valid_space(scenario: &Scenario) -> bool {
 /// Checks the single values of a scenario, of which some parts are not final, and the motions of its robot.
 pub(crate) fn check_robot_and_task(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     numbers::check(scenario, diagnostics);
-    let invalid = diagnostics.0.iter().map(|found| found.path.clone()).collect();
+    let invalid = diagnostics.found.iter().map(|found| found.path.clone()).collect();
     motions::check(&ValidPart::new(scenario, invalid), diagnostics);
 }
 
 /// The diagnostics collected so far.
 #[derive(Default)]
-pub(crate) struct Diagnostics(Vec<Diagnostic>);
+pub(crate) struct Diagnostics {
+    found: Vec<Diagnostic>,
+    /// The paths of values that others are not compared with, because they could not be read or are out of range.
+    incomparable: Vec<String>,
+}
 
 impl Diagnostics {
     /// Whether there are none.
     pub(crate) fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        self.found.is_empty()
     }
 
     /// All of them, in the order of the checks.
     pub(crate) fn into_vec(self) -> Vec<Diagnostic> {
-        self.0
+        self.found
     }
 
     /// Reports a problem of the field at `path`.
     pub(crate) fn push(&mut self, path: fmt::Arguments<'_>, message: impl Into<String>) {
-        self.0.push(Diagnostic { path: path.to_string(), message: message.into() });
+        self.found.push(Diagnostic { path: path.to_string(), message: message.into() });
     }
 
     /// Reports `value` if it lies outside `range`; NaN always does.
@@ -172,6 +176,7 @@ impl Diagnostics {
         if !range.contains(&value) {
             let (low, high) = (range.start(), range.end());
             self.push(path, format!("is {value}: write a number from {low} to {high}{unit}"));
+            self.incomparable.push(path.to_string());
         }
     }
 
@@ -204,7 +209,7 @@ impl Diagnostics {
     }
 
     /// Reports `value` if it is not greater than `bound`, whose words and path are `(what, bound_path)`. Nothing is reported about a
-    /// field that was reported before, or because of one.
+    /// field that was reported before, or because of one that is out of range.
     pub(crate) fn check_above(
         &mut self,
         path: fmt::Arguments<'_>,
@@ -212,8 +217,10 @@ impl Diagnostics {
         bound: f32,
         (what, bound_path): (&str, &str),
     ) {
-        let is_reported = |path: &str| self.0.iter().any(|found| found.path == path);
-        if value <= bound && !is_reported(&path.to_string()) && !is_reported(bound_path) {
+        let at = path.to_string();
+        let is_reported = self.found.iter().any(|found| found.path == at);
+        let is_comparable = !self.incomparable.iter().any(|path| overlap(path, bound_path));
+        if value <= bound && !is_reported && is_comparable {
             self.push(path, format!("is {value}: write more than {what}, {bound} m"));
         }
     }

@@ -58,12 +58,12 @@ fn check_enclosure(enclosure: &Enclosure, diagnostics: &mut Diagnostics) {
         }
         Enclosure::Polygon { corners_m } => {
             let path = format_args!("enclosure.corners_m");
-            let before = diagnostics.0.len();
+            let before = diagnostics.found.len();
             diagnostics.check_points(path, corners_m, ENCLOSURE_CORNERS);
-            if diagnostics.0.len() == before {
+            if diagnostics.found.len() == before {
                 check_extent(path, enclosure, diagnostics);
             }
-            if diagnostics.0.len() == before {
+            if diagnostics.found.len() == before {
                 polygons::check_simple(path, corners_m, diagnostics);
             }
         }

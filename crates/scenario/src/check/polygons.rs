@@ -9,13 +9,13 @@ const STRAIGHT: f64 = 1e-4;
 
 /// Checks the corners of an obstacle: their number, and that the polygon is convex.
 pub(super) fn check_convex(path: std::fmt::Arguments<'_>, corners: &[Vec2], diagnostics: &mut Diagnostics) {
-    let before = diagnostics.0.len();
+    let before = diagnostics.found.len();
     diagnostics.check_count(path, corners.len(), POLYGON_CORNERS);
     for (k, &Vec2 { x, y }) in corners.iter().enumerate().take(*POLYGON_CORNERS.end()) {
         diagnostics.check_range(format_args!("{path}[{k}][0]"), x, POLYGON_COORDINATE_M, METRES);
         diagnostics.check_range(format_args!("{path}[{k}][1]"), y, POLYGON_COORDINATE_M, METRES);
     }
-    if diagnostics.0.len() > before {
+    if diagnostics.found.len() > before {
         return;
     }
     let corners = wide(corners);

@@ -68,7 +68,7 @@ pub(super) fn check_walls(valid: &ValidPart, diagnostics: &mut Diagnostics) {
     let scenario = &valid.scenario;
     let inside = EnclosureExtent::new(&scenario.enclosure);
     for (k, wall) in scenario.walls.iter().enumerate() {
-        let before = diagnostics.0.len();
+        let before = diagnostics.found.len();
         for (j, &corner) in wall.corners_m.iter().enumerate() {
             let over = inside.segment_overhang_m(corner, corner, 0.0);
             if over > TOLERANCE_M {
@@ -76,7 +76,7 @@ pub(super) fn check_walls(valid: &ValidPart, diagnostics: &mut Diagnostics) {
                 diagnostics.push(format_args!("walls[{k}].corners_m[{j}]"), message);
             }
         }
-        if diagnostics.0.len() > before {
+        if diagnostics.found.len() > before {
             continue;
         }
         for (j, ends) in wall.corners_m.windows(2).enumerate() {
@@ -266,7 +266,7 @@ fn check_layouts(scenario: &Scenario, diagnostics: &mut Diagnostics) {
         diagnostics.push(format_args!("generators"), message);
         return;
     }
-    if placed == 0 && !diagnostics.0.iter().any(|found| found.path.starts_with("generators")) {
+    if placed == 0 && !diagnostics.found.iter().any(|found| found.path.starts_with("generators")) {
         let message =
             "have no space for any obstacle: write a smaller gap_m, smaller sizes, or a larger `within`";
         diagnostics.push(format_args!("generators"), message);

@@ -14,7 +14,7 @@ use crate::schema::{Lidar, RandomShape, Robot, TaskRules};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LevelGenerator {
-    /// Name of the family, 1 to 80 characters on one line. The name of a level is this name and its seed, as in `Clutter 17`.
+    /// Name of the family, 1 to 79 characters on one line. The name of a level is this name and its seed, as in `Clutter 17`.
     pub name: String,
     /// Purpose of the family, at most 2,000 characters.
     #[serde(default)]
