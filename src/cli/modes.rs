@@ -34,8 +34,8 @@ pub struct ModeArgs {
     #[arg(long)]
     pub reproduce: bool,
 
-    /// Import a world as a scenario: a map of ROS's map_server (.yaml), a picture (.png, .pgm), a world of Gazebo (.world,
-    /// .sdf) or BARN worlds (.json); --out names the scenario's file
+    /// Import a world into the scenario file given with --out: a map of ROS's map_server (.yaml), a picture (.png, .pgm), a
+    /// world of Gazebo (.world, .sdf) or BARN worlds (.json)
     #[arg(long, value_name = "FILE")]
     pub import: Option<PathBuf>,
 
