@@ -58,7 +58,7 @@ def test_a_scenario_is_a_name_a_path_or_a_text(tmp_path):
 
 def test_each_episode_draws_a_scenario_of_a_set(tmp_path):
     path = tmp_path / "set.ron"
-    path.write_text('(name: "Two", scenarios: [(scenario: "scenario-1"), (scenario: "scenario-2")])')
+    path.write_text('(name: "Two", scenarios: [(scenario: "scenario-1"), (scenario: "empty")])')
     once, again, one = (
         rollout(gymnasium.make_vec(ENV, num_envs=8, scenario=scenario), 200)
         for scenario in (path, path, "scenario-1")
