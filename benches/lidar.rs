@@ -11,7 +11,7 @@ mod common;
 use bevy::math::Vec2;
 use bevy_rapier2d::prelude::{RapierContextColliders, RapierContextSimulation, RapierRigidBodySet};
 use bevy_rapier2d::rapier::parry::query::DefaultQueryDispatcher;
-use bevy_rapier2d::rapier::prelude::{QueryFilter, Ray};
+use bevy_rapier2d::rapier::prelude::{ColliderSet, QueryFilter, Ray};
 use common::Lab;
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
@@ -25,32 +25,36 @@ fn main() {
 
 const WORLDS: [&str; 4] = ["static", "moving", "barn", "office"];
 const BEAMS: usize = 24;
+const MAX_RANGE_M: f32 = 3.5;
 const POSE: Pose = Pose { x_m: 0.1, y_m: -1.1, heading_rad: 0.7 };
 
 #[divan::bench(args = WORLDS)]
 fn wayfield_scan(bencher: Bencher, obstacles: &str) {
-    let mut lab = lab_after_a_step(obstacles);
-    let beams = lidar::BeamDirections::from_lidar(&Lidar { beams: BEAMS, ..Lidar::default() });
-    lab.with_physics(0, |bodies, _, colliders| {
-        let mut ranges_m = Vec::new();
-        bencher.counter(ItemsCount::new(BEAMS)).bench_local(|| {
-            let (colliders, pose) = (&colliders.colliders, black_box(&POSE));
-            lidar::cast_in_arena(colliders, bodies, pose, &beams.0, 3.5, &mut ranges_m);
-            ranges_m[0]
-        });
+    scan(bencher, obstacles, |colliders, bodies, pose, beams, ranges_m| {
+        lidar::cast_in_arena(colliders, bodies, pose, beams, MAX_RANGE_M, ranges_m);
     });
 }
 
 /// Without the grid over still shapes.
 #[divan::bench(args = WORLDS)]
 fn without_grid(bencher: Bencher, obstacles: &str) {
+    scan(bencher, obstacles, |colliders, bodies, pose, beams, ranges_m| {
+        lidar::cast(colliders, &bodies.solids, pose, beams, MAX_RANGE_M, ranges_m);
+    });
+}
+
+/// The time of a scan that `cast` takes.
+fn scan(
+    bencher: Bencher,
+    obstacles: &str,
+    cast: impl Fn(&ColliderSet, &Bodies, &Pose, &[Vec2], &mut Vec<f32>),
+) {
     let mut lab = lab_after_a_step(obstacles);
     let beams = lidar::BeamDirections::from_lidar(&Lidar { beams: BEAMS, ..Lidar::default() });
     lab.with_physics(0, |bodies, _, colliders| {
         let mut ranges_m = Vec::new();
         bencher.counter(ItemsCount::new(BEAMS)).bench_local(|| {
-            let (colliders, pose) = (&colliders.colliders, black_box(&POSE));
-            lidar::cast(colliders, &bodies.solids, pose, &beams.0, 3.5, &mut ranges_m);
+            cast(&colliders.colliders, bodies, black_box(&POSE), &beams.0, &mut ranges_m);
             ranges_m[0]
         });
     });
@@ -77,7 +81,7 @@ fn rapier_query_pipeline(bencher: Bencher, obstacles: &str) {
         let heading = Vec2::from_angle(pose.heading_rad);
         for (beam, range) in beams.0.iter().zip(&mut ranges_m) {
             let ray = Ray::new(Vec2::new(pose.x_m, pose.y_m), heading.rotate(*beam));
-            *range = pipeline.cast_ray(&ray, 3.5, true).map_or(3.5, |(_, distance)| distance);
+            *range = pipeline.cast_ray(&ray, MAX_RANGE_M, true).map_or(MAX_RANGE_M, |(_, distance)| distance);
         }
         ranges_m[0]
     });

@@ -131,7 +131,9 @@ impl Evaluator {
             Evaluated::Policy(policy) => self.use_policy(policy)?,
             Evaluated::Driver(driver) => self.use_driver(driver),
         }
-        self.simulation.world_mut().insert_resource(setup);
+        let world = self.simulation.world_mut();
+        world.remove_resource::<CommandedMotions>();
+        world.insert_resource(setup);
         Ok(EvaluationRun::new(seed, count))
     }
 
@@ -234,7 +236,6 @@ impl Evaluator {
         let world = self.simulation.world_mut();
         world.insert_resource(ActionSources { arenas, num_actions: self.scenario.robot.motions.len() });
         world.insert_resource(ActionSelection::PerArena);
-        world.remove_resource::<CommandedMotions>();
     }
 
     /// Makes `policy` choose the actions of the next episodes.
@@ -246,7 +247,6 @@ impl Evaluator {
         world.resource_mut::<ObservationLayout>().encoding = policy_card::encoding(policy)?;
         world.insert_resource(GreedyPolicy(network));
         world.insert_resource(ActionSelection::Greedy);
-        world.remove_resource::<CommandedMotions>();
         Ok(())
     }
 }
