@@ -144,6 +144,7 @@ const SCENARIOS: &[Limit] = &[
         "no robot or obstacle jumps over another",
     ),
     Limit("waypoints of a patrol", counts(&scenario::WAYPOINTS), "", "memory, time of a step"),
+    Limit("pedestrians", count(scenario::MAX_PEDESTRIANS), "", "time of a step"),
     Limit("radius of a random walk", reals(&scenario::WALK_RADIUS_M), "m", "rounding"),
     Limit("generators", count(scenario::MAX_GENERATORS), "", "time of a reset"),
     Limit("obstacles of a generator", counts32(&scenario::GENERATOR_COUNT), "", "time of a reset"),
@@ -219,6 +220,8 @@ const LEVEL_GENERATORS: &[Limit] = &[
         "mistyped values",
     ),
     Limit("radius of a crossed circle", reals(&scenario::LEVEL_CIRCLE_M), "m", "mistyped values"),
+    Limit("noise of starts on a crossed circle", reals(&scenario::LEVEL_NOISE_M), "m", "mistyped values"),
+    Limit("goals of a pedestrian of a level", counts32(&scenario::LEVEL_GOALS), "", "time of a level"),
     Limit(
         "cells of the grid that is searched for paths",
         Max(scenario::MAX_FLOOR_CELLS as u64),

@@ -36,7 +36,8 @@ pub fn at_max_speed(mut scenario: Scenario) -> Option<Scenario> {
             }
             ObstacleMotion::Patrol { speed_m_s, .. }
             | ObstacleMotion::BackAndForth { speed_m_s, .. }
-            | ObstacleMotion::RandomWalk { speed_m_s, .. } => *speed_m_s = (0.5 / period).min(5.0),
+            | ObstacleMotion::RandomWalk { speed_m_s, .. }
+            | ObstacleMotion::Pedestrian { speed_m_s, .. } => *speed_m_s = (0.5 / period).min(5.0),
         }
     }
     let v = (2.0 * scenario.task.goal_radius_m / period).min(5.0);

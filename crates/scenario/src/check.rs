@@ -59,7 +59,7 @@ const COLLISION_RANGE: (&str, &str) = ("the collision range", "task.collision_ra
 pub(crate) const TWICE_COLLISION_RANGE: (&str, &str) =
     ("twice the collision range", "task.collision_range_m");
 const SECONDS: &str = " (seconds)";
-const RADIANS: &str = " (radians: a full turn is 6.2832)";
+pub(crate) const RADIANS: &str = " (radians: a full turn is 6.2832)";
 const RADIANS_PER_SECOND: &str = " (radians per second)";
 
 /// All problems of `scenario`: first invalid numbers, then parts that do not fit together. Of the latter, those are found that

@@ -160,7 +160,7 @@ pub enum Shape {
     },
 }
 
-/// The motion of an obstacle, a function of the step count alone.
+/// The motion of an obstacle: a function of the step count alone, except for pedestrians.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum ObstacleMotion {
@@ -201,6 +201,25 @@ pub enum ObstacleMotion {
         #[serde(default)]
         seed: u32,
     },
+    /// A pedestrian, who walks to goals one after another and avoids the other pedestrians, walls and static obstacles by
+    /// ORCA, without rotation; all other moving obstacles are ignored. It does not find its way around walls. At the start
+    /// of every episode it stands at its position. At most 200 obstacles are pedestrians.
+    Pedestrian {
+        /// The goals, 1 to 256.
+        goals_m: Vec<Vec2>,
+        /// Highest speed, 0 to 5 m/s.
+        speed_m_s: f32,
+        /// Whether it returns from the last goal to its position and begins again. Otherwise it stops at the last goal.
+        #[serde(default = "default_loops")]
+        loops: bool,
+        /// Whether it also avoids the robot, and leaves half of the avoidance to it.
+        #[serde(default)]
+        sees_robot: bool,
+    },
+}
+
+fn default_loops() -> bool {
+    true
 }
 
 /// A generator of random static obstacles. Every episode of every arena has its own, so that a policy learns to cope with

@@ -16,7 +16,10 @@ pub(super) fn of_kind(scenario: &Scenario, index: usize, kind: MotionKind) -> Ob
     let obstacle = &scenario.obstacles[index];
     let path = |closed| match &obstacle.motion {
         ObstacleMotion::Patrol { waypoints_m, speed_m_s }
-        | ObstacleMotion::BackAndForth { waypoints_m, speed_m_s } => (waypoints_m.clone(), *speed_m_s),
+        | ObstacleMotion::BackAndForth { waypoints_m, speed_m_s }
+        | ObstacleMotion::Pedestrian { goals_m: waypoints_m, speed_m_s, .. } => {
+            (waypoints_m.clone(), *speed_m_s)
+        }
         _ => (path(scenario, index, closed), NEW_SPEED_M_S),
     };
     match kind {
@@ -29,6 +32,10 @@ pub(super) fn of_kind(scenario: &Scenario, index: usize, kind: MotionKind) -> Ob
         MotionKind::BackAndForth => {
             let (waypoints_m, speed_m_s) = path(false);
             ObstacleMotion::BackAndForth { waypoints_m, speed_m_s }
+        }
+        MotionKind::Pedestrian => {
+            let (goals_m, speed_m_s) = path(false);
+            ObstacleMotion::Pedestrian { goals_m, speed_m_s, loops: true, sees_robot: false }
         }
         MotionKind::RandomWalk => {
             let free_m = enclosure_distance(&scenario.enclosure, obstacle.position_m);

@@ -70,6 +70,7 @@ fn described_rows(rows: &mut FieldRows<'_>, fields: Vec<Field<'_>>) {
                 rows.pair(label, about, pair, NumberSpec::of(quantity));
             }
             FieldValue::Seed(seed) => rows.count(label, about, seed, 0..=u32::MAX),
+            FieldValue::Flag(flag) => rows.checkbox(label, about, flag),
             FieldValue::Centre(centre_m) => rows.position(label, about, centre_m),
             FieldValue::Waypoints(waypoints_m) => rows.positions(label, waypoints_m, *WAYPOINTS.start()),
             FieldValue::Corners(corners_m) => rows.positions(label, corners_m, *POLYGON_CORNERS.start()),

@@ -4,7 +4,7 @@
 //! Source: C. Chen, Y. Liu, S. Kreiss and A. Alahi, *Crowd-robot interaction*, ICRA 2019, and the repository
 //! vita-epfl/CrowdNav. Published for an ORCA robot in 500 cases: 43 % success, 57 % collisions, 10.9 s.
 
-use wayfield_drivers::orca::{Avoidance, Disc, avoiding_velocity};
+use wayfield_orca::{Avoidance, Disc, avoiding_velocity};
 use wayfield_random::{Stream, stream, uniform_01};
 use wayfield_scenario::{Vec2, vec2};
 
