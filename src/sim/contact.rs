@@ -109,7 +109,12 @@ impl ContactQuery<'_> {
 
     /// The longest distance that any point of an obstacle travels in a step, in m.
     fn max_travel_m(&self, obstacle: usize) -> f32 {
-        let speed_m_s = self.layout.scenario.obstacles[obstacle].max_speed_m_s();
+        let description = &self.layout.scenario.obstacles[obstacle];
+        if description.motion.speed() == MotionSpeed::Variable {
+            // The highest speed of many key frames takes long to find.
+            return self.translation_m(obstacle).length() + MIN_ADVANCE_M;
+        }
+        let speed_m_s = description.max_speed_m_s();
         // MIN_ADVANCE_M covers the rounding of the obstacle's coordinates.
         if speed_m_s == 0.0 {
             0.0
@@ -125,7 +130,9 @@ impl ContactQuery<'_> {
             MotionSpeed::Revolution { centre_m, speed_rad_s } => {
                 ObstacleTrajectory::Arc { centre: centre_m, angle_rad: speed_rad_s * period_s }
             }
-            MotionSpeed::Translation(_) => ObstacleTrajectory::Straight(self.translation_m(obstacle)),
+            MotionSpeed::Translation(_) | MotionSpeed::Variable => {
+                ObstacleTrajectory::Straight(self.translation_m(obstacle))
+            }
         }
     }
 
