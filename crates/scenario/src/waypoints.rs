@@ -10,9 +10,9 @@ impl ObstacleMotion {
     #[must_use]
     pub fn waypoint_mut(&mut self, k: usize) -> Option<&mut Vec2> {
         match self {
-            Self::Patrol { waypoints_m, .. } | Self::BackAndForth { waypoints_m, .. } => {
-                waypoints_m.get_mut(k)
-            }
+            Self::Patrol { waypoints_m, .. }
+            | Self::BackAndForth { waypoints_m, .. }
+            | Self::Pedestrian { goals_m: waypoints_m, .. } => waypoints_m.get_mut(k),
             Self::KeyFrames { frames, .. } => frames.get_mut(k).map(|frame| &mut frame.position_m),
             _ => None,
         }
@@ -22,7 +22,9 @@ impl ObstacleMotion {
     /// place.
     pub fn insert_waypoint(&mut self, k: usize, position_m: Vec2) -> Option<()> {
         match self {
-            Self::Patrol { waypoints_m, .. } | Self::BackAndForth { waypoints_m, .. } => {
+            Self::Patrol { waypoints_m, .. }
+            | Self::BackAndForth { waypoints_m, .. }
+            | Self::Pedestrian { goals_m: waypoints_m, .. } => {
                 (k <= waypoints_m.len()).then(|| waypoints_m.insert(k, position_m))
             }
             Self::KeyFrames { frames, end } => {
@@ -43,7 +45,9 @@ impl ObstacleMotion {
     pub fn remove_waypoint(&mut self, k: usize) -> Option<()> {
         let removable = |count: usize| k < count && count > *WAYPOINTS.start();
         match self {
-            Self::Patrol { waypoints_m, .. } | Self::BackAndForth { waypoints_m, .. } => {
+            Self::Patrol { waypoints_m, .. }
+            | Self::BackAndForth { waypoints_m, .. }
+            | Self::Pedestrian { goals_m: waypoints_m, .. } => {
                 removable(waypoints_m.len()).then(|| waypoints_m.remove(k))?;
             }
             Self::KeyFrames { frames, .. } => {
