@@ -80,9 +80,9 @@ impl Obstacle {
     /// patrol and key frames move at `speed_m_s`, others keep their speed.
     pub fn set_path(&mut self, path_m: Vec<Vec2>, speed_m_s: f32) {
         match &mut self.motion {
-            ObstacleMotion::Patrol { waypoints_m, .. } | ObstacleMotion::BackAndForth { waypoints_m, .. } => {
-                *waypoints_m = path_m;
-            }
+            ObstacleMotion::Patrol { waypoints_m, .. }
+            | ObstacleMotion::BackAndForth { waypoints_m, .. }
+            | ObstacleMotion::Pedestrian { goals_m: waypoints_m, .. } => *waypoints_m = path_m,
             ObstacleMotion::KeyFrames { end, .. } => {
                 let is_loop = *end != KeyFrameEnd::Stop;
                 self.motion = ObstacleMotion::key_frames_along(self.position_m, &path_m, speed_m_s, is_loop);
@@ -96,9 +96,9 @@ impl Obstacle {
     #[must_use]
     pub fn mean_speed_m_s(&self) -> Option<f32> {
         let speed_m_s = match self.motion {
-            ObstacleMotion::Patrol { speed_m_s, .. } | ObstacleMotion::BackAndForth { speed_m_s, .. } => {
-                speed_m_s
-            }
+            ObstacleMotion::Patrol { speed_m_s, .. }
+            | ObstacleMotion::BackAndForth { speed_m_s, .. }
+            | ObstacleMotion::Pedestrian { speed_m_s, .. } => speed_m_s,
             ObstacleMotion::KeyFrames { .. } => {
                 let whole = self.legs().reduce(key_frames::Leg::then)?;
                 whole.speed_m_s()? as f32

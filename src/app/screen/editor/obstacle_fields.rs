@@ -122,6 +122,7 @@ fn track_summary(obstacle: &Obstacle) -> Option<String> {
         Track::Lines { .. } if obstacle.motion.kind() == MotionKind::KeyFrames => {
             Some(format!("At most {} m/s", format_metres(speed_m_s)))
         }
+        Track::Lines { .. } if obstacle.motion.is_pedestrian() => None,
         Track::Lines { corners_m, closed } => Some(round_trip(&corners_m, closed, speed_m_s)),
         Track::Point | Track::Disc { .. } => None,
     }
