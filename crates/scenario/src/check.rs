@@ -184,7 +184,7 @@ impl Diagnostics {
     }
 
     /// Reports coordinates outside the range of the largest enclosure.
-    fn check_point(&mut self, path: fmt::Arguments<'_>, Vec2 { x, y }: Vec2) {
+    pub(crate) fn check_point(&mut self, path: fmt::Arguments<'_>, Vec2 { x, y }: Vec2) {
         self.check_range(format_args!("{path}[0]"), x, COORDINATE_M, METRES);
         self.check_range(format_args!("{path}[1]"), y, COORDINATE_M, METRES);
     }

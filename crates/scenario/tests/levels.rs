@@ -49,7 +49,7 @@ const PEDESTRIANS: &str = "(name: \"Pedestrians\", width_m: (12.0, 12.0), height
     traffic: [PedestrianCircle(circle_m: (4.0, 4.0), noise_m: 0.5, loops: false)],
     route: Fixed(start_m: (0.0, -4.0), heading_rad: 1.5708, goal_m: (0.0, 4.0)))";
 const CROWD: &str =
-    "(name: \"Crowd\", wall_layouts: [Rooms()], traffic: [PedestrianCrowd(sees_robot: true)])";
+    "(name: \"Crowd\", wall_layouts: [Traps()], traffic: [PedestrianCrowd(sees_robot: true)])";
 
 /// One generator of every layout.
 const ALL: [&str; 15] = [
@@ -232,6 +232,10 @@ fn an_invalid_generator_is_reported_with_line_and_fix() {
             "`traffic[0].noise_m` is -1: write a number from 0",
         ),
         ("(name: \"a\", wall_layouts: [Romms()])", "did you mean `Rooms`"),
+        (
+            "(name: \"a\", route: Fixed(start_m: (0.0, -4.0), heading_rad: 0.0, goal_m: (0.0, 1.0)))",
+            "`route.start_m` is outside the smallest enclosure",
+        ),
         (
             "(name: \"a\", robot: (motions: [(v_m_s: 0.0, w_rad_s: 1.0)]))",
             "`robot.motions` never move the robot",

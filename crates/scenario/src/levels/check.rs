@@ -72,9 +72,16 @@ fn check_sizes(generator: &LevelGenerator, diagnostics: &mut Diagnostics) {
             }
         }
         Route::Fixed { start_m, heading_rad, goal_m } => {
-            diagnostics.check_point(format_args!("route.start_m"), start_m);
             diagnostics.check_range(format_args!("route.heading_rad"), heading_rad, ANGLE_RAD, RADIANS);
-            diagnostics.check_point(format_args!("route.goal_m"), goal_m);
+            for (name, at) in [("start_m", start_m), ("goal_m", goal_m)] {
+                let path = format_args!("route.{name}");
+                diagnostics.check_point(path, at);
+                if at.x.abs() > width_m.0 / 2.0 || at.y.abs() > height_m.0 / 2.0 {
+                    let message =
+                        "is outside the smallest enclosure: move it, or write a larger width_m or height_m";
+                    diagnostics.push(path, message);
+                }
+            }
         }
         Route::Across { margin_m } => {
             let path = format_args!("route.margin_m");

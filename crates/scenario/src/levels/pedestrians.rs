@@ -9,7 +9,7 @@ use super::draft::Draft;
 use super::traffic::{Walker, Walkers};
 use super::{number, whole};
 use crate::geometry::length;
-use crate::schema::{Obstacle, ObstacleMotion};
+use crate::schema::{Obstacle, ObstacleMotion, PlacementRule};
 
 /// Attempts to find a free place or way before a pedestrian is omitted.
 const TRIES: usize = 100;
@@ -97,7 +97,7 @@ fn random_goals(draft: &Draft, start: Vec2, radius_m: f32, count: u32, stream: &
 /// The fixed start and goal of the robot, if it has them.
 fn ends_of_robot(draft: &Draft) -> Vec<End> {
     let rules = [&draft.scenario.starts, &draft.scenario.goals];
-    let ends = rules.into_iter().flat_map(|rule| rule.positions_m());
+    let ends = rules.into_iter().flat_map(PlacementRule::positions_m);
     ends.map(|&end| (end, draft.scenario.robot.radius_m)).collect()
 }
 
