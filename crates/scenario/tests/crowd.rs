@@ -58,13 +58,13 @@ fn pedestrians_who_meet_pass_each_other_and_return_without_touching() {
     let (left, right) = (vec2(-2.0, 0.02), vec2(2.0, 0.0));
     let scenario =
         scenario(vec![pedestrian(left, &[right], true, false), pedestrian(right, &[left], true, false)]);
-    let walk = walk(&scenario, NO_ROBOT, 100);
+    let walk = walk(&scenario, NO_ROBOT, 130);
     assert!(least_distance_m(&walk, None) >= 2.0 * RADIUS_M, "{}", least_distance_m(&walk, None));
     let near = |k: usize, point: Vec2| walk.iter().position(|now| now[k].distance(point) < 0.25);
     // 4 m at 0.5 m/s take 8 s.
     assert!(near(0, right).is_some_and(|step| (38..50).contains(&step)), "{:?}", near(0, right));
     assert!(near(1, left).is_some_and(|step| (38..50).contains(&step)), "{:?}", near(1, left));
-    assert!(walk[90][0].distance(left) < 0.6, "it has returned: {}", walk[90][0]);
+    assert!(walk[50..].iter().any(|now| now[0].distance(left) < 0.25), "it has returned");
 }
 
 #[test]

@@ -115,7 +115,8 @@ fn every_number_above_its_range_is_reported_with_its_field() {
 
 #[test]
 fn an_obstacle_keeps_to_its_track_and_its_speed() {
-    for motion in motions() {
+    // The poses of pedestrians are no function of the step: tests/crowd.rs.
+    for motion in motions().into_iter().filter(|motion| !motion.is_pedestrian()) {
         let o = obstacle(Shape::Circle { radius_m: 0.1 }, motion);
         let at = |step| {
             let (x, y, _) = pose_at(&o, step, PERIOD_S);
