@@ -212,7 +212,7 @@ pub enum ObstacleMotion {
         /// Whether it returns from the last goal to its position and begins again. Otherwise it stops at the last goal.
         #[serde(default = "default_loops")]
         loops: bool,
-        /// Whether it also avoids the robot, and leaves half of the avoidance to it.
+        /// Whether it also avoids the robot, by its collision range, and leaves half of the avoidance to it.
         #[serde(default)]
         sees_robot: bool,
     },
