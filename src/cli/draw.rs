@@ -1,4 +1,4 @@
-//! The mode `--draw`: a figure of a scenario, of levels of a generator, or of the learning curves of a run, as an SVG, PNG or
+//! The mode `--draw`: a figure of a scenario, of levels of a generator, of the scenarios of a set, or of the learning curves of a run, as an SVG, PNG or
 //! PDF file.
 
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ use crate::run::image_file::{self, ImageFormat, ImageSize};
 use crate::run::output_file::{check_writable, is_stream};
 use crate::run::shipped::Source;
 use crate::run::{RunError, run_image, scenario_image};
-use crate::scenario::{LevelGenerator, Scenario};
+use crate::scenario::{LevelGenerator, Scenario, ScenarioSet};
 
 /// Number of levels on a contact sheet.
 const DEFAULT_LEVELS: u64 = 12;
@@ -82,7 +82,11 @@ fn scenario_figure(
             (Source::Levels(generator), _) if !args.plain && args.over.is_none() => {
                 return contact_sheet(&generator, args, shared);
             }
-            (Source::Scenario(_), Some(flag)) => return Err(only_for_levels(name, flag)),
+            (Source::Set(_, set), None) if !args.plain && args.over.is_none() => {
+                return sheet_of_set(&set, shared);
+            }
+            (Source::Scenario(_), Some(flag)) => return Err(only_for_levels(name, "scenario", flag)),
+            (Source::Set(..), Some(flag)) => return Err(only_for_levels(name, "set of scenarios", flag)),
             (source, _) => source.into_scenario(name)?,
         };
     shared.settings().apply_to_scenario(&mut scenario)?;
@@ -97,8 +101,8 @@ fn scenario_figure(
     svg.map_err(|error| RunError::failed(Path::new(name), error))
 }
 
-fn only_for_levels(name: &str, flag: &str) -> RunError {
-    let why = format!("is a scenario, and {flag} is for level generators; help: leave it out");
+fn only_for_levels(name: &str, kind: &str, flag: &str) -> RunError {
+    let why = format!("is a {kind}, and {flag} is for level generators; help: leave it out");
     RunError::invalid_input(Path::new(name), why)
 }
 
@@ -118,6 +122,19 @@ fn contact_sheet(
         levels.push(level);
     }
     scenario_image::contact_sheet(&generator.name, &levels).map_err(|error| RunError::failed(path, error))
+}
+
+/// The figure of the scenarios of a set; of a level generator, the first level.
+fn sheet_of_set(set: &ScenarioSet, shared: &SharedArgs) -> Result<String, RunError> {
+    let path = Path::new(shared.scenario());
+    let mut scenarios = Vec::new();
+    for member in &set.members {
+        let first = member.source.first().map_err(|error| RunError::invalid_input(path, error))?;
+        let mut scenario = Scenario { name: member.name.clone(), ..first };
+        shared.settings().apply_to_scenario(&mut scenario)?;
+        scenarios.push(scenario);
+    }
+    scenario_image::contact_sheet(&set.name, &scenarios).map_err(|error| RunError::failed(path, error))
 }
 
 /// The occupied areas of `map`, in m, in the frame of the scenario `name` that was imported from it: those inside its enclosure.
