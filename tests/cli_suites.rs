@@ -171,8 +171,9 @@ fn the_optimum_and_the_benchmark_route_can_be_part_of_a_suite() {
         "route.ron",
         r#"(name: "R", families: [(name: "route", scenarios: ["scenario-1"], episodes: 2, benchmark_route: true)])"#,
     );
-    let report =
-        workspace.run_ok("--eval scenario-1 --suite route.ron --optimum --csv episodes.csv --json").json();
+    let report = workspace
+        .run_ok("--eval scenario-1 --suite route.ron --optimum --csv episodes.csv --report report --json")
+        .json();
     let route = &report["families"]["route"];
     assert_eq!(route["optimum_episodes"], 2, "{report}");
     assert!((1.0..1.3).contains(&route["time_ratio"].as_f64().unwrap()), "{report}");
@@ -276,4 +277,75 @@ fn what_a_suite_does_not_take_is_refused_with_a_fix() {
         assert_eq!((done.status, done.stdout.as_str()), (Some(2), ""), "{arguments}: {}", done.stderr);
         assert!(done.stderr.contains(part), "{arguments}: no `{part}` in {}", done.stderr);
     }
+}
+
+/// A suite in which the driver that turns towards the goal alone fails often, in still scenarios.
+const HARD: &str = r#"(
+    name: "Hard",
+    families: [
+        (name: "u-trap", scenarios: ["u-trap"], episodes: 4, time_limit_s: 20),
+        (name: "levels", generator: "clutter.ron", levels: 5),
+        (name: "field", scenarios: ["random-field"], episodes: 4, time_limit_s: 20),
+    ],
+)"#;
+
+#[test]
+fn a_report_shows_every_failure_and_its_scenario_has_the_same_start_and_goal() {
+    let workspace = workspace();
+    workspace.write("hard.ron", HARD);
+    workspace.run_ok("--eval field dwa --suite hard.ron --report report --csv episodes.csv --json");
+    let page = workspace.text("report/report.html");
+    let failed: Vec<_> = rows(&workspace).into_iter().filter(|row| row["outcome"] != "success").collect();
+    assert!(failed.len() > 2, "some fail");
+    let files = std::fs::read_dir(workspace.path("report/failures")).unwrap().count();
+    assert_eq!(files, failed.len());
+    for row in &failed {
+        let (policy, scenario, episode) = (&row["policy"], &row["scenario"], &row["episode"]);
+        let caption = format!("{policy} in {scenario}, episode {episode}: {} after ", row["outcome"]);
+        assert_eq!(page.matches(&caption).count(), 1, "{caption}");
+        let number = (1..=failed.len()).find(|number| {
+            workspace.text(&format!("report/failures/failure-{number:04}.ron")).contains(&caption)
+        });
+        let file = format!("report/failures/failure-{:04}.ron", number.expect("its scenario"));
+        assert!(page.contains(&format!("wayfield --scenario {file} --open report/drivers/")), "{file}");
+        workspace
+            .run_ok(&format!("--eval {policy} --scenario {file} --rounds 1 --episodes 1 --csv again.csv"));
+        let again: Vec<BTreeMap<String, String>> = csv::Reader::from_path(workspace.path("again.csv"))
+            .unwrap()
+            .deserialize()
+            .map(Result::unwrap)
+            .collect();
+        for column in ["start_x_m", "start_y_m", "start_heading_rad", "goal_x_m", "goal_y_m"] {
+            assert_eq!(again[0][column], row[column], "{file}: {column}");
+        }
+        // Nothing moves in these scenarios, and nothing is noisy.
+        assert_eq!((&again[0]["outcome"], &again[0]["steps"]), (&row["outcome"], &row["steps"]), "{file}");
+    }
+}
+
+#[test]
+fn an_interrupted_test_goes_on_with_the_same_results() {
+    let workspace = workspace();
+    let eval = "--eval field dwa --suite suite.ron --json";
+    let whole = workspace.run_ok(eval).stdout;
+    assert_eq!(workspace.run_ok(&format!("{eval} --report report")).stdout, whole);
+    let tests = workspace.text("report/tests.ron");
+    assert_eq!(tests.lines().count(), 2 * 17, "a line for each driver and scenario");
+    // As if killed while the twelfth line was written.
+    let kept: Vec<&str> = tests.lines().take(12).collect();
+    workspace.write("report/tests.ron", &kept.join("\n")[..kept.join("\n").len() - 20]);
+    assert_eq!(workspace.run_ok(&format!("{eval} --report report")).stdout, whole);
+    assert_eq!(workspace.text("report/tests.ron").lines().count(), 2 * 17);
+    // Finished tests are used, and only those of the same seed.
+    workspace.run_ok(&format!("{eval} --report report --seed 1"));
+    assert_eq!(workspace.text("report/tests.ron").lines().count(), 4 * 17);
+    std::fs::create_dir(workspace.path("used")).unwrap();
+    workspace.write("used/notes.txt", "mine");
+    let done = workspace.run(&format!("{eval} --report used"));
+    assert_eq!(done.status, Some(2), "{}", done.stderr);
+    assert!(
+        done.stderr.contains("used: holds something else than the report of a suite; help: "),
+        "{}",
+        done.stderr
+    );
 }

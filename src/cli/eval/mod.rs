@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `test.rs` | the test in one scenario |
 //! | `suite.rs` | the test in a suite |
+//! | `suite_page.rs`, `suite_failures.rs` | its report, with pictures of all failures |
 //! | `report.rs` | the results, as JSON |
 //! | `text.rs` | the results, as text |
 //! | `files.rs` | the files of `--csv` and `--trace` |
@@ -11,6 +12,8 @@
 mod files;
 mod report;
 mod suite;
+mod suite_failures;
+mod suite_page;
 mod test;
 mod text;
 
@@ -44,6 +47,11 @@ pub struct EvalArgs {
     #[arg(long, value_name = "NAME", conflicts_with = "scenario")]
     suite: Option<String>,
 
+    /// Write a report of a test in a suite into DIR: the results, and a picture of every failure with the command that
+    /// repeats it in the window. A test that was interrupted goes on there
+    #[arg(long, value_name = "DIR", requires = "suite")]
+    report: Option<PathBuf>,
+
     /// Rounds of episodes [default: 5]
     #[arg(long, value_name = "N", value_parser = values::whole::<u32>(1..=10_000), allow_negative_numbers = true)]
     rounds: Option<u32>,
@@ -71,14 +79,18 @@ pub struct EvalArgs {
 /// What the first signal prints if the test writes files.
 const STOPPING: &str = "stopping; no file is written";
 
+/// What it prints if the test writes a report.
+const STOPPING_REPORT: &str = "stopping; finished tests are kept";
+
 /// Tests the policies and drivers in the files (or of the shipped names) `paths` and prints the results.
 ///
 /// # Errors
 /// The scenario, a policy, an option or a file is invalid.
 pub fn run(paths: &[PathBuf], args: &EvalArgs, shared: &SharedArgs) -> Result<(), RunError> {
     // Before the first file. Without files, there is nothing to clean up.
-    let has_files = args.csv.is_some() || args.trace.is_some();
-    let stop = has_files.then(|| stop_on_signal(STOPPING));
+    let has_files = args.csv.is_some() || args.trace.is_some() || args.report.is_some();
+    let stopping = if args.report.is_some() { STOPPING_REPORT } else { STOPPING };
+    let stop = has_files.then(|| stop_on_signal(stopping));
     if stop.is_none() {
         exit_on_signal();
     }

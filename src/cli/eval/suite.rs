@@ -8,8 +8,9 @@ use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 
 use super::EvalArgs;
-use super::files::{TestEnd, TestFiles};
+use super::files::{TestEnd, TestFile, TestFiles};
 use super::print_results;
+use super::suite_page::SuiteFolder;
 use super::test::Named;
 use crate::cli::shared::SharedArgs;
 use crate::drivers::DriverClass;
@@ -17,7 +18,7 @@ use crate::limits::MAX_EVAL_EPISODES;
 use crate::policy::Policy;
 use crate::run::RunError;
 use crate::run::evaluate::{self, EpisodeRecord};
-use crate::run::progress::CountProgress;
+use crate::run::progress::{CountProgress, print_stderr};
 use crate::run::provenance::{COMMIT, VERSION};
 use crate::run::suite::{FamilyResult, Suite, SuiteDriver, SuiteEpisodes, SuiteTest};
 
@@ -71,6 +72,14 @@ struct Place<'a> {
     scenario: &'a str,
 }
 
+/// A finished test.
+pub struct Tested<'a> {
+    pub test: &'a SuiteTest<'a>,
+    pub drivers: &'a [SuiteDriver<'a>],
+    /// The episodes of each driver in each scenario.
+    pub found: Vec<Vec<SuiteEpisodes>>,
+}
+
 /// Tests `drivers` in the suite `wanted`, and prints the results.
 ///
 /// # Errors
@@ -89,6 +98,7 @@ pub fn run(
         check_driver(path, driver, &suite, shared)?;
     }
     let under_test: Vec<SuiteDriver<'_>> = drivers.iter().map(under_test).collect();
+    let folder = args.report.as_deref().map(SuiteFolder::open).transpose()?;
     let progress = CountProgress::new(suite.scenarios().count() * drivers.len());
     let test = SuiteTest {
         suite: &suite,
@@ -97,39 +107,25 @@ pub fn run(
         extensions: &shared.extensions,
         threads: 0,
         stop,
+        store: folder.as_ref().map(|folder| &folder.store),
         progress: &|done, count| progress.update(done, count),
     };
     let tested = files.write(|csv, _| {
-        let found = test.run(&under_test)?;
-        if let Some(csv) = csv {
-            let mut is_first = true;
-            for (driver, of_scenarios) in under_test.iter().zip(&found) {
-                for ((family, scenario), of) in suite.scenarios().zip(of_scenarios) {
-                    let place = || Place { family: &family.name, scenario: &scenario.name };
-                    csv.rows(records(&driver.name, of).map(|record| (place(), record)), is_first)?;
-                    is_first = false;
-                }
-            }
-        }
-        Ok(found)
+        let tested = Tested { test: &test, drivers: &under_test, found: test.run(&under_test)? };
+        csv.map_or(Ok(()), |csv| tested.write_rows(csv))?;
+        Ok(tested)
     });
     progress.finish();
-    let found = match tested {
-        Ok(found) => found,
+    let tested = match tested {
+        Ok(tested) => tested,
         Err(TestEnd::ReaderClosed) => return Ok(()),
         Err(TestEnd::Error(error)) => return Err(error),
     };
-    let policies =
-        drivers.iter().zip(&found).map(|(driver, of)| DriverReport::new(driver, &suite, of)).collect();
-    let report = SuiteReport {
-        suite: &suite.name,
-        version: VERSION,
-        commit: COMMIT,
-        physics: evaluate::PHYSICS,
-        episodes: suite.episodes(),
-        seed: shared.seed(),
-        policies,
-    };
+    let report = SuiteReport::new(drivers, &tested);
+    if let Some(folder) = &folder {
+        let page = folder.write(&tested, &report)?;
+        print_stderr(&format!("report: {}", page.display()));
+    }
     let text = || super::text::suite_table(&report);
     match report.policies.as_slice() {
         [one] => print_results(&report.single(one), text, shared.json, files.use_stdout()),
@@ -139,6 +135,40 @@ pub fn run(
 
 fn under_test((name, driver): &Named) -> SuiteDriver<'_> {
     SuiteDriver { name: name.clone(), evaluated: driver.evaluated() }
+}
+
+impl Tested<'_> {
+    /// Writes a row per episode.
+    fn write_rows(&self, csv: &mut TestFile) -> Result<(), TestEnd> {
+        let mut is_first = true;
+        for (driver, of_scenarios) in self.drivers.iter().zip(&self.found) {
+            for ((family, scenario), of) in self.test.suite.scenarios().zip(of_scenarios) {
+                let place = || Place { family: &family.name, scenario: &scenario.name };
+                csv.rows(records(&driver.name, of).map(|record| (place(), record)), is_first)?;
+                is_first = false;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl<'a> SuiteReport<'a> {
+    fn new(drivers: &[Named], tested: &Tested<'a>) -> Self {
+        let SuiteTest { suite, seed, .. } = *tested.test;
+        Self {
+            suite: &suite.name,
+            version: VERSION,
+            commit: COMMIT,
+            physics: evaluate::PHYSICS,
+            episodes: suite.episodes(),
+            seed,
+            policies: drivers
+                .iter()
+                .zip(&tested.found)
+                .map(|(driver, of)| DriverReport::new(driver, suite, of))
+                .collect(),
+        }
+    }
 }
 
 impl SuiteReport<'_> {

@@ -6,10 +6,12 @@
 //! |---|---|
 //! | `load.rs` | a suite by name: its file, a folder, a set, a level generator, a scenario |
 //! | `test.rs` | the episodes, on all cores |
+//! | `store.rs` | the finished tests of a folder, so that an interrupted one goes on |
 //! | `family_result.rs` | the results of a family |
 
 mod family_result;
 pub mod load;
+mod store;
 mod test;
 
 use std::sync::Arc;
@@ -21,7 +23,8 @@ use crate::scenario::{
 };
 
 pub use family_result::FamilyResult;
-pub use test::{References, SuiteDriver, SuiteEpisodes, SuiteTest};
+pub use store::TestStore;
+pub use test::{References, SuiteDriver, SuiteEpisodes, SuiteTest, episode_setup};
 
 /// Families of scenarios.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,6 +3,9 @@
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
 
+use serde::{Deserialize, Serialize};
+
+use super::store::{self, StoredTest, TestStore};
 use super::{Family, Suite, SuiteScenario};
 use crate::planner::StepBounds;
 use crate::run::evaluate::{self, EpisodeResult, Evaluated, Evaluator};
@@ -35,6 +38,8 @@ pub struct SuiteTest<'a> {
     pub threads: usize,
     /// Set from outside to stop the test.
     pub stop: Option<&'a AtomicBool>,
+    /// Where finished tests are kept, and taken from.
+    pub store: Option<&'a TestStore>,
     /// Is told the number of tested pairs of a driver and a scenario, and the number of all.
     pub progress: &'a (dyn Fn(usize, usize) + Sync),
 }
@@ -51,7 +56,7 @@ pub struct SuiteEpisodes {
 }
 
 /// What the planner knows about the episodes in a scenario.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct References {
     /// The length of the shortest path of each episode, in m.
     pub shortest_paths_m: Vec<f64>,
@@ -63,7 +68,15 @@ pub struct References {
 struct Kept {
     index: usize,
     scenario: Arc<Scenario>,
-    evaluator: Evaluator,
+    /// Made when it is needed.
+    evaluator: Option<Evaluator>,
+}
+
+/// The choice of starts and goals in `scenario`, which belongs to `family`.
+#[must_use]
+pub fn episode_setup(family: &Family, scenario: &Scenario) -> EpisodeSetup {
+    let route = scenario.benchmark_route.filter(|_| family.benchmark_route);
+    route.map_or(EpisodeSetup::Random, EpisodeSetup::Route)
 }
 
 impl SuiteTest<'_> {
@@ -88,9 +101,8 @@ impl SuiteTest<'_> {
                     return Ok(None);
                 }
                 let (family, scenario) = scenarios[index];
-                let result = self
-                    .kept(kept, index, family, scenario)
-                    .and_then(|kept| self.episodes(kept, family, &drivers[driver], &references[index]));
+                let result = kept_of(kept, index, scenario)
+                    .and_then(|kept| self.tested(kept, family, &drivers[driver], &references[index]));
                 failed.fetch_or(result.is_err(), Ordering::Relaxed);
                 (self.progress)(done.fetch_add(1, Ordering::Relaxed) + 1, count);
                 result.map(Some)
@@ -103,26 +115,32 @@ impl SuiteTest<'_> {
         Ok(found)
     }
 
-    /// The simulation of scenario `index`.
-    fn kept<'k>(
+    /// The episodes of `driver` in the scenario of `kept`: those of an earlier, equal test, or new ones.
+    fn tested(
         &self,
-        kept: &'k mut Option<Kept>,
-        index: usize,
+        kept: &mut Kept,
         family: &Family,
-        scenario: &SuiteScenario,
-    ) -> Result<&'k mut Kept, RunError> {
-        if kept.as_ref().is_none_or(|kept| kept.index != index) {
-            // The old one goes first.
-            *kept = None;
-            let scenario = scenario.scenario()?;
-            let evaluator =
-                Evaluator::with_extensions(&scenario, family.episodes, self.extensions).measuring_paths();
-            *kept = Some(Kept { index, scenario, evaluator });
+        driver: &SuiteDriver<'_>,
+        references: &OnceLock<Arc<References>>,
+    ) -> Result<SuiteEpisodes, RunError> {
+        let Some(store) = self.store else { return self.episodes(kept, family, driver, references) };
+        let Family { episodes, benchmark_route, .. } = family;
+        let options = format!(
+            "seed {}, {episodes} episodes, route {benchmark_route}, optimum {}",
+            self.seed, self.optimum
+        );
+        let key = store::key(driver.evaluated, &kept.scenario, &options)?;
+        if let Some(StoredTest { episodes, references }) = store.get(&key).cloned() {
+            let scenario = kept.scenario.clone();
+            return Ok(SuiteEpisodes { scenario, episodes, references: Arc::new(references) });
         }
-        kept.as_mut().ok_or_else(|| RunError::Failed("the simulation is missing".into()))
+        let found = self.episodes(kept, family, driver, references)?;
+        let test = StoredTest { episodes: found.episodes.clone(), references: (*found.references).clone() };
+        store.add(&key, &test)?;
+        Ok(found)
     }
 
-    /// The episodes of `driver` in the scenario of `kept`.
+    /// New episodes of `driver` in the scenario of `kept`.
     fn episodes(
         &self,
         kept: &mut Kept,
@@ -130,15 +148,18 @@ impl SuiteTest<'_> {
         driver: &SuiteDriver<'_>,
         references: &OnceLock<Arc<References>>,
     ) -> Result<SuiteEpisodes, RunError> {
-        let route = kept.scenario.benchmark_route.filter(|_| family.benchmark_route);
-        let setup = route.map_or(EpisodeSetup::Random, EpisodeSetup::Route);
-        let mut run = kept.evaluator.start(driver.evaluated, self.seed, family.episodes, setup)?;
-        while !kept.evaluator.step(&mut run)? {
+        let Kept { scenario, evaluator, .. } = kept;
+        let evaluator = evaluator.get_or_insert_with(|| {
+            Evaluator::with_extensions(scenario, family.episodes, self.extensions).measuring_paths()
+        });
+        let setup = episode_setup(family, scenario);
+        let mut run = evaluator.start(driver.evaluated, self.seed, family.episodes, setup)?;
+        while !evaluator.step(&mut run)? {
             self.check_signals()?;
         }
-        let references = references.get_or_init(|| Arc::new(self.plan(&kept.scenario, &run.episodes)));
+        let references = references.get_or_init(|| Arc::new(self.plan(scenario, &run.episodes)));
         Ok(SuiteEpisodes {
-            scenario: kept.scenario.clone(),
+            scenario: scenario.clone(),
             episodes: run.episodes,
             references: references.clone(),
         })
@@ -151,12 +172,34 @@ impl SuiteTest<'_> {
         }
     }
 
-    fn check_signals(&self) -> Result<(), RunError> {
+    /// Checks that the test has not been stopped.
+    ///
+    /// # Errors
+    /// It has.
+    pub fn check_signals(&self) -> Result<(), RunError> {
         match self.stop {
             Some(stop) if stop.load(Ordering::Relaxed) => {
-                Err(RunError::Stopped("stopped before the end of the test".into()))
+                let rest = if self.store.is_some() {
+                    "the same command goes on from here"
+                } else {
+                    "no file was written"
+                };
+                Err(RunError::Stopped(format!("stopped before the end of the test; {rest}")))
             }
             _ => Ok(()),
         }
     }
+}
+
+/// The simulation of scenario `index`: the one that is kept, or a new one.
+fn kept_of<'k>(
+    kept: &'k mut Option<Kept>,
+    index: usize,
+    scenario: &SuiteScenario,
+) -> Result<&'k mut Kept, RunError> {
+    let scenario = match kept.take() {
+        Some(old) if old.index == index => return Ok(kept.insert(old)),
+        _ => scenario.scenario()?,
+    };
+    Ok(kept.insert(Kept { index, scenario, evaluator: None }))
 }
