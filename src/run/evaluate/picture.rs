@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use super::{EpisodeResult, Evaluated, EvaluationRun, Evaluator};
+use super::{EpisodeResult, Evaluated, Evaluator};
 use crate::run::{RunError, scenario_image};
 use crate::task::{Arena, EpisodeSetup, Pose};
 
@@ -19,7 +19,8 @@ impl Evaluator {
         index: usize,
         setup: EpisodeSetup,
     ) -> Result<(EpisodeResult, String), RunError> {
-        let mut run = EvaluationRun { first: index, ..self.start(evaluated, seed, 1, setup)? };
+        let mut run = self.start(evaluated, seed, 1, setup)?;
+        run.first = index;
         let mut poses = self.world_mut().query::<(&Arena, &Pose)>();
         let mut path_m = Vec::new();
         self.begin(&mut run, 1);
