@@ -161,7 +161,7 @@ fn a_set_is_a_suite_and_its_episodes_are_those_of_each_scenario() {
     }
     workspace.run_ok("--draw sheet.svg --scenario set.ron");
     let sheet = workspace.text("sheet.svg");
-    assert!(["Set", "one", "moving"].iter().all(|name| sheet.contains(&format!(">{name}<"))), "{sheet}");
+    assert!(["Set", "one", "moving"].iter().all(|name| sheet.contains(&format!("\n{name}\n"))), "{sheet}");
 }
 
 #[test]
@@ -207,7 +207,7 @@ fn an_invalid_suite_is_rejected_with_line_and_fix() {
     for (family, part) in [
         (
             "(name: \"a\", scenarios: [\"maze\", \"missing.ron\"])",
-            "bad.ron:4:43: `families[0].scenarios[1]` can't be used: missing.ron: ",
+            "bad.ron:4:41: `families[0].scenarios[1]` can't be used: missing.ron: ",
         ),
         (
             "(name: \"a\", scenarios: [\"clutter\"])",
@@ -239,7 +239,7 @@ fn an_invalid_suite_is_rejected_with_line_and_fix() {
         ),
         (
             "(name: \"a\", scenarios: [\"barn.json\"])",
-            "bad.ron:4:35: `families[0].scenarios[0]` can't be used: ",
+            "bad.ron:4:33: `families[0].scenarios[0]` can't be used: ",
         ),
         (
             "(name: \"a\", scenarios: [\"bare.ron\"], benchmark_route: true)",
