@@ -3,23 +3,25 @@
 from collections.abc import Callable
 from typing import Any
 
+from . import _native
+
 
 class StepInfo(dict[str, Any]):
-    """A dict whose first contents are those that ``make`` returns. It is called at the first access, since most loops look at
-    none of the arrays, and making them takes longer than the rest of a vector call.
+    """A dict whose first contents are those of ``details``. They are made at the first access, since most loops look at none of
+    the arrays, and making them takes longer than the rest of a vector call.
 
     A copy and a pickled one are plain dicts.
     """
 
-    _make: Callable[[], dict[str, Any]] | None
+    __slots__ = ("_details",)
 
-    def __init__(self, make: Callable[[], dict[str, Any]]) -> None:
-        self._make = make
+    def __init__(self, details: _native.StepDetails) -> None:
+        self._details: _native.StepDetails | None = details
 
     def _fill(self) -> None:
-        make, self._make = self._make, None
-        if make is not None:
-            dict.update(self, make())
+        details, self._details = self._details, None
+        if details is not None:
+            dict.update(self, details.info())
 
     def __reduce_ex__(self, protocol: Any) -> tuple[Any, ...]:
         return dict, (dict(self),)
@@ -29,7 +31,7 @@ def _filling(name: str) -> Callable[..., Any]:
     method = getattr(dict, name)
 
     def filled(self: StepInfo, *arguments: Any, **options: Any) -> Any:
-        if self._make is not None:
+        if self._details is not None:
             self._fill()
         return method(self, *arguments, **options)
 

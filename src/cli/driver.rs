@@ -31,13 +31,7 @@ impl TestDriver {
             return Ok(Self::Classical(driver));
         }
         if exists && path.extension().is_some_and(|extension| extension == "ron") {
-            let check = DriverConfig::diagnostics;
-            return Ok(Self::Classical(parse_checked(
-                &read_text(path)?,
-                path,
-                |driver, _| check(driver),
-                check,
-            )?));
+            return Self::parse(&read_text(path)?, path);
         }
         if !exists && policy::is_unknown_name(path) {
             let policies: Vec<&str> =
@@ -51,6 +45,15 @@ impl TestDriver {
             return Err(RunError::invalid_input(path, why));
         }
         policy::load(path).map(Self::Policy)
+    }
+
+    /// The driver whose parameters are in the RON text `text`, which is called `path` in messages.
+    ///
+    /// # Errors
+    /// It is not a driver, or a parameter is out of range.
+    pub fn parse(text: &str, path: &Path) -> Result<Self, RunError> {
+        let check = DriverConfig::diagnostics;
+        Ok(Self::Classical(parse_checked(text, path, |driver, _| check(driver), check)?))
     }
 
     /// Its policy.
