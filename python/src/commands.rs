@@ -1,6 +1,6 @@
 //! Commands to robots, from numpy's arrays or what can be made one.
 
-use numpy::{AllowTypeChange, Element, PyArrayLikeDyn, PyUntypedArrayMethods};
+use numpy::{AllowTypeChange, Element, PyArrayLikeDyn, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use wayfield::scenario::Motion;
@@ -25,6 +25,16 @@ pub fn motions(given: &Bound<'_, PyAny>, shape: &[usize]) -> PyResult<Vec<Motion
     Ok(pairs.map(|&[v_m_s, w_rad_s]| Motion { v_m_s, w_rad_s }).collect())
 }
 
+/// The mask in `given`, one bool for each of `count` environments.
+pub fn mask(given: &Bound<'_, PyAny>, count: usize) -> PyResult<Vec<bool>> {
+    let array: Option<PyArrayLikeDyn<'_, bool>> = given.extract().ok();
+    array.filter(|array| array.shape() == [count]).map(|array| values(&array)).ok_or_else(|| {
+        PyValueError::new_err(format!(
+            "reset_mask is {given}; help: give a bool array of the shape ({count},)"
+        ))
+    })
+}
+
 /// The numbers in `given`, row by row.
 fn numbers<'py, T>(given: &Bound<'py, PyAny>, shape: &[usize]) -> PyResult<Vec<T>>
 where
@@ -39,9 +49,14 @@ where
             tuple(shape)
         )));
     }
+    Ok(values(&array))
+}
+
+/// The values of `array`, row by row.
+fn values<T: Element + Copy>(array: &PyReadonlyArrayDyn<'_, T>) -> Vec<T> {
     match array.as_slice() {
-        Ok(numbers) => Ok(numbers.to_vec()),
-        Err(_) => Ok(array.as_array().iter().copied().collect()),
+        Ok(values) => values.to_vec(),
+        Err(_) => array.as_array().iter().copied().collect(),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::f32::consts::PI;
 
-use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
+use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyIndexError, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -79,9 +79,9 @@ impl NativeEnv {
         &mut self,
         py: Python<'py>,
         seed: Option<u64>,
-        mask: Option<PyReadonlyArray1<'py, bool>>,
+        mask: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        let mask = mask.map(|mask| mask.as_array().to_vec());
+        let mask = mask.map(|mask| commands::mask(mask, self.env()?.num_envs())).transpose()?;
         self.run(py, |env, _| {
             let mask = mask.unwrap_or_else(|| vec![true; env.num_envs()]);
             env.reset_selected(&mask, seed).map(|_| ())

@@ -147,7 +147,7 @@ def test_classical_drivers_have_the_numbers_of_the_command_line(tmp_path):
     assert (by_text.mean_cost_s, by_text.scenario) == (ours[2].mean_cost_s, "Scenario I")
     with pytest.raises(FileNotFoundError, match="a driver .field, dwa.* or its RON file"):
         wayfield.evaluate("dwaa")
-    with pytest.raises(ValueError, match="horizon_s.* is 0; write a number from"):
+    with pytest.raises(ValueError, match="horizon_s` is 0; help: give 0.1 to 60"):
         wayfield.evaluate("Dwa(horizon_s: 0)")
 
 

@@ -7,19 +7,18 @@ from . import _native
 
 
 class StepInfo(dict[str, Any]):
-    """A dict whose first contents are those of ``details``. They are made at the first access, since most loops look at none of
-    the arrays, and making them takes longer than the rest of a vector call.
+    """A dict whose first contents are those of ``details``, which is set right after it is made. (An ``__init__`` would take
+    time.) They are made at the first access, since most loops look at none of the arrays, and making them takes longer than
+    the rest of a vector call.
 
     A copy and a pickled one are plain dicts.
     """
 
-    __slots__ = ("_details",)
-
-    def __init__(self, details: _native.StepDetails) -> None:
-        self._details: _native.StepDetails | None = details
+    __slots__ = ("details",)
+    details: _native.StepDetails | None
 
     def _fill(self) -> None:
-        details, self._details = self._details, None
+        details, self.details = self.details, None
         if details is not None:
             dict.update(self, details.info())
 
@@ -31,7 +30,7 @@ def _filling(name: str) -> Callable[..., Any]:
     method = getattr(dict, name)
 
     def filled(self: StepInfo, *arguments: Any, **options: Any) -> Any:
-        if self._details is not None:
+        if self.details is not None:
             self._fill()
         return method(self, *arguments, **options)
 

@@ -74,17 +74,11 @@ class NavigationVectorEnv(VectorEnv):
         Returns:
             All observations, float32, (num_envs, width), and an empty dict.
         """
-        super().reset(seed=seed)
+        if seed is not None:
+            super().reset(seed=seed)
         mask = None if options is None else options.get("reset_mask")
-        if mask is not None:
-            mask = np.asarray(mask)
-            if mask.dtype != np.bool_ or mask.shape != (self.num_envs,):
-                raise ValueError(
-                    f"reset_mask has the shape {mask.shape} and the type {mask.dtype}; "
-                    f"help: give a bool array of the shape ({self.num_envs},)"
-                )
         if not self._is_reset:
-            if mask is not None and not mask.all():
+            if mask is not None and not np.all(mask):
                 raise RuntimeError("the environments were not reset; help: call reset() without reset_mask first")
             seed = seed_of(self.np_random) if seed is None else seed
         self._is_reset = True
@@ -101,8 +95,9 @@ class NavigationVectorEnv(VectorEnv):
         """
         if not self._is_reset:
             raise RuntimeError("the environments were not reset; help: call reset() before step()")
-        observations, rewards, terminated, truncated, details = self._native.step(actions)
-        return observations, rewards, terminated, truncated, StepInfo(details)
+        info = StepInfo()
+        observations, rewards, terminated, truncated, info.details = self._native.step(actions)
+        return observations, rewards, terminated, truncated, info
 
     def render(self) -> tuple[np.ndarray, ...] | None:
         """The picture of each environment: uint8, 720 x 960 x 3; None without ``render_mode="rgb_array"``."""
