@@ -49,7 +49,7 @@ impl TestDriver {
             return Ok(Self::Classical(driver));
         }
         if exists && path.extension().is_some_and(|extension| extension == "ron") {
-            return Ok(Self::Classical(parse(&read_text(path)?, path)?));
+            return Self::parse(&read_text(path)?, path);
         }
         if !exists && policy::is_unknown_name(path) {
             let policies: Vec<&str> =
@@ -63,6 +63,14 @@ impl TestDriver {
             return Err(RunError::invalid_input(path, why));
         }
         policy::load(path).map(Self::Policy)
+    }
+
+    /// The driver whose parameters are in the RON text `text`, which is called `path` in messages.
+    ///
+    /// # Errors
+    /// It is not a driver, or a parameter is out of range.
+    pub fn parse(text: &str, path: &Path) -> Result<Self, RunError> {
+        Ok(Self::Classical(parse(text, path)?))
     }
 
     /// Its policy.

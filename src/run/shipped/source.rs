@@ -50,7 +50,11 @@ impl Source {
         }
     }
 
-    fn parse(text: &str, path: &Path) -> Result<Self, FileError> {
+    /// The scenario, level generator or set in the RON text `text`, which is called `path` in messages.
+    ///
+    /// # Errors
+    /// As for [`load`](Self::load).
+    pub fn parse(text: &str, path: &Path) -> Result<Self, FileError> {
         if scenario_set::is_meant_by(text) {
             let set = scenario_set::parse(text, path)?;
             let first = set.members.first().map(|member| member.source.first()).transpose();
