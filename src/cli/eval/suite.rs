@@ -14,7 +14,6 @@ use super::suite_page::SuiteFolder;
 use super::test::Named;
 use crate::cli::shared::SharedArgs;
 use crate::drivers::DriverClass;
-use crate::limits::MAX_EVAL_EPISODES;
 use crate::policy::Policy;
 use crate::run::RunError;
 use crate::run::evaluate::{self, EpisodeRecord};
@@ -93,7 +92,7 @@ pub fn run(
 ) -> Result<(), RunError> {
     check_options(args)?;
     let suite = Suite::load(wanted, &shared.settings(), shared.episodes)?;
-    check_count(&suite, drivers.len())?;
+    suite.check_count(drivers.len())?;
     for (path, driver) in paths.iter().zip(drivers) {
         check_driver(path, driver, &suite, shared)?;
     }
@@ -180,16 +179,10 @@ impl SuiteReport<'_> {
 
 impl DriverReport {
     fn new((name, driver): &Named, suite: &Suite, of_scenarios: &[SuiteEpisodes]) -> Self {
-        let mut rest = of_scenarios;
-        let families = suite.families.iter().map(|family| {
-            let (own, others) = rest.split_at(family.scenarios.len());
-            rest = others;
-            (family.name.clone(), FamilyResult::new(family, own))
-        });
         Self {
             policy: name.clone(),
             class: driver.evaluated().class(),
-            families: families.collect(),
+            families: suite.results(of_scenarios),
             weights_crc32c: driver.policy().map(Policy::weights_crc32c),
         }
     }
@@ -214,18 +207,6 @@ fn check_options(args: &EvalArgs) -> Result<(), RunError> {
         ))),
         None => Ok(()),
     }
-}
-
-fn check_count(suite: &Suite, drivers: usize) -> Result<(), RunError> {
-    let count = suite.episodes().saturating_mul(drivers as u64);
-    if count <= MAX_EVAL_EPISODES {
-        return Ok(());
-    }
-    Err(RunError::InvalidInput(format!(
-        "{drivers} times {} episodes are {count}; help: give at most {MAX_EVAL_EPISODES} in total, with fewer --episodes in each \
-         scenario",
-        suite.episodes()
-    )))
 }
 
 /// Checks that a driver can drive in every scenario of the suite. Of the scenarios of a family with the same robot, LIDAR and

@@ -18,6 +18,7 @@ use std::sync::Arc;
 
 use super::RunError;
 use super::settings::Settings;
+use crate::limits::MAX_EVAL_EPISODES;
 use crate::scenario::{
     Diagnostic, LevelGenerator, Lidar, Robot, Scenario, SuiteScore, TaskRules, diagnostics,
 };
@@ -86,6 +87,34 @@ impl Suite {
     pub fn episodes(&self) -> u64 {
         let of = |family: &Family| family.episodes as u64 * family.scenarios.len() as u64;
         self.families.iter().map(of).sum()
+    }
+
+    /// Checks the number of episodes of so many `drivers`.
+    ///
+    /// # Errors
+    /// There are too many.
+    pub fn check_count(&self, drivers: usize) -> Result<(), RunError> {
+        let count = self.episodes().saturating_mul(drivers as u64);
+        if count <= MAX_EVAL_EPISODES {
+            return Ok(());
+        }
+        Err(RunError::InvalidInput(format!(
+            "{drivers} times {} episodes are {count}; help: give at most {MAX_EVAL_EPISODES} in total, with fewer episodes in each \
+             scenario",
+            self.episodes()
+        )))
+    }
+
+    /// The results of a driver by the families' names, from its episodes in each scenario.
+    #[must_use]
+    pub fn results(&self, of_scenarios: &[SuiteEpisodes]) -> Vec<(String, FamilyResult)> {
+        let mut rest = of_scenarios;
+        let families = self.families.iter().map(|family| {
+            let (own, others) = rest.split_at(family.scenarios.len().min(rest.len()));
+            rest = others;
+            (family.name.clone(), FamilyResult::new(family, own))
+        });
+        families.collect()
     }
 }
 
