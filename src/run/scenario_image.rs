@@ -12,7 +12,7 @@ use super::RunError;
 use super::image_file::{self, ImageSize};
 use crate::report::DrawError;
 use crate::report::chart::{
-    MapObstacle, MapObstacleKind, MapRobot, MapShape, MapTrack, ScenarioMap, contact_sheet_svg,
+    MapObstacle, MapObstacleKind, MapRobot, MapShape, MapTrack, MapTrajectory, ScenarioMap, contact_sheet_svg,
 };
 use crate::scenario::{IndexedScenario, Obstacle, ObstacleMotion, Outline, Scenario, Track};
 use crate::task::{Arena, ArenaLayout, Clock, Goal, Pedestrians, Pose, Scan};
@@ -114,14 +114,27 @@ pub fn draw(scenario: &Scenario, path: &Path) -> Result<(), RunError> {
 /// # Errors
 /// Drawing fails.
 pub fn frame_svg(world: &mut World, arena: usize) -> Option<Result<String, DrawError>> {
+    frame_with_path(world, arena, Vec::new())
+}
+
+/// The same with the robot's path so far: its positions in m.
+///
+/// # Errors
+/// Drawing fails.
+pub fn frame_with_path(
+    world: &mut World,
+    arena: usize,
+    path_m: Vec<(f64, f64)>,
+) -> Option<Result<String, DrawError>> {
     let mut arenas = world.query::<(&Arena, (&ArenaLayout, &Pedestrians), &Clock, &Pose, &Goal, &Scan)>();
     let (_, (layout, pedestrians), clock, pose, goal, scan) =
         arenas.iter(world).find(|(found, ..)| found.0 == arena)?;
     let scenario = &*layout.written;
     let goal = wide(vec2(goal.x_m, goal.y_m));
     let goal = (goal.0, goal.1, f64::from(scenario.task.goal_radius_m));
+    let trajectories = vec![MapTrajectory { points: path_m, ..MapTrajectory::default() }];
     let map = map_of(scenario, layout.indexed(pedestrians), clock.0);
-    let map = ScenarioMap { goal: Some(goal), tracks: Vec::new(), ..map };
+    let map = ScenarioMap { goal: Some(goal), tracks: Vec::new(), trajectories, ..map };
     Some(map.frame_svg(&robot(&layout.scenario, pose, scan)))
 }
 

@@ -37,7 +37,7 @@ mod valid_part;
 
 pub(crate) use convex::RoundedArea;
 pub(crate) use grid::{CellGrid, ConnectedRegions};
-pub(crate) use numbers::check_texts;
+pub(crate) use numbers::{check_name, check_texts};
 pub(crate) use obstacles::check_random_shape;
 pub(crate) use reachability::{RegionSite, blocked, sites};
 

@@ -31,6 +31,7 @@ mod setting;
 mod shape;
 mod shape_fields;
 mod spatial_index;
+mod suite;
 mod text;
 mod track;
 mod uniform_grid;
@@ -68,6 +69,9 @@ pub use setting::with_setting;
 pub use shape::RoundedBox;
 pub use shape_fields::Sizes;
 pub use spatial_index::{IndexedScenario, SpatialIndex};
+pub use suite::{
+    DEFAULT_SUITE_EPISODES, DEFAULT_SUITE_LEVELS, FIRST_EVALUATION_LEVEL, SuiteFamily, SuiteFile, SuiteScore,
+};
 pub use text::{is_noncharacter, is_unprintable, printable, printable_lines, printable_path, quoted};
 pub use track::{MotionSpeed, Track};
 pub use uniform_grid::UniformGrid;
