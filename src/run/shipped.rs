@@ -41,7 +41,7 @@ const SCENARIOS: &[Shipped] = shipped!(
 const GENERATORS: &[Shipped] = shipped!(
     "scenarios/generators": "clutter", "rooms", "traffic", "mixed", "pedestrians", "circle-crossing"
 );
-const SUITES: &[Shipped] = shipped!("scenarios/suites": "shipped", "validation");
+const SUITES: &[Shipped] = shipped!("scenarios/suites": "shipped", "validation", "circle-crossing");
 const PRESETS: &[Shipped] = shipped!("assets/presets": "fast", "dqn", "per_d3qn", "per_d3qn_tuned");
 
 const EXPERIMENTS: &[Shipped] = shipped!("assets/experiments": "fig8", "fig9", "fig10", "best", "ablation", "conditions", "hard", "transfer");
