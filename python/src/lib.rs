@@ -16,6 +16,7 @@
 //! | `policy.rs` | policies |
 //! | `train.rs` | training runs |
 //! | `evaluate.rs` | evaluations |
+//! | `suite.rs` | evaluations in suites |
 //! | `tested.rs` | what is evaluated: policies and classical drivers |
 //! | `act_function.rs` | functions of Python that are evaluated |
 //! | `files.rs` | shipped files, checks, drawings, the command line |
@@ -35,6 +36,7 @@ mod files;
 mod import;
 mod policy;
 mod step_details;
+mod suite;
 mod tested;
 mod train;
 
@@ -63,6 +65,8 @@ mod _native {
     use super::policy::NativePolicy;
     #[pymodule_export]
     use super::step_details::StepDetails;
+    #[pymodule_export]
+    use super::suite::evaluate_suite;
     #[pymodule_export]
     use super::tested::load_tested;
     #[pymodule_export]

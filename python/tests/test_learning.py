@@ -37,6 +37,26 @@ def run(tmp_path_factory):
     return wayfield.train("scenario-1", seed=7, steps=STEPS, out=tmp_path_factory.mktemp("run") / "run", progress=False)
 
 
+def test_a_suite_gives_the_numbers_of_the_command_line(tmp_path):
+    suite = tmp_path / "suite.ron"
+    suite.write_text('''(name: "S", families: [(name: "still", scenarios: ["scenario-1", "maze"], episodes: 3),
+        (name: "levels", generator: "clutter", levels: 5)])''')
+    field, policy = wayfield.evaluate(["field", wayfield.Policy.load("scenario-1")], suite=suite, seed=2)
+    assert (field.suite, list(field.families), field.driver_class) == ("S", ["still", "levels"], "A")
+    for name, ours in [("field", field), ("scenario-1", policy)]:
+        theirs = cli("--eval", name, "--suite", suite, "--seed", 2)
+        for family, result in theirs["families"].items():
+            for key, value in result.items():
+                found = getattr(ours.families[family], key)
+                assert (list(found) if isinstance(found, tuple) else found) == value, (family, key)
+    alone = wayfield.evaluate("field", suite=suite, seed=2, episodes=1, set={"scenario.task.max_episode_steps": 1})
+    assert alone.families["levels"].timeout_rate == 1 and alone.families["still"].episodes == 2
+    with pytest.raises(ValueError, match="can't be used with suite; help: "):
+        wayfield.evaluate("field", suite=suite, rounds=2)
+    with pytest.raises(ValueError, match="did you mean `maze`"):
+        wayfield.evaluate("field", suite="mzae")
+
+
 def test_training_gives_the_bits_of_the_command_line(run, tmp_path):
     summary = cli("--train", "--seed", 7, "--steps", STEPS, "--out", tmp_path / "run")
     assert (tmp_path / "run/policy.safetensors").read_bytes() == (run.folder / "policy.safetensors").read_bytes()

@@ -9,10 +9,11 @@ from typing import Any, TypedDict, Unpack, overload
 
 import numpy as np
 
-from . import _native
+from . import _native, suites
 from ._frames import columns, to_frame
 from ._settings import pairs
 from .policy import Policy
+from .suites import SuiteEvaluation
 
 _PolicyLike = Policy | str | os.PathLike[str]
 
@@ -82,6 +83,26 @@ class EvaluationOptions(TypedDict, total=False):
 
 @overload
 def evaluate(
+    policy: _PolicyLike,
+    *,
+    suite: str | os.PathLike[str],
+    set: Mapping[str, Any] | None = None,
+    episodes: int | None = None,
+    seed: int = 0,
+    optimum: bool = False,
+) -> SuiteEvaluation: ...
+@overload
+def evaluate(
+    policy: list[_PolicyLike] | tuple[_PolicyLike, ...],
+    *,
+    suite: str | os.PathLike[str],
+    set: Mapping[str, Any] | None = None,
+    episodes: int | None = None,
+    seed: int = 0,
+    optimum: bool = False,
+) -> list[SuiteEvaluation]: ...
+@overload
+def evaluate(
     policy: _PolicyLike, scenario: str | os.PathLike[str] | None = None, **options: Unpack[EvaluationOptions]
 ) -> Evaluation: ...
 @overload
@@ -94,14 +115,15 @@ def evaluate(
     policy: _PolicyLike | list[_PolicyLike] | tuple[_PolicyLike, ...],
     scenario: str | os.PathLike[str] | None = None,
     *,
+    suite: str | os.PathLike[str] | None = None,
     set: Mapping[str, Any] | None = None,
-    episodes: int = 100,
-    rounds: int = 5,
+    episodes: int | None = None,
+    rounds: int | None = None,
     seed: int = 0,
     benchmark_route: bool = False,
     optimum: bool = False,
     trace: str | os.PathLike[str] | None = None,
-) -> Evaluation | list[Evaluation]:
+) -> Evaluation | list[Evaluation] | SuiteEvaluation | list[SuiteEvaluation]:
     """Tests a policy or a classical driver over ``rounds * episodes`` episodes, as ``wayfield --eval``, or several of them in
     the same episodes.
 
@@ -110,9 +132,12 @@ def evaluate(
             lists them), its RON file or its RON text; or a list of them.
         scenario: A shipped name, a path or RON text; None for the scenario that the policies were trained in, or Scenario I if
             there are none.
+        suite: In place of ``scenario``, many scenarios with results by families: the file of a suite or ``"shipped"`` or
+            ``"validation"``, a folder of scenarios, a set of scenarios, or a level generator (docs/suites.md). ``episodes`` is
+            the number in each scenario then; ``rounds``, ``benchmark_route`` and ``trace`` are for one scenario.
         set: Fields of the scenario with other values, as ``--set`` takes them: ``{"scenario.lidar.noise_std_m": 0.02}``.
-        episodes: The episodes of a round.
-        rounds: The number of rounds.
+        episodes: The episodes of a round; 100 if None, and in a suite as many as it says.
+        rounds: The number of rounds; 5 if None.
         seed: The seed of starts and goals. Equal seeds give equal episodes.
         benchmark_route: Drive the scenario's benchmark route in every episode.
         optimum: Also compute the optimal times, which may take seconds per episode in large scenarios.
@@ -120,7 +145,7 @@ def evaluate(
             after the other, with the same results.
 
     Returns:
-        The results; for a list, a list in the same order.
+        The results, for a suite by families; for a list, a list in the same order.
 
     Warns:
         UserWarning: The scenario differs from that of the training.
@@ -130,12 +155,19 @@ def evaluate(
         FileNotFoundError: There is no such file.
     """
     policies = list(policy) if isinstance(policy, (list, tuple)) else [policy]
+    if suite is not None:
+        if (scenario, rounds, benchmark_route, trace) != (None, None, False, None):
+            raise ValueError("scenario, rounds, benchmark_route and trace can't be used with suite; help: leave them out")
+        natives, options = evaluation_options(policies)
+        names = options["names"]
+        found = suites.evaluations(natives, names, suite, set=set, episodes=episodes, seed=seed, optimum=optimum)
+        return found if isinstance(policy, (list, tuple)) else found[0]
     natives, options = evaluation_options(
         policies,
         scenario,
         set=set,
-        episodes=episodes,
-        rounds=rounds,
+        episodes=100 if episodes is None else episodes,
+        rounds=5 if rounds is None else rounds,
         seed=seed,
         benchmark_route=benchmark_route,
         optimum=optimum,

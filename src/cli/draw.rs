@@ -1,5 +1,5 @@
-//! The mode `--draw`: a figure of a scenario, of levels of a generator, or of the learning curves of a run, as an SVG, PNG or
-//! PDF file. `figure.rs` draws the first two.
+//! The mode `--draw`: a figure of a scenario, of levels of a generator, of the scenarios of a set, or of the learning curves of
+//! a run, as an SVG, PNG or PDF file. `figure.rs` draws all but the last.
 
 mod figure;
 

@@ -1,4 +1,4 @@
-//! The figure of a scenario, also over a map, and the contact sheet of a level generator.
+//! The figure of a scenario, also over a map, and the contact sheet of a level generator or a set.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use crate::import::{Frame, ImportOptions, backdrop};
 use crate::run::settings::Settings;
 use crate::run::shipped::Source;
 use crate::run::{RunError, scenario_image};
-use crate::scenario::{LevelGenerator, Scenario};
+use crate::scenario::{LevelGenerator, Scenario, ScenarioSet};
 
 /// Number of levels on a contact sheet.
 const DEFAULT_LEVELS: u64 = 12;
@@ -35,17 +35,19 @@ impl ScenarioFigure<'_> {
     /// The figure of `source` as SVG.
     ///
     /// # Errors
-    /// The source is a set, a setting or the map is invalid, an option is for level generators only, or a level cannot be made.
+    /// A setting or the map is invalid, an option is for level generators only, one scenario of a set is needed, or a level cannot
+    /// be made.
     pub fn svg(&self, source: Source) -> Result<String, RunError> {
         let only_for_levels = self.levels.map(|_| "--levels").or(self.seed.map(|_| "--seed"));
         let mut scenario = match (source, only_for_levels) {
             (Source::Levels(generator), _) if !self.is_plain && self.over.is_none() => {
                 return self.contact_sheet(&generator);
             }
-            (Source::Scenario(_), Some(flag)) => {
-                let why = format!("is a scenario, and {flag} is for level generators; help: leave it out");
-                return Err(RunError::invalid_input(Path::new(self.name), why));
+            (Source::Set(_, set), None) if !self.is_plain && self.over.is_none() => {
+                return self.sheet_of_set(&set);
             }
+            (Source::Scenario(_), Some(flag)) => return Err(self.only_for_levels("scenario", flag)),
+            (Source::Set(..), Some(flag)) => return Err(self.only_for_levels("set of scenarios", flag)),
             (source, _) => source.into_scenario(self.name)?,
         };
         self.settings.apply_to_scenario(&mut scenario)?;
@@ -55,6 +57,24 @@ impl ScenarioFigure<'_> {
             None => scenario_image::figure(&scenario),
         };
         svg.map_err(|error| RunError::failed(Path::new(self.name), error))
+    }
+
+    fn only_for_levels(&self, kind: &str, flag: &str) -> RunError {
+        let why = format!("is a {kind}, and {flag} is for level generators; help: leave it out");
+        RunError::invalid_input(Path::new(self.name), why)
+    }
+
+    /// The figure of the scenarios of a set; of a level generator, the first level.
+    fn sheet_of_set(&self, set: &ScenarioSet) -> Result<String, RunError> {
+        let path = Path::new(self.name);
+        let mut scenarios = Vec::new();
+        for member in &set.members {
+            let first = member.source.first().map_err(|error| RunError::invalid_input(path, error))?;
+            let mut scenario = Scenario { name: member.name.clone(), ..first };
+            self.settings.apply_to_scenario(&mut scenario)?;
+            scenarios.push(scenario);
+        }
+        scenario_image::contact_sheet(&set.name, &scenarios).map_err(|error| RunError::failed(path, error))
     }
 
     /// The figure of levels with consecutive seeds.
