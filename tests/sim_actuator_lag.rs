@@ -11,7 +11,7 @@ use wayfield::task::{EpisodeEnd, Goal, Pose, RewardConfig, TaskMode, Twist};
 /// The paper's robot with a lag of 0.3 s (1.5 control steps), far from everything.
 fn lagging() -> Scenario {
     let mut scenario = common::wide_open();
-    scenario.robot.actuator_lag_s = 0.3;
+    scenario.robot.actuator_lag_s = 0.3.into();
     scenario
 }
 
@@ -80,7 +80,7 @@ fn a_reset_arena_starts_at_rest() {
 #[test]
 fn without_a_lag_every_step_has_the_commanded_motion_to_the_bit() {
     let scenario = common::wide_open();
-    assert_eq!(scenario.robot.actuator_lag_s, 0.0);
+    assert_eq!(scenario.robot.actuator_lag_s, 0.0.into());
     let arenas = 4;
     let mut lab = Lab::new(&scenario, arenas, 3);
     let mut action_streams = common::action_streams(arenas);

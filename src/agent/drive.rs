@@ -52,7 +52,8 @@ pub(super) fn drive(
             continue;
         }
         if episode.steps == 0 || source.driver.is_none() {
-            source.driver = Some(source.config.driver(&Robot::of(&layout.scenario)));
+            // As a policy, it does not know what is drawn for the episode.
+            source.driver = Some(source.config.driver(&Robot::of(&layout.written)));
             source.last_pose = *pose;
         }
         let tuple = |pose: &Pose| (pose.x_m, pose.y_m, pose.heading_rad);

@@ -31,7 +31,8 @@ pub(super) fn advance(
     }
 }
 
-/// `Place`: places the generated obstacles of a new episode. If the clock was set, also places the moving obstacles.
+/// `Place`: places the generated obstacles of a new episode. If the clock was set or their speeds may have changed, also places
+/// the moving obstacles.
 pub(super) fn place(
     mut arenas: Query<(
         &Clock,
@@ -46,7 +47,8 @@ pub(super) fn place(
         if episode.pending_reset.begins_episode() {
             place_generated_obstacles(layout, &mut bodies, &mut colliders);
         }
-        if episode.pending_reset == PendingReset::Full {
+        let has_new_speeds = || episode.pending_reset.begins_episode() && layout.written.has_ranges();
+        if episode.pending_reset == PendingReset::Full || has_new_speeds() {
             place_bodies(layout, *clock, &bodies, &mut set, &mut colliders);
         }
     }

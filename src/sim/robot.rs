@@ -83,7 +83,7 @@ impl ActuatorLag {
 
     /// The lag of the robot of `scenario` over one control period.
     fn of(scenario: &Scenario) -> Self {
-        Self::new(scenario.robot.actuator_lag_s, scenario.task.control_period_s)
+        Self::new(scenario.robot.actuator_lag_s.value(), scenario.task.control_period_s)
     }
 }
 

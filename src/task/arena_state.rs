@@ -27,7 +27,7 @@ pub struct ArenaState {
     pub goal: Goal,
     /// The obstacles' clock.
     pub clock: Clock,
-    /// The seed of the generated obstacles ([`ArenaLayout`](super::ArenaLayout)).
+    /// The seed of the generated obstacles and of the drawn numbers ([`ArenaLayout`](super::ArenaLayout)).
     pub layout_seed: u64,
     /// The member of the scenario pool, if there is one. Checkpoints store it separately.
     #[serde(skip)]
@@ -58,6 +58,7 @@ impl ArenaState {
         let Self { pose, twist, scan, readings, goal, clock, layout_seed: _, scenario: _, episode, streams } =
             self;
         let beams = scenario.lidar.beams;
+        let [_, latency_steps] = scenario.lidar.latency_steps.ends();
         let within = |value: f32, max: f32| value.abs() <= max;
         let is_pose = |pose: &Pose| {
             within(pose.x_m, MAX_COORDINATE_M)
@@ -75,7 +76,7 @@ impl ArenaState {
                 "the LIDAR scan",
                 are_ranges(&scan.ranges_m) && is_range(&scan.nearest_m) && is_pose(&scan.sensor_pose),
             ),
-            ("the number of delayed scans", scan.delayed.len() <= scenario.lidar.latency_steps as usize + 1),
+            ("the number of delayed scans", scan.delayed.len() <= latency_steps as usize + 1),
             ("a delayed scan", scan.delayed.iter().all(|(pose, ranges)| is_pose(pose) && are_ranges(ranges))),
             ("the sensor readings", readings.len() == layout.extra_width() && are_finite(readings)),
             ("the goal", within(goal.x_m, MAX_COORDINATE_M) && within(goal.y_m, MAX_COORDINATE_M)),
@@ -107,7 +108,7 @@ mod tests {
     #[test]
     fn an_invalid_state_is_rejected_with_the_name_of_the_invalid_part() {
         let mut scenario = Scenario::default();
-        scenario.lidar.latency_steps = 1;
+        scenario.lidar.latency_steps = 1.into();
         let ranges = vec![1.0; scenario.lidar.beams];
         let valid = ArenaState {
             pose: Pose { x_m: 1.0, y_m: -1.0, heading_rad: 3.0 },

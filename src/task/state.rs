@@ -22,9 +22,10 @@ pub struct Arena(pub usize);
 pub struct ArenaLayout {
     /// The scenario as written, with its generators instead of their obstacles.
     pub written: Arc<Scenario>,
-    /// The seed of the generated obstacles; 0 if the scenario has no generators.
+    /// The seed of the generated obstacles and of the numbers drawn from ranges; 0 if the scenario has neither generators nor
+    /// ranges.
     pub layout_seed: u64,
-    /// The scenario with the generated obstacles ([`Scenario::with_generated_obstacles`]).
+    /// The scenario with the generated obstacles and the drawn numbers ([`Scenario::with_generated_obstacles`]).
     pub scenario: Arc<Scenario>,
     /// The spatial index of `scenario`, if it has many still parts.
     pub index: Option<Arc<SpatialIndex>>,
@@ -38,11 +39,14 @@ impl ArenaLayout {
         Self { written: scenario.clone(), layout_seed: 0, scenario: scenario.clone(), index }
     }
 
-    /// Replaces the generated obstacles by those of `layout_seed`. Does nothing if the scenario has no generators.
+    /// Replaces the generated obstacles and the drawn numbers by those of `layout_seed`. Does nothing if the scenario has neither
+    /// generators nor ranges.
     pub(crate) fn generate(&mut self, layout_seed: u64) {
-        if !self.written.generators.is_empty() {
+        if self.written.varies_by_episode() {
             self.layout_seed = layout_seed;
             self.scenario = Arc::new(self.written.with_generated_obstacles(layout_seed));
+        }
+        if !self.written.generators.is_empty() {
             self.index = SpatialIndex::new(&self.scenario).map(Arc::new);
         }
     }

@@ -40,7 +40,7 @@ impl Robot {
         };
         Self {
             motions: robot.motions.clone(),
-            actuator_lag_s: robot.actuator_lag_s,
+            actuator_lag_s: robot.actuator_lag_s.value(),
             control_period_s: task.control_period_s,
             keep_out_m: robot.radius_m.max(task.collision_range_m),
             goal_radius_m: task.goal_radius_m,

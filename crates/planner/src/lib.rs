@@ -126,7 +126,7 @@ pub fn is_supported(scenario: &Scenario) -> bool {
 #[must_use]
 pub fn unsupported_reason(scenario: &Scenario) -> Option<String> {
     let Scenario { robot, lidar, .. } = scenario;
-    if robot.actuator_lag_s != 0.0 {
+    if robot.actuator_lag_s.ends() != [0.0; 2] {
         return Some(format!("actuator lag: robot.actuator_lag_s is {}", robot.actuator_lag_s));
     }
     if !lidar.is_all_around() {

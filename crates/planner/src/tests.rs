@@ -23,7 +23,7 @@ fn cylinders(speed_rad_s: f32) -> Scenario {
     let motion = if speed_rad_s == 0.0 {
         ObstacleMotion::Static
     } else {
-        ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s }
+        ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: speed_rad_s.into() }
     };
     let corners = [vec2(0.6, 0.6), vec2(-0.6, 0.6), vec2(-0.6, -0.6), vec2(0.6, -0.6)];
     let obstacles = corners.map(|corner| circle(corner, 0.15, motion.clone())).into();
@@ -87,7 +87,7 @@ fn a_goal_straight_ahead_takes_its_distance_divided_by_the_step_length() {
 fn a_lagging_actuator_is_unsupported() {
     // From rest, the robot of the previous test loses 0.15 m/s x 0.3 s = 0.045 m: it needs 35 steps.
     let mut scenario = Scenario::default();
-    scenario.robot.actuator_lag_s = 0.3;
+    scenario.robot.actuator_lag_s = 0.3.into();
     assert_eq!(plan_from_origin(&scenario, vec2(1.2, 0.0)), None, "a plan of 34 steps would be wrong");
     assert_eq!(lower_bound_steps(&scenario, (0.0, 0.0, 0.0), vec2(1.2, 0.0), 0), 1);
     assert!(!is_supported(&scenario) && is_supported(&Scenario::default()));
@@ -167,7 +167,8 @@ fn the_shortest_path_goes_round_obstacles_and_walls_to_the_edge_of_the_goal() {
     assert!((straight - 1.8).abs() < 1e-4, "{straight}");
     assert_eq!(shortest_path_m(&Scenario::default(), start, vec2(-0.9, 0.0)), Some(0.0), "already there");
 
-    let lagging = Scenario { robot: Robot { actuator_lag_s: 0.3, ..Robot::default() }, ..boxed.clone() };
+    let lagging =
+        Scenario { robot: Robot { actuator_lag_s: 0.3.into(), ..Robot::default() }, ..boxed.clone() };
     assert_eq!(shortest_path_m(&lagging, start, goal), shortest_path_m(&boxed, start, goal));
     let blocked = Scenario { obstacles: vec![static_box(vec2(0.0, 0.0), 0.1, 4.0)], ..Scenario::default() };
     assert_eq!(shortest_path_m(&blocked, start, goal), None);
@@ -192,7 +193,7 @@ fn a_blocked_goal_has_no_plan() {
 fn the_clock_determines_where_moving_obstacles_are() {
     // A cylinder moves down the line x = 0.6 at 0.15 m/s, as fast as the robot. Started at y = 0.6, it is in the way when
     // the robot reaches that line. With a later clock it has already passed.
-    let motion = ObstacleMotion::Patrol { waypoints_m: vec![vec2(0.6, -1.8)], speed_m_s: 0.15 };
+    let motion = ObstacleMotion::Patrol { waypoints_m: vec![vec2(0.6, -1.8)], speed_m_s: 0.15.into() };
     let scenario = Scenario { obstacles: vec![circle(vec2(0.6, 0.6), 0.15, motion)], ..Scenario::default() };
     let planned_steps = |clock| {
         let start = (0.0, 0.0, 0.0);

@@ -11,6 +11,8 @@ use std::f32::consts::TAU;
 use glam::{Vec2, vec2};
 use serde::{Deserialize, Serialize};
 
+use super::ranged::Ranged;
+
 /// A scenario: enclosure, walls, obstacles, robot, LIDAR, and the rules of the task.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -172,7 +174,7 @@ pub enum ObstacleMotion {
         /// Centre of the revolution.
         centre_m: Vec2,
         /// Angular speed, counterclockwise positive, -20 to 20 rad/s. The obstacle's origin may move at up to 5 m/s.
-        speed_rad_s: f32,
+        speed_rad_s: Ranged<f32>,
     },
     /// A closed loop along straight lines from its position through all waypoints and back, without rotation. The position
     /// is the first corner of the loop; don't repeat it as a waypoint.
@@ -180,7 +182,7 @@ pub enum ObstacleMotion {
         /// The other corners of the path, 1 to 256.
         waypoints_m: Vec<Vec2>,
         /// Speed along the path, 0 to 5 m/s.
-        speed_m_s: f32,
+        speed_m_s: Ranged<f32>,
     },
     /// A path along straight lines from its position through all waypoints to the last, and the same path back, without
     /// rotation.
@@ -188,7 +190,7 @@ pub enum ObstacleMotion {
         /// The other corners of the path, 1 to 256.
         waypoints_m: Vec<Vec2>,
         /// Speed along the path, 0 to 5 m/s.
-        speed_m_s: f32,
+        speed_m_s: Ranged<f32>,
     },
     /// A walk along straight lines between random points near its position, without rotation. All legs take the same time,
     /// that of the longest possible leg, so most are slower than `speed_m_s`.
@@ -196,7 +198,7 @@ pub enum ObstacleMotion {
         /// Largest distance of the points from its position, 0.01 to 500 m.
         radius_m: f32,
         /// Highest speed, 0 to 5 m/s.
-        speed_m_s: f32,
+        speed_m_s: Ranged<f32>,
         /// Seed of the walk. The same seed gives the same walk in every run.
         #[serde(default)]
         seed: u32,
@@ -264,7 +266,7 @@ pub struct Robot {
     pub motions: Vec<Motion>,
     /// Time constant of the drive, 0 to 10 s. The actual (v, w) follows the commanded motion with a first-order lag,
     /// d(v, w)/dt = (commanded - actual) / lag. With 0 it follows immediately.
-    pub actuator_lag_s: f32,
+    pub actuator_lag_s: Ranged<f32>,
 }
 
 impl Default for Robot {
@@ -273,7 +275,7 @@ impl Default for Robot {
     /// the lag (here none).
     fn default() -> Self {
         let motions = [1.5, 0.75, 0.0, -0.75, -1.5].map(|w_rad_s| Motion { v_m_s: 0.15, w_rad_s });
-        Self { radius_m: 0.1, motions: motions.into(), actuator_lag_s: 0.0 }
+        Self { radius_m: 0.1, motions: motions.into(), actuator_lag_s: Ranged::Number(0.0) }
     }
 }
 
@@ -300,12 +302,12 @@ pub struct Lidar {
     /// Maximum range, 0.01 to 1,000 m. A beam that hits nothing within it reports this range.
     pub max_range_m: f32,
     /// Standard deviation of the Gaussian noise of each range, 0 to 10 m.
-    pub noise_std_m: f32,
+    pub noise_std_m: Ranged<f32>,
     /// Probability that a beam drops out and reports the maximum range, 0 to 1.
-    pub dropout: f32,
+    pub dropout: Ranged<f32>,
     /// Delay of the scans that the policy observes, in control steps, 0 to 50. Collisions and rewards use the current
     /// distances.
-    pub latency_steps: u32,
+    pub latency_steps: Ranged<u32>,
 }
 
 impl Default for Lidar {
@@ -315,9 +317,9 @@ impl Default for Lidar {
             beams: 24,
             field_of_view_rad: TAU,
             max_range_m: 3.5,
-            noise_std_m: 0.0,
-            dropout: 0.0,
-            latency_steps: 0,
+            noise_std_m: Ranged::Number(0.0),
+            dropout: Ranged::Number(0.0),
+            latency_steps: Ranged::Number(0),
         }
     }
 }
@@ -326,7 +328,7 @@ impl Lidar {
     /// Whether it measures exactly: no noise and no dropout.
     #[must_use]
     pub fn is_exact(&self) -> bool {
-        self.noise_std_m <= 0.0 && self.dropout <= 0.0
+        self.noise_std_m.value() <= 0.0 && self.dropout.value() <= 0.0
     }
 
     /// Whether its field of view is a full circle.

@@ -16,10 +16,10 @@ fn motions() -> [ObstacleMotion; 5] {
     let waypoints_m = vec![vec2(1.0, 0.5), vec2(1.0, 1.0)];
     [
         ObstacleMotion::Static,
-        ObstacleMotion::Orbit { centre_m: vec2(0.2, 0.1), speed_rad_s: -0.3 },
-        ObstacleMotion::Patrol { waypoints_m: waypoints_m.clone(), speed_m_s: 0.3 },
-        ObstacleMotion::BackAndForth { waypoints_m, speed_m_s: 0.3 },
-        ObstacleMotion::RandomWalk { radius_m: 0.4, speed_m_s: 0.2, seed: 3 },
+        ObstacleMotion::Orbit { centre_m: vec2(0.2, 0.1), speed_rad_s: (-0.3).into() },
+        ObstacleMotion::Patrol { waypoints_m: waypoints_m.clone(), speed_m_s: 0.3.into() },
+        ObstacleMotion::BackAndForth { waypoints_m, speed_m_s: 0.3.into() },
+        ObstacleMotion::RandomWalk { radius_m: 0.4, speed_m_s: 0.2.into(), seed: 3 },
     ]
 }
 

@@ -75,22 +75,28 @@ fn everything() -> Scenario {
             moving(Shape::Rectangle { width_m: 1.0, height_m: 0.5 }, ObstacleMotion::Static),
             moving(
                 Shape::Polygon { corners_m: vec![vec2(0.0, 0.0), vec2(1.0, 0.0), vec2(0.0, 1.0)] },
-                ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.5), speed_rad_s: -0.15 },
+                ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.5), speed_rad_s: (-0.15).into() },
             ),
             moving(
                 Shape::Capsule { length_m: 0.3, radius_m: 0.1 },
-                ObstacleMotion::Patrol { waypoints_m: vec![vec2(1.0, 1.0), vec2(2.0, 1.0)], speed_m_s: 0.1 },
+                ObstacleMotion::Patrol {
+                    waypoints_m: vec![vec2(1.0, 1.0), vec2(2.0, 1.0)],
+                    speed_m_s: 0.1.into(),
+                },
             ),
             Obstacle {
-                motion: ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(1.0, 1.0)], speed_m_s: 0.1 },
+                motion: ObstacleMotion::BackAndForth {
+                    waypoints_m: vec![vec2(1.0, 1.0)],
+                    speed_m_s: 0.1.into(),
+                },
                 ..circle(0.0, 0.0)
             },
             Obstacle {
-                motion: ObstacleMotion::RandomWalk { radius_m: 0.8, speed_m_s: 0.1, seed: 0 },
+                motion: ObstacleMotion::RandomWalk { radius_m: 0.8, speed_m_s: 0.1.into(), seed: 0 },
                 ..circle(0.0, 0.0)
             },
             Obstacle {
-                motion: ObstacleMotion::RandomWalk { radius_m: 0.8, speed_m_s: 0.1, seed: 7 },
+                motion: ObstacleMotion::RandomWalk { radius_m: 0.8, speed_m_s: 0.1.into(), seed: 7 },
                 ..circle(-0.0, 3e20)
             },
         ],
@@ -111,15 +117,15 @@ fn everything() -> Scenario {
         robot: Robot {
             radius_m: 0.12,
             motions: vec![Motion { v_m_s: 0.2, w_rad_s: 0.0 }, Motion { v_m_s: 0.0, w_rad_s: -1.0 }],
-            actuator_lag_s: 0.5,
+            actuator_lag_s: 0.5.into(),
         },
         lidar: Lidar {
             beams: 36,
             field_of_view_rad: 4.712,
             max_range_m: 10.0,
-            noise_std_m: 0.01,
-            dropout: 0.02,
-            latency_steps: 2,
+            noise_std_m: 0.01.into(),
+            dropout: 0.02.into(),
+            latency_steps: 2.into(),
         },
         task: TaskRules {
             goal_radius_m: 0.3,
@@ -361,7 +367,10 @@ fn written_defaults_stay_and_comments_stay_aligned() {
     let changed = edited(&tabbed, |scenario| scenario.lidar.beams = 36);
     assert_eq!(changed, tabbed.replace("beams: 24", "beams: 36"), "an unchanged line keeps its tabs");
     let (before, after) = ("0.0,             // standard", "0.0125,          // standard");
-    assert_eq!(edited(&text, |scenario| scenario.lidar.noise_std_m = 0.0125), text.replace(before, after));
+    assert_eq!(
+        edited(&text, |scenario| scenario.lidar.noise_std_m = 0.0125.into()),
+        text.replace(before, after)
+    );
 }
 
 /// A file with comments and spaces in unusual places.
@@ -384,13 +393,13 @@ fn comments_in_unusual_places_stay() {
     };
     assert_eq!(to_text(&read(ODD), Some(ODD)), ODD);
     same(&|s| s.lidar.beams = 31, "30", "31");
-    same(&|s| s.lidar.dropout = 0.0, "dropout:0.1", "dropout:0.0");
+    same(&|s| s.lidar.dropout = 0.0.into(), "dropout:0.1", "dropout:0.0");
     same(&|s| s.name = "Odd".into(), "r#\"An \"odd\" one\"#", "\"Odd\"");
     same(&|s| s.obstacles[0].position_m.y = 0.75, "0.50", "0.75");
     same(&|s| s.obstacles[1].position_m.x = 2.0, "(1., 1.)", "(2.0, 1.)");
     same(&|s| s.obstacles[1].rotation_rad = 0.5, ")), // two", "), rotation_rad: 0.5), // two");
     same(&|s| s.obstacles[2].shape = Shape::Circle { radius_m: 0.3 }, "0.2)", "0.3)");
-    same(&|s| s.lidar.noise_std_m = 0.1, "/* not ( 24 */ ,", "/* not ( 24 */ , noise_std_m: 0.1,");
+    same(&|s| s.lidar.noise_std_m = 0.1.into(), "/* not ( 24 */ ,", "/* not ( 24 */ , noise_std_m: 0.1,");
     same(
         &|s| s.goals = PlacementRule::Fixed { position_m: vec2(1.0, 1.0), heading_rad: Some(2.0) },
         "Some(1.0)",
@@ -509,15 +518,21 @@ fn shape() -> impl Strategy<Value = Shape> {
 fn motion() -> impl Strategy<Value = ObstacleMotion> {
     prop_oneof![
         Just(ObstacleMotion::Static),
-        (point(), number())
-            .prop_map(|(centre_m, speed_rad_s)| ObstacleMotion::Orbit { centre_m, speed_rad_s }),
-        (points(), number())
-            .prop_map(|(waypoints_m, speed_m_s)| ObstacleMotion::Patrol { waypoints_m, speed_m_s }),
-        (points(), number())
-            .prop_map(|(waypoints_m, speed_m_s)| ObstacleMotion::BackAndForth { waypoints_m, speed_m_s }),
+        (point(), number()).prop_map(|(centre_m, speed_rad_s)| ObstacleMotion::Orbit {
+            centre_m,
+            speed_rad_s: speed_rad_s.into()
+        }),
+        (points(), number()).prop_map(|(waypoints_m, speed_m_s)| ObstacleMotion::Patrol {
+            waypoints_m,
+            speed_m_s: speed_m_s.into()
+        }),
+        (points(), number()).prop_map(|(waypoints_m, speed_m_s)| ObstacleMotion::BackAndForth {
+            waypoints_m,
+            speed_m_s: speed_m_s.into()
+        }),
         (number(), number(), 0_u32..3).prop_map(|(radius_m, speed_m_s, seed)| ObstacleMotion::RandomWalk {
             radius_m,
-            speed_m_s,
+            speed_m_s: speed_m_s.into(),
             seed
         }),
     ]
@@ -564,7 +579,7 @@ fn robot() -> impl Strategy<Value = Robot> {
         (number(), vec(motion, 0..4), number()).prop_map(|(radius_m, motions, actuator_lag_s)| Robot {
             radius_m,
             motions,
-            actuator_lag_s
+            actuator_lag_s: actuator_lag_s.into()
         }),
     ]
 }
@@ -575,8 +590,8 @@ fn lidar() -> impl Strategy<Value = Lidar> {
         (0_usize..50).prop_map(|beams| Lidar { beams, ..Lidar::default() }),
         (number(), number(), 0_u32..3).prop_map(|(max_range_m, dropout, latency_steps)| Lidar {
             max_range_m,
-            dropout,
-            latency_steps,
+            dropout: dropout.into(),
+            latency_steps: latency_steps.into(),
             ..Lidar::default()
         }),
     ]

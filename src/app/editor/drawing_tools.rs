@@ -105,7 +105,8 @@ impl Editor {
             if let Some(waypoints_m) = obstacle.motion.waypoints_mut() {
                 *waypoints_m = path;
             } else {
-                obstacle.motion = ObstacleMotion::Patrol { waypoints_m: path, speed_m_s: NEW_SPEED_M_S };
+                obstacle.motion =
+                    ObstacleMotion::Patrol { waypoints_m: path, speed_m_s: NEW_SPEED_M_S.into() };
             }
         });
     }

@@ -17,7 +17,7 @@ pub(super) fn of_kind(scenario: &Scenario, index: usize, kind: MotionKind) -> Ob
     let path = |closed| match &obstacle.motion {
         ObstacleMotion::Patrol { waypoints_m, speed_m_s }
         | ObstacleMotion::BackAndForth { waypoints_m, speed_m_s } => (waypoints_m.clone(), *speed_m_s),
-        _ => (path(scenario, index, closed), NEW_SPEED_M_S),
+        _ => (path(scenario, index, closed), NEW_SPEED_M_S.into()),
     };
     match kind {
         MotionKind::Static => ObstacleMotion::Static,
@@ -36,7 +36,7 @@ pub(super) fn of_kind(scenario: &Scenario, index: usize, kind: MotionKind) -> Ob
             // The index is the seed, so that no two obstacles have the same walk.
             let seed = u32::try_from(index).unwrap_or_default();
             let radius_m = radius_m.max(*Quantity::Reach.range().start());
-            ObstacleMotion::RandomWalk { radius_m, speed_m_s: NEW_SPEED_M_S, seed }
+            ObstacleMotion::RandomWalk { radius_m, speed_m_s: NEW_SPEED_M_S.into(), seed }
         }
     }
 }
@@ -55,7 +55,7 @@ fn orbit(scenario: &Scenario, obstacle: &Obstacle) -> ObstacleMotion {
     let max_rad_s = MAX_SPEED_M_S / distance(centre_m, at).max(0.01);
     ObstacleMotion::Orbit {
         centre_m: point_to_mm(centre_m),
-        speed_rad_s: NEW_ORBIT_SPEED_RAD_S.min(max_rad_s),
+        speed_rad_s: NEW_ORBIT_SPEED_RAD_S.min(max_rad_s).into(),
     }
 }
 

@@ -8,7 +8,7 @@ use super::{angles_rad, parse_scenario, printable, scenario_name, write};
 use crate::policy::Policy;
 use crate::policy::card::Action;
 use crate::run::RunError;
-use crate::scenario::{Scenario, field_names};
+use crate::scenario::{Ranged, Scenario, field_names};
 
 /// The maximum number of differences in a warning.
 const MAX_LISTED: usize = 12;
@@ -119,19 +119,26 @@ fn differences(trained: &Scenario, here: &Scenario) -> Vec<String> {
 
 /// The settings, apart from actions and the directions of beams, that give a policy's numbers their meaning: name, value
 /// and unit.
-fn settings(scenario: &Scenario) -> [(&'static str, f32, &'static str); 9] {
+fn settings(scenario: &Scenario) -> [(&'static str, String, &'static str); 9] {
     let Scenario { robot, lidar, task, .. } = scenario;
     [
-        ("control period", task.control_period_s, "s"),
-        ("robot radius", robot.radius_m, "m"),
-        ("actuator lag", robot.actuator_lag_s, "s"),
-        ("LIDAR range", lidar.max_range_m, "m"),
-        ("LIDAR noise", lidar.noise_std_m, "m"),
-        ("LIDAR dropout", 100.0 * lidar.dropout, "%"),
-        ("LIDAR latency", lidar.latency_steps as f32, "steps"),
-        ("goal radius", task.goal_radius_m, "m"),
-        ("collision range", task.collision_range_m, "m"),
+        ("control period", task.control_period_s.to_string(), "s"),
+        ("robot radius", robot.radius_m.to_string(), "m"),
+        ("actuator lag", robot.actuator_lag_s.to_string(), "s"),
+        ("LIDAR range", lidar.max_range_m.to_string(), "m"),
+        ("LIDAR noise", lidar.noise_std_m.to_string(), "m"),
+        ("LIDAR dropout", percent(lidar.dropout), "%"),
+        ("LIDAR latency", lidar.latency_steps.to_string(), "steps"),
+        ("goal radius", task.goal_radius_m.to_string(), "m"),
+        ("collision range", task.collision_range_m.to_string(), "m"),
     ]
+}
+
+fn percent(share: Ranged<f32>) -> String {
+    match share {
+        Ranged::Number(share) => (100.0 * share).to_string(),
+        Ranged::Range(low, high) => Ranged::Range(100.0 * low, 100.0 * high).to_string(),
+    }
 }
 
 fn motion(action: &Action) -> String {

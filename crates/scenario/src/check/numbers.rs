@@ -92,7 +92,7 @@ fn check_robot(robot: &Robot, diagnostics: &mut Diagnostics) {
         diagnostics.check_range(path, motion.w_rad_s, range, RADIANS_PER_SECOND);
     }
     let path = format_args!("robot.actuator_lag_s");
-    diagnostics.check_range(path, robot.actuator_lag_s, ACTUATOR_LAG_S, SECONDS);
+    diagnostics.check_ranged(path, robot.actuator_lag_s, ACTUATOR_LAG_S, SECONDS);
 }
 
 fn check_lidar(lidar: &Lidar, diagnostics: &mut Diagnostics) {
@@ -101,10 +101,10 @@ fn check_lidar(lidar: &Lidar, diagnostics: &mut Diagnostics) {
     let unit = " (radians: a full turn is 6.2832)";
     diagnostics.check_range(path, lidar.field_of_view_rad, FIELD_OF_VIEW_RAD, unit);
     diagnostics.check_range(format_args!("lidar.max_range_m"), lidar.max_range_m, LIDAR_RANGE_M, METRES);
-    diagnostics.check_range(format_args!("lidar.noise_std_m"), lidar.noise_std_m, LIDAR_NOISE_M, METRES);
-    diagnostics.check_range(format_args!("lidar.dropout"), lidar.dropout, 0.0..=1.0, " (a probability)");
+    diagnostics.check_ranged(format_args!("lidar.noise_std_m"), lidar.noise_std_m, LIDAR_NOISE_M, METRES);
+    diagnostics.check_ranged(format_args!("lidar.dropout"), lidar.dropout, 0.0..=1.0, " (a probability)");
     let path = format_args!("lidar.latency_steps");
-    diagnostics.check_range(path, lidar.latency_steps, LIDAR_LATENCY_STEPS, "");
+    diagnostics.check_ranged(path, lidar.latency_steps, LIDAR_LATENCY_STEPS, "");
 }
 
 fn check_task(scenario: &Scenario, diagnostics: &mut Diagnostics) {

@@ -115,13 +115,13 @@ impl ValueRange {
         prop_oneof![
             2 => Just(ObstacleMotion::Static),
             1 => (self.place(1.0), self.within(-0.8, 0.8))
-                .prop_map(|(centre_m, speed_rad_s)| ObstacleMotion::Orbit { centre_m, speed_rad_s }),
+                .prop_map(|(centre_m, speed_rad_s)| ObstacleMotion::Orbit { centre_m, speed_rad_s: speed_rad_s.into() }),
             1 => (waypoints(), speed())
-                .prop_map(|(waypoints_m, speed_m_s)| ObstacleMotion::Patrol { waypoints_m, speed_m_s }),
+                .prop_map(|(waypoints_m, speed_m_s)| ObstacleMotion::Patrol { waypoints_m, speed_m_s: speed_m_s.into() }),
             1 => (waypoints(), speed())
-                .prop_map(|(waypoints_m, speed_m_s)| ObstacleMotion::BackAndForth { waypoints_m, speed_m_s }),
+                .prop_map(|(waypoints_m, speed_m_s)| ObstacleMotion::BackAndForth { waypoints_m, speed_m_s: speed_m_s.into() }),
             1 => (self.within(0.05, 1.0), speed(), any::<u32>())
-                .prop_map(|(radius_m, speed_m_s, seed)| ObstacleMotion::RandomWalk { radius_m, speed_m_s, seed }),
+                .prop_map(|(radius_m, speed_m_s, seed)| ObstacleMotion::RandomWalk { radius_m, speed_m_s: speed_m_s.into(), seed }),
         ]
         .boxed()
     }
@@ -178,7 +178,7 @@ impl ValueRange {
             .prop_map(|(radius_m, motions, actuator_lag_s)| Robot {
                 radius_m,
                 motions: motions.into_iter().map(|(v_m_s, w_rad_s)| Motion { v_m_s, w_rad_s }).collect(),
-                actuator_lag_s,
+                actuator_lag_s: actuator_lag_s.into(),
             });
         let lidar = (
             1_usize..64,
@@ -193,9 +193,9 @@ impl ValueRange {
                     beams,
                     field_of_view_rad,
                     max_range_m,
-                    noise_std_m,
-                    dropout,
-                    latency_steps,
+                    noise_std_m: noise_std_m.into(),
+                    dropout: dropout.into(),
+                    latency_steps: latency_steps.into(),
                 },
             );
         let task = (

@@ -18,7 +18,7 @@ pub fn robot_ui(ui: &mut Ui, editor: &mut Editor) {
     let mut rows = FieldRows::new(ui);
     rows.number("Radius", "", &mut robot.radius_m, NumberSpec::length(ROBOT_RADIUS_M));
     let tip = "Time constant with which the robot follows its motion commands";
-    rows.number("Actuator lag", tip, &mut robot.actuator_lag_s, NumberSpec::seconds(ACTUATOR_LAG_S));
+    rows.ranged("Actuator lag", tip, &mut robot.actuator_lag_s, NumberSpec::seconds(ACTUATOR_LAG_S));
     let units = [NumberSpec::VELOCITY, NumberSpec::ANGULAR_VELOCITY];
     rows.list("Motion", &mut robot.motions, *MOTIONS.start(), "edit them in the file", units, |motion| {
         [("speed", &mut motion.v_m_s), ("turn rate", &mut motion.w_rad_s)]
@@ -46,11 +46,11 @@ pub fn lidar_ui(ui: &mut Ui, editor: &mut Editor) {
     let tip = "Largest range; also reported by beams that hit nothing";
     rows.number("Range", tip, &mut lidar.max_range_m, NumberSpec::length(LIDAR_RANGE_M));
     let tip = "Standard deviation of the Gaussian noise on each range";
-    rows.number("Noise", tip, &mut lidar.noise_std_m, NumberSpec::length(LIDAR_NOISE_M));
+    rows.ranged("Noise", tip, &mut lidar.noise_std_m, NumberSpec::length(LIDAR_NOISE_M));
     let tip = "Probability that a beam is lost and reports the largest range";
-    rows.number("Dropout", tip, &mut lidar.dropout, NumberSpec::FRACTION);
+    rows.ranged("Dropout", tip, &mut lidar.dropout, NumberSpec::FRACTION);
     let tip = "Age of a scan when the policy sees it";
-    rows.count("Latency in steps", tip, &mut lidar.latency_steps, LIDAR_LATENCY_STEPS);
+    rows.ranged_count("Latency in steps", tip, &mut lidar.latency_steps, LIDAR_LATENCY_STEPS);
     rows.commit(editor, "lidar", |scenario| scenario.lidar = lidar);
 }
 
