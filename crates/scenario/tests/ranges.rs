@@ -124,7 +124,7 @@ fn no_range_changes_what_another_gives() {
     some.robot.actuator_lag_s = 0.0.into();
     some.obstacles[0].motion = ObstacleMotion::Static;
     let [all, some] = [all, some].map(|scenario| scenario.with_generated_obstacles(5));
-    assert_eq!((all.lidar, speed(&all, 1)), (some.lidar, speed(&some, 1)));
+    assert_eq!((&all.lidar, speed(&all, 1)), (&some.lidar, speed(&some, 1)));
 }
 
 #[test]
