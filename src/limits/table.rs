@@ -153,6 +153,13 @@ const SCENARIOS: &[Limit] = &[
     Limit("radius of the robot", reals(&scenario::ROBOT_RADIUS_M), "m", "mistyped values"),
     Limit("motions of the robot", counts(&scenario::MOTIONS), "", "size of the network's output"),
     Limit("actuator lag", reals(&scenario::ACTUATOR_LAG_S), "s", "mistyped values"),
+    Limit("acceleration of the drive", reals(&scenario::ACCELERATION_M_S2), "m/s^2", "mistyped values"),
+    Limit(
+        "angular acceleration of the drive",
+        reals(&scenario::ANGULAR_ACCELERATION_RAD_S2),
+        "rad/s^2",
+        "mistyped values",
+    ),
     Limit("LIDAR beams", counts(&scenario::BEAMS), "", "memory, time of a step"),
     Limit("field of view", reals(&scenario::FIELD_OF_VIEW_RAD), "rad", "a full turn"),
     Limit("LIDAR range", reals(&scenario::LIDAR_RANGE_M), "m", "rounding"),

@@ -7,7 +7,7 @@
 //! and the direction of the heading at t / 2. So one physics step with the chord's velocity takes the robot exactly to the
 //! end of the arc, unless it touches something before (`contact.rs`) and stops there.
 //!
-//! Without a lag, (v, w) is the commanded motion. With an [`ActuatorLag`], it is the mean of the actual motion over the
+//! Without a lag, (v, w) is the commanded motion. With an actuator lag or limited accelerations ([`Drive`](crate::scenario::Drive)), it is the mean of the actual motion over the
 //! step. That is a simplification: the true path is not an arc. Its rotation and its signed length are kept, so the heading
 //! after the step is exact.
 //!
@@ -44,49 +44,6 @@ pub fn integrate_heading(heading_rad: f32, motion: &Motion, seconds: f32) -> f32
     wrap_angle(heading_rad + motion.w_rad_s * seconds)
 }
 
-/// A first-order lag of the actuators over one control step: the actual u = (v, w) approaches the commanded one. Without a
-/// lag, the robot drives the commanded motion to the bit.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ActuatorLag {
-    /// The mean over the step of the remaining difference, as a fraction of that at the step's start; 0 to 1.
-    mean: f32,
-    /// The remaining difference at the step's end, as a fraction of that at its start; 0 to 1.
-    end: f32,
-}
-
-impl ActuatorLag {
-    /// The lag with time constant `lag_s`, at least 0 s, over steps of `seconds`, above 0 s.
-    ///
-    /// With du/dt = (commanded - u) / lag, the difference decays as e^(-t / lag). Its mean over T seconds is
-    /// (lag / T)(1 - e^(-T / lag)) of the initial difference.
-    #[must_use]
-    pub fn new(lag_s: f32, seconds: f32) -> Self {
-        if lag_s <= 0.0 {
-            return Self { mean: 0.0, end: 0.0 };
-        }
-        let lags = seconds / lag_s;
-        Self { mean: -libm::expm1f(-lags) / lags, end: libm::expf(-lags) }
-    }
-
-    /// The mean motion over a step that starts with `twist` while `commanded` is commanded, and the twist at its end.
-    #[must_use]
-    pub fn step(&self, twist: &Twist, commanded: &Motion) -> (Motion, Twist) {
-        // Without a lag, returns the commanded value to the bit, including the sign of a zero.
-        let blend = |remaining: f32, actual: f32, commanded: f32| {
-            if remaining == 0.0 { commanded } else { commanded + (actual - commanded) * remaining }
-        };
-        let v = |remaining| blend(remaining, twist.v_m_s, commanded.v_m_s);
-        let w = |remaining| blend(remaining, twist.w_rad_s, commanded.w_rad_s);
-        let mean = Motion { v_m_s: v(self.mean), w_rad_s: w(self.mean) };
-        (mean, Twist { v_m_s: v(self.end), w_rad_s: w(self.end) })
-    }
-
-    /// The lag of the robot of `scenario` over one control period.
-    fn of(scenario: &Scenario) -> Self {
-        Self::new(scenario.robot.actuator_lag_s.value(), scenario.task.control_period_s)
-    }
-}
-
 /// What commands the robots: the scenario's motions by number, or motions that the caller sets.
 #[derive(SystemParam)]
 pub(super) struct MotionCommands<'w> {
@@ -102,6 +59,13 @@ impl MotionCommands<'_> {
             None => &scenario.robot.motions[self.actions.0[arena.0]],
         }
     }
+}
+
+/// The mean motion over the next step of a robot that has the twist `twist` while `commanded` is commanded, and its twist at the
+/// step's end.
+fn driven(scenario: &Scenario, twist: &Twist, commanded: &Motion) -> (Motion, Twist) {
+    let (mean, end) = scenario.robot.drive(scenario.task.control_period_s).step(&(*twist).into(), commanded);
+    (mean, end.into())
 }
 
 /// The components of an arena that [`actuate`] reads and writes.
@@ -126,7 +90,7 @@ pub(super) fn actuate(commands: MotionCommands, mut arenas: Query<Actuated>) {
             continue;
         }
         let scenario = &*layout.scenario;
-        let (motion, _) = ActuatorLag::of(scenario).step(twist, commands.motion(arena, scenario));
+        let (motion, _) = driven(scenario, twist, commands.motion(arena, scenario));
         let velocity = chord_velocity(pose.heading_rad, &motion, scenario.task.control_period_s);
         if let Some(body) = set.bodies.get_mut(bodies.robot) {
             body.set_linvel(velocity, true);
@@ -164,7 +128,7 @@ pub(super) fn read_pose(commands: MotionCommands, mut arenas: Query<Stepped>) {
         if let Some(body) = set.bodies.get_mut(bodies.robot) {
             let scenario = &*layout.scenario;
             let period_s = scenario.task.control_period_s;
-            let (motion, after) = ActuatorLag::of(scenario).step(&twist, commands.motion(arena, scenario));
+            let (motion, after) = driven(scenario, &twist, commands.motion(arena, scenario));
             *twist = after;
             let from = Vec2::new(pose.x_m, pose.y_m);
             let velocity = chord_velocity(pose.heading_rad, &motion, period_s);

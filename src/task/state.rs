@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::reward::{Potential, RewardTerms};
 use crate::random::{self, Stream};
-use crate::scenario::{IndexedScenario, Scenario, SpatialIndex};
+use crate::scenario::{IndexedScenario, Motion, Scenario, SpatialIndex};
 
 /// The number of an arena: one robot in one enclosure. It is the arena's row in every batch.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
@@ -92,6 +92,18 @@ pub struct Twist {
     pub v_m_s: f32,
     /// Turning rate, counterclockwise positive, in rad/s.
     pub w_rad_s: f32,
+}
+
+impl From<Twist> for Motion {
+    fn from(Twist { v_m_s, w_rad_s }: Twist) -> Self {
+        Self { v_m_s, w_rad_s }
+    }
+}
+
+impl From<Motion> for Twist {
+    fn from(Motion { v_m_s, w_rad_s }: Motion) -> Self {
+        Self { v_m_s, w_rad_s }
+    }
 }
 
 /// The equivalent angle in (-pi, pi], in rad.

@@ -5,6 +5,7 @@
 //! all other RON files of the project, so that all errors have the same form. Points are [`Vec2`]s of glam, in m.
 
 mod check;
+mod drive;
 mod explain;
 mod fields;
 mod file_error;
@@ -37,6 +38,7 @@ pub mod virtual_files;
 mod write;
 
 pub use check::{diagnostics, diagnostics_of_known, notes, value_diagnostics};
+pub use drive::Drive;
 pub use explain::{choose, closest_name, whole_number};
 pub use fields::{Field, FieldValue, Quantity};
 pub use file_error::{Diagnostic, FileError, LocatedDiagnostic, has_field, locate, overlap, utf8};

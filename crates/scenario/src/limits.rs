@@ -132,6 +132,10 @@ pub const ROBOT_RADIUS_M: RangeInclusive<f32> = 0.01..=10.0;
 pub const MOTIONS: RangeInclusive<usize> = 1..=64;
 /// Time constant of the drive, in s.
 pub const ACTUATOR_LAG_S: RangeInclusive<f32> = 0.0..=10.0;
+/// Highest acceleration of the drive, in m/s^2.
+pub const ACCELERATION_M_S2: RangeInclusive<f32> = 0.01..=1000.0;
+/// Highest angular acceleration of the drive, in rad/s^2.
+pub const ANGULAR_ACCELERATION_RAD_S2: RangeInclusive<f32> = 0.01..=10_000.0;
 /// Number of LIDAR beams.
 pub const BEAMS: RangeInclusive<usize> = 1..=4096;
 /// Field of view of the LIDAR, in rad; a full turn may be written as 6.2832.

@@ -267,15 +267,28 @@ pub struct Robot {
     /// Time constant of the drive, 0 to 10 s. The actual (v, w) follows the commanded motion with a first-order lag,
     /// d(v, w)/dt = (commanded - actual) / lag. With 0 it follows immediately.
     pub actuator_lag_s: Ranged<f32>,
+    /// Highest acceleration of v, forwards, backwards and in braking, 0.01 to 1,000 m/s^2; unlimited if omitted. With a lag, it
+    /// limits the rate with which v follows the command.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_acceleration_m_s2: Option<f32>,
+    /// Highest angular acceleration, of w, 0.01 to 10,000 rad/s^2; unlimited if omitted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_angular_acceleration_rad_s2: Option<f32>,
 }
 
 impl Default for Robot {
     /// The paper's five motions, equation (9) in its order (large left, small left, forward, small right,
     /// large right) with v0 = 0.15 m/s and w0 = 0.75 rad/s of table 1. The paper does not specify the radius (here 0.1 m) or
-    /// the lag (here none).
+    /// the lag and the accelerations (here no lag and no limits).
     fn default() -> Self {
         let motions = [1.5, 0.75, 0.0, -0.75, -1.5].map(|w_rad_s| Motion { v_m_s: 0.15, w_rad_s });
-        Self { radius_m: 0.1, motions: motions.into(), actuator_lag_s: Ranged::Number(0.0) }
+        Self {
+            radius_m: 0.1,
+            motions: motions.into(),
+            actuator_lag_s: Ranged::Number(0.0),
+            max_acceleration_m_s2: None,
+            max_angular_acceleration_rad_s2: None,
+        }
     }
 }
 

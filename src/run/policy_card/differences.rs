@@ -119,12 +119,14 @@ fn differences(trained: &Scenario, here: &Scenario) -> Vec<String> {
 
 /// The settings, apart from actions and the directions of beams, that give a policy's numbers their meaning: name, value
 /// and unit.
-fn settings(scenario: &Scenario) -> [(&'static str, String, &'static str); 9] {
+fn settings(scenario: &Scenario) -> [(&'static str, String, &'static str); 11] {
     let Scenario { robot, lidar, task, .. } = scenario;
     [
         ("control period", task.control_period_s.to_string(), "s"),
         ("robot radius", robot.radius_m.to_string(), "m"),
         ("actuator lag", robot.actuator_lag_s.to_string(), "s"),
+        ("acceleration limit", limit(robot.max_acceleration_m_s2), "m/s^2"),
+        ("angular acceleration limit", limit(robot.max_angular_acceleration_rad_s2), "rad/s^2"),
         ("LIDAR range", lidar.max_range_m.to_string(), "m"),
         ("LIDAR noise", lidar.noise_std_m.to_string(), "m"),
         ("LIDAR dropout", percent(lidar.dropout), "%"),
@@ -132,6 +134,10 @@ fn settings(scenario: &Scenario) -> [(&'static str, String, &'static str); 9] {
         ("goal radius", task.goal_radius_m.to_string(), "m"),
         ("collision range", task.collision_range_m.to_string(), "m"),
     ]
+}
+
+fn limit(limit: Option<f32>) -> String {
+    limit.map_or_else(|| "no".into(), |limit| limit.to_string())
 }
 
 fn percent(share: Ranged<f32>) -> String {

@@ -93,6 +93,15 @@ fn check_robot(robot: &Robot, diagnostics: &mut Diagnostics) {
     }
     let path = format_args!("robot.actuator_lag_s");
     diagnostics.check_ranged(path, robot.actuator_lag_s, ACTUATOR_LAG_S, SECONDS);
+    if let Some(limit) = robot.max_acceleration_m_s2 {
+        let unit = " (metres per second squared)";
+        diagnostics.check_range(format_args!("robot.max_acceleration_m_s2"), limit, ACCELERATION_M_S2, unit);
+    }
+    if let Some(limit) = robot.max_angular_acceleration_rad_s2 {
+        let path = format_args!("robot.max_angular_acceleration_rad_s2");
+        let unit = " (radians per second squared)";
+        diagnostics.check_range(path, limit, ANGULAR_ACCELERATION_RAD_S2, unit);
+    }
 }
 
 fn check_lidar(lidar: &Lidar, diagnostics: &mut Diagnostics) {

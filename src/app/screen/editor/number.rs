@@ -63,6 +63,16 @@ impl NumberSpec {
         Self { suffix: " s", shown: (1, 3), ..Self::length(range) }
     }
 
+    /// An acceleration, in m/s^2.
+    pub const fn acceleration(range: RangeInclusive<f32>) -> Self {
+        Self { suffix: " m/s²", ..Self::length(range) }
+    }
+
+    /// An angular acceleration, in rad/s^2.
+    pub const fn angular_acceleration(range: RangeInclusive<f32>) -> Self {
+        Self { suffix: " rad/s²", ..Self::length(range) }
+    }
+
     /// A number of a shape or a motion.
     pub fn of(quantity: Quantity) -> Self {
         let format = match quantity {

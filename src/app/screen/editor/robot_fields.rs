@@ -19,6 +19,18 @@ pub fn robot_ui(ui: &mut Ui, editor: &mut Editor) {
     rows.number("Radius", "", &mut robot.radius_m, NumberSpec::length(ROBOT_RADIUS_M));
     let tip = "Time constant with which the robot follows its motion commands";
     rows.ranged("Actuator lag", tip, &mut robot.actuator_lag_s, NumberSpec::seconds(ACTUATOR_LAG_S));
+    limit_row(
+        &mut rows,
+        "Limit acceleration",
+        &mut robot.max_acceleration_m_s2,
+        NumberSpec::acceleration(ACCELERATION_M_S2),
+    );
+    limit_row(
+        &mut rows,
+        "Limit angular acceleration",
+        &mut robot.max_angular_acceleration_rad_s2,
+        NumberSpec::angular_acceleration(ANGULAR_ACCELERATION_RAD_S2),
+    );
     let units = [NumberSpec::VELOCITY, NumberSpec::ANGULAR_VELOCITY];
     rows.list("Motion", &mut robot.motions, *MOTIONS.start(), "edit them in the file", units, |motion| {
         [("speed", &mut motion.v_m_s), ("turn rate", &mut motion.w_rad_s)]
@@ -31,6 +43,16 @@ pub fn robot_ui(ui: &mut Ui, editor: &mut Editor) {
         rows.mark_changed("motion added");
     }
     rows.commit(editor, "robot", |scenario| scenario.robot = robot);
+}
+
+/// A checkbox for a limit and, if there is one, its number.
+fn limit_row(rows: &mut FieldRows<'_>, name: &str, limit: &mut Option<f32>, spec: NumberSpec) {
+    let mut is_limited = limit.is_some();
+    rows.checkbox(name, "Otherwise the drive changes its speed at once, apart from the lag", &mut is_limited);
+    match limit {
+        Some(limit) if is_limited => rows.number("At most", "In speeding up and in braking", limit, spec),
+        _ => *limit = is_limited.then_some(1.0),
+    }
 }
 
 /// Shows the fields of the LIDAR.
