@@ -23,7 +23,8 @@ use super::contact::ContactQuery;
 use super::physics::Bodies;
 use crate::scenario::{Motion, Scenario};
 use crate::task::{
-    Actions, Arena, ArenaLayout, Clock, CommandedMotions, Episode, Pose, Scan, Twist, wrap_angle,
+    Actions, Arena, ArenaLayout, Clock, CommandedMotions, Episode, EstimatedPose, Pose, Scan, Twist,
+    wrap_angle,
 };
 
 /// The tolerance for rounding: in m for coordinates, relative for distances.
@@ -61,11 +62,29 @@ impl MotionCommands<'_> {
     }
 }
 
-/// The mean motion over the next step of a robot that has the twist `twist` while `commanded` is commanded, and its twist at the
-/// step's end.
-fn driven(scenario: &Scenario, twist: &Twist, commanded: &Motion) -> (Motion, Twist) {
-    let (mean, end) = scenario.robot.drive(scenario.task.control_period_s).step(&(*twist).into(), commanded);
-    (mean, end.into())
+/// The motion of a robot in a control step.
+struct DrivenStep {
+    /// The mean motion of the robot.
+    robot: Motion,
+    /// The mean motion of its wheels, which differs if they slip.
+    wheels: Motion,
+    /// The twist of the wheels at the step's end.
+    end: Twist,
+}
+
+/// The step to `clock` of a robot that has the twist `twist` while `commanded` is commanded.
+fn driven(layout: &ArenaLayout, clock: Clock, twist: &Twist, commanded: &Motion) -> DrivenStep {
+    let Scenario { robot, task, .. } = &*layout.scenario;
+    let (wheels, end) = robot.drive(task.control_period_s).step(&(*twist).into(), commanded);
+    let robot = robot.slip.robot_motion(&wheels, layout.layout_seed, clock.0);
+    DrivenStep { robot, wheels, end: end.into() }
+}
+
+/// The pose at the end of an arc.
+fn pose_after(from: &Pose, motion: &Motion, seconds: f32) -> Pose {
+    let step = chord_velocity(from.heading_rad, motion, seconds) * seconds;
+    let heading_rad = integrate_heading(from.heading_rad, motion, seconds);
+    Pose { x_m: from.x_m + step.x, y_m: from.y_m + step.y, heading_rad }
 }
 
 /// The components of an arena that [`actuate`] reads and writes.
@@ -73,6 +92,7 @@ type Actuated = (
     &'static Arena,
     &'static ArenaLayout,
     &'static Bodies,
+    &'static Clock,
     &'static Pose,
     &'static Twist,
     &'static Episode,
@@ -82,7 +102,7 @@ type Actuated = (
 
 /// `Actuate`: sets the velocity of every robot's body for this step.
 pub(super) fn actuate(commands: MotionCommands, mut arenas: Query<Actuated>) {
-    for (arena, layout, bodies, pose, twist, episode, mut set, mut configuration) in &mut arenas {
+    for (arena, layout, bodies, clock, pose, twist, episode, mut set, mut configuration) in &mut arenas {
         if configuration.physics_pipeline_active == episode.inactive {
             configuration.physics_pipeline_active = !episode.inactive;
         }
@@ -90,7 +110,7 @@ pub(super) fn actuate(commands: MotionCommands, mut arenas: Query<Actuated>) {
             continue;
         }
         let scenario = &*layout.scenario;
-        let (motion, _) = driven(scenario, twist, commands.motion(arena, scenario));
+        let motion = driven(layout, *clock, twist, commands.motion(arena, scenario)).robot;
         let velocity = chord_velocity(pose.heading_rad, &motion, scenario.task.control_period_s);
         if let Some(body) = set.bodies.get_mut(bodies.robot) {
             body.set_linvel(velocity, true);
@@ -107,7 +127,7 @@ type Stepped = (
     &'static Episode,
     &'static RapierContextColliders,
     &'static mut RapierRigidBodySet,
-    &'static mut Pose,
+    (&'static mut Pose, &'static mut EstimatedPose),
     &'static mut Twist,
     &'static mut Scan,
 );
@@ -119,17 +139,18 @@ type Stepped = (
 ///   it first touched.
 /// - A robot that rapier has deflected although it touches nothing is put at the end of its chord.
 pub(super) fn read_pose(commands: MotionCommands, mut arenas: Query<Stepped>) {
-    for (arena, layout, bodies, clock, episode, colliders, mut set, mut pose, mut twist, mut scan) in
-        &mut arenas
+    for (arena, layout, bodies, clock, episode, colliders, mut set, poses, mut twist, mut scan) in &mut arenas
     {
+        let (mut pose, mut estimate) = poses;
         if episode.inactive {
             continue;
         }
         if let Some(body) = set.bodies.get_mut(bodies.robot) {
             let scenario = &*layout.scenario;
             let period_s = scenario.task.control_period_s;
-            let (motion, after) = driven(scenario, &twist, commands.motion(arena, scenario));
-            *twist = after;
+            let driven = driven(layout, *clock, &twist, commands.motion(arena, scenario));
+            let motion = driven.robot;
+            *twist = driven.end;
             let from = Vec2::new(pose.x_m, pose.y_m);
             let velocity = chord_velocity(pose.heading_rad, &motion, period_s);
             let free = from + velocity * period_s;
@@ -156,16 +177,23 @@ pub(super) fn read_pose(commands: MotionCommands, mut arenas: Query<Stepped>) {
                 y_m: position.y,
                 heading_rad: integrate_heading(pose.heading_rad, &motion, period_s),
             };
+            estimate.0 = match &scenario.robot.odometry_drift {
+                Some(drift) => pose_after(&estimate.0, &drift.reported_motion(&driven.wheels), period_s),
+                None => *pose,
+            };
         }
     }
 }
 
-/// `Place`: moves the body of every reset robot to its pose, at rest.
-pub(super) fn place(mut arenas: Query<(&Bodies, &Pose, &Episode, &mut RapierRigidBodySet)>) {
-    for (bodies, pose, episode, mut set) in &mut arenas {
+/// `Place`: moves the body of every reset robot to its pose, at rest. The robot then knows its pose.
+pub(super) fn place(
+    mut arenas: Query<(&Bodies, &Pose, &mut EstimatedPose, &Episode, &mut RapierRigidBodySet)>,
+) {
+    for (bodies, pose, mut estimate, episode, mut set) in &mut arenas {
         if !episode.pending_reset.moves_robot() {
             continue;
         }
+        estimate.0 = *pose;
         place_body(&mut set, bodies, pose);
     }
 }

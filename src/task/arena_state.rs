@@ -16,6 +16,9 @@ use crate::scenario::limits::{
 pub struct ArenaState {
     /// The robot's pose.
     pub pose: Pose,
+    /// The pose that the robot believes in ([`EstimatedPose`](super::EstimatedPose)). Checkpoints store it separately.
+    #[serde(skip)]
+    pub estimated_pose: Pose,
     /// The robot's speed and turning rate.
     pub twist: Twist,
     /// The last scan.
@@ -55,8 +58,19 @@ impl ArenaState {
     /// # Errors
     /// A noun phrase that names the first invalid part, such as "the robot's pose".
     pub(crate) fn check(&self, scenario: &Scenario, layout: &ObservationLayout) -> Result<(), &'static str> {
-        let Self { pose, twist, scan, readings, goal, clock, layout_seed: _, scenario: _, episode, streams } =
-            self;
+        let Self {
+            pose,
+            estimated_pose,
+            twist,
+            scan,
+            readings,
+            goal,
+            clock,
+            layout_seed: _,
+            scenario: _,
+            episode,
+            streams,
+        } = self;
         let beams = scenario.lidar.beams;
         let [_, latency_steps] = scenario.lidar.latency_steps.ends();
         let within = |value: f32, max: f32| value.abs() <= max;
@@ -65,12 +79,16 @@ impl ArenaState {
                 && within(pose.y_m, MAX_COORDINATE_M)
                 && within(pose.heading_rad, MAX_HEADING_RAD)
         };
+        let is_estimate = |pose: &Pose| {
+            pose.x_m.is_finite() && pose.y_m.is_finite() && within(pose.heading_rad, MAX_HEADING_RAD)
+        };
         let is_range = |range: &f32| (0.0..=MAX_RANGE_M).contains(range);
         let are_ranges = |ranges: &[f32]| ranges.len() == beams && ranges.iter().all(is_range);
         let Episode { steps, goals, rewards, extra_rewards, potential, pending_reset, inactive } = episode;
         let are_finite = |values: &[f32]| values.iter().all(|value| value.is_finite());
         for (what, is_valid) in [
             ("the robot's pose", is_pose(pose)),
+            ("the robot's estimated pose", is_estimate(estimated_pose)),
             ("the robot's speed", within(twist.v_m_s, MAX_TWIST.0) && within(twist.w_rad_s, MAX_TWIST.1)),
             (
                 "the LIDAR scan",
@@ -112,6 +130,7 @@ mod tests {
         let ranges = vec![1.0; scenario.lidar.beams];
         let valid = ArenaState {
             pose: Pose { x_m: 1.0, y_m: -1.0, heading_rad: 3.0 },
+            estimated_pose: Pose { x_m: 1.1, y_m: -1.0, heading_rad: 3.0 },
             twist: Twist { v_m_s: 0.15, w_rad_s: -1.5 },
             scan: Scan {
                 ranges_m: ranges.clone(),
@@ -133,6 +152,7 @@ mod tests {
             ("the robot's pose", |s| s.pose.x_m = f32::NAN),
             ("the robot's pose", |s| s.pose.y_m = 1e9),
             ("the robot's pose", |s| s.pose.heading_rad = f32::INFINITY),
+            ("the robot's estimated pose", |s| s.estimated_pose.y_m = f32::NAN),
             ("the robot's speed", |s| s.twist.v_m_s = f32::NAN),
             ("the LIDAR scan", |s| s.scan.ranges_m.truncate(3)),
             ("the LIDAR scan", |s| s.scan.ranges_m[2] = -1.0),

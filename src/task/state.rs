@@ -84,6 +84,11 @@ impl Pose {
     }
 }
 
+/// The pose that the robot believes in, from which it observes the goal: its true [`Pose`] unless its odometry drifts
+/// ([`OdometryDrift`](crate::scenario::OdometryDrift)).
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+pub struct EstimatedPose(pub Pose);
+
 /// The speed and turning rate of the robot's wheels, after the actuator lag. Zero at the start of an episode. A contact that
 /// stops the body does not change it.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -43,7 +43,7 @@
 //!
 //! [`unsupported_reason`] names the part of a scenario that the model lacks:
 //!
-//! - actuator lag and limited accelerations, because search and bounds assume that a motion has its full speed from the start of a step;
+//! - actuator lag, limited accelerations and slip, because search and bounds assume that a motion has its full speed from the start of a step;
 //! - a LIDAR with a field of view below a full turn, because collisions are detected from its ranges;
 //! - polygons, as enclosure or as obstacles.
 
@@ -136,6 +136,9 @@ pub fn unsupported_reason(scenario: &Scenario) -> Option<String> {
         if let Some(limit) = limit {
             return Some(format!("limited accelerations: robot.{field} is {limit}"));
         }
+    }
+    if !robot.slip.is_none() {
+        return Some("slip: robot.slip is not 0".into());
     }
     if !lidar.is_all_around() {
         let field_of_view = lidar.field_of_view_rad;

@@ -19,6 +19,7 @@ mod load;
 mod motion;
 mod motion_fields;
 mod note;
+mod odometry;
 mod outline;
 mod placement;
 mod placement_rule;

@@ -10,7 +10,7 @@ use serde::de::{Error, SeqAccess, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use wayfield_random::{Stream, stream, uniform, uniform_index};
 
-use super::schema::{ObstacleMotion, Scenario};
+use super::schema::{ObstacleMotion, OdometryDrift, Scenario, Slip};
 
 /// A number, or a range from which each episode draws a number, uniformly. In a file: `0.1`, or `(0.0, 0.2)` for the lowest and
 /// the highest number.
@@ -187,20 +187,32 @@ impl ObstacleMotion {
     }
 }
 
+impl OdometryDrift {
+    fn has_ranges(&self) -> bool {
+        [self.distance_error, self.rotation_error, self.heading_drift_rad_m]
+            .iter()
+            .any(|error| error.is_range())
+    }
+}
+
 impl Scenario {
     /// Whether there is a range for a number.
     #[must_use]
     pub fn has_ranges(&self) -> bool {
         let Self { robot, lidar, .. } = self;
-        [robot.actuator_lag_s, lidar.noise_std_m, lidar.dropout].iter().any(|number| number.is_range())
+        let Slip { forward, turning, std } = robot.slip;
+        [robot.actuator_lag_s, forward, turning, std, lidar.noise_std_m, lidar.dropout]
+            .iter()
+            .any(|number| number.is_range())
+            || robot.odometry_drift.is_some_and(|drift| drift.has_ranges())
             || lidar.latency_steps.is_range()
             || self.obstacles.iter().any(|o| o.motion.ranged_speed().is_some_and(Ranged::is_range))
     }
 
-    /// Whether every episode has a layout of its own: generated obstacles, or numbers that are drawn from ranges.
+    /// Whether every episode has a layout of its own: generated obstacles, numbers that are drawn from ranges, or random slip.
     #[must_use]
     pub fn varies_by_episode(&self) -> bool {
-        !self.generators.is_empty() || self.has_ranges()
+        !self.generators.is_empty() || self.has_ranges() || self.robot.slip.std.ends() != [0.0; 2]
     }
 
     /// The scenario with a number for each range: a draw by `layout_seed`. Each range has a random stream of its own, so that no
@@ -213,6 +225,14 @@ impl Scenario {
         }
         let Self { robot, lidar, obstacles, .. } = &mut drawn;
         robot.actuator_lag_s.draw(layout_seed, "range: actuator lag", 0);
+        robot.slip.forward.draw(layout_seed, "range: forward slip", 0);
+        robot.slip.turning.draw(layout_seed, "range: turning slip", 0);
+        robot.slip.std.draw(layout_seed, "range: slip from step to step", 0);
+        if let Some(drift) = &mut robot.odometry_drift {
+            drift.distance_error.draw(layout_seed, "range: distance error", 0);
+            drift.rotation_error.draw(layout_seed, "range: rotation error", 0);
+            drift.heading_drift_rad_m.draw(layout_seed, "range: heading drift", 0);
+        }
         lidar.noise_std_m.draw(layout_seed, "range: noise", 0);
         lidar.dropout.draw(layout_seed, "range: dropout", 0);
         lidar.latency_steps.draw(layout_seed, "range: latency", 0);

@@ -274,6 +274,12 @@ pub struct Robot {
     /// Highest angular acceleration, of w, 0.01 to 10,000 rad/s^2; unlimited if omitted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_angular_acceleration_rad_s2: Option<f32>,
+    /// Slip of the wheels: the robot moves less than they do. None by default.
+    #[serde(skip_serializing_if = "Slip::is_none")]
+    pub slip: Slip,
+    /// The robot knows its pose by odometry alone, which drifts. If omitted, it knows its pose exactly.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub odometry_drift: Option<OdometryDrift>,
 }
 
 impl Default for Robot {
@@ -288,8 +294,47 @@ impl Default for Robot {
             actuator_lag_s: Ranged::Number(0.0),
             max_acceleration_m_s2: None,
             max_angular_acceleration_rad_s2: None,
+            slip: Slip::default(),
+            odometry_drift: None,
         }
     }
+}
+
+/// Slip of the wheels. In each control step, the robot moves with (1 - s) v and (1 - s') w, where (v, w) is the motion of its
+/// wheels, s = `forward` + n, s' = `turning` + n', and n and n' are normally distributed with the standard deviation `std`. Each
+/// factor is kept between 0 and 1: slip never makes the robot faster than its wheels.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Slip {
+    /// The part of v that is lost, 0 to 0.9.
+    pub forward: Ranged<f32>,
+    /// The part of w that is lost, 0 to 0.9.
+    pub turning: Ranged<f32>,
+    /// Standard deviation of both parts from step to step, 0 to 0.5.
+    pub std: Ranged<f32>,
+}
+
+impl Default for Slip {
+    /// No slip.
+    fn default() -> Self {
+        let none = Ranged::Number(0.0);
+        Self { forward: none, turning: none, std: none }
+    }
+}
+
+/// Odometry that drifts. The policy observes the direction and the distance of the goal from the pose that the robot believes in.
+/// When an episode begins, or the robot is placed anew, this is its true pose. Then the robot adds up the motion of its wheels
+/// with the errors below, and does not notice slip. A new goal in the same episode corrects nothing. Rewards, collisions and
+/// reached goals are decided by the true pose.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OdometryDrift {
+    /// Error of distances per metre, -0.5 to 0.5: 0.02 if odometry reports 1.02 m for each metre that the wheels roll.
+    pub distance_error: Ranged<f32>,
+    /// Error of rotations per radian, -0.5 to 0.5.
+    pub rotation_error: Ranged<f32>,
+    /// Rotation that is reported per metre although the robot does not turn, counterclockwise positive, -1 to 1 rad/m.
+    pub heading_drift_rad_m: Ranged<f32>,
 }
 
 /// A motion of the robot, commanded for one control period.

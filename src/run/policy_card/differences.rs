@@ -8,7 +8,7 @@ use super::{angles_rad, parse_scenario, printable, scenario_name, write};
 use crate::policy::Policy;
 use crate::policy::card::Action;
 use crate::run::RunError;
-use crate::scenario::{Ranged, Scenario, field_names};
+use crate::scenario::{OdometryDrift, Ranged, Scenario, Slip, field_names};
 
 /// The maximum number of differences in a warning.
 const MAX_LISTED: usize = 12;
@@ -107,7 +107,8 @@ fn differences(trained: &Scenario, here: &Scenario) -> Vec<String> {
     }
     for ((setting, card, unit), (_, here, _)) in settings(trained).into_iter().zip(settings(here)) {
         if card != here {
-            differ(setting, &format!("{card} {unit}"), &format!("{here} {unit}"));
+            let with_unit = |value: &str| format!("{value} {unit}").trim_end().to_owned();
+            differ(setting, &with_unit(&card), &with_unit(&here));
         }
     }
     if angles_rad(&trained.lidar) != angles_rad(&here.lidar) {
@@ -119,7 +120,7 @@ fn differences(trained: &Scenario, here: &Scenario) -> Vec<String> {
 
 /// The settings, apart from actions and the directions of beams, that give a policy's numbers their meaning: name, value
 /// and unit.
-fn settings(scenario: &Scenario) -> [(&'static str, String, &'static str); 11] {
+fn settings(scenario: &Scenario) -> [(&'static str, String, &'static str); 13] {
     let Scenario { robot, lidar, task, .. } = scenario;
     [
         ("control period", task.control_period_s.to_string(), "s"),
@@ -127,6 +128,8 @@ fn settings(scenario: &Scenario) -> [(&'static str, String, &'static str); 11] {
         ("actuator lag", robot.actuator_lag_s.to_string(), "s"),
         ("acceleration limit", limit(robot.max_acceleration_m_s2), "m/s^2"),
         ("angular acceleration limit", limit(robot.max_angular_acceleration_rad_s2), "rad/s^2"),
+        ("wheel slip", slip(&robot.slip), ""),
+        ("odometry", odometry(robot.odometry_drift.as_ref()), ""),
         ("LIDAR range", lidar.max_range_m.to_string(), "m"),
         ("LIDAR noise", lidar.noise_std_m.to_string(), "m"),
         ("LIDAR dropout", percent(lidar.dropout), "%"),
@@ -134,6 +137,19 @@ fn settings(scenario: &Scenario) -> [(&'static str, String, &'static str); 11] {
         ("goal radius", task.goal_radius_m.to_string(), "m"),
         ("collision range", task.collision_range_m.to_string(), "m"),
     ]
+}
+
+fn slip(Slip { forward, turning, std }: &Slip) -> String {
+    format!("forward {forward}, turning {turning}, standard deviation {std}")
+}
+
+fn odometry(drift: Option<&OdometryDrift>) -> String {
+    drift.map_or_else(
+        || "exact".into(),
+        |OdometryDrift { distance_error, rotation_error, heading_drift_rad_m }| {
+            format!("errors {distance_error} m/m, {rotation_error} rad/rad, {heading_drift_rad_m} rad/m")
+        },
+    )
 }
 
 fn limit(limit: Option<f32>) -> String {

@@ -16,6 +16,7 @@ pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     check_enclosure(&scenario.enclosure, diagnostics);
     obstacles::check(scenario, diagnostics);
     check_robot(&scenario.robot, diagnostics);
+    check_slip_and_odometry(&scenario.robot, diagnostics);
     check_lidar(&scenario.lidar, diagnostics);
     check_task(scenario, diagnostics);
     check_rule("starts", &scenario.starts, scenario, diagnostics);
@@ -102,6 +103,23 @@ fn check_robot(robot: &Robot, diagnostics: &mut Diagnostics) {
         let unit = " (radians per second squared)";
         diagnostics.check_range(path, limit, ANGULAR_ACCELERATION_RAD_S2, unit);
     }
+}
+
+fn check_slip_and_odometry(robot: &Robot, diagnostics: &mut Diagnostics) {
+    let Slip { forward, turning, std } = robot.slip;
+    diagnostics.check_ranged(format_args!("robot.slip.forward"), forward, SLIP, " (a share)");
+    diagnostics.check_ranged(format_args!("robot.slip.turning"), turning, SLIP, " (a share)");
+    diagnostics.check_ranged(format_args!("robot.slip.std"), std, SLIP_STD, " (a share)");
+    let Some(OdometryDrift { distance_error, rotation_error, heading_drift_rad_m }) = robot.odometry_drift
+    else {
+        return;
+    };
+    let path = format_args!("robot.odometry_drift.distance_error");
+    diagnostics.check_ranged(path, distance_error, ODOMETRY_ERROR, " (metres per metre)");
+    let path = format_args!("robot.odometry_drift.rotation_error");
+    diagnostics.check_ranged(path, rotation_error, ODOMETRY_ERROR, " (radians per radian)");
+    let path = format_args!("robot.odometry_drift.heading_drift_rad_m");
+    diagnostics.check_ranged(path, heading_drift_rad_m, HEADING_DRIFT_RAD_M, " (radians per metre)");
 }
 
 fn check_lidar(lidar: &Lidar, diagnostics: &mut Diagnostics) {

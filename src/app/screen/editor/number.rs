@@ -68,6 +68,11 @@ impl NumberSpec {
         Self { suffix: " m/s²", ..Self::length(range) }
     }
 
+    /// A drift of the heading, in rad/m.
+    pub const fn heading_drift(range: RangeInclusive<f32>) -> Self {
+        Self { suffix: " rad/m", ..Self::length(range) }
+    }
+
     /// An angular acceleration, in rad/s^2.
     pub const fn angular_acceleration(range: RangeInclusive<f32>) -> Self {
         Self { suffix: " rad/s²", ..Self::length(range) }

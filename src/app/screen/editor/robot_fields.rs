@@ -6,8 +6,8 @@ use super::controls::button_row_ui;
 use super::fields::FieldRows;
 use super::number::NumberSpec;
 use crate::app::editor::Editor;
-use crate::scenario::Motion;
 use crate::scenario::limits::*;
+use crate::scenario::{Motion, OdometryDrift, Ranged, Slip};
 
 /// A full turn, exactly as in the schema's default.
 const FULL_TURN_RAD: f32 = std::f32::consts::TAU;
@@ -31,6 +31,8 @@ pub fn robot_ui(ui: &mut Ui, editor: &mut Editor) {
         &mut robot.max_angular_acceleration_rad_s2,
         NumberSpec::angular_acceleration(ANGULAR_ACCELERATION_RAD_S2),
     );
+    slip_rows(&mut rows, &mut robot.slip);
+    odometry_rows(&mut rows, &mut robot.odometry_drift);
     let units = [NumberSpec::VELOCITY, NumberSpec::ANGULAR_VELOCITY];
     rows.list("Motion", &mut robot.motions, *MOTIONS.start(), "edit them in the file", units, |motion| {
         [("speed", &mut motion.v_m_s), ("turn rate", &mut motion.w_rad_s)]
@@ -43,6 +45,40 @@ pub fn robot_ui(ui: &mut Ui, editor: &mut Editor) {
         rows.mark_changed("motion added");
     }
     rows.commit(editor, "robot", |scenario| scenario.robot = robot);
+}
+
+/// The slip of the wheels.
+fn slip_rows(rows: &mut FieldRows<'_>, slip: &mut Slip) {
+    let share = NumberSpec::FRACTION.with_range(SLIP);
+    rows.ranged("Slip forward", "Part of the wheels' speed that is lost", &mut slip.forward, share);
+    rows.ranged("Slip in turns", "Part of the wheels' turning rate that is lost", &mut slip.turning, share);
+    let share = share.with_range(SLIP_STD);
+    rows.ranged("Slip variation", "Standard deviation from step to step", &mut slip.std, share);
+}
+
+/// A checkbox for the drift of odometry and, if it drifts, its errors.
+fn odometry_rows(rows: &mut FieldRows<'_>, drift: &mut Option<OdometryDrift>) {
+    let mut drifts = drift.is_some();
+    let tip = "The robot observes the goal from where its odometry says that it is";
+    rows.checkbox("Odometry drifts", tip, &mut drifts);
+    match drift {
+        Some(OdometryDrift { distance_error, rotation_error, heading_drift_rad_m }) if drifts => {
+            let error = NumberSpec::FRACTION.with_range(ODOMETRY_ERROR);
+            rows.ranged("Distance error", "Per metre driven", distance_error, error);
+            rows.ranged("Rotation error", "Per turn", rotation_error, error);
+            let drift = NumberSpec::heading_drift(HEADING_DRIFT_RAD_M);
+            rows.ranged("Heading drift", "Rotation reported per metre", heading_drift_rad_m, drift);
+        }
+        _ => {
+            let error = Ranged::Number(0.02);
+            let new = OdometryDrift {
+                distance_error: error,
+                rotation_error: error,
+                heading_drift_rad_m: Ranged::Number(0.0),
+            };
+            *drift = drifts.then_some(new);
+        }
+    }
 }
 
 /// A checkbox for a limit and, if there is one, its number.
