@@ -7,8 +7,9 @@
 //! and the direction of the heading at t / 2. So one physics step with the chord's velocity takes the robot exactly to the
 //! end of the arc, unless it touches something before (`contact.rs`) and stops there.
 //!
-//! Without a lag, (v, w) is the commanded motion. With an actuator lag or limited accelerations ([`Drive`](crate::scenario::Drive)), it is the mean of the actual motion over the
-//! step. That is a simplification: the true path is not an arc. Its rotation and its signed length are kept, so the heading
+//! Usually, (v, w) is the commanded motion. With an actuator lag or limited accelerations
+//! ([`Drive`](crate::scenario::Drive)), it is the mean of the actual motion over the step, and slip reduces it. That is a
+//! simplification: the true path is not an arc. Its rotation and its signed length are kept, so the heading
 //! after the step is exact.
 //!
 //! The body is a disc with locked rotation, which only the wheels turn, never a contact. The heading is integrated here,

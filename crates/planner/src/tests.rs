@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use super::configuration_space::State;
 use super::*;
 use wayfield_random::{stream, uniform};
-use wayfield_scenario::{Obstacle, ObstacleMotion, Robot, Shape};
+use wayfield_scenario::{Obstacle, ObstacleMotion, Ranged, Robot, Shape, Slip};
 use wayfield_scenario::{clearance, draw_goal, draw_start};
 
 fn circle(position_m: Vec2, radius_m: f32, motion: ObstacleMotion) -> Obstacle {
@@ -175,6 +175,28 @@ fn the_shortest_path_goes_round_obstacles_and_walls_to_the_edge_of_the_goal() {
     let corners_m = vec![vec2(-2.0, -2.0), vec2(2.0, -2.0), vec2(0.0, 2.0)];
     let triangle = Scenario { enclosure: Enclosure::Polygon { corners_m }, ..Scenario::default() };
     assert_eq!(shortest_path_m(&triangle, start, goal), None, "polygons are not supported");
+}
+
+#[test]
+fn a_robot_that_does_not_drive_what_is_commanded_is_refused() {
+    let unsupported = |robot: Robot| unsupported_reason(&Scenario { robot, ..Scenario::default() });
+    for (robot, expected) in [
+        (Robot::default(), None),
+        (
+            Robot { actuator_lag_s: Ranged::Range(0.0, 0.3), ..Robot::default() },
+            Some("actuator lag: robot.actuator_lag_s is (0, 0.3)"),
+        ),
+        (
+            Robot { max_angular_acceleration_rad_s2: Some(2.5), ..Robot::default() },
+            Some("limited accelerations: robot.max_angular_acceleration_rad_s2 is 2.5"),
+        ),
+        (
+            Robot { slip: Slip { std: 0.1.into(), ..Slip::default() }, ..Robot::default() },
+            Some("slip: robot.slip is not 0"),
+        ),
+    ] {
+        assert_eq!(unsupported(robot).as_deref(), expected);
+    }
 }
 
 #[test]

@@ -69,6 +69,21 @@ fn both_ends_of_a_range_are_checked() {
         ("(0.0, 0.3)", "(0.0, 10.5)", "`robot.actuator_lag_s[1]` is 10.5"),
         ("(0.05, 0.1)", "(0.05, 5.5)", "`obstacles[1].motion.speed_m_s[1]` is 5.5"),
         ("(0.05, 0.1)", "(0.0, 4.0)", "moves the obstacle 0.800 m in one control step"),
+        (
+            "actuator_lag_s: (0.0, 0.3)",
+            "slip: (turning: (0.0, 0.95))",
+            "`robot.slip.turning[1]` is 0.95: write a number from 0 to 0.9",
+        ),
+        (
+            "actuator_lag_s: (0.0, 0.3)",
+            "odometry_drift: (distance_error: 0.6, rotation_error: 0.1, heading_drift_rad_m: 0.0)",
+            "`robot.odometry_drift.distance_error` is 0.6: write a number from -0.5 to 0.5",
+        ),
+        (
+            "actuator_lag_s: (0.0, 0.3)",
+            "max_acceleration_m_s2: 0.0",
+            "`robot.max_acceleration_m_s2` is 0: write a number from 0.01 to 1000",
+        ),
         ("(-0.2, 0.2)", "(-7.0, 0.1)", "moves the obstacle 1.188 m in one control step"),
     ] {
         let found = problems(from, to);

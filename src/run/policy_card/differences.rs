@@ -126,8 +126,8 @@ fn settings(scenario: &Scenario) -> [(&'static str, String, &'static str); 13] {
         ("control period", task.control_period_s.to_string(), "s"),
         ("robot radius", robot.radius_m.to_string(), "m"),
         ("actuator lag", robot.actuator_lag_s.to_string(), "s"),
-        ("acceleration limit", limit(robot.max_acceleration_m_s2), "m/s^2"),
-        ("angular acceleration limit", limit(robot.max_angular_acceleration_rad_s2), "rad/s^2"),
+        ("acceleration limit", limit(robot.max_acceleration_m_s2, "m/s^2"), ""),
+        ("angular acceleration limit", limit(robot.max_angular_acceleration_rad_s2, "rad/s^2"), ""),
         ("wheel slip", slip(&robot.slip), ""),
         ("odometry", odometry(robot.odometry_drift.as_ref()), ""),
         ("LIDAR range", lidar.max_range_m.to_string(), "m"),
@@ -152,8 +152,8 @@ fn odometry(drift: Option<&OdometryDrift>) -> String {
     )
 }
 
-fn limit(limit: Option<f32>) -> String {
-    limit.map_or_else(|| "no".into(), |limit| limit.to_string())
+fn limit(limit: Option<f32>, unit: &str) -> String {
+    limit.map_or_else(|| "none".into(), |limit| format!("{limit} {unit}"))
 }
 
 fn percent(share: Ranged<f32>) -> String {
