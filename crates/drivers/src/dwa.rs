@@ -10,7 +10,7 @@ use std::collections::VecDeque;
 use std::f32::consts::PI;
 
 use glam::Vec2;
-use wayfield_scenario::Motion;
+use wayfield_scenario::{Drive, Motion};
 
 use crate::Driver;
 use crate::config::{DwaParameters, TrackingParameters};
