@@ -12,7 +12,9 @@ use wayfield::app::commands::{Command, EditorReply};
 use wayfield::app::editor::{Editor, PlacementKind, PlacementRole, Selection, Tool};
 use wayfield::app::view_state::ViewCamera;
 use wayfield::scenario::limits::{COLLISION_RANGE_M, SHAPE_SIZE_M};
-use wayfield::scenario::{Enclosure, Motion, Obstacle, ObstacleMotion, PlacementRule, Scenario, Shape};
+use wayfield::scenario::{
+    Enclosure, Motion, Obstacle, ObstacleMotion, PlacementRule, Ranged, Scenario, Shape,
+};
 
 use super::{Window, click, release_event, sent_commands, settle, window, window_with_size};
 use crate::screen_fixture::{self, ScreenFixture};
@@ -104,6 +106,33 @@ fn angles_are_shown_in_degrees_and_stored_in_radians() {
     );
     write(&mut window, "Dropout", "2.5");
     assert_eq!(edited_scenario(&mut window).lidar.dropout, 0.025.into());
+}
+
+#[test]
+fn both_ends_of_a_range_are_shown_and_edited() {
+    let mut window = editing();
+    editor(&mut window).edit("range", |scenario| scenario.lidar.dropout = Ranged::Range(0.0, 0.1));
+    select(&mut window, Selection::Nothing);
+    click(&mut window, "LIDAR");
+    write(&mut window, "Dropout highest", "20");
+    write(&mut window, "Dropout lowest", "5");
+    assert_eq!(edited_scenario(&mut window).lidar.dropout, Ranged::Range(0.05, 0.2));
+}
+
+#[test]
+fn the_drive_and_the_odometry_of_a_robot_are_edited() {
+    let mut window = editing();
+    select(&mut window, Selection::Nothing);
+    click(&mut window, "Robot");
+    press_on(&mut window, "Limit acceleration");
+    write(&mut window, "At most", "0.5");
+    press_on(&mut window, "Odometry drifts");
+    write(&mut window, "Rotation error", "3");
+    let robot = edited_scenario(&mut window).robot.clone();
+    assert_eq!((robot.max_acceleration_m_s2, robot.max_angular_acceleration_rad_s2), (Some(0.5), None));
+    assert_eq!(robot.odometry_drift.map(|drift| drift.rotation_error), Some(0.03.into()));
+    press_on(&mut window, "Odometry drifts");
+    assert_eq!(edited_scenario(&mut window).robot.odometry_drift, None);
 }
 
 #[test]
