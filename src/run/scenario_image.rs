@@ -12,7 +12,7 @@ use super::RunError;
 use super::image_file::{self, ImageSize};
 use crate::report::DrawError;
 use crate::report::chart::{
-    MapObstacle, MapObstacleKind, MapRobot, MapShape, MapTrack, ScenarioMap, contact_sheet_svg,
+    MapObstacle, MapObstacleKind, MapRobot, MapShape, MapTrack, MapTrajectory, ScenarioMap, contact_sheet_svg,
 };
 use crate::scenario::{Obstacle, Outline, Scenario, Track, pose_at};
 use crate::task::{Arena, ArenaLayout, Clock, Goal, Pose, Scan};
@@ -108,13 +108,30 @@ pub fn draw(scenario: &Scenario, path: &Path) -> Result<(), RunError> {
 /// # Errors
 /// Drawing fails.
 pub fn frame_svg(world: &mut World, arena: usize) -> Option<Result<String, DrawError>> {
+    frame_with_path(world, arena, Vec::new())
+}
+
+/// The same with the robot's path so far: its positions in m.
+///
+/// # Errors
+/// Drawing fails.
+pub fn frame_with_path(
+    world: &mut World,
+    arena: usize,
+    path_m: Vec<(f64, f64)>,
+) -> Option<Result<String, DrawError>> {
     let mut arenas = world.query::<(&Arena, &ArenaLayout, &Clock, &Pose, &Goal, &Scan)>();
     let (_, layout, clock, pose, goal, scan) = arenas.iter(world).find(|(found, ..)| found.0 == arena)?;
     let scenario = &*layout.written;
     let goal = wide(vec2(goal.x_m, goal.y_m));
     let goal = (goal.0, goal.1, f64::from(scenario.task.goal_radius_m));
-    let map =
-        ScenarioMap { goal: Some(goal), tracks: Vec::new(), ..map(scenario, layout.layout_seed, clock.0) };
+    let trajectories = vec![MapTrajectory { points: path_m, ..MapTrajectory::default() }];
+    let map = ScenarioMap {
+        goal: Some(goal),
+        tracks: Vec::new(),
+        trajectories,
+        ..map(scenario, layout.layout_seed, clock.0)
+    };
     Some(map.frame_svg(&robot(&layout.scenario, pose, scan)))
 }
 

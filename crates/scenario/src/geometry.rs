@@ -8,9 +8,10 @@ use super::polygon;
 use super::schema::{Enclosure, Lidar, Obstacle, ObstacleMotion, Scenario, Shape, Wall};
 use super::shape::to_local;
 use glam::{Vec2, vec2};
+use serde::{Deserialize, Serialize};
 
 /// A part of a scenario that the robot can collide with. Their order is that in which they are searched.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Solid {
     /// The enclosure.
     Enclosure,

@@ -13,6 +13,7 @@ mod generate;
 mod geometry;
 #[cfg(not(target_arch = "wasm32"))]
 mod input;
+mod key_frames;
 mod levels;
 pub mod limits;
 mod load;
@@ -31,11 +32,13 @@ mod setting;
 mod shape;
 mod shape_fields;
 mod spatial_index;
+mod suite;
 mod text;
 mod track;
 mod uniform_grid;
 #[cfg(target_arch = "wasm32")]
 pub mod virtual_files;
+mod waypoints;
 mod write;
 
 pub use check::{diagnostics, diagnostics_of_known, notes, value_diagnostics};
@@ -67,6 +70,9 @@ pub use setting::with_setting;
 pub use shape::RoundedBox;
 pub use shape_fields::Sizes;
 pub use spatial_index::{IndexedScenario, SpatialIndex};
+pub use suite::{
+    DEFAULT_SUITE_EPISODES, DEFAULT_SUITE_LEVELS, FIRST_EVALUATION_LEVEL, SuiteFamily, SuiteFile, SuiteScore,
+};
 pub use text::{is_noncharacter, is_unprintable, printable, printable_lines, printable_path, quoted};
 pub use track::{MotionSpeed, Track};
 pub use uniform_grid::UniformGrid;

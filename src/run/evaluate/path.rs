@@ -2,12 +2,13 @@
 
 use bevy::math::vec2;
 use bevy::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::scenario::Solid;
 use crate::task::{Arena, ArenaLayout, Clock, EpisodeEnd, Pose, Scan};
 
 /// The measures of the path that the robot took in an episode.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PathMeasures {
     /// Length of the path in m: the sum of the straight distances between the robot's positions after consecutive control
     /// steps.
