@@ -199,12 +199,22 @@ pub(super) fn advance(mut observations: ResMut<Observations>) {
     std::mem::swap(&mut observations.current, &mut observations.next);
 }
 
+/// The components of an arena that its first observation and potential are made of.
+type Observed = (
+    &'static Arena,
+    &'static Scan,
+    (&'static Pose, &'static EstimatedPose),
+    &'static Goal,
+    &'static SensorReadings,
+    &'static mut Episode,
+);
+
 /// Schedule `Reset`: encodes the observations and potentials of arenas with a new goal or start.
 pub(super) fn observe_first(
     layout: Res<ObservationLayout>,
     mut observations: ResMut<Observations>,
     reward: Res<super::RewardConfig>,
-    mut arenas: Query<(&Arena, &Scan, (&Pose, &EstimatedPose), &Goal, &SensorReadings, &mut Episode)>,
+    mut arenas: Query<Observed>,
 ) {
     let width = observations.width;
     for (arena, scan, (pose, estimate), goal, readings, mut episode) in &mut arenas {

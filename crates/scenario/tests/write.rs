@@ -8,7 +8,8 @@ use proptest::option;
 use proptest::prelude::*;
 use wayfield_scenario::{
     BenchmarkRoute, Enclosure, Generator, KeyFrame, KeyFrameEnd, Lidar, Motion, Obstacle, ObstacleMotion,
-    PlacementRule, RandomShape, Region, Robot, Scenario, Shape, TaskRules, Wall, parse_ron, to_text,
+    OdometryDrift, PlacementRule, RandomShape, Ranged, Region, Robot, Scenario, Shape, Slip, TaskRules, Wall,
+    parse_ron, to_text,
 };
 
 fn read(text: &str) -> Scenario {
@@ -125,6 +126,7 @@ fn everything() -> Scenario {
             radius_m: 0.12,
             motions: vec![Motion { v_m_s: 0.2, w_rad_s: 0.0 }, Motion { v_m_s: 0.0, w_rad_s: -1.0 }],
             actuator_lag_s: 0.5.into(),
+            ..Robot::default()
         },
         lidar: Lidar {
             beams: 36,
@@ -613,11 +615,21 @@ fn robot() -> impl Strategy<Value = Robot> {
     let motion = pair().prop_map(|(v_m_s, w_rad_s)| Motion { v_m_s, w_rad_s });
     prop_oneof![
         Just(Robot::default()),
-        (number(), vec(motion, 0..4), number()).prop_map(|(radius_m, motions, actuator_lag_s)| Robot {
-            radius_m,
-            motions,
-            actuator_lag_s: actuator_lag_s.into()
-        }),
+        (number(), vec(motion, 0..4), number(), number(), number()).prop_map(
+            |(radius_m, motions, actuator_lag_s, limit, error)| Robot {
+                radius_m,
+                motions,
+                actuator_lag_s: Ranged::Range(actuator_lag_s, error),
+                max_acceleration_m_s2: Some(limit),
+                slip: Slip { forward: limit.into(), std: error.into(), ..Slip::default() },
+                odometry_drift: Some(OdometryDrift {
+                    distance_error: Ranged::Range(error, limit),
+                    rotation_error: error.into(),
+                    heading_drift_rad_m: limit.into(),
+                }),
+                ..Robot::default()
+            }
+        ),
     ]
 }
 

@@ -184,6 +184,7 @@ impl ValueRange {
                 radius_m,
                 motions: motions.into_iter().map(|(v_m_s, w_rad_s)| Motion { v_m_s, w_rad_s }).collect(),
                 actuator_lag_s: actuator_lag_s.into(),
+                ..Robot::default()
             });
         let lidar = (
             1_usize..64,
