@@ -153,6 +153,7 @@ const SCENARIOS: &[Limit] = &[
         "no robot or obstacle jumps over another",
     ),
     Limit("waypoints of a patrol", counts(&scenario::WAYPOINTS), "", "memory, time of a step"),
+    Limit("pedestrians", count(scenario::MAX_PEDESTRIANS), "", "time of a step"),
     Limit("key frames of all obstacles", count(scenario::MAX_KEY_FRAMES), "", "memory, time of the checks"),
     Limit("times of key frames", reals(&scenario::KEY_FRAME_TIME_S), "s", "rounding"),
     Limit("radius of a random walk", reals(&scenario::WALK_RADIUS_M), "m", "rounding"),
@@ -241,6 +242,8 @@ const LEVEL_GENERATORS: &[Limit] = &[
         "mistyped values",
     ),
     Limit("radius of a crossed circle", reals(&scenario::LEVEL_CIRCLE_M), "m", "mistyped values"),
+    Limit("noise of starts on a crossed circle", reals(&scenario::LEVEL_NOISE_M), "m", "mistyped values"),
+    Limit("goals of a pedestrian of a level", counts32(&scenario::LEVEL_GOALS), "", "time of a level"),
     Limit(
         "cells of the grid that is searched for paths",
         Max(scenario::MAX_FLOOR_CELLS as u64),

@@ -38,7 +38,9 @@ const SCENARIOS: &[Shipped] = shipped!(
     "scenarios": "scenario-1", "scenario-2", "empty", "corridor", "doorway", "slalom", "random-field", "u-trap", "crossing",
     "crowd", "hall", "maze"
 );
-const GENERATORS: &[Shipped] = shipped!("scenarios/generators": "clutter", "rooms", "traffic", "mixed");
+const GENERATORS: &[Shipped] = shipped!(
+    "scenarios/generators": "clutter", "rooms", "traffic", "mixed", "pedestrians", "circle-crossing"
+);
 const SUITES: &[Shipped] = shipped!("scenarios/suites": "shipped", "validation");
 const PRESETS: &[Shipped] = shipped!("assets/presets": "fast", "dqn", "per_d3qn", "per_d3qn_tuned");
 

@@ -40,6 +40,7 @@ pub fn at_max_speed(mut scenario: Scenario) -> Option<Scenario> {
             | ObstacleMotion::RandomWalk { speed_m_s, .. } => {
                 *speed_m_s = (0.5 / period).min(5.0).into();
             }
+            ObstacleMotion::Pedestrian { speed_m_s, .. } => *speed_m_s = (0.5 / period).min(5.0),
             ObstacleMotion::KeyFrames { frames, end } => {
                 let path_m: Vec<_> = frames.iter().map(|frame| frame.position_m).collect();
                 let is_loop = *end != KeyFrameEnd::Stop;

@@ -61,7 +61,7 @@ const COLLISION_RANGE: (&str, &str) = ("the collision range", "task.collision_ra
 pub(crate) const TWICE_COLLISION_RANGE: (&str, &str) =
     ("twice the collision range", "task.collision_range_m");
 const SECONDS: &str = " (seconds)";
-const RADIANS: &str = " (radians: a full turn is 6.2832)";
+pub(crate) const RADIANS: &str = " (radians: a full turn is 6.2832)";
 const RADIANS_PER_SECOND: &str = " (radians per second)";
 
 /// All problems of `scenario`: first invalid numbers, then parts that do not fit together. Of the latter, those are found that
@@ -216,7 +216,7 @@ impl Diagnostics {
     }
 
     /// Reports coordinates outside the range of the largest enclosure.
-    fn check_point(&mut self, path: fmt::Arguments<'_>, Vec2 { x, y }: Vec2) {
+    pub(crate) fn check_point(&mut self, path: fmt::Arguments<'_>, Vec2 { x, y }: Vec2) {
         self.check_range(format_args!("{path}[0]"), x, COORDINATE_M, METRES);
         self.check_range(format_args!("{path}[1]"), y, COORDINATE_M, METRES);
     }

@@ -5,6 +5,7 @@
 //! all other RON files of the project, so that all errors have the same form. Points are [`Vec2`]s of glam, in m.
 
 mod check;
+mod crowd;
 mod drive;
 mod explain;
 mod fields;
@@ -19,6 +20,7 @@ pub mod limits;
 mod load;
 mod motion;
 mod motion_fields;
+mod nearest_points;
 mod note;
 mod odometry;
 mod outline;
@@ -42,6 +44,7 @@ mod waypoints;
 mod write;
 
 pub use check::{diagnostics, diagnostics_of_known, notes, value_diagnostics};
+pub use crowd::{Crowd, Pedestrian};
 pub use drive::Drive;
 pub use explain::{choose, closest_name, whole_number};
 pub use fields::{Field, FieldValue, Quantity};
@@ -60,6 +63,7 @@ pub use load::{
 };
 pub use motion::pose_at;
 pub use motion_fields::MotionKind;
+pub use nearest_points::nearest_points;
 pub use note::{Note, NoteLevel};
 pub use outline::Outline;
 pub use placement::{NoFreeSpace, draw_goal, draw_start, draw_start_and_goal};

@@ -82,6 +82,8 @@ pub const MAX_ANGULAR_SPEED_RAD_S: f32 = 20.0;
 pub const MAX_STEP_M: f32 = 0.5;
 /// Number of waypoints of a patrol.
 pub const WAYPOINTS: RangeInclusive<usize> = 1..=256;
+/// Most pedestrians.
+pub const MAX_PEDESTRIANS: usize = 200;
 /// Reach of a random walk, in m.
 pub const WALK_RADIUS_M: RangeInclusive<f32> = 0.01..=500.0;
 /// Most key frames of all obstacles together.
@@ -136,6 +138,10 @@ pub const LANE_PAIRS: RangeInclusive<u32> = 0..=10;
 pub const TRAFFIC_SIZE_M: RangeInclusive<f32> = 0.01..=10.0;
 /// Radius of the circle that the obstacles of a level cross, in m.
 pub const LEVEL_CIRCLE_M: RangeInclusive<f32> = 0.1..=50.0;
+/// Largest distance of a start of a level from the circle along x and along y, in m.
+pub const LEVEL_NOISE_M: RangeInclusive<f32> = 0.0..=10.0;
+/// Number of goals of a pedestrian of a level.
+pub const LEVEL_GOALS: RangeInclusive<u32> = 1..=256;
 /// Number of obstacles of a layout.
 pub const LEVEL_COUNT: RangeInclusive<u32> = 0..=200;
 /// Most cells of the grid on which a level is searched for paths.

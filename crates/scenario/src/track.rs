@@ -25,7 +25,7 @@ pub enum MotionSpeed {
     },
 }
 
-/// The places of an obstacle's origin on its way.
+/// The places of an obstacle's origin on its way. A pedestrian leaves it to avoid others.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Track {
     /// Its position only.
@@ -62,6 +62,7 @@ impl ObstacleMotion {
             Self::Patrol { speed_m_s, .. }
             | Self::BackAndForth { speed_m_s, .. }
             | Self::RandomWalk { speed_m_s, .. } => MotionSpeed::Translation(speed_m_s.value()),
+            Self::Pedestrian { speed_m_s, .. } => MotionSpeed::Translation(speed_m_s),
             Self::KeyFrames { .. } => MotionSpeed::Variable,
         }
     }
@@ -81,7 +82,7 @@ impl ObstacleMotion {
     pub fn is_moving(&self) -> bool {
         match self.ranged_speed() {
             Some(speed) => speed.ends() != [0.0; 2],
-            None => *self != Self::Static,
+            None => !matches!(self.speed(), MotionSpeed::AtRest | MotionSpeed::Translation(0.0)),
         }
     }
 }
@@ -99,6 +100,7 @@ impl Obstacle {
             ObstacleMotion::Orbit { centre_m, .. } => Track::Circle { centre_m: *centre_m },
             ObstacleMotion::Patrol { waypoints_m, .. } => lines(waypoints_m, true),
             ObstacleMotion::BackAndForth { waypoints_m, .. } => lines(waypoints_m, false),
+            ObstacleMotion::Pedestrian { goals_m, loops, .. } => lines(goals_m, *loops),
             ObstacleMotion::RandomWalk { radius_m, .. } => Track::Disc { radius_m: *radius_m },
             ObstacleMotion::KeyFrames { frames, end } => {
                 let positions_m: Vec<Vec2> = frames.iter().map(|frame| frame.position_m).collect();
