@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 use glam::{Vec2, vec2};
 use wayfield_scenario::{
-    FieldValue, MotionKind, MotionSpeed, Obstacle, ObstacleMotion, Outline, Scenario, Shape, Track,
+    FieldValue, MotionKind, MotionSpeed, Obstacle, ObstacleMotion, Outline, Ranged, Scenario, Shape, Track,
     diagnostics, polygon, pose_at, to_ron,
 };
 
@@ -77,7 +77,7 @@ fn numbers(obstacle: &mut Obstacle) -> Vec<(String, &mut f32, f32)> {
     for (part, field) in fields {
         let path = |name: &str| format!("obstacles[0].{part}.{name}");
         match field.value {
-            FieldValue::Number(number, quantity) => {
+            FieldValue::Number(number, quantity) | FieldValue::Ranged(Ranged::Number(number), quantity) => {
                 found.push((path(field.names[0]), number, *quantity.range().end()));
             }
             FieldValue::Pair(pair, quantity) => found.extend(
