@@ -7,7 +7,14 @@ use super::ranged::Ranged;
 use super::schema::{Motion, OdometryDrift, Slip};
 
 impl Slip {
-    /// Whether the wheels never slip. It has a parameter by reference for serde.
+    /// Whether it is the default to the bit, so that a file need not have it.
+    #[must_use]
+    pub(super) fn is_default(&self) -> bool {
+        let is_zero = |part: &Ranged<f32>| matches!(part, Ranged::Number(number) if number.to_bits() == 0);
+        [self.forward, self.turning, self.std].iter().all(is_zero)
+    }
+
+    /// Whether the wheels never slip.
     #[must_use]
     pub fn is_none(&self) -> bool {
         [self.forward, self.turning, self.std].iter().all(|part| part.ends() == [0.0; 2])

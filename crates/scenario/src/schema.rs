@@ -328,7 +328,7 @@ pub struct Robot {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_angular_acceleration_rad_s2: Option<f32>,
     /// Slip of the wheels: the robot moves less than they do. None by default.
-    #[serde(skip_serializing_if = "Slip::is_none")]
+    #[serde(skip_serializing_if = "Slip::is_default")]
     pub slip: Slip,
     /// The robot knows its pose by odometry alone, which drifts. If omitted, it knows its pose exactly.
     #[serde(skip_serializing_if = "Option::is_none")]
