@@ -93,9 +93,8 @@ fn every_setting_that_differs_from_the_card_is_listed_with_both_values() {
             "odometry: exact on its card, errors 0.02 m/m, 0 rad/rad, 0 rad/m here",
         ),
         (
-            "robot: (slip: (forward: (0.0, 0.1)))",
-            "wheel slip: forward 0, turning 0, standard deviation 0 on its card, forward (0, 0.1), turning 0, standard \
-             deviation 0 here",
+            "robot: (slip: (forward: (0.0, 0.1), turning: 0, std: 0))",
+            "wheel slip: none on its card, forward (0, 0.1), turning 0, standard deviation 0 here",
         ),
         ("lidar: (max_range_m: 0.5)", "LIDAR range: 3.5 m on its card, 0.5 m here"),
         ("lidar: (noise_std_m: 0.02)", "LIDAR noise: 0 m on its card, 0.02 m here"),

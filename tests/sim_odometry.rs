@@ -40,7 +40,7 @@ fn observed_goal(lab: &mut Lab) -> (f32, f32) {
 #[test]
 fn without_drift_the_robot_knows_its_pose_to_the_bit() {
     let mut scenario = common::moving_obstacles();
-    scenario.robot.slip = Slip { forward: 0.2.into(), ..Slip::default() };
+    scenario.robot.slip = Some(Slip { forward: 0.2.into(), ..Slip::default() });
     let mut lab = Lab::new(&scenario, 3, 1);
     let mut streams = common::action_streams(3);
     for _ in 0..60 {
@@ -54,7 +54,7 @@ fn without_drift_the_robot_knows_its_pose_to_the_bit() {
 #[test]
 fn a_slipping_robot_moves_the_stated_part_of_its_wheels_way() {
     let mut scenario = common::wide_open();
-    scenario.robot.slip = Slip { forward: 0.1.into(), turning: 0.3.into(), std: 0.0.into() };
+    scenario.robot.slip = Some(Slip { forward: 0.1.into(), turning: 0.3.into(), std: 0.0.into() });
     let mut lab = facing(&scenario, 50.0, TaskMode::Continuing);
     lab.step(&[2]);
     assert!((lab.state(0).pose.x_m - 0.9 * 0.03).abs() < 1e-6, "{:?}", lab.state(0).pose);
@@ -67,7 +67,7 @@ fn a_slipping_robot_moves_the_stated_part_of_its_wheels_way() {
 #[test]
 fn random_slip_varies_from_step_to_step_and_never_makes_a_robot_faster() {
     let mut scenario = common::wide_open();
-    scenario.robot.slip = Slip { forward: 0.2.into(), turning: 0.0.into(), std: 0.1.into() };
+    scenario.robot.slip = Some(Slip { forward: 0.2.into(), turning: 0.0.into(), std: 0.1.into() });
     let mut lab = Lab::new(&scenario, 2, 4);
     let (mut kept, mut other) = (Vec::new(), Vec::new());
     for _ in 0..200 {
@@ -113,7 +113,7 @@ fn the_goal_is_observed_from_where_odometry_says_that_the_robot_is() {
 #[test]
 fn odometry_does_not_notice_slip() {
     let mut scenario = common::wide_open();
-    scenario.robot.slip = Slip { forward: 0.5.into(), ..Slip::default() };
+    scenario.robot.slip = Some(Slip { forward: 0.5.into(), ..Slip::default() });
     scenario.robot.odometry_drift = drift(0.0, 0.0, 0.0);
     let mut lab = facing(&scenario, 10.0, TaskMode::Continuing);
     for _ in 0..10 {
@@ -152,7 +152,8 @@ fn goals_are_reached_by_the_true_pose_and_correct_nothing() {
 #[test]
 fn a_drifting_estimate_is_restored_to_the_bit() {
     let mut scenario = common::moving_obstacles();
-    scenario.robot.slip = Slip { forward: Ranged::Range(0.0, 0.2), turning: 0.1.into(), std: 0.05.into() };
+    scenario.robot.slip =
+        Some(Slip { forward: Ranged::Range(0.0, 0.2), turning: 0.1.into(), std: 0.05.into() });
     scenario.robot.odometry_drift = Some(OdometryDrift {
         distance_error: Ranged::Range(-0.1, 0.1),
         rotation_error: Ranged::Range(-0.1, 0.1),

@@ -22,7 +22,7 @@ use bevy_rapier2d::rapier::math::Pose as BodyPose;
 
 use super::contact::ContactQuery;
 use super::physics::Bodies;
-use crate::scenario::{Motion, Scenario};
+use crate::scenario::{Motion, Scenario, Slip};
 use crate::task::{
     Actions, Arena, ArenaLayout, Clock, CommandedMotions, Episode, EstimatedPose, Pedestrians, Pose, Scan,
     Twist, wrap_angle,
@@ -77,7 +77,8 @@ struct DrivenStep {
 fn driven(layout: &ArenaLayout, clock: Clock, twist: &Twist, commanded: &Motion) -> DrivenStep {
     let Scenario { robot, task, .. } = &*layout.scenario;
     let (wheels, end) = robot.drive(task.control_period_s).step(&(*twist).into(), commanded);
-    let robot = robot.slip.robot_motion(&wheels, layout.layout_seed, clock.0);
+    let slipping = |slip: Slip| slip.robot_motion(&wheels, layout.layout_seed, clock.0);
+    let robot = robot.slip.map_or(wheels, slipping);
     DrivenStep { robot, wheels, end: end.into() }
 }
 

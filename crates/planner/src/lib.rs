@@ -138,8 +138,8 @@ pub fn unsupported_reason(scenario: &Scenario) -> Option<String> {
             return Some(format!("limited accelerations: robot.{field} is {limit}"));
         }
     }
-    if !robot.slip.is_none() {
-        return Some("slip: robot.slip is not 0".into());
+    if robot.slip.is_some() {
+        return Some("slip: robot.slip is given".into());
     }
     if !lidar.is_all_around() {
         let field_of_view = lidar.field_of_view_rad;

@@ -190,10 +190,7 @@ fn a_robot_that_does_not_drive_what_is_commanded_is_refused() {
             Robot { max_angular_acceleration_rad_s2: Some(2.5), ..Robot::default() },
             Some("limited accelerations: robot.max_angular_acceleration_rad_s2 is 2.5"),
         ),
-        (
-            Robot { slip: Slip { std: 0.1.into(), ..Slip::default() }, ..Robot::default() },
-            Some("slip: robot.slip is not 0"),
-        ),
+        (Robot { slip: Some(Slip::default()), ..Robot::default() }, Some("slip: robot.slip is given")),
     ] {
         assert_eq!(unsupported(robot).as_deref(), expected);
     }

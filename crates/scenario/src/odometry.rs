@@ -7,26 +7,10 @@ use super::ranged::Ranged;
 use super::schema::{Motion, OdometryDrift, Slip};
 
 impl Slip {
-    /// Whether it is the default to the bit, so that a file need not have it.
-    #[must_use]
-    pub(super) fn is_default(&self) -> bool {
-        let is_zero = |part: &Ranged<f32>| matches!(part, Ranged::Number(number) if number.to_bits() == 0);
-        [self.forward, self.turning, self.std].iter().all(is_zero)
-    }
-
-    /// Whether the wheels never slip.
-    #[must_use]
-    pub fn is_none(&self) -> bool {
-        [self.forward, self.turning, self.std].iter().all(|part| part.ends() == [0.0; 2])
-    }
-
     /// The motion of the robot in the control step to `clock` if its wheels have the motion `wheels`. The slip of a step is a
     /// function of the episode's layout seed and the clock.
     #[must_use]
     pub fn robot_motion(&self, wheels: &Motion, layout_seed: u64, clock: u64) -> Motion {
-        if self.is_none() {
-            return *wheels;
-        }
         let mut stream = stream(layout_seed, "slip", clock);
         let std = self.std.value();
         let mut kept = |slip: Ranged<f32>| (1.0 - slip.value() - std * normal(&mut stream)).clamp(0.0, 1.0);

@@ -200,7 +200,7 @@ impl Scenario {
     #[must_use]
     pub fn has_ranges(&self) -> bool {
         let Self { robot, lidar, .. } = self;
-        let Slip { forward, turning, std } = robot.slip;
+        let Slip { forward, turning, std } = robot.slip.unwrap_or_default();
         [robot.actuator_lag_s, forward, turning, std, lidar.noise_std_m, lidar.dropout]
             .iter()
             .any(|number| number.is_range())
@@ -212,7 +212,9 @@ impl Scenario {
     /// Whether every episode has a layout of its own: generated obstacles, numbers that are drawn from ranges, or random slip.
     #[must_use]
     pub fn varies_by_episode(&self) -> bool {
-        !self.generators.is_empty() || self.has_ranges() || self.robot.slip.std.ends() != [0.0; 2]
+        !self.generators.is_empty()
+            || self.has_ranges()
+            || self.robot.slip.is_some_and(|slip| slip.std.ends() != [0.0; 2])
     }
 
     /// The scenario with a number for each range: a draw by `layout_seed`. Each range has a random stream of its own, so that no
@@ -225,9 +227,11 @@ impl Scenario {
         }
         let Self { robot, lidar, obstacles, .. } = &mut drawn;
         robot.actuator_lag_s.draw(layout_seed, "range: actuator lag", 0);
-        robot.slip.forward.draw(layout_seed, "range: forward slip", 0);
-        robot.slip.turning.draw(layout_seed, "range: turning slip", 0);
-        robot.slip.std.draw(layout_seed, "range: slip from step to step", 0);
+        if let Some(slip) = &mut robot.slip {
+            slip.forward.draw(layout_seed, "range: forward slip", 0);
+            slip.turning.draw(layout_seed, "range: turning slip", 0);
+            slip.std.draw(layout_seed, "range: slip from step to step", 0);
+        }
         if let Some(drift) = &mut robot.odometry_drift {
             drift.distance_error.draw(layout_seed, "range: distance error", 0);
             drift.rotation_error.draw(layout_seed, "range: rotation error", 0);

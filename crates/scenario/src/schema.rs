@@ -322,16 +322,12 @@ pub struct Robot {
     pub actuator_lag_s: Ranged<f32>,
     /// Highest acceleration of v, forwards, backwards and in braking, 0.01 to 1,000 m/s^2; unlimited if omitted. With a lag, it
     /// limits the rate with which v follows the command.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub max_acceleration_m_s2: Option<f32>,
     /// Highest angular acceleration, of w, 0.01 to 10,000 rad/s^2; unlimited if omitted.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub max_angular_acceleration_rad_s2: Option<f32>,
     /// Slip of the wheels: the robot moves less than they do. None by default.
-    #[serde(skip_serializing_if = "Slip::is_default")]
-    pub slip: Slip,
+    pub slip: Option<Slip>,
     /// The robot knows its pose by odometry alone, which drifts. If omitted, it knows its pose exactly.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub odometry_drift: Option<OdometryDrift>,
 }
 
@@ -347,7 +343,7 @@ impl Default for Robot {
             actuator_lag_s: Ranged::Number(0.0),
             max_acceleration_m_s2: None,
             max_angular_acceleration_rad_s2: None,
-            slip: Slip::default(),
+            slip: None,
             odometry_drift: None,
         }
     }
@@ -357,7 +353,7 @@ impl Default for Robot {
 /// wheels, s = `forward` + n, s' = `turning` + n', and n and n' are normally distributed with the standard deviation `std`. Each
 /// factor is kept between 0 and 1: slip never makes the robot faster than its wheels.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[serde(deny_unknown_fields)]
 pub struct Slip {
     /// The part of v that is lost, 0 to 0.9.
     pub forward: Ranged<f32>,

@@ -71,7 +71,7 @@ fn both_ends_of_a_range_are_checked() {
         ("(0.05, 0.1)", "(0.0, 4.0)", "moves the obstacle 0.800 m in one control step"),
         (
             "actuator_lag_s: (0.0, 0.3)",
-            "slip: (turning: (0.0, 0.95))",
+            "slip: (forward: 0.0, turning: (0.0, 0.95), std: 0.0)",
             "`robot.slip.turning[1]` is 0.95: write a number from 0 to 0.9",
         ),
         (

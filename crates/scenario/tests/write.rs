@@ -633,7 +633,7 @@ fn robot() -> impl Strategy<Value = Robot> {
                 motions,
                 actuator_lag_s: Ranged::Range(actuator_lag_s, error),
                 max_acceleration_m_s2: Some(limit),
-                slip: Slip { forward: limit.into(), std: error.into(), ..Slip::default() },
+                slip: Some(Slip { forward: limit.into(), std: error.into(), ..Slip::default() }),
                 odometry_drift: Some(OdometryDrift {
                     distance_error: Ranged::Range(error, limit),
                     rotation_error: error.into(),

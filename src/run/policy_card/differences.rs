@@ -128,7 +128,7 @@ fn settings(scenario: &Scenario) -> [(&'static str, String, &'static str); 13] {
         ("actuator lag", robot.actuator_lag_s.to_string(), "s"),
         ("acceleration limit", limit(robot.max_acceleration_m_s2, "m/s^2"), ""),
         ("angular acceleration limit", limit(robot.max_angular_acceleration_rad_s2, "rad/s^2"), ""),
-        ("wheel slip", slip(&robot.slip), ""),
+        ("wheel slip", slip(robot.slip), ""),
         ("odometry", odometry(robot.odometry_drift.as_ref()), ""),
         ("LIDAR range", lidar.max_range_m.to_string(), "m"),
         ("LIDAR noise", lidar.noise_std_m.to_string(), "m"),
@@ -139,8 +139,13 @@ fn settings(scenario: &Scenario) -> [(&'static str, String, &'static str); 13] {
     ]
 }
 
-fn slip(Slip { forward, turning, std }: &Slip) -> String {
-    format!("forward {forward}, turning {turning}, standard deviation {std}")
+fn slip(slip: Option<Slip>) -> String {
+    slip.map_or_else(
+        || "none".into(),
+        |Slip { forward, turning, std }| {
+            format!("forward {forward}, turning {turning}, standard deviation {std}")
+        },
+    )
 }
 
 fn odometry(drift: Option<&OdometryDrift>) -> String {

@@ -111,10 +111,11 @@ fn check_robot(robot: &Robot, diagnostics: &mut Diagnostics) {
 }
 
 fn check_slip_and_odometry(robot: &Robot, diagnostics: &mut Diagnostics) {
-    let Slip { forward, turning, std } = robot.slip;
-    diagnostics.check_ranged(format_args!("robot.slip.forward"), forward, SLIP, " (a share)");
-    diagnostics.check_ranged(format_args!("robot.slip.turning"), turning, SLIP, " (a share)");
-    diagnostics.check_ranged(format_args!("robot.slip.std"), std, SLIP_STD, " (a share)");
+    if let Some(Slip { forward, turning, std }) = robot.slip {
+        diagnostics.check_ranged(format_args!("robot.slip.forward"), forward, SLIP, " (a share)");
+        diagnostics.check_ranged(format_args!("robot.slip.turning"), turning, SLIP, " (a share)");
+        diagnostics.check_ranged(format_args!("robot.slip.std"), std, SLIP_STD, " (a share)");
+    }
     let Some(OdometryDrift { distance_error, rotation_error, heading_drift_rad_m }) = robot.odometry_drift
     else {
         return;

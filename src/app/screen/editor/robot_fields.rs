@@ -47,13 +47,20 @@ pub fn robot_ui(ui: &mut Ui, editor: &mut Editor) {
     rows.commit(editor, "robot", |scenario| scenario.robot = robot);
 }
 
-/// The slip of the wheels.
-fn slip_rows(rows: &mut FieldRows<'_>, slip: &mut Slip) {
-    let share = NumberSpec::FRACTION.with_range(SLIP);
-    rows.ranged("Slip forward", "Part of the wheels' speed that is lost", &mut slip.forward, share);
-    rows.ranged("Slip in turns", "Part of the wheels' turning rate that is lost", &mut slip.turning, share);
-    let share = share.with_range(SLIP_STD);
-    rows.ranged("Slip variation", "Standard deviation from step to step", &mut slip.std, share);
+/// A checkbox for the slip of the wheels and, if they slip, its numbers.
+fn slip_rows(rows: &mut FieldRows<'_>, slip: &mut Option<Slip>) {
+    let mut slips = slip.is_some();
+    rows.checkbox("Wheels slip", "The robot moves less than its wheels", &mut slips);
+    match slip {
+        Some(Slip { forward, turning, std }) if slips => {
+            let share = NumberSpec::FRACTION.with_range(SLIP);
+            rows.ranged("Slip forward", "Part of the wheels' speed that is lost", forward, share);
+            rows.ranged("Slip in turns", "Part of the wheels' turning rate that is lost", turning, share);
+            let share = share.with_range(SLIP_STD);
+            rows.ranged("Slip variation", "Standard deviation from step to step", std, share);
+        }
+        _ => *slip = slips.then(Slip::default),
+    }
 }
 
 /// A checkbox for the drift of odometry and, if it drifts, its errors.
