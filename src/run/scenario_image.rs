@@ -14,7 +14,7 @@ use crate::report::DrawError;
 use crate::report::chart::{
     MapObstacle, MapObstacleKind, MapRobot, MapShape, MapTrack, ScenarioMap, contact_sheet_svg,
 };
-use crate::scenario::{Obstacle, Outline, Scenario, Track, pose_at};
+use crate::scenario::{Obstacle, Outline, Scenario, Shape, Track, pose_at};
 use crate::task::{Arena, ArenaLayout, Clock, Goal, Pose, Scan};
 
 /// The layout seed of the generated obstacles in thumbnails.
@@ -129,7 +129,8 @@ fn robot(scenario: &Scenario, pose: &Pose, scan: &Scan) -> MapRobot {
     });
     MapRobot {
         pose: (x, y, f64::from(pose.heading_rad)),
-        radius: f64::from(scenario.robot.radius_m),
+        nose: f64::from(scenario.robot.inner_radius_m()),
+        body: placed_outline(&scenario.robot.body(), (pose.x_m, pose.y_m, pose.heading_rad)),
         lidar: (lidar_x, lidar_y),
         beam_ends: beam_ends.collect(),
     }
@@ -145,11 +146,15 @@ fn heading(obstacle: &Obstacle, scenario: &Scenario, clock: u64) -> Option<f64> 
 
 /// The area an obstacle covers at control step `clock`.
 fn outline(obstacle: &Obstacle, scenario: &Scenario, clock: u64) -> MapShape {
-    let (x, y, rotation) = pose_at(obstacle, clock, scenario.task.control_period_s);
+    placed_outline(&obstacle.shape, pose_at(obstacle, clock, scenario.task.control_period_s))
+}
+
+/// The area that a shape covers at a pose (x in m, y in m, rotation in rad).
+fn placed_outline(shape: &Shape, (x, y, rotation): (f32, f32, f32)) -> MapShape {
     let (x, y) = wide(vec2(x, y));
     let (sin, cos) = f64::from(rotation).sin_cos();
     let to_map = |at: DVec2| (x + cos * at.x - sin * at.y, y + sin * at.x + cos * at.y);
-    match obstacle.shape.outline(END_SEGMENTS) {
+    match shape.outline(END_SEGMENTS) {
         Outline::Circle(radius) => MapShape::Disc(x, y, radius),
         Outline::Polygon(corners) => MapShape::Polygon(corners.into_iter().map(to_map).collect()),
     }
@@ -180,7 +185,7 @@ mod tests {
     use std::f64::consts::PI;
 
     use super::*;
-    use crate::scenario::{Enclosure, Generator, ObstacleMotion, RandomShape, Shape, Wall};
+    use crate::scenario::{Enclosure, Generator, ObstacleMotion, RandomShape, Wall};
 
     fn obstacle(shape: Shape, motion: ObstacleMotion) -> Obstacle {
         Obstacle { shape, position_m: vec2(1.0, 0.0), rotation_rad: std::f32::consts::FRAC_PI_2, motion }

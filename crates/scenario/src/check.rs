@@ -35,6 +35,7 @@ mod turning;
 mod valid_part;
 
 pub(crate) use convex::RoundedArea;
+pub use convex::convex_distance;
 pub(crate) use grid::{CellGrid, ConnectedRegions};
 pub(crate) use numbers::check_texts;
 pub(crate) use obstacles::check_random_shape;
@@ -47,7 +48,7 @@ use self::valid_part::ValidPart;
 use super::file_error::{Diagnostic, overlap};
 use super::limits::COORDINATE_M;
 use super::note::{Note, NoteLevel};
-use super::schema::Scenario;
+use super::schema::{Robot, Scenario, TaskRules};
 use glam::Vec2;
 
 pub(crate) const METRES: &str = " (metres)";
@@ -56,8 +57,9 @@ pub(crate) const METRES_PER_SECOND: &str = " (metres per second)";
 const ROBOT_RADIUS: (&str, &str) = ("the robot's radius", "robot.radius_m");
 const GOAL_RADIUS: (&str, &str) = ("the goal radius", "task.goal_radius_m");
 const COLLISION_RANGE: (&str, &str) = ("the collision range", "task.collision_range_m");
-pub(crate) const TWICE_COLLISION_RANGE: (&str, &str) =
-    ("twice the collision range", "task.collision_range_m");
+const TWICE_COLLISION_RANGE: (&str, &str) = ("twice the collision range", "task.collision_range_m");
+const ROBOT_REACH: (&str, &str) = ("the reach of the robot's shape", "robot.shape");
+const TWICE_ROBOT_REACH: (&str, &str) = ("twice the reach of the robot's shape", "robot.shape");
 const SECONDS: &str = " (seconds)";
 const RADIANS: &str = " (radians: a full turn is 6.2832)";
 const RADIANS_PER_SECOND: &str = " (radians per second)";
@@ -205,6 +207,28 @@ impl Diagnostics {
         self.check_count(path, points.len(), range);
         for (k, &point) in points.iter().enumerate().take(most) {
             self.check_point(format_args!("{path}[{k}]"), point);
+        }
+    }
+
+    /// Reports a distance from surfaces that leaves no space for the robot of `scenario`.
+    fn check_clearance(&mut self, path: fmt::Arguments<'_>, clearance_m: f32, scenario: &Scenario) {
+        self.check_above(path, clearance_m, scenario.task.collision_range_m, COLLISION_RANGE);
+        if scenario.robot.shape.is_some() {
+            self.check_above(path, clearance_m, scenario.robot.reach_m(), ROBOT_REACH);
+        }
+    }
+
+    /// Reports a gap that the robot does not fit through.
+    pub(crate) fn check_gap(
+        &mut self,
+        path: fmt::Arguments<'_>,
+        gap_m: f32,
+        robot: &Robot,
+        task: &TaskRules,
+    ) {
+        self.check_above(path, gap_m, 2.0 * task.collision_range_m, TWICE_COLLISION_RANGE);
+        if robot.shape.is_some() {
+            self.check_above(path, gap_m, 2.0 * robot.reach_m(), TWICE_ROBOT_REACH);
         }
     }
 

@@ -8,6 +8,7 @@ mod check;
 mod explain;
 mod fields;
 mod file_error;
+mod footprint;
 mod generate;
 mod geometry;
 #[cfg(not(target_arch = "wasm32"))]
@@ -35,7 +36,7 @@ mod uniform_grid;
 pub mod virtual_files;
 mod write;
 
-pub use check::{diagnostics, diagnostics_of_known, notes, value_diagnostics};
+pub use check::{convex_distance, diagnostics, diagnostics_of_known, notes, value_diagnostics};
 pub use explain::{choose, closest_name, whole_number};
 pub use fields::{Field, FieldValue, Quantity};
 pub use file_error::{Diagnostic, FileError, LocatedDiagnostic, has_field, locate, overlap, utf8};
