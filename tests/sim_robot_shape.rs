@@ -19,11 +19,7 @@ fn pose(x_m: f32, y_m: f32, heading_rad: f32) -> Pose {
 /// The default enclosure of 4 m x 4 m with a robot of this shape and one motion, without a collision range that counts.
 fn scenario(shape: Shape, v_m_s: f32, w_rad_s: f32) -> Scenario {
     Scenario {
-        robot: Robot {
-            shape: Some(shape),
-            motions: vec![Motion { v_m_s, w_rad_s }],
-            ..Robot::default()
-        },
+        robot: Robot { shape: Some(shape), motions: vec![Motion { v_m_s, w_rad_s }], ..Robot::default() },
         task: TaskRules { collision_range_m: 0.01, ..TaskRules::default() },
         ..Scenario::default()
     }
@@ -55,8 +51,7 @@ fn drive_until_contact(scenario: &Scenario, start: Pose) -> Vec<Pose> {
 #[test]
 fn a_box_that_turns_on_the_spot_stops_where_its_corner_touches_the_wall() {
     // 0.5 m x 0.2 m, its middle 0.15 m below the upper wall: a corner is 0.25 sin(a) + 0.1 cos(a) above the middle.
-    let scenario = scenario(Shape::Rectangle { width_m: 0.5, height_m: 0.2 }, 0.0, 0.8);
-    let mut turning = scenario.clone();
+    let mut turning = scenario(Shape::Rectangle { width_m: 0.5, height_m: 0.2 }, 0.0, 0.8);
     // A motion that drives is required, but not used.
     turning.robot.motions.push(Motion { v_m_s: 0.1, w_rad_s: 0.0 });
     let end = *drive_until_contact(&turning, pose(0.3, 1.85, 0.0)).last().unwrap();
@@ -120,9 +115,10 @@ fn obstacles() -> impl Strategy<Value = Vec<Obstacle>> {
         place().prop_map(|to| ObstacleMotion::BackAndForth { waypoints_m: vec![to], speed_m_s: 0.5 }),
         place().prop_map(|centre_m| ObstacleMotion::Orbit { centre_m, speed_rad_s: 0.4 }),
     ];
-    let one = (shape, place(), -3.0_f32..3.0, motion).prop_map(|(shape, position_m, rotation_rad, motion)| {
-        Obstacle { shape, position_m, rotation_rad, motion }
-    });
+    let one =
+        (shape, place(), -3.0_f32..3.0, motion).prop_map(|(shape, position_m, rotation_rad, motion)| {
+            Obstacle { shape, position_m, rotation_rad, motion }
+        });
     proptest::collection::vec(one, 1..6)
 }
 

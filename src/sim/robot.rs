@@ -96,11 +96,12 @@ pub(super) struct MotionCommands<'w> {
 }
 
 impl MotionCommands<'_> {
-    /// The motion that is commanded in `arena`, whose scenario is `scenario`.
-    fn motion<'a>(&'a self, arena: &Arena, scenario: &'a Scenario) -> &'a Motion {
+    /// The motion that is commanded in `arena`, whose scenario is `scenario`. A motion that the caller sets is limited to what
+    /// the robot's least turning radius allows.
+    fn motion(&self, arena: &Arena, scenario: &Scenario) -> Motion {
         match &self.motions {
-            Some(motions) => &motions.0[arena.0],
-            None => &scenario.robot.motions[self.actions.0[arena.0]],
+            Some(motions) => scenario.robot.steerable(motions.0[arena.0]),
+            None => scenario.robot.motions[self.actions.0[arena.0]],
         }
     }
 }
@@ -127,7 +128,7 @@ pub(super) fn actuate(commands: MotionCommands, mut arenas: Query<Actuated>) {
             continue;
         }
         let scenario = &*layout.scenario;
-        let (motion, _) = ActuatorLag::of(scenario).step(twist, commands.motion(arena, scenario));
+        let (motion, _) = ActuatorLag::of(scenario).step(twist, &commands.motion(arena, scenario));
         let velocity = chord_velocity(pose.heading_rad, &motion, scenario.task.control_period_s);
         if let Some(body) = set.bodies.get_mut(bodies.robot) {
             body.set_linvel(velocity, true);
@@ -165,7 +166,7 @@ pub(super) fn read_pose(commands: MotionCommands, mut arenas: Query<Stepped>) {
         if let Some(body) = set.bodies.get_mut(bodies.robot) {
             let scenario = &*layout.scenario;
             let period_s = scenario.task.control_period_s;
-            let (motion, after) = ActuatorLag::of(scenario).step(&twist, commands.motion(arena, scenario));
+            let (motion, after) = ActuatorLag::of(scenario).step(&twist, &commands.motion(arena, scenario));
             *twist = after;
             let from = Vec2::new(pose.x_m, pose.y_m);
             let velocity = chord_velocity(pose.heading_rad, &motion, period_s);

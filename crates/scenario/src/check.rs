@@ -251,7 +251,7 @@ impl Diagnostics {
 }
 
 /// `most` rounded down to three decimals, or to three digits if it is small, so that the printed number is allowed.
-fn rounded_down(most: f32) -> String {
+pub(crate) fn rounded_down(most: f32) -> String {
     let most = f64::from(most);
     let places = if most > 0.0 { (-libm::log10(most).floor()).clamp(0.0, 9.0) as usize + 2 } else { 3 };
     let places = places.max(3);

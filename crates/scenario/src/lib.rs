@@ -29,6 +29,7 @@ mod setting;
 mod shape;
 mod shape_fields;
 mod spatial_index;
+mod steering;
 mod text;
 mod track;
 mod uniform_grid;

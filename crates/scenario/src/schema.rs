@@ -264,6 +264,10 @@ pub struct Robot {
     /// `Capsule`. The origin must be at least 0.01 m inside, and no point farther than 10 m from it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shape: Option<Shape>,
+    /// Least turning radius of a robot that steers like a car, 0.001 to 100 m: for each motion, |v / w| must be at least this.
+    /// None by default: the robot turns on the spot, too.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub min_turning_radius_m: Option<f32>,
     /// The 1 to 64 motions; action k of the policy selects motion k.
     pub motions: Vec<Motion>,
     /// Time constant of the drive, 0 to 10 s. The actual (v, w) follows the commanded motion with a first-order lag,
@@ -277,7 +281,13 @@ impl Default for Robot {
     /// the lag (here none).
     fn default() -> Self {
         let motions = [1.5, 0.75, 0.0, -0.75, -1.5].map(|w_rad_s| Motion { v_m_s: 0.15, w_rad_s });
-        Self { radius_m: 0.1, shape: None, motions: motions.into(), actuator_lag_s: 0.0 }
+        Self {
+            radius_m: 0.1,
+            shape: None,
+            min_turning_radius_m: None,
+            motions: motions.into(),
+            actuator_lag_s: 0.0,
+        }
     }
 }
 

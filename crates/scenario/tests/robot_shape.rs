@@ -1,11 +1,12 @@
-//! Robots that are not discs: what a file may say, the space that they need, and the distance of their body from surfaces.
+//! Robots that are not discs, and robots that steer like cars: what a file may say, the space that they need, and the distance of
+//! their body from surfaces.
 
 use std::f32::consts::{FRAC_PI_4, PI};
 
 use glam::{Vec2, vec2};
 use wayfield_scenario::{
-    Enclosure, Obstacle, ObstacleMotion, PlacementRule, Robot, Scenario, Shape, Solid, TaskRules, Wall,
-    convex_distance, diagnostics, parse_ron, to_text,
+    Enclosure, Motion, Obstacle, ObstacleMotion, PlacementRule, Robot, Scenario, Shape, Solid, TaskRules,
+    Wall, convex_distance, diagnostics, parse_ron, to_text,
 };
 
 /// A TurtleBot3 Waffle: 282 mm x 310 mm; its wheels are 64 mm ahead of the middle.
@@ -194,4 +195,38 @@ fn body_points(shape: &Shape, (x, y, heading): (f32, f32, f32)) -> impl Iterator
         (-30_i8..=30).flat_map(|i| (-30_i8..=30).map(move |j| vec2(f32::from(i), f32::from(j)) * 0.01));
     grid.filter(|&point| shape.distance(point) <= 0.0)
         .map(move |p| vec2(x + p.x * cos - p.y * sin, y + p.x * sin + p.y * cos))
+}
+
+#[test]
+fn the_motions_of_a_car_keep_its_least_turning_radius() {
+    let motion = |v_m_s, w_rad_s| Motion { v_m_s, w_rad_s };
+    let car = |motions: &[Motion], radius_m: f32| Scenario {
+        robot: Robot { min_turning_radius_m: Some(radius_m), motions: motions.into(), ..Robot::default() },
+        ..Scenario::default()
+    };
+    let fits = [motion(0.3, 0.6), motion(-0.3, 0.6), motion(0.3, -0.3), motion(0.0, 0.0)];
+    assert_eq!(found(&car(&fits, 0.5)), Vec::<String>::new());
+    let tight = [motion(0.3, 0.0), motion(0.2, -0.5), motion(0.0, 0.5)];
+    assert_eq!(
+        found(&car(&tight, 0.5)),
+        [
+            "`robot.motions[1]` turns with a radius of 0.400 m, but the robot's least turning radius is 0.5 m: write a w_rad_s of \
+             at most 0.400 either way, or a larger v_m_s",
+            "`robot.motions[2]` turns on the spot, but the robot's least turning radius is 0.5 m: write a w_rad_s of 0 or a \
+             larger v_m_s, or remove min_turning_radius_m",
+        ]
+    );
+    let message = &found(&car(&fits, 0.0))[0];
+    assert_eq!(message, "`robot.min_turning_radius_m` is 0: write a number from 0.001 to 100 (metres)");
+
+    let robot = car(&fits, 0.5).robot;
+    for (wanted, steered) in [
+        (motion(0.2, 1.0), motion(0.2, 0.4)),
+        (motion(-0.2, -1.0), motion(-0.2, -0.4)),
+        (motion(0.2, 0.1), motion(0.2, 0.1)),
+        (motion(0.0, 1.0), motion(0.0, 0.0)),
+    ] {
+        assert_eq!(robot.steerable(wanted), steered);
+    }
+    assert_eq!(Robot::default().steerable(motion(0.0, 1.0)), motion(0.0, 1.0), "a differential drive");
 }

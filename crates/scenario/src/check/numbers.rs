@@ -9,6 +9,7 @@ use super::{Diagnostics, METRES, METRES_PER_SECOND, RADIANS, RADIANS_PER_SECOND,
 use super::{obstacles, polygons, speeds};
 use crate::limits::*;
 use crate::schema::*;
+use crate::steering;
 use crate::text::{code_point, is_noncharacter};
 
 pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
@@ -93,6 +94,13 @@ fn check_robot(robot: &Robot, diagnostics: &mut Diagnostics) {
         let path = format_args!("robot.motions[{k}].w_rad_s");
         let range = -MAX_ANGULAR_SPEED_RAD_S..=MAX_ANGULAR_SPEED_RAD_S;
         diagnostics.check_range(path, motion.w_rad_s, range, RADIANS_PER_SECOND);
+    }
+    if let Some(radius_m) = robot.min_turning_radius_m {
+        let path = format_args!("robot.min_turning_radius_m");
+        diagnostics.check_range(path, radius_m, TURNING_RADIUS_M, METRES);
+        if TURNING_RADIUS_M.contains(&radius_m) {
+            steering::check(robot, radius_m, diagnostics);
+        }
     }
     let path = format_args!("robot.actuator_lag_s");
     diagnostics.check_range(path, robot.actuator_lag_s, ACTUATOR_LAG_S, SECONDS);

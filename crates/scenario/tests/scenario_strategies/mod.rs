@@ -130,6 +130,7 @@ impl ValueRange {
         (self.shape(), self.place(1.6), self.within(-TAU, TAU), self.motion())
             .prop_map(|(shape, position_m, rotation_rad, motion)| Obstacle {
                 shape,
+                min_turning_radius_m: None,
                 position_m,
                 rotation_rad,
                 motion,

@@ -46,6 +46,11 @@ pub fn robot_ui(ui: &mut Ui, editor: &mut Editor) {
         robot.radius_m = Robot::default().radius_m;
         rows.mark_changed("shape");
     }
+    let mut turning_radius_m = robot.min_turning_radius_m.unwrap_or(0.0);
+    let tip = "Least turning radius of a robot that steers like a car; 0 if it can turn on the spot";
+    let radius = NumberSpec::length(0.0..=*TURNING_RADIUS_M.end());
+    rows.number("Min. turning radius", tip, &mut turning_radius_m, radius);
+    robot.min_turning_radius_m = (turning_radius_m != 0.0).then_some(turning_radius_m);
     let tip = "Time constant with which the robot follows its motion commands";
     rows.number("Actuator lag", tip, &mut robot.actuator_lag_s, NumberSpec::seconds(ACTUATOR_LAG_S));
     let units = [NumberSpec::VELOCITY, NumberSpec::ANGULAR_VELOCITY];
