@@ -6,7 +6,6 @@
 //! it nowhere: its collider is a sensor.
 
 use bevy::prelude::*;
-use bevy_rapier2d::rapier::math::Pose as BodyPose;
 use bevy_rapier2d::rapier::prelude::{Shape, TypedShape};
 
 use super::contact::{MIN_ADVANCE_M, ObstacleTrajectory, PlacedShape};

@@ -130,7 +130,6 @@ impl ValueRange {
         (self.shape(), self.place(1.6), self.within(-TAU, TAU), self.motion())
             .prop_map(|(shape, position_m, rotation_rad, motion)| Obstacle {
                 shape,
-                min_turning_radius_m: None,
                 position_m,
                 rotation_rad,
                 motion,
@@ -183,6 +182,7 @@ impl ValueRange {
             .prop_map(|(radius_m, shape, motions, actuator_lag_s)| Robot {
                 radius_m,
                 shape,
+                min_turning_radius_m: None,
                 motions: motions.into_iter().map(|(v_m_s, w_rad_s)| Motion { v_m_s, w_rad_s }).collect(),
                 actuator_lag_s,
             });
