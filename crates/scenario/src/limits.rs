@@ -154,6 +154,7 @@ pub const ROBOT_RADIUS_M: RangeInclusive<f32> = 0.01..=10.0;
 /// Number of motions of the robot.
 pub const MOTIONS: RangeInclusive<usize> = 1..=64;
 /// Time constant of the drive, in s.
+pub const TURNING_RADIUS_M: RangeInclusive<f32> = 0.001..=100.0;
 pub const ACTUATOR_LAG_S: RangeInclusive<f32> = 0.0..=10.0;
 /// Number of LIDAR beams.
 pub const BEAMS: RangeInclusive<usize> = 1..=4096;
