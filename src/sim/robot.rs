@@ -24,7 +24,7 @@ use super::contact::ContactQuery;
 use super::physics::Bodies;
 use crate::scenario::{Motion, Scenario};
 use crate::task::{
-    Actions, Arena, ArenaLayout, Clock, CommandedMotions, Episode, Pose, Scan, Twist, wrap_angle,
+    Actions, Arena, ArenaLayout, Clock, CommandedMotions, Episode, Pedestrians, Pose, Scan, Twist, wrap_angle,
 };
 
 /// The tolerance for rounding: in m for coordinates, relative for distances.
@@ -141,7 +141,7 @@ type Stepped = (
     &'static Arena,
     &'static ArenaLayout,
     &'static Bodies,
-    &'static Clock,
+    (&'static Clock, &'static Pedestrians),
     &'static Episode,
     &'static RapierContextColliders,
     &'static mut RapierRigidBodySet,
@@ -160,6 +160,7 @@ pub(super) fn read_pose(commands: MotionCommands, mut arenas: Query<Stepped>) {
     for (arena, layout, bodies, clock, episode, colliders, mut set, mut pose, mut twist, mut scan) in
         &mut arenas
     {
+        let (clock, pedestrians) = clock;
         if episode.inactive {
             continue;
         }
@@ -175,9 +176,10 @@ pub(super) fn read_pose(commands: MotionCommands, mut arenas: Query<Stepped>) {
             let deflected =
                 (body.translation() - free).length() > ROUNDING * (1.0 + from.length() + free.length());
             let to = if deflected { free } else { body.translation() };
+            let (layout, colliders) = (layout.indexed(pedestrians), &colliders.colliders);
             let step = ContactQuery {
-                scenario,
-                colliders: &colliders.colliders,
+                layout,
+                colliders,
                 bodies,
                 clock: *clock,
                 from,

@@ -21,6 +21,7 @@
 mod convex;
 mod extent;
 mod grid;
+mod key_frames;
 mod motions;
 mod numbers;
 mod obstacles;
@@ -37,7 +38,7 @@ mod valid_part;
 pub(crate) use convex::RoundedArea;
 pub use convex::convex_distance;
 pub(crate) use grid::{CellGrid, ConnectedRegions};
-pub(crate) use numbers::check_texts;
+pub(crate) use numbers::{check_name, check_texts};
 pub(crate) use obstacles::check_random_shape;
 pub(crate) use reachability::{RegionSite, blocked, sites};
 
@@ -61,7 +62,7 @@ const TWICE_COLLISION_RANGE: (&str, &str) = ("twice the collision range", "task.
 const ROBOT_REACH: (&str, &str) = ("the reach of the robot's shape", "robot.shape");
 const TWICE_ROBOT_REACH: (&str, &str) = ("twice the reach of the robot's shape", "robot.shape");
 const SECONDS: &str = " (seconds)";
-const RADIANS: &str = " (radians: a full turn is 6.2832)";
+pub(crate) const RADIANS: &str = " (radians: a full turn is 6.2832)";
 const RADIANS_PER_SECOND: &str = " (radians per second)";
 
 /// All problems of `scenario`: first invalid numbers, then parts that do not fit together. Of the latter, those are found that
@@ -97,9 +98,11 @@ pub fn diagnostics_of_known(scenario: &Scenario, unknown: &[String]) -> Vec<Diag
 pub fn notes(scenario: &Scenario) -> Vec<Note> {
     let mut notes = Vec::new();
     if value_diagnostics(scenario).is_empty() && motions::max_speed_m_s(&scenario.robot) > 0.0 {
-        for check in [time_limit::check, turning::check, speeds::note_fast_obstacles, overlaps::check] {
-            check(scenario, &mut notes);
-        }
+        time_limit::check(scenario, &mut notes);
+        turning::check(scenario, &mut notes);
+        speeds::note_fast_obstacles(scenario, &mut notes);
+        key_frames::note_stops(scenario, &mut notes);
+        overlaps::check(scenario, &mut notes);
     }
     notes
 }
@@ -183,7 +186,7 @@ impl Diagnostics {
     }
 
     /// Reports coordinates outside the range of the largest enclosure.
-    fn check_point(&mut self, path: fmt::Arguments<'_>, Vec2 { x, y }: Vec2) {
+    pub(crate) fn check_point(&mut self, path: fmt::Arguments<'_>, Vec2 { x, y }: Vec2) {
         self.check_range(format_args!("{path}[0]"), x, COORDINATE_M, METRES);
         self.check_range(format_args!("{path}[1]"), y, COORDINATE_M, METRES);
     }

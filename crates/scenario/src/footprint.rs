@@ -4,9 +4,9 @@ use glam::{Vec2, vec2};
 
 use super::check::convex_distance;
 use super::geometry::{Solid, enclosure_distance, inner_wall_distance, shape_distance};
-use super::motion::pose_at;
 use super::polygon::sides;
 use super::schema::{Obstacle, Robot, Scenario, Shape, Wall};
+use super::spatial_index::IndexedScenario;
 
 impl Robot {
     /// Distance from the robot's origin to the farthest point of its body, in m: the radius of a disc.
@@ -49,8 +49,17 @@ impl Scenario {
     /// and the distance in m; 0 where they overlap. Of equally near ones, the first in the order of [`Solid`].
     #[must_use]
     pub fn nearest_to_body(&self, pose: (f32, f32, f32), step: u64) -> (Solid, f32) {
-        let body = PlacedBody::new(&self.robot.body(), pose);
-        let mut best = (Solid::Enclosure, body.enclosure_distance(self));
+        IndexedScenario::from(self).nearest_to_body(pose, step)
+    }
+}
+
+impl IndexedScenario<'_> {
+    /// [`Scenario::nearest_to_body`], with the pedestrians where they are now.
+    #[must_use]
+    pub fn nearest_to_body(self, pose: (f32, f32, f32), step: u64) -> (Solid, f32) {
+        let scenario = self.scenario;
+        let body = PlacedBody::new(&scenario.robot.body(), pose);
+        let mut best = (Solid::Enclosure, body.enclosure_distance(scenario));
         let mut consider =
             |solid: Solid, from_origin_m: f32, obstacle: &mut dyn Iterator<Item = Obstacle>| {
                 if from_origin_m - body.reach_m < best.1 {
@@ -58,12 +67,12 @@ impl Scenario {
                     best = if distance < best.1 { (solid, distance) } else { best };
                 }
             };
-        for (index, wall) in self.walls.iter().enumerate() {
+        for (index, wall) in scenario.walls.iter().enumerate() {
             let from_origin_m = inner_wall_distance(wall, body.origin_m);
             consider(Solid::Wall(index), from_origin_m, &mut Wall::segments(wall));
         }
-        for (index, obstacle) in self.obstacles.iter().enumerate() {
-            let at = pose_at(obstacle, step, self.task.control_period_s);
+        for (index, obstacle) in scenario.obstacles.iter().enumerate() {
+            let at = self.pose_at(index, step);
             let from_origin_m = shape_distance(&obstacle.shape, at, body.origin_m);
             let placed = || Obstacle { position_m: vec2(at.0, at.1), rotation_rad: at.2, ..obstacle.clone() };
             consider(Solid::Obstacle(index), from_origin_m, &mut std::iter::once_with(placed));

@@ -9,6 +9,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::key_frames;
 use super::schema::{Obstacle, ObstacleMotion};
 use glam::{DVec2, Vec2, dvec2};
 use wayfield_random::Stream;
@@ -19,7 +20,11 @@ use wayfield_random::Stream;
 /// Orbit: the obstacle revolves about the centre and rotates with the revolution. Patrol: it starts at its own position,
 /// visits the waypoints in order, returns to its position, and repeats; a negative speed reverses the direction. Back and
 /// forth: it goes to the last waypoint and back. Random walk: it starts at its position and moves in a straight line at
-/// constant speed to a random point of the disc about it; every leg takes the time of the longest possible leg.
+/// constant speed to a random point of the disc about it; every leg takes the time of the longest possible leg. Key frames:
+/// it is at each frame at its time, and moves in straight lines between them.
+///
+/// Pedestrian: its position at the start of an episode. [`IndexedScenario::pose_at`](super::IndexedScenario::pose_at) knows where
+/// it is now.
 ///
 /// Numbers that [`diagnostics`](super::diagnostics) would reject may give NaN but never a panic.
 #[must_use]
@@ -29,7 +34,7 @@ pub fn pose_at(obstacle: &Obstacle, step: u64, control_period_s: f32) -> (f32, f
     // The product of two f32 is exact in f64; only the multiplication by `step` rounds.
     let travelled = |speed: f32| f64::from(speed) * f64::from(control_period_s) * step as f64;
     let (point, rotation) = match &obstacle.motion {
-        ObstacleMotion::Static => (position, rotation),
+        ObstacleMotion::Static | ObstacleMotion::Pedestrian { .. } => (position, rotation),
         ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
             let angle = travelled(*speed_rad_s);
             (rotate_about(position, centre_m.as_dvec2(), angle), rotation + angle)
@@ -42,6 +47,9 @@ pub fn pose_at(obstacle: &Obstacle, step: u64, control_period_s: f32) -> (f32, f
         }
         ObstacleMotion::RandomWalk { radius_m, speed_m_s, seed } => {
             (random_walk(position, f64::from(*radius_m), *seed, travelled(*speed_m_s)), rotation)
+        }
+        ObstacleMotion::KeyFrames { frames, end } => {
+            (key_frames::position_m(position, frames, *end, travelled(1.0)), rotation)
         }
     };
     (point.x as f32, point.y as f32, wrapped(rotation) as f32)

@@ -17,16 +17,22 @@ pub enum MotionKind {
     BackAndForth,
     /// Between random points.
     RandomWalk,
+    /// To goals, avoiding others.
+    Pedestrian,
+    /// Along recorded positions.
+    KeyFrames,
 }
 
 impl MotionKind {
     /// All kinds, each with its name and a description for the screen.
-    pub const ALL: [(Self, &'static str, &'static str); 5] = [
+    pub const ALL: [(Self, &'static str, &'static str); 7] = [
         (Self::Static, "Static", "Does not move"),
         (Self::Orbit, "Orbit", "Around a point, rotating with it"),
         (Self::Patrol, "Patrol", "Along a closed path"),
         (Self::BackAndForth, "Back and forth", "Along a path and back"),
         (Self::RandomWalk, "Random walk", "Between random points near its position"),
+        (Self::Pedestrian, "Pedestrian", "To its goals, avoiding other pedestrians"),
+        (Self::KeyFrames, "Key frames", "At recorded positions at their times"),
     ];
 }
 
@@ -40,13 +46,21 @@ impl ObstacleMotion {
             Self::Patrol { .. } => MotionKind::Patrol,
             Self::BackAndForth { .. } => MotionKind::BackAndForth,
             Self::RandomWalk { .. } => MotionKind::RandomWalk,
+            Self::Pedestrian { .. } => MotionKind::Pedestrian,
+            Self::KeyFrames { .. } => MotionKind::KeyFrames,
         }
+    }
+
+    /// Whether it is that of a pedestrian, whose pose is no function of the step alone ([`Crowd`](super::Crowd)).
+    #[must_use]
+    pub fn is_pedestrian(&self) -> bool {
+        matches!(self, Self::Pedestrian { .. })
     }
 
     /// The fields, in the order in which they are shown.
     #[must_use]
     pub fn fields_mut(&mut self) -> Vec<Field<'_>> {
-        use FieldValue::{Centre, Number, Seed, Waypoints};
+        use FieldValue::{Centre, Flag, KeyFrames, Number, Seed, Waypoints};
         let field = |name, label, about, value| Field { names: name, label, about, value };
         match self {
             Self::Static => Vec::new(),
@@ -73,6 +87,20 @@ impl ObstacleMotion {
                     field(&["seed"], "Seed", "Obstacles with the same seed walk alike", Seed(seed)),
                 ]
             }
+            Self::Pedestrian { goals_m, speed_m_s, loops, sees_robot } => {
+                let speed = Number(speed_m_s, Quantity::Speed);
+                let (repeat, sees) = ("Return to the position and start again", "Avoid the robot, too");
+                vec![
+                    field(&["speed_m_s"], "Speed", "Highest speed", speed),
+                    field(&["loops"], "Repeat", repeat, Flag(loops)),
+                    field(&["sees_robot"], "Sees the robot", sees, Flag(sees_robot)),
+                    field(&["goals_m"], "Goal", "", Waypoints(goals_m)),
+                ]
+            }
+            Self::KeyFrames { frames, end } => {
+                let names = &["frames", "time_s", "position_m", "end", "period_s"];
+                vec![field(names, "Frame", "", KeyFrames(frames, end))]
+            }
         }
     }
 
@@ -81,15 +109,6 @@ impl ObstacleMotion {
     pub fn number_mut(&mut self, quantity: Quantity) -> Option<&mut f32> {
         self.fields_mut().into_iter().find_map(|field| match field.value {
             FieldValue::Number(number, of) if of == quantity => Some(number),
-            _ => None,
-        })
-    }
-
-    /// The waypoints of a path, in m.
-    #[must_use]
-    pub fn waypoints_mut(&mut self) -> Option<&mut Vec<Vec2>> {
-        self.fields_mut().into_iter().find_map(|field| match field.value {
-            FieldValue::Waypoints(waypoints_m) => Some(waypoints_m),
             _ => None,
         })
     }
@@ -103,7 +122,8 @@ impl ObstacleMotion {
         })
     }
 
-    /// The points that move with the obstacle, in m: the centre of a revolution or the waypoints of a path.
+    /// The points that move with the obstacle, in m: the centre of a revolution, the waypoints of a path or
+    /// the positions of key frames.
     #[must_use]
     pub fn points_mut(&mut self) -> Vec<&mut Vec2> {
         let mut points = Vec::new();
@@ -111,6 +131,9 @@ impl ObstacleMotion {
             match field.value {
                 FieldValue::Centre(centre_m) => points.push(centre_m),
                 FieldValue::Waypoints(waypoints_m) => points.extend(waypoints_m),
+                FieldValue::KeyFrames(frames, _) => {
+                    points.extend(frames.iter_mut().map(|frame| &mut frame.position_m));
+                }
                 _ => {}
             }
         }
