@@ -13,12 +13,13 @@
 //! after the step is exact.
 //!
 //! The body is a disc with locked rotation, which only the wheels turn, never a contact. The heading is integrated here,
-//! with `libm`, so that its bits are the same on every platform.
+//! with `libm`, so that its bits are the same on every platform. A body of another shape (`footprint.rs`) stops and stops
+//! turning where it first touches something.
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::*;
-use bevy_rapier2d::rapier::math::Pose as BodyPose;
+use bevy_rapier2d::rapier::math::{Pose as BodyPose, Rotation};
 
 use super::contact::ContactQuery;
 use super::physics::Bodies;
@@ -54,11 +55,12 @@ pub(super) struct MotionCommands<'w> {
 }
 
 impl MotionCommands<'_> {
-    /// The motion that is commanded in `arena`, whose scenario is `scenario`.
-    fn motion<'a>(&'a self, arena: &Arena, scenario: &'a Scenario) -> &'a Motion {
+    /// The motion that is commanded in `arena`, whose scenario is `scenario`. A motion that the caller sets is limited to what
+    /// the robot's least turning radius allows.
+    fn motion(&self, arena: &Arena, scenario: &Scenario) -> Motion {
         match &self.motions {
-            Some(motions) => &motions.0[arena.0],
-            None => &scenario.robot.motions[self.actions.0[arena.0]],
+            Some(motions) => scenario.robot.steerable(motions.0[arena.0]),
+            None => scenario.robot.motions[self.actions.0[arena.0]],
         }
     }
 }
@@ -112,7 +114,7 @@ pub(super) fn actuate(commands: MotionCommands, mut arenas: Query<Actuated>) {
             continue;
         }
         let scenario = &*layout.scenario;
-        let motion = driven(layout, *clock, twist, commands.motion(arena, scenario)).robot;
+        let motion = driven(layout, *clock, twist, &commands.motion(arena, scenario)).robot;
         let velocity = chord_velocity(pose.heading_rad, &motion, scenario.task.control_period_s);
         if let Some(body) = set.bodies.get_mut(bodies.robot) {
             body.set_linvel(velocity, true);
@@ -151,7 +153,7 @@ pub(super) fn read_pose(commands: MotionCommands, mut arenas: Query<Stepped>) {
         if let Some(body) = set.bodies.get_mut(bodies.robot) {
             let scenario = &*layout.scenario;
             let period_s = scenario.task.control_period_s;
-            let driven = driven(layout, *clock, &twist, commands.motion(arena, scenario));
+            let driven = driven(layout, *clock, &twist, &commands.motion(arena, scenario));
             let motion = driven.robot;
             *twist = driven.end;
             let from = Vec2::new(pose.x_m, pose.y_m);
@@ -162,11 +164,20 @@ pub(super) fn read_pose(commands: MotionCommands, mut arenas: Query<Stepped>) {
                 (body.translation() - free).length() > ROUNDING * (1.0 + from.length() + free.length());
             let to = if deflected { free } else { body.translation() };
             let (layout, colliders) = (layout.indexed(pedestrians), &colliders.colliders);
-            let step = ContactQuery { layout, colliders, bodies, clock: *clock, from };
+            let step = ContactQuery {
+                layout,
+                colliders,
+                bodies,
+                clock: *clock,
+                from,
+                heading_rad: pose.heading_rad,
+                turn_rad: motion.w_rad_s * period_s,
+            };
             let contact = step.first_contact(to);
             scan.touching = contact.is_some();
+            let is_disc = bodies.footprint.is_none();
             if let Some(fraction) = contact {
-                if !step.is_resting_contact(body.translation(), to) {
+                if !is_disc || !step.is_resting_contact(body.translation(), to) {
                     body.set_translation(from.lerp(to, fraction), true);
                 }
                 body.set_linvel(Vec2::ZERO, true);
@@ -175,15 +186,19 @@ pub(super) fn read_pose(commands: MotionCommands, mut arenas: Query<Stepped>) {
                 body.set_linvel(velocity, true);
             }
             let position = body.translation();
+            let turning_s = if is_disc { period_s } else { period_s * contact.unwrap_or(1.0) };
             *pose = Pose {
                 x_m: position.x,
                 y_m: position.y,
-                heading_rad: integrate_heading(pose.heading_rad, &motion, period_s),
+                heading_rad: integrate_heading(pose.heading_rad, &motion, turning_s),
             };
             estimate.0 = match &scenario.robot.odometry_drift {
                 Some(drift) => pose_after(&estimate.0, &drift.reported_motion(&driven.wheels), period_s),
                 None => *pose,
             };
+            if !is_disc {
+                body.set_rotation(Rotation::from_angle(pose.heading_rad), true);
+            }
         }
     }
 }
@@ -204,7 +219,11 @@ pub(super) fn place(
 /// Moves the robot's body to `pose`, at rest.
 pub(super) fn place_body(set: &mut RapierRigidBodySet, bodies: &Bodies, pose: &Pose) {
     if let Some(body) = set.bodies.get_mut(bodies.robot) {
-        body.set_position(BodyPose::translation(pose.x_m, pose.y_m), true);
+        let mut position = BodyPose::translation(pose.x_m, pose.y_m);
+        if bodies.footprint.is_some() {
+            position.rotation = Rotation::from_angle(pose.heading_rad);
+        }
+        body.set_position(position, true);
         body.set_linvel(Vec2::ZERO, true);
     }
 }

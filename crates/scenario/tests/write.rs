@@ -133,6 +133,8 @@ fn everything() -> Scenario {
         ],
         robot: Robot {
             radius_m: 0.12,
+            shape: Some(Shape::Rectangle { width_m: 0.25, height_m: 0.2 }),
+            min_turning_radius_m: Some(0.5),
             motions: vec![Motion { v_m_s: 0.2, w_rad_s: 0.0 }, Motion { v_m_s: 0.0, w_rad_s: -1.0 }],
             actuator_lag_s: 0.5.into(),
             ..Robot::default()
@@ -250,6 +252,8 @@ const EVERYTHING: &str = r#"(
 
     robot: (
         radius_m: 0.12,
+        shape: Rectangle(width_m: 0.25, height_m: 0.2),
+        min_turning_radius_m: 0.5,
         motions: [
             (v_m_s: 0.2, w_rad_s: 0.0),
             (v_m_s: 0.0, w_rad_s: -1.0),
@@ -627,9 +631,11 @@ fn robot() -> impl Strategy<Value = Robot> {
     let motion = pair().prop_map(|(v_m_s, w_rad_s)| Motion { v_m_s, w_rad_s });
     prop_oneof![
         Just(Robot::default()),
-        (number(), vec(motion, 0..4), number(), number(), number()).prop_map(
-            |(radius_m, motions, actuator_lag_s, limit, error)| Robot {
+        (number(), option::of(shape()), vec(motion, 0..4), number(), number(), number()).prop_map(
+            |(radius_m, shape, motions, actuator_lag_s, limit, error)| Robot {
                 radius_m,
+                shape,
+                min_turning_radius_m: Some(limit),
                 motions,
                 actuator_lag_s: Ranged::Range(actuator_lag_s, error),
                 max_acceleration_m_s2: Some(limit),

@@ -8,7 +8,7 @@ use super::{angles_rad, parse_scenario, printable, scenario_name, write};
 use crate::policy::Policy;
 use crate::policy::card::Action;
 use crate::run::RunError;
-use crate::scenario::{OdometryDrift, Ranged, Scenario, Slip, field_names};
+use crate::scenario::{OdometryDrift, Ranged, Robot, Scenario, Slip, field_names};
 
 /// The maximum number of differences in a warning.
 const MAX_LISTED: usize = 12;
@@ -111,6 +111,10 @@ fn differences(trained: &Scenario, here: &Scenario) -> Vec<String> {
             differ(setting, &with_unit(&card), &with_unit(&here));
         }
     }
+    if trained.robot.shape != here.robot.shape {
+        let [card, here] = [trained, here].map(|scenario| body(&scenario.robot));
+        differ("robot shape", &card, &here);
+    }
     if angles_rad(&trained.lidar) != angles_rad(&here.lidar) {
         let [card, here] = [trained, here].map(|scenario| scenario.lidar.field_of_view_rad);
         differ("LIDAR field of view", &format!("{card} rad"), &format!("{here} rad"));
@@ -137,6 +141,11 @@ fn settings(scenario: &Scenario) -> [(&'static str, String, &'static str); 13] {
         ("goal radius", task.goal_radius_m.to_string(), "m"),
         ("collision range", task.collision_range_m.to_string(), "m"),
     ]
+}
+
+/// The shape of a robot, as in a scenario's file.
+fn body(robot: &Robot) -> String {
+    robot.shape.as_ref().map_or_else(|| "a disc".into(), |shape| ron::to_string(shape).unwrap_or_default())
 }
 
 fn slip(slip: Option<Slip>) -> String {
