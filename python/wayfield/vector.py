@@ -81,8 +81,9 @@ class NavigationVectorEnv(VectorEnv):
             if mask is not None and not np.all(mask):
                 raise RuntimeError("the environments were not reset; help: call reset() without reset_mask first")
             seed = seed_of(self.np_random) if seed is None else seed
+        observations = self._native.reset(seed, mask)
         self._is_reset = True
-        return self._native.reset(seed, mask), {}
+        return observations, {}
 
     def step(self, actions: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """Takes one control step in every environment.
