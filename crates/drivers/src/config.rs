@@ -89,7 +89,7 @@ impl Default for DwaParameters {
         Self {
             horizon_s: 2.0,
             heading_time_s: 0.6,
-            heading: 0.8,
+            heading: 0.2,
             clearance: 0.2,
             speed: 1.0,
             margin: 0.2,
@@ -156,7 +156,7 @@ pub struct PlannerParameters {
 impl Default for PlannerParameters {
     fn default() -> Self {
         let dwa = DwaParameters { margin: 0.1, ..DwaParameters::default() };
-        Self { cell: 0.34, margin: 1.0, replan_steps: 3, lookahead: 4.0, dwa }
+        Self { cell: 0.34, margin: 1.0, replan_steps: 3, lookahead: 3.0, dwa }
     }
 }
 
