@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use super::{ActionSource, ActionSources};
 use crate::drivers::{Driver, DriverClass, DriverConfig, Odometry, Percept, Robot, Truth};
 use crate::scenario::Motion;
-use crate::task::{Actions, Arena, ArenaLayout, Clock, Episode, Goal, Pose, Scan, Twist};
+use crate::task::{Actions, Arena, ArenaLayout, Clock, Episode, Goal, Pedestrians, Pose, Scan, Twist};
 
 /// A classical driver in one arena. It starts anew with every episode.
 pub struct DriverSource {
@@ -35,7 +35,7 @@ type Perceived = (
     &'static Twist,
     &'static Scan,
     &'static Goal,
-    &'static Clock,
+    (&'static Clock, &'static Pedestrians),
     &'static Episode,
 );
 
@@ -55,9 +55,10 @@ pub(super) fn drive(
             source.driver = Some(source.config.driver(&Robot::of(&layout.scenario)));
             source.last_pose = *pose;
         }
+        let (clock, pedestrians) = clock;
         let tuple = |pose: &Pose| (pose.x_m, pose.y_m, pose.heading_rad);
         let truth = Truth {
-            scenario: &layout.scenario,
+            layout: layout.indexed(pedestrians),
             clock: clock.0,
             pose: tuple(pose),
             goal_m: Vec2::new(goal.x_m, goal.y_m),

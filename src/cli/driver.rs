@@ -7,8 +7,26 @@ use crate::drivers::DriverConfig;
 use crate::policy::Policy;
 use crate::run::evaluate::Evaluated;
 use crate::run::{RunError, shipped};
-use crate::scenario::{Scenario, parse_checked, path_exists, read_text};
+use crate::scenario::{FileError, Scenario, parse_checked, path_exists, read_text};
 use crate::simulation::Extensions;
+
+/// The names with which the text of a driver begins.
+const METHODS: [&str; 7] = ["Field", "Dwa", "DwaCv", "GridDwa", "AstarDwa", "Astar", "Orca"];
+
+/// The driver in `text`, the contents of the file at `path`.
+///
+/// # Errors
+/// The text is not a driver, or a parameter is out of range.
+pub fn parse(text: &str, path: &Path) -> Result<DriverConfig, FileError> {
+    let check = DriverConfig::diagnostics;
+    parse_checked(text, path, |driver, _| check(driver), check)
+}
+
+/// How much a RON text looks like a driver: as much as possible if it begins with the name of one, else not at all.
+pub fn resemblance(text: &str) -> usize {
+    let begins_with = |name: &&str| crate::scenario::resemblance::<Scenario>(text, name) == usize::MAX;
+    if METHODS.iter().any(begins_with) { usize::MAX } else { 0 }
+}
 
 /// A policy or a classical driver.
 pub enum TestDriver {
@@ -31,13 +49,7 @@ impl TestDriver {
             return Ok(Self::Classical(driver));
         }
         if exists && path.extension().is_some_and(|extension| extension == "ron") {
-            let check = DriverConfig::diagnostics;
-            return Ok(Self::Classical(parse_checked(
-                &read_text(path)?,
-                path,
-                |driver, _| check(driver),
-                check,
-            )?));
+            return Self::parse(&read_text(path)?, path);
         }
         if !exists && policy::is_unknown_name(path) {
             let policies: Vec<&str> =
@@ -51,6 +63,14 @@ impl TestDriver {
             return Err(RunError::invalid_input(path, why));
         }
         policy::load(path).map(Self::Policy)
+    }
+
+    /// The driver whose parameters are in the RON text `text`, which is called `path` in messages.
+    ///
+    /// # Errors
+    /// It is not a driver, or a parameter is out of range.
+    pub fn parse(text: &str, path: &Path) -> Result<Self, RunError> {
+        Ok(Self::Classical(parse(text, path)?))
     }
 
     /// Its policy.
@@ -75,5 +95,22 @@ impl TestDriver {
             Self::Policy(policy) => policy.into(),
             Self::Classical(driver) => driver.into(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::to_ron;
+
+    #[test]
+    fn the_text_of_every_driver_is_known_by_its_name() {
+        for name in DriverConfig::NAMES {
+            let driver = DriverConfig::shipped(name).expect("shipped");
+            let text = to_ron(&driver).expect("RON");
+            assert_eq!(resemblance(&text), usize::MAX, "{text}");
+            assert_eq!(parse(&text, Path::new("driver.ron")), Ok(driver));
+        }
+        assert_eq!(resemblance("(name: \"Dwa\")"), 0);
     }
 }

@@ -13,7 +13,7 @@ use crate::simulation::Extensions;
 #[command(next_help_heading = "Options of several modes")]
 pub struct SharedArgs {
     /// The scenario: a RON file, or a shipped one by name (scenario-1, scenario-2, empty, corridor, doorway,
-    /// slalom, random-field, u-trap, crossing, crowd, hall, maze); with --train also a set of scenarios
+    /// slalom, random-field, u-trap, crossing, crowd, hall, maze); with --train, --eval and --draw also a set of scenarios
     /// [default: scenario-1; with --eval the one that the policy was trained in]
     #[arg(long, value_name = "FILE")]
     pub scenario: Option<String>,

@@ -15,9 +15,9 @@ use crate::app::moves::{
     Movable, MoveContext, MoveRejection, MoveRequest, ObstaclePose, check_move, initial_position,
     with_obstacle_at,
 };
-use crate::scenario::{Scenario, pose_at};
+use crate::scenario::Scenario;
 use crate::sim;
-use crate::task::{Arena, ArenaLayout, Clock, CurrentScenario, Goal, Pose};
+use crate::task::{Arena, ArenaLayout, Clock, CurrentScenario, Goal, Pedestrians, Pose};
 
 /// A change made to a running training.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -61,13 +61,13 @@ impl Intervention {
 /// The reason why the object cannot be moved there.
 pub fn resolve(world: &mut World, request: &MoveRequest) -> Result<Intervention, MoveRejection> {
     let &MoveRequest { arena, object, to_m } = request;
-    let mut arenas = world.query::<(&Arena, &ArenaLayout, &Clock, &Pose, &Goal)>();
+    let mut arenas = world.query::<(&Arena, (&ArenaLayout, &Pedestrians), &Clock, &Pose, &Goal)>();
     let found = arenas.iter(world).find(|(other, ..)| other.0 == arena);
-    let (_, layout, clock, robot, goal) = found.ok_or(MoveRejection::NotMovable)?;
+    let (_, (layout, pedestrians), clock, robot, goal) = found.ok_or(MoveRejection::NotMovable)?;
+    let indexed = layout.indexed(pedestrians);
     let (scenario, layout) = (&*layout.written, &*layout.scenario);
-    let period_s = layout.task.control_period_s;
     let obstacles: Vec<ObstaclePose> =
-        layout.obstacles.iter().map(|obstacle| pose_at(obstacle, clock.0, period_s)).collect();
+        (0..layout.obstacles.len()).map(|index| indexed.pose_at(index, clock.0)).collect();
     let view = MoveContext {
         scenario,
         layout,
