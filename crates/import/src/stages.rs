@@ -163,7 +163,7 @@ fn turtlebot() -> Scenario {
     let motions =
         [0.0, 0.11, 0.22].iter().flat_map(|&v_m_s| turns.map(|w_rad_s| Motion { v_m_s, w_rad_s })).collect();
     Scenario {
-        robot: Robot { radius_m: 0.105, motions, actuator_lag_s: 0.0 },
+        robot: Robot { radius_m: 0.105, motions, ..Robot::default() },
         lidar: Lidar { beams: 40, max_range_m: 3.5, ..Lidar::default() },
         task: TaskRules {
             collision_range_m: 0.13,

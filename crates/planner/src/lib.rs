@@ -32,7 +32,8 @@
 //! A state is the robot's pose after a control step, in f64, computed by the simulation's formula for arcs. A step is
 //! allowed if the robot is then at least `collision_range_m` from every wall and every obstacle; moving obstacles have
 //! their poses after the same step ([`wayfield_scenario::pose_at`]). The goal is reached by an allowed step that ends
-//! within `goal_radius_m` of it. A plan keeps a margin of [`MARGIN_M`] to both limits, so that it is also valid in the
+//! within `goal_radius_m` of it. For a robot that is not a disc, a plan keeps the circle around its body free
+//! ([`Scenario::keep_out_m`]), and the bounds only the circle inside it ([`Scenario::sure_collision_m`]). A plan keeps a margin of [`MARGIN_M`] to both limits, so that it is also valid in the
 //! simulation's f32 arithmetic. The lower bound relaxes both limits by the same margin.
 //!
 //! A plan's length is an upper bound on the optimum. The search merges the states in a grid cell, which can make a plan
@@ -43,7 +44,7 @@
 //!
 //! [`unsupported_reason`] names the part of a scenario that the model lacks:
 //!
-//! - actuator lag, because search and bounds assume that a motion has its full speed from the start of a step;
+//! - actuator lag, limited accelerations and slip, because search and bounds assume that a motion has its full speed from the start of a step;
 //! - a LIDAR with a field of view below a full turn, because collisions are detected from its ranges;
 //! - polygons, as enclosure or as obstacles;
 //! - pedestrians, whose way depends on others and may depend on the robot.
@@ -127,8 +128,19 @@ pub fn is_supported(scenario: &Scenario) -> bool {
 #[must_use]
 pub fn unsupported_reason(scenario: &Scenario) -> Option<String> {
     let Scenario { robot, lidar, .. } = scenario;
-    if robot.actuator_lag_s != 0.0 {
+    if robot.actuator_lag_s.ends() != [0.0; 2] {
         return Some(format!("actuator lag: robot.actuator_lag_s is {}", robot.actuator_lag_s));
+    }
+    for (field, limit) in [
+        ("max_acceleration_m_s2", robot.max_acceleration_m_s2),
+        ("max_angular_acceleration_rad_s2", robot.max_angular_acceleration_rad_s2),
+    ] {
+        if let Some(limit) = limit {
+            return Some(format!("limited accelerations: robot.{field} is {limit}"));
+        }
+    }
+    if robot.slip.is_some() {
+        return Some("slip: robot.slip is given".into());
     }
     if !lidar.is_all_around() {
         let field_of_view = lidar.field_of_view_rad;
@@ -199,7 +211,7 @@ fn shortest_plan(
     resolution: Resolution,
     bound: &LowerBound,
 ) -> Option<TimedPath> {
-    let mut space = ConfigurationSpace::new(scenario, clock, MARGIN_M);
+    let mut space = ConfigurationSpace::new(scenario, clock, f64::from(scenario.keep_out_m()) + MARGIN_M);
     let goal_region = GoalRegion::new(scenario, goal, -MARGIN_M);
     let lower_steps = search_lower_bound(scenario, start, goal, clock, bound, 64, u32::MAX);
     let mut best = None;

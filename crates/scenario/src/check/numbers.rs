@@ -9,6 +9,7 @@ use super::{Diagnostics, METRES, METRES_PER_SECOND, RADIANS, RADIANS_PER_SECOND,
 use super::{obstacles, polygons, speeds};
 use crate::limits::*;
 use crate::schema::*;
+use crate::steering;
 use crate::text::{code_point, is_noncharacter};
 
 pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
@@ -16,6 +17,7 @@ pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     check_enclosure(&scenario.enclosure, diagnostics);
     obstacles::check(scenario, diagnostics);
     check_robot(&scenario.robot, diagnostics);
+    check_slip_and_odometry(&scenario.robot, diagnostics);
     check_lidar(&scenario.lidar, diagnostics);
     check_task(scenario, diagnostics);
     check_rule("starts", &scenario.starts, scenario, diagnostics);
@@ -88,6 +90,9 @@ fn check_extent(path: Arguments<'_>, enclosure: &Enclosure, diagnostics: &mut Di
 
 fn check_robot(robot: &Robot, diagnostics: &mut Diagnostics) {
     diagnostics.check_range(format_args!("robot.radius_m"), robot.radius_m, ROBOT_RADIUS_M, METRES);
+    if let Some(shape) = &robot.shape {
+        check_robot_shape(robot, shape, diagnostics);
+    }
     diagnostics.check_count(format_args!("robot.motions"), robot.motions.len(), MOTIONS);
     for (k, motion) in robot.motions.iter().enumerate().take(*MOTIONS.end()) {
         let path = format_args!("robot.motions[{k}].v_m_s");
@@ -96,8 +101,69 @@ fn check_robot(robot: &Robot, diagnostics: &mut Diagnostics) {
         let range = -MAX_ANGULAR_SPEED_RAD_S..=MAX_ANGULAR_SPEED_RAD_S;
         diagnostics.check_range(path, motion.w_rad_s, range, RADIANS_PER_SECOND);
     }
+    if let Some(radius_m) = robot.min_turning_radius_m {
+        let path = format_args!("robot.min_turning_radius_m");
+        diagnostics.check_range(path, radius_m, TURNING_RADIUS_M, METRES);
+        if TURNING_RADIUS_M.contains(&radius_m) {
+            steering::check(robot, radius_m, diagnostics);
+        }
+    }
     let path = format_args!("robot.actuator_lag_s");
-    diagnostics.check_range(path, robot.actuator_lag_s, ACTUATOR_LAG_S, SECONDS);
+    diagnostics.check_ranged(path, robot.actuator_lag_s, ACTUATOR_LAG_S, SECONDS);
+    if let Some(limit) = robot.max_acceleration_m_s2 {
+        let unit = " (metres per second squared)";
+        diagnostics.check_range(format_args!("robot.max_acceleration_m_s2"), limit, ACCELERATION_M_S2, unit);
+    }
+    if let Some(limit) = robot.max_angular_acceleration_rad_s2 {
+        let path = format_args!("robot.max_angular_acceleration_rad_s2");
+        let unit = " (radians per second squared)";
+        diagnostics.check_range(path, limit, ANGULAR_ACCELERATION_RAD_S2, unit);
+    }
+}
+
+fn check_slip_and_odometry(robot: &Robot, diagnostics: &mut Diagnostics) {
+    if let Some(Slip { forward, turning, std }) = robot.slip {
+        diagnostics.check_ranged(format_args!("robot.slip.forward"), forward, SLIP, " (a share)");
+        diagnostics.check_ranged(format_args!("robot.slip.turning"), turning, SLIP, " (a share)");
+        diagnostics.check_ranged(format_args!("robot.slip.std"), std, SLIP_STD, " (a share)");
+    }
+    let Some(OdometryDrift { distance_error, rotation_error, heading_drift_rad_m }) = robot.odometry_drift
+    else {
+        return;
+    };
+    let path = format_args!("robot.odometry_drift.distance_error");
+    diagnostics.check_ranged(path, distance_error, ODOMETRY_ERROR, " (metres per metre)");
+    let path = format_args!("robot.odometry_drift.rotation_error");
+    diagnostics.check_ranged(path, rotation_error, ODOMETRY_ERROR, " (radians per radian)");
+    let path = format_args!("robot.odometry_drift.heading_drift_rad_m");
+    diagnostics.check_ranged(path, heading_drift_rad_m, HEADING_DRIFT_RAD_M, " (radians per metre)");
+}
+
+/// Checks the body of a robot that is not a disc. Its origin, where the LIDAR is, must be inside.
+fn check_robot_shape(robot: &Robot, shape: &Shape, diagnostics: &mut Diagnostics) {
+    let path = format_args!("robot.shape");
+    if let Shape::Circle { radius_m } = shape {
+        return diagnostics.push(path, format!("is a circle: write `radius_m: {radius_m}` instead"));
+    }
+    let before = diagnostics.found.len();
+    obstacles::check_fields(path, shape.clone().fields_mut(), diagnostics);
+    if diagnostics.found.len() > before {
+        return;
+    }
+    let (inner_m, reach_m) = (robot.inner_radius_m(), robot.reach_m());
+    let (least, most) = (ROBOT_RADIUS_M.start(), ROBOT_RADIUS_M.end());
+    if inner_m < *least {
+        let message = format!(
+            "does not extend {least} m around its origin, where the LIDAR is: make it wider, or move its corners"
+        );
+        diagnostics.push(path, message);
+    } else if reach_m > *most {
+        diagnostics.push(path, format!("reaches {reach_m:.3} m from its origin: make it at most {most} m"));
+    }
+    if robot.radius_m != Robot::default().radius_m {
+        diagnostics
+            .push(format_args!("robot.radius_m"), "has no effect on a robot with a `shape`: remove it");
+    }
 }
 
 fn check_lidar(lidar: &Lidar, diagnostics: &mut Diagnostics) {
@@ -106,10 +172,10 @@ fn check_lidar(lidar: &Lidar, diagnostics: &mut Diagnostics) {
     let unit = " (radians: a full turn is 6.2832)";
     diagnostics.check_range(path, lidar.field_of_view_rad, FIELD_OF_VIEW_RAD, unit);
     diagnostics.check_range(format_args!("lidar.max_range_m"), lidar.max_range_m, LIDAR_RANGE_M, METRES);
-    diagnostics.check_range(format_args!("lidar.noise_std_m"), lidar.noise_std_m, LIDAR_NOISE_M, METRES);
-    diagnostics.check_range(format_args!("lidar.dropout"), lidar.dropout, 0.0..=1.0, " (a probability)");
+    diagnostics.check_ranged(format_args!("lidar.noise_std_m"), lidar.noise_std_m, LIDAR_NOISE_M, METRES);
+    diagnostics.check_ranged(format_args!("lidar.dropout"), lidar.dropout, 0.0..=1.0, " (a probability)");
     let path = format_args!("lidar.latency_steps");
-    diagnostics.check_range(path, lidar.latency_steps, LIDAR_LATENCY_STEPS, "");
+    diagnostics.check_ranged(path, lidar.latency_steps, LIDAR_LATENCY_STEPS, "");
 }
 
 fn check_task(scenario: &Scenario, diagnostics: &mut Diagnostics) {
@@ -134,7 +200,9 @@ fn check_task(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     );
     diagnostics.check_range(goal_distance, min_goal_distance_m, GOAL_DISTANCE_M, METRES);
 
-    diagnostics.check_above(collision_range, collision_range_m, scenario.robot.radius_m, ROBOT_RADIUS);
+    if scenario.robot.shape.is_none() {
+        diagnostics.check_above(collision_range, collision_range_m, scenario.robot.radius_m, ROBOT_RADIUS);
+    }
     let lidar_range = format_args!("lidar.max_range_m");
     diagnostics.check_above(lidar_range, scenario.lidar.max_range_m, collision_range_m, COLLISION_RANGE);
     diagnostics.check_above(goal_distance, min_goal_distance_m, goal_radius_m, GOAL_RADIUS);
@@ -179,7 +247,7 @@ fn check_benchmark_route(route: &BenchmarkRoute, diagnostics: &mut Diagnostics) 
 fn check_clearance(name: &str, clearance_m: f32, scenario: &Scenario, diagnostics: &mut Diagnostics) {
     let path = format_args!("{name}.clearance_m");
     diagnostics.check_range(path, clearance_m, CLEARANCE_M, METRES);
-    diagnostics.check_above(path, clearance_m, scenario.task.collision_range_m, COLLISION_RANGE);
+    diagnostics.check_clearance(path, clearance_m, scenario);
 }
 
 /// Checks the two corners of a rectangle: `min` must be below and to the left of `max`.
