@@ -103,6 +103,22 @@ fn a_file_of_barn_worlds_fills_a_folder_or_gives_one_world() {
 }
 
 #[test]
+fn stages_with_moving_cylinders_fill_a_folder_or_give_one_stage() {
+    let workspace = workspace();
+    workspace.write(
+        "stages.json",
+        r#"{"stages": {"4": {"static": [{"box": [0, 1, 3, 0.1, 0]}, {"box": [0, -1, 3, 0.1, 0]}],
+        "moving": [{"radius_m": 0.16, "period_s": 40, "keys": [[0, -1, 0], [20, 1, 0], [40, -1, 0]]}]}}}"#,
+    );
+    assert_eq!(workspace.run_ok("--import stages.json --out stages").stdout, "stages/stage-4.ron\n");
+    workspace.run_ok("--import stages.json --world 4 --out four.ron");
+    let text = workspace.text("four.ron");
+    assert_eq!(text, workspace.text("stages/stage-4.ron"));
+    assert!(text.contains("end: Loop(period_s: 40.0)"), "{text}");
+    workspace.run_ok("--check four.ron");
+}
+
+#[test]
 fn invalid_imports_are_rejected_and_nothing_is_written() {
     let workspace = workspace();
     workspace.write("zero.yaml", MAP.replace("0.1", "0"));

@@ -11,7 +11,7 @@ use super::output::{print_json, print_stdout};
 use super::shared::SharedArgs;
 use super::values;
 use crate::import::limits::{LIDAR_HEIGHT_M, MAX_CELLS, RESOLUTION_M, TOLERANCE_M};
-use crate::import::{ImportOptions, Imported, import, import_barn};
+use crate::import::{ImportOptions, Imported, import, import_worlds};
 use crate::run::output_file::{check_writable, is_stream, write_atomic};
 use crate::run::progress::print_stderr;
 use crate::run::{RunError, shipped};
@@ -42,17 +42,17 @@ pub struct ImportArgs {
     #[arg(long, value_name = "DIR")]
     models: Vec<PathBuf>,
 
-    /// The number of the world in a file of BARN worlds
+    /// The number of the world in a file of BARN worlds, or of the stage in a file of stages
     #[arg(long, value_name = "N", value_parser = values::whole::<u32>(0..=u64::from(u32::MAX)), allow_negative_numbers = true)]
     world: Option<u32>,
 
     /// Take robot, LIDAR and rules from this scenario, a file or a shipped one by name; --set changes single fields
-    /// [default: the robot of scenario-1; in a BARN world, BARN's]
+    /// [default: the robot of scenario-1; in a BARN world or a stage, its own]
     #[arg(long, value_name = "SCENARIO")]
     robot: Option<String>,
 }
 
-/// Imports `file` into the scenario's file that `--out` names, or all worlds of a BARN file into the folder that it names. Prints
+/// Imports `file` into the scenario's file that `--out` names, or all worlds of a file of many into the folder that it names. Prints
 /// the path, and on stderr what was not imported.
 ///
 /// # Errors
@@ -90,14 +90,14 @@ pub fn run(file: &Path, args: &ImportArgs, shared: &SharedArgs) -> Result<(), Ru
     if is_stream(out) { Ok(()) } else { print_stdout(&format!("{}\n", out.display())) }
 }
 
-/// Imports all BARN worlds in `file` into `folder`, and prints the paths.
+/// Imports all worlds in `file` into `folder`, and prints the paths.
 fn all_worlds(file: &Path, options: &ImportOptions, folder: &Path) -> Result<(), RunError> {
-    let worlds = import_barn(file, options)?;
+    let worlds = import_worlds(file, options)?;
     fs::create_dir_all(folder)
         .map_err(|error| RunError::not_writable(folder, format!("{error}; help: choose another folder")))?;
     let mut printed = String::new();
-    for (number, imported) in worlds {
-        let path = folder.join(format!("barn-{number:03}.ron"));
+    for (name, imported) in worlds {
+        let path = folder.join(format!("{name}.ron"));
         write(&path, &imported)?;
         printed += &format!("{}\n", path.display());
     }

@@ -35,7 +35,7 @@ pub struct ModeArgs {
     pub reproduce: bool,
 
     /// Import a world into the scenario file given with --out: a map of ROS's map_server (.yaml), a picture (.png, .pgm), a
-    /// world of Gazebo (.world, .sdf) or BARN worlds (.json)
+    /// world of Gazebo (.world, .sdf) or a file of BARN worlds or stages (.json)
     #[arg(long, value_name = "FILE")]
     pub import: Option<PathBuf>,
 

@@ -4,20 +4,22 @@
 //! In: a world's file `world_N.world` with `path_files/path_N.npy` beside it, as in the repository of the BARN Challenge; or a
 //! JSON file with many worlds. Out: a scenario with BARN's start, goal, time limit and robot.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use glam::{DVec2, dvec2};
 use serde::Deserialize;
 use wayfield_scenario::{
     BenchmarkRoute, Enclosure, FileError, Lidar, Motion, PlacementRule, Robot, Scenario, TaskRules,
-    read_bytes, read_text_with_limit,
+    read_bytes,
 };
 
 use crate::Imported;
 use crate::draft;
 use crate::findings::Findings;
 use crate::frame::Frame;
-use crate::limits::{COORDINATE_M, MAX_WORLD_BYTES};
+use crate::json;
+use crate::limits::COORDINATE_M;
 use crate::map::file_name;
 use crate::npy;
 use crate::options::ImportOptions;
@@ -35,7 +37,7 @@ const MAX_PATH_BYTES: u64 = 1 << 20;
 
 /// A file of worlds.
 #[derive(Deserialize)]
-struct BarnFile {
+pub struct BarnFile {
     radius_m: f64,
     start_m: [f64; 2],
     heading_rad: f64,
@@ -47,7 +49,7 @@ struct BarnFile {
 
 /// One world of the file.
 #[derive(Deserialize)]
-struct BarnWorld {
+pub struct BarnWorld {
     world: u32,
     circles_m: Vec<[f64; 2]>,
     #[serde(default)]
@@ -118,48 +120,26 @@ pub fn path_length_m(bytes: &[u8], path_file: &Path) -> Result<f64, FileError> {
     Ok(way.windows(2).map(|ends| ends[0].distance(ends[1])).sum())
 }
 
-/// The scenarios in a JSON file of worlds, with their numbers: that of `options.world`, or all.
+/// Reads a JSON file of worlds.
 ///
 /// # Errors
-/// The file is missing or invalid, has no such world, or a scenario would be invalid.
-pub fn import_file(path: &Path, options: &ImportOptions) -> Result<Vec<(u32, Imported)>, FileError> {
-    let text = read_text_with_limit(path, MAX_WORLD_BYTES)?;
-    parse_file(&text, path, options)
+/// The text is something else.
+pub fn parse(text: &str, path: &Path) -> Result<BarnFile, FileError> {
+    json::parse(text, path, "BARN worlds")
 }
 
-/// As [`import_file`], for the text of a file.
-///
-/// # Errors
-/// As for [`import_file`].
-pub fn parse_file(
-    text: &str,
-    path: &Path,
-    options: &ImportOptions,
-) -> Result<Vec<(u32, Imported)>, FileError> {
-    let file: BarnFile = serde_json::from_str(text).map_err(|error| {
-        let start: usize = text.split_inclusive('\n').take(error.line().max(1) - 1).map(str::len).sum();
-        let at = (start + error.column().saturating_sub(1)).min(text.len());
-        FileError::at_offset(
-            path,
-            text,
-            at,
-            format!("not a file of BARN worlds: {error}; help: see docs/import.md"),
-        )
-    })?;
-    let chosen: Vec<&BarnWorld> =
-        file.worlds.iter().filter(|world| options.world.is_none_or(|number| number == world.world)).collect();
-    if chosen.is_empty() {
-        let numbers = file.worlds.iter().map(|world| world.world);
-        let (least, most) = (numbers.clone().min().unwrap_or(0), numbers.max().unwrap_or(0));
-        let message =
-            format!("it has no such world; help: --world takes {least} to {most}, as far as they are there");
-        return Err(FileError::for_file(path, message));
+impl BarnFile {
+    /// The worlds by their numbers; of several with the same number, the first.
+    pub fn by_number(&self) -> BTreeMap<u32, &BarnWorld> {
+        self.worlds.iter().rev().map(|world| (world.world, world)).collect()
     }
-    let import = |world: &&BarnWorld| Ok((world.world, one_of_many(path, &file, world, options)?));
-    chosen.iter().map(import).collect()
 }
 
-fn one_of_many(
+/// The scenario of a `world` of `file`.
+///
+/// # Errors
+/// The scenario would be invalid.
+pub fn import_one(
     path: &Path,
     file: &BarnFile,
     world: &BarnWorld,

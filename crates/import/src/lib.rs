@@ -1,4 +1,5 @@
-//! Scenarios from other people's worlds: maps of ROS's `map_server`, plain pictures, Gazebo's SDF worlds, and BARN.
+//! Scenarios from other people's worlds: maps of ROS's `map_server`, plain pictures, Gazebo's SDF worlds, BARN, and
+//! the stages of turtlebot3_drlnav.
 //!
 //! In: a file. Out: a valid scenario that can be edited, trained in and drawn over its source, and a list of what could not be
 //! represented. No input causes a panic, and no small file asks for much memory ([`limits`]).
@@ -10,7 +11,9 @@
 //! | `map.rs` | the import of a map or a picture |
 //! | `sdf/` | the solids of an SDF world |
 //! | `world.rs`, `solid.rs` | the import of a world of solids |
+//! | `json.rs` | files that hold many worlds: of BARN, or stages |
 //! | `barn.rs`, `npy.rs` | BARN worlds, with start, goal and path |
+//! | `stages.rs` | the stages of turtlebot3_drlnav, with cylinders that move |
 //! | `floor.rs` | the part of a map that the robot can reach |
 //! | `trace.rs`, `contour.rs`, `rectangles.rs` | walls and obstacles around that part |
 //! | `draft.rs`, `frame.rs` | the scenario around them: starts, goals, time limit, description, position in the source |
@@ -33,6 +36,7 @@ mod findings;
 mod floor;
 mod frame;
 mod grid;
+mod json;
 pub mod limits;
 mod map;
 mod map_file;
@@ -44,6 +48,7 @@ mod rectangles;
 mod round;
 mod sdf;
 mod solid;
+mod stages;
 mod trace;
 mod world;
 
@@ -80,7 +85,7 @@ impl Imported {
 }
 
 /// The scenario in the file at `path`: a map (`.yaml`), a picture (`.png`, `.pgm`, `.pnm`, `.ppm`, `.pbm`), a world or model of
-/// Gazebo (`.world`, `.sdf`), or one of the BARN worlds in a `.json` file.
+/// Gazebo (`.world`, `.sdf`), or one of the BARN worlds or the stages in a `.json` file.
 ///
 /// # Errors
 /// The file or one that it names is missing, invalid or too large; or there is no valid scenario in it. The message names file,
@@ -91,21 +96,21 @@ pub fn import(path: &Path, options: &ImportOptions) -> Result<Imported, FileErro
         Some(Kind::Map) => map::Map::read_yaml(path)?.import(path, options),
         Some(Kind::Picture) => map::Map::read_picture(path, options.resolution_m)?.import(path, options),
         Some(Kind::Sdf) => import_sdf(path, options),
-        Some(Kind::Barn) if options.world.is_none() => {
+        Some(Kind::Worlds) if options.world.is_none() => {
             let message =
                 "it holds many worlds; help: choose one with --world N, or name a folder with --out";
             Err(FileError::for_file(path, message))
         }
-        Some(Kind::Barn) => Ok(barn::import_file(path, options)?.swap_remove(0).1),
+        Some(Kind::Worlds) => Ok(json::import_file(path, options)?.swap_remove(0).1),
         None => Err(FileError::for_file(
             path,
             "not a kind of file that can be imported; help: give a map (.yaml), a picture (.png, .pgm), a world (.world, .sdf) \
-             or BARN worlds (.json)",
+             or BARN worlds or stages (.json)",
         )),
     }
 }
 
-/// The scenario in the `bytes` of a picture, an SDF world or BARN worlds, whose kind the extension of `path` names; also for
+/// The scenario in the `bytes` of a picture, an SDF world, or a file of worlds, whose kind the extension of `path` names; also for
 /// messages. Models that a world includes are read from files.
 ///
 /// # Errors
@@ -118,7 +123,7 @@ pub fn import_bytes(path: &Path, bytes: &[u8], options: &ImportOptions) -> Resul
             map::Map::parse_picture(bytes, path, options.resolution_m)?.import(path, options)
         }
         Some(Kind::Sdf) => import_solids(path, &sdf::SdfWorld::parse(text()?, path, options)?, options),
-        Some(Kind::Barn) => Ok(barn::parse_file(text()?, path, options)?.swap_remove(0).1),
+        Some(Kind::Worlds) => Ok(json::import_text(text()?, path, options)?.swap_remove(0).1),
         _ => Err(FileError::for_file(path, "not a kind of file that can be imported from memory")),
     }
 }
@@ -145,12 +150,12 @@ pub fn barn_path_length_m(bytes: &[u8], path: &Path) -> Result<f64, FileError> {
     barn::path_length_m(bytes, path)
 }
 
-/// The scenarios of all BARN worlds in the `.json` file at `path`, each with its number.
+/// The scenarios of all BARN worlds or stages in the `.json` file at `path`, each with a name for its file.
 ///
 /// # Errors
 /// As for [`import`].
-pub fn import_barn(path: &Path, options: &ImportOptions) -> Result<Vec<(u32, Imported)>, FileError> {
-    barn::import_file(path, options)
+pub fn import_worlds(path: &Path, options: &ImportOptions) -> Result<Vec<(String, Imported)>, FileError> {
+    json::import_file(path, options)
 }
 
 /// What a scenario that was imported from the map or picture at `path` can be drawn over.
@@ -177,7 +182,8 @@ fn import_solids(path: &Path, world: &sdf::SdfWorld, options: &ImportOptions) ->
     let base = options.robot_from.clone().unwrap_or_default();
     let (count, height_m) = (world.solids.len(), options.lidar_height_m);
     let about = format!("{count} shapes, cut {height_m} m above the ground.");
-    world::import(path, &world.solids, &base, about, &world.findings)
+    let (solids, findings) = (&world.solids, &world.findings);
+    world::World { label: map::file_name(path), about, solids, moving: &[], findings }.import(path, &base)
 }
 
 /// A kind of file.
@@ -185,7 +191,7 @@ enum Kind {
     Map,
     Picture,
     Sdf,
-    Barn,
+    Worlds,
 }
 
 /// The kind that the extension names.
@@ -195,7 +201,7 @@ fn kind(path: &Path) -> Option<Kind> {
         "yaml" | "yml" => Some(Kind::Map),
         "png" | "pgm" | "pnm" | "ppm" | "pbm" => Some(Kind::Picture),
         "world" | "sdf" => Some(Kind::Sdf),
-        "json" => Some(Kind::Barn),
+        "json" => Some(Kind::Worlds),
         _ => None,
     }
 }

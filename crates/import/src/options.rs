@@ -20,9 +20,10 @@ pub struct ImportOptions {
     pub lidar_height_m: f64,
     /// Folders in which the models of an SDF world are searched, the first one first.
     pub models: Vec<PathBuf>,
-    /// The number of the world in a file of BARN worlds.
+    /// The number of the world in a file of BARN worlds, or of the stage in a file of stages.
     pub world: Option<u32>,
-    /// The scenario whose robot, LIDAR and rules are used. `None` is the default robot; in a BARN world, BARN's.
+    /// The scenario whose robot, LIDAR and rules are used. `None` is the default robot; in a BARN world or a stage, that of
+    /// BARN or of the stages.
     pub robot_from: Option<Scenario>,
 }
 

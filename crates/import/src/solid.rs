@@ -53,6 +53,23 @@ impl Solid {
         (self.centre_m - half, self.centre_m + half)
     }
 
+    /// All its numbers.
+    pub fn numbers(&self) -> impl Iterator<Item = f64> + use<> {
+        let size = match self.outline {
+            Outline::Circle(radius) => DVec2::splat(radius),
+            Outline::Rectangle(size) => size,
+        };
+        [self.centre_m.x, self.centre_m.y, size.x, size.y, self.yaw_rad].into_iter()
+    }
+
+    /// Whether its sizes are above 0.
+    pub fn is_solid(&self) -> bool {
+        match self.outline {
+            Outline::Circle(radius) => radius > 0.0,
+            Outline::Rectangle(size) => size.min_element() > 0.0,
+        }
+    }
+
     /// The obstacle in a scenario whose (0, 0) is at `origin_m`.
     pub fn obstacle(&self, origin_m: DVec2) -> Obstacle {
         let (shape, rotation_rad) = match self.outline {

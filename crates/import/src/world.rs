@@ -11,8 +11,8 @@ use crate::findings::Findings;
 use crate::floor::Floor;
 use crate::frame::Frame;
 use crate::grid::{Cell, Grid};
-use crate::map::file_name;
 use crate::solid::{Solid, bounds};
+use crate::stages::MovingDisc;
 use crate::trace::{Scale, Surroundings, filled};
 
 /// Space around a world without outer walls, in m.
@@ -101,48 +101,61 @@ impl Raster {
     }
 }
 
-/// The scenario of a world of `solids`, with the robot of `base`. `about` is a sentence on what was read.
-///
-/// # Errors
-/// The robot fits nowhere, or the scenario would be invalid or too large.
-pub fn import(
-    path: &Path,
-    solids: &[Solid],
-    base: &Scenario,
-    about: String,
-    findings: &Findings,
-) -> Result<Imported, FileError> {
-    let fail = |message: String| FileError::for_file(path, message);
-    let raster = Raster::new(solids, f64::from(base.keep_out_m())).map_err(fail)?;
-    let margins = draft::margins(base, raster.cell_m);
-    let no_floor = || {
-        let needed_m = base.keep_out_m();
-        fail(format!(
-            "the robot fits nowhere in this world: it needs {needed_m:.2} m to each side; help: use a smaller robot (--robot)"
-        ))
-    };
-    let floor = Floor::new(&raster.free, margins, raster.inner()).ok_or_else(no_floor)?;
-    let ((left, bottom), (right, top)) = floor.cells.bounds().ok_or_else(no_floor)?;
-    let kept: Vec<Solid> =
-        solids.iter().filter(|solid| raster.touches(solid, &floor.cells)).copied().collect();
-    let corner = |column: usize, row: usize| raster.low_m + dvec2(column as f64, row as f64) * raster.cell_m;
-    let (low, high) = bounds(&kept, &[corner(left, bottom), corner(right, top)]);
-    let centre_m = (low + high) / 2.0;
-    let scale = Scale { cell_m: raster.cell_m, centre: (centre_m - raster.low_m) / raster.cell_m };
-    let mut pockets = raster.free.clone();
-    for cell in raster.free.cells() {
-        let at = raster.centre_m(cell);
-        let half = DVec2::splat(raster.cell_m / 2.0);
-        let is_inside = (at - half).cmpge(low).all() && (at + half).cmple(high).all();
-        pockets.set(cell, is_inside && raster.free.at(cell) && !floor.cells.at(cell));
+/// A world of solids.
+pub struct World<'a> {
+    /// The name of its scenario.
+    pub label: String,
+    /// A sentence on what was read.
+    pub about: String,
+    /// What stands still, at least one.
+    pub solids: &'a [Solid],
+    /// What moves.
+    pub moving: &'a [MovingDisc],
+    /// What could not be represented.
+    pub findings: &'a Findings,
+}
+
+impl World<'_> {
+    /// Its scenario, with the robot of `base`.
+    ///
+    /// # Errors
+    /// The robot fits nowhere, or the scenario would be invalid or too large.
+    pub fn import(self, path: &Path, base: &Scenario) -> Result<Imported, FileError> {
+        let Self { label, about, solids, moving, findings } = self;
+        let fail = |message: String| FileError::for_file(path, message);
+        let raster = Raster::new(solids, f64::from(base.keep_out_m())).map_err(fail)?;
+        let margins = draft::margins(base, raster.cell_m);
+        let no_floor = || {
+            let needed_m = base.keep_out_m();
+            fail(format!(
+                "the robot fits nowhere in this world: it needs {needed_m:.2} m to each side; help: use a smaller robot (--robot)"
+            ))
+        };
+        let floor = Floor::new(&raster.free, margins, raster.inner()).ok_or_else(no_floor)?;
+        let ((left, bottom), (right, top)) = floor.cells.bounds().ok_or_else(no_floor)?;
+        let kept: Vec<Solid> =
+            solids.iter().filter(|solid| raster.touches(solid, &floor.cells)).copied().collect();
+        let corner =
+            |column: usize, row: usize| raster.low_m + dvec2(column as f64, row as f64) * raster.cell_m;
+        let (low, high) = bounds(&kept, &[corner(left, bottom), corner(right, top)]);
+        let centre_m = (low + high) / 2.0;
+        let scale = Scale { cell_m: raster.cell_m, centre: (centre_m - raster.low_m) / raster.cell_m };
+        let mut pockets = raster.free.clone();
+        for cell in raster.free.cells() {
+            let at = raster.centre_m(cell);
+            let half = DVec2::splat(raster.cell_m / 2.0);
+            let is_inside = (at - half).cmpge(low).all() && (at + half).cmple(high).all();
+            pockets.set(cell, is_inside && raster.free.at(cell) && !floor.cells.at(cell));
+        }
+        let clearance_m = (floor.clearance - 2.0) * raster.cell_m;
+        let mut obstacles: Vec<_> = kept.iter().map(|solid| solid.obstacle(centre_m)).collect();
+        obstacles.extend(filled(&pockets, scale, clearance_m));
+        obstacles.extend(moving.iter().filter_map(|disc| disc.obstacle(centre_m)));
+        let found = Surroundings { obstacles, ..Surroundings::default() };
+        let source = Source { file: label, about, frame: Frame { origin_m: centre_m, yaw_rad: 0.0 } };
+        let scenario = draft::scenario(base, &source, high - low, &floor, scale, &found);
+        draft::check(&scenario)
+            .map_err(|problem| fail(format!("{problem}; help: use another robot (--robot)")))?;
+        Ok(Imported { scenario, deviation_m: 0.0, path_length_m: None, findings: findings.lines() })
     }
-    let clearance_m = (floor.clearance - 2.0) * raster.cell_m;
-    let mut obstacles: Vec<_> = kept.iter().map(|solid| solid.obstacle(centre_m)).collect();
-    obstacles.extend(filled(&pockets, scale, clearance_m));
-    let found = Surroundings { obstacles, ..Surroundings::default() };
-    let source = Source { file: file_name(path), about, frame: Frame { origin_m: centre_m, yaw_rad: 0.0 } };
-    let scenario = draft::scenario(base, &source, high - low, &floor, scale, &found);
-    draft::check(&scenario)
-        .map_err(|problem| fail(format!("{problem}; help: use another robot (--robot)")))?;
-    Ok(Imported { scenario, deviation_m: 0.0, path_length_m: None, findings: findings.lines() })
 }

@@ -5,8 +5,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
-use wayfield_import::{Frame, ImportOptions, Imported, import, import_barn};
-use wayfield_scenario::{Scenario, Shape, Vec2, clearance, diagnostics, vec2};
+use wayfield_import::{Frame, ImportOptions, Imported, import, import_worlds};
+use wayfield_scenario::{
+    KeyFrame, KeyFrameEnd, ObstacleMotion, Scenario, Shape, Vec2, clearance, diagnostics, pose_at, vec2,
+};
 
 /// A folder with files. It is deleted on drop.
 struct Folder(TempDir);
@@ -420,11 +422,62 @@ fn barn_worlds_have_their_start_goal_and_path_length() {
             .expect_err("no such world")
             .starts_with("barn.json: it has no such world; help: --world takes 3 to 7")
     );
-    let all = import_barn(&folder.path("barn.json"), &ImportOptions::default()).expect("all worlds");
-    assert_eq!(all.iter().map(|(number, _)| *number).collect::<Vec<_>>(), [3, 7]);
+    let all = import_worlds(&folder.path("barn.json"), &ImportOptions::default()).expect("all worlds");
+    assert_eq!(all.iter().map(|(name, _)| &**name).collect::<Vec<_>>(), ["barn-003", "barn-007"]);
     folder.write("barn.json", BARN.replace("[[-2.25, 8.0]]", "[[-2.25]]").as_bytes());
     let error = one(7).expect_err("invalid");
     assert!(error.starts_with("barn.json:4:") && error.contains("not a file of BARN worlds: "), "{error}");
+}
+
+/// A room of 4 m x 3 m with a pillar and two discs that move.
+const STAGES: &str = r#"{"about": "by hand", "stages": {
+"2": {"static": [{"box": [0, 1.55, 4.2, 0.1, 0]}, {"box": [0, -1.55, 4.2, 0.1, 3.14159]}, {"note": "a lamp"},
+                 {"box": [2.05, 0, 3, 0.1, 1.5708]}, {"box": [-2.05, 0, 3, 0.1, -1.5708]}, {"circle": [1, 0.5, 0.15]}],
+      "moving": [{"radius_m": 0.16, "period_s": 40, "keys": [[0, -1, -1], [20, 1, -1], [40, -1, -1]]},
+                 {"radius_m": 0.1, "keys": [[0, -1, 1], [10, -1, 0], [15, -1, 0]]}]},
+"5": {"static": [{"box": [0, 1, 3, 0.1, 0]}, {"box": [0, -1, 3, 0.1, 0]}]}}}"#;
+
+#[test]
+fn what_moves_in_a_stage_has_key_frames() {
+    let folder = Folder::new(&[("stages.json", STAGES.as_bytes())]);
+    let one = |world| {
+        folder.import_with("stages.json", &ImportOptions { world: Some(world), ..ImportOptions::default() })
+    };
+    let imported = one(2).expect("a stage");
+    assert_eq!(imported.findings, ["notes are not read: a lamp"]);
+    let Scenario { name, obstacles, robot, task, lidar, .. } = &imported.scenario;
+    assert_eq!(name, "stages.json stage 2");
+    assert_eq!((robot.motions.len(), lidar.beams), (15, 40));
+    assert_eq!((task.collision_range_m, task.goal_radius_m, task.max_episode_steps), (0.13, 0.2, 250));
+    assert_eq!(obstacles.len(), 7);
+    let frame = |time_s, x, y| KeyFrame { time_s, position_m: vec2(x, y) };
+    let moving = |end, frames: &[KeyFrame]| ObstacleMotion::KeyFrames { frames: frames.to_vec(), end };
+    assert_eq!(obstacles[5].position_m, vec2(-1.0, -1.0));
+    assert_eq!(obstacles[5].motion, moving(KeyFrameEnd::Loop { period_s: 40.0 }, &[frame(20.0, 1.0, -1.0)]));
+    let there = [frame(10.0, -1.0, 0.0), frame(15.0, -1.0, 0.0)];
+    assert_eq!(obstacles[6].motion, moving(KeyFrameEnd::Stop, &there));
+    let (x, y, _) = pose_at(&obstacles[5], 50, 0.2);
+    assert!(x.abs() < 1e-6 && y == -1.0, "half-way after 10 s, not at ({x}, {y})");
+    let names = import_worlds(&folder.path("stages.json"), &ImportOptions::default()).expect("all");
+    assert_eq!(names.iter().map(|(name, _)| &**name).collect::<Vec<_>>(), ["stage-2", "stage-5"]);
+    assert!(one(3).expect_err("no such stage").contains("it has no such world; help: --world takes 2 to 5"));
+    for (from, to, expected) in [
+        ("\"circle\"", "\"cone\"", "stages.json:3:"),
+        ("0.15]", "0]", "stages.json: stage 2: a size is not above 0; help: "),
+        ("0.15]", "2e6]", "stages.json: stage 2: it has the number 2000000, beyond a million; help: "),
+        (
+            "[[0, -1, 1], [10, -1, 0], [15, -1, 0]]",
+            "[]",
+            "stages.json: stage 2: something moves, but has no `keys`; ",
+        ),
+        ("[20, 1, -1]", "[50, 1, -1]", "stages.json: the scenario would be invalid: `obstacles[5].motion."),
+        ("[20, 1, -1]", "[0.1, 1, -1]", "stages.json: the scenario would be invalid: `obstacles[5].motion."),
+        ("\"period_s\"", "\"periods\"", "stages.json:4:"),
+    ] {
+        folder.write("stages.json", STAGES.replacen(from, to, 1).as_bytes());
+        let error = one(2).expect_err(to);
+        assert!(error.starts_with(expected), "{error}");
+    }
 }
 
 #[test]

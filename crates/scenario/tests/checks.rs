@@ -447,7 +447,7 @@ fn key_frames_have_increasing_times_and_no_jumps() {
             "frames[1].time_s` moves the obstacle at 10.000 m/s, above the limit of 5 m/s: make the leg of 1.000 m last \
              at least 0.400 s",
         ),
-        (&[(30.0, 5.0, 0.5)], KeyFrameEnd::Stop, "motion` "),
+        (&[(30.0, 5.0, 0.5)], KeyFrameEnd::Stop, "extends 3.100 m outside the enclosure while it moves"),
     ] {
         let problems = found(&with(frames, end));
         assert!(problems.len() == 1 && problems[0].contains(problem), "{frames:?}: {problems:?}");

@@ -6,8 +6,8 @@ use glam::{Vec2, vec2};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use wayfield_scenario::{
-    Clutter, LevelGenerator, Obstacle, ObstacleMotion, RandomShape, Route, Scenario, Traffic, WallLayout,
-    clearance, diagnostics, level_generator_diagnostics, parse_ron, polygon, to_ron, to_text,
+    Clutter, LevelGenerator, Obstacle, ObstacleMotion, RandomShape, Route, Scenario, Shape, Traffic,
+    WallLayout, clearance, diagnostics, level_generator_diagnostics, parse_ron, polygon, to_ron, to_text,
 };
 
 /// Seeds of each generator that are tested.
@@ -31,6 +31,7 @@ const SCATTER: &str = "(name: \"Scatter\", clutter: [Scatter(count: (5, 20), sha
 ])])";
 
 const CELLS: &str = "(name: \"Cells\", wall_layouts: [Cells()])";
+const GRID: &str = "(name: \"Grid\", wall_layouts: [Grid(rows: [\"....\", \".##.\", \"..#.\", \"....\"])])";
 const ROOMS: &str = "(name: \"Rooms\", wall_layouts: [Rooms()])";
 const MAZE: &str = "(name: \"Maze\", wall_layouts: [Maze()])";
 const CORRIDORS: &str = "(name: \"Corridors\", wall_layouts: [Maze(wall_m: (0.5, 1.2))])";
@@ -52,11 +53,12 @@ const CROWD: &str =
     "(name: \"Crowd\", wall_layouts: [Traps()], traffic: [PedestrianCrowd(sees_robot: true)])";
 
 /// One generator of every layout.
-const ALL: [&str; 15] = [
+const ALL: [&str; 16] = [
     AUTOMATON,
     ACROSS,
     SCATTER,
     CELLS,
+    GRID,
     ROOMS,
     MAZE,
     CORRIDORS,
@@ -213,6 +215,41 @@ fn parameters_without_space_give_one_clear_error() {
 }
 
 #[test]
+fn a_grid_of_text_gives_few_rectangles_at_their_places() {
+    // The free cell in the upper right corner is cut off, and becomes solid.
+    let rows = r#"["..#.", ".###", "....", "...."]"#;
+    let text =
+        format!("(name: \"G\", width_m: (4, 4), height_m: (6, 6), wall_layouts: [Grid(rows: {rows})])");
+    let level = level(&generator(&text), 0);
+    let found: Vec<_> = level.obstacles.iter().map(|o| (o.shape.clone(), o.position_m)).collect();
+    let rectangle = |width_m, height_m| Shape::Rectangle { width_m, height_m };
+    assert_eq!(found, [(rectangle(3.0, 1.5), vec2(0.5, 0.75)), (rectangle(2.0, 1.5), vec2(1.0, 2.25))]);
+}
+
+#[test]
+fn an_invalid_grid_of_text_is_reported_with_row_and_column() {
+    for (rows, expected) in [
+        ("[]", "`wall_layouts[0].rows` has 0 cells: write 1 to 4000"),
+        (
+            r#"["..", "..."]"#,
+            "`wall_layouts[0].rows[1]` has 3 cells, but the first row has 2: write rows of the same length",
+        ),
+        (
+            r#"["..", ".x"]"#,
+            "`wall_layouts[0].rows[1]` has `x` in column 2: write # for a solid cell, or . for a free one",
+        ),
+    ] {
+        let text = format!("(name: \"G\", wall_layouts: [Grid(rows: {rows})])");
+        let error = LevelGenerator::parse(&text, "g.ron").expect_err(rows).to_string();
+        assert!(error.contains(expected), "{error}");
+    }
+    let rows: Vec<_> = [".".repeat(300)].into();
+    let text = format!("(name: \"G\", wall_layouts: [Grid(rows: {rows:?})])");
+    let error = LevelGenerator::parse(&text, "g.ron").expect_err("narrow").to_string();
+    assert!(error.contains("`wall_layouts[0].rows` has cells only 0.01333"), "{error}");
+}
+
+#[test]
 fn an_invalid_generator_is_reported_with_line_and_fix() {
     for (text, expected) in [
         ("(name: \"\")", "`name` must have 1 to 100 characters"),
@@ -302,6 +339,11 @@ fn whole_range(most: u32) -> impl Strategy<Value = (u32, u32)> {
 fn any_walls() -> impl Strategy<Value = WallLayout> {
     prop_oneof![
         (range(0.2, 2.0), range(0.0, 0.8)).prop_map(|(cell_m, fill)| WallLayout::Cells { cell_m, fill }),
+        (1..10_usize, 1..10_usize, vec(0..3_usize, 100)).prop_map(|(columns, rows, cells)| {
+            let cell = |k: usize| ["#", ".", "."][cells[k]];
+            let row = |row| (0..columns).map(|column| cell(10 * row + column)).collect();
+            WallLayout::Grid { rows: (0..rows).map(row).collect() }
+        }),
         (range(0.6, 4.0), range(1.01, 4.0), range(0.0, 1.0))
             .prop_map(|(side_m, door_m, loops)| WallLayout::Rooms { side_m, door_m, loops }),
         (range(1.01, 6.0), range(0.02, 3.0), range(0.0, 1.0))
@@ -355,7 +397,7 @@ fn any_traffic() -> impl Strategy<Value = Traffic> {
 /// Multiplies the widths of passages by the gap.
 fn widen(layout: &mut WallLayout, gap_m: f32) {
     match layout {
-        WallLayout::Cells { .. } => {}
+        WallLayout::Cells { .. } | WallLayout::Grid { .. } => {}
         WallLayout::Rooms { door_m: width_m, .. }
         | WallLayout::Maze { passage_m: width_m, .. }
         | WallLayout::Traps { width_m, .. } => *width_m = (width_m.0 * gap_m, width_m.1 * gap_m),

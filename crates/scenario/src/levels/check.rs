@@ -3,8 +3,8 @@
 use std::fmt::Arguments;
 use std::ops::RangeInclusive;
 
-use super::floor;
 use super::schema::{Clutter, LevelGenerator, Route, Traffic, WallLayout};
+use super::{floor, text_grid};
 use crate::check::{
     Diagnostics, METRES, METRES_PER_SECOND, RADIANS, check_random_shape, check_robot_and_task,
 };
@@ -110,6 +110,9 @@ fn check_walls(
             pair("cell_m", *cell_m, LEVEL_CELL_M, METRES);
             pair("fill", *fill, SOLID_FILL, " (a share)");
             check_cells(format_args!("{path}.cell_m"), cell_m.0, MAX_LEVEL_CELLS, generator, diagnostics);
+        }
+        WallLayout::Grid { rows } => {
+            text_grid::check(format_args!("{path}.rows"), rows, generator, diagnostics);
         }
         WallLayout::Rooms { side_m, door_m, loops } => {
             pair("side_m", *side_m, ROOM_SIDE_M, METRES);

@@ -10,8 +10,8 @@
 //! | `check.rs` | the checks of a generator |
 //! | `draft.rs` | a level under construction: enclosure, bodies, the gaps between them |
 //! | `floor.rs` | the space that the robot can reach |
-//! | `walls.rs` | the choice of walls; each layout has a file: `cells.rs`, `rooms.rs`, `maze.rs`, `traps.rs` |
-//! | `blocks.rs` | solid blocks on a grid, for cells and mazes |
+//! | `walls.rs` | the choice of walls; each layout has a file: `cells.rs`, `text_grid.rs`, `rooms.rs`, `maze.rs`, `traps.rs` |
+//! | `blocks.rs` | solid blocks on a grid, for cells, text and mazes |
 //! | `automaton.rs`, `scatter.rs` | clutter |
 //! | `traffic.rs`, `lanes.rs` | moving obstacles |
 //! | `route.rs` | starts and goals |
@@ -29,6 +29,7 @@ mod rooms;
 mod route;
 mod scatter;
 mod schema;
+mod text_grid;
 mod traffic;
 mod traps;
 mod walls;

@@ -75,6 +75,13 @@ pub enum WallLayout {
         #[serde(default = "default_solid")]
         fill: (f32, f32),
     },
+    /// A grid of cells as text, such as `["#.#", "...", "#.#"]`. The cells cover the enclosure, which stretches them. Free cells
+    /// that are cut off from the largest free area become solid.
+    Grid {
+        /// The rows, the upper one first, all of the same length: `#` is solid, `.` and a space are free. At most 4,000 cells in
+        /// total, each at least 0.02 m wide and high.
+        rows: Vec<String>,
+    },
     /// Rooms: a wall with a door divides the enclosure, then each part, until they are too small.
     Rooms {
         /// Smallest side of a room between the centre lines of its walls, 0.2 to 50 m.

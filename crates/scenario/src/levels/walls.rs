@@ -5,12 +5,13 @@ use wayfield_random::Stream;
 use super::draft::Draft;
 use super::rooms::Rooms;
 use super::schema::WallLayout;
-use super::{cells, maze, number, one_of, rooms, traps};
+use super::{cells, maze, number, one_of, rooms, text_grid, traps};
 
 /// Adds one of `layouts`; nothing if there is none.
 pub(super) fn add(draft: &mut Draft, layouts: &[WallLayout], stream: &mut Stream) {
     match one_of(layouts, stream) {
         Some(&WallLayout::Cells { cell_m, fill }) => cells::add(draft, cell_m, fill, stream),
+        Some(WallLayout::Grid { rows }) => text_grid::add(draft, rows),
         Some(&WallLayout::Rooms { side_m, door_m, loops }) => {
             let rooms = Rooms { side_m: number(stream, side_m), door_m, loops: number(stream, loops) };
             rooms::add(draft, rooms, stream);

@@ -1,0 +1,77 @@
+//! JSON files that hold many worlds, each with a number.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::Deserialize;
+use serde::de::{DeserializeOwned, IgnoredAny};
+use wayfield_scenario::{FileError, read_text_with_limit};
+
+use crate::limits::MAX_WORLD_BYTES;
+use crate::options::ImportOptions;
+use crate::{Imported, barn, stages};
+
+/// What tells the kinds of files apart.
+#[derive(Deserialize)]
+struct Probe {
+    stages: Option<IgnoredAny>,
+}
+
+/// The scenarios in the file at `path`, with their names: that of world `options.world`, or all.
+///
+/// # Errors
+/// The file is missing or invalid, has no such world, or a scenario would be invalid.
+pub fn import_file(path: &Path, options: &ImportOptions) -> Result<Vec<(String, Imported)>, FileError> {
+    import_text(&read_text_with_limit(path, MAX_WORLD_BYTES)?, path, options)
+}
+
+/// As [`import_file`], for the text of a file.
+///
+/// # Errors
+/// As for [`import_file`].
+pub fn import_text(
+    text: &str,
+    path: &Path,
+    options: &ImportOptions,
+) -> Result<Vec<(String, Imported)>, FileError> {
+    let has_stages = serde_json::from_str(text).is_ok_and(|probe: Probe| probe.stages.is_some());
+    if has_stages {
+        let import =
+            |(number, stage)| Ok((format!("stage-{number}"), stages::import(path, number, stage, options)?));
+        return chosen(stages::parse(text, path)?, path, options)?.into_iter().map(import).collect();
+    }
+    let file = barn::parse(text, path)?;
+    let import =
+        |(number, world)| Ok((format!("barn-{number:03}"), barn::import_one(path, &file, world, options)?));
+    chosen(file.by_number(), path, options)?.into_iter().map(import).collect()
+}
+
+/// Reads the text of a file of `what`, such as "BARN worlds".
+///
+/// # Errors
+/// It is something else.
+pub fn parse<T: DeserializeOwned>(text: &str, path: &Path, what: &str) -> Result<T, FileError> {
+    serde_json::from_str(text).map_err(|error| {
+        let start: usize = text.split_inclusive('\n').take(error.line().max(1) - 1).map(str::len).sum();
+        let at = (start + error.column().saturating_sub(1)).min(text.len());
+        let message = format!("not a file of {what}: {error}; help: see docs/import.md");
+        FileError::at_offset(path, text, at, message)
+    })
+}
+
+/// The world that `options` choose, or all.
+fn chosen<T>(
+    mut worlds: BTreeMap<u32, T>,
+    path: &Path,
+    options: &ImportOptions,
+) -> Result<BTreeMap<u32, T>, FileError> {
+    let numbers = (worlds.keys().next().copied(), worlds.keys().last().copied());
+    worlds.retain(|number, _| options.world.is_none_or(|world| world == *number));
+    if worlds.is_empty() {
+        let (least, most) = (numbers.0.unwrap_or(0), numbers.1.unwrap_or(0));
+        let message =
+            format!("it has no such world; help: --world takes {least} to {most}, as far as they are there");
+        return Err(FileError::for_file(path, message));
+    }
+    Ok(worlds)
+}
