@@ -315,7 +315,7 @@ mod tests {
             |s| s.obstacles[0].position_m.x += 0.01,
             |s| s.task.goal_radius_m = 0.3,
             |s| s.robot.radius_m = 0.11,
-            |s| s.lidar.noise_std_m = 0.01,
+            |s| s.lidar.noise_std_m = 0.01.into(),
             |s| s.benchmark_route = None,
         ];
         for (number, change) in changes.into_iter().enumerate() {
