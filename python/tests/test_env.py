@@ -67,8 +67,10 @@ def test_each_episode_draws_a_scenario_of_a_set(tmp_path):
     same = [(once[0][0, env] == one[0][0, env]).all() for env in range(8)]
     assert any(same), "some environments begin in the first scenario"
     assert not all(same), "some begin in the second"
+    wayfield.draw(path, tmp_path / "set.svg")
+    assert "Two" in (tmp_path / "set.svg").read_text()
     with pytest.raises(ValueError, match="is a set of scenarios"):
-        wayfield.draw(path, tmp_path / "set.svg")
+        wayfield.draw(path, tmp_path / "set.svg", plain=True)
 
 
 def test_environment_k_is_the_same_for_any_number_of_environments():

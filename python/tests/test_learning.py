@@ -49,7 +49,7 @@ def test_a_suite_gives_the_numbers_of_the_command_line(tmp_path):
             for key, value in result.items():
                 found = getattr(ours.families[family], key)
                 assert (list(found) if isinstance(found, tuple) else found) == value, (family, key)
-    alone = wayfield.evaluate("field", suite=suite, seed=2, episodes=1, set={"scenario.task.max_episode_steps": 1})
+    alone = wayfield.evaluate("field", suite=suite, seed=2, episodes=1, set={"scenario.task.max_episode_steps": 10})
     assert alone.families["levels"].timeout_rate == 1 and alone.families["still"].episodes == 2
     with pytest.raises(ValueError, match="can't be used with suite; help: "):
         wayfield.evaluate("field", suite=suite, rounds=2)

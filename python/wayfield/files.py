@@ -82,10 +82,10 @@ def draw(
     resolution: float | None = None,
     size: tuple[int, int] | None = None,
 ) -> None:
-    """Draws a scenario from above into an SVG, PNG or PDF file, or levels of a level generator, as ``wayfield --draw``.
+    """Draws a scenario from above into an SVG, PNG or PDF file, or levels of a generator, or a set, as ``wayfield --draw``.
 
     Args:
-        scenario: A shipped scenario or level generator by name, a file's path, or RON text.
+        scenario: A shipped scenario or level generator by name, a file's path, or RON text, also of a set.
         path: The file; its extension decides the format.
         set: Fields of the scenario with other values, as in ``train``.
         plain: Without the name, the legend and the axes.
