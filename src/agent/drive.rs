@@ -6,7 +6,7 @@
 use bevy::prelude::*;
 
 use super::{ActionSource, ActionSources};
-use crate::drivers::{Driver, DriverClass, DriverConfig, Odometry, Percept, Robot, Truth};
+use crate::drivers::{Driver, DriverClass, DriverConfig, DriverPlan, Odometry, Percept, Robot, Truth};
 use crate::scenario::Motion;
 use crate::task::{Actions, Arena, ArenaLayout, Clock, Episode, Goal, Pose, Scan, Twist};
 
@@ -25,6 +25,16 @@ impl DriverSource {
     pub fn new(config: &DriverConfig) -> Self {
         Self { config: config.clone(), driver: None, last_pose: Pose::default() }
     }
+
+    /// What it plans with, in the arena's frame; `None` before the first step, or if it plans no path.
+    #[must_use]
+    pub fn plan(&self) -> Option<DriverPlan> {
+        self.driver.as_ref()?.plan(tuple(&self.last_pose))
+    }
+}
+
+fn tuple(pose: &Pose) -> (f32, f32, f32) {
+    (pose.x_m, pose.y_m, pose.heading_rad)
 }
 
 /// The components of an arena that a driver perceives.
@@ -55,7 +65,6 @@ pub(super) fn drive(
             source.driver = Some(source.config.driver(&Robot::of(&layout.scenario)));
             source.last_pose = *pose;
         }
-        let tuple = |pose: &Pose| (pose.x_m, pose.y_m, pose.heading_rad);
         let truth = Truth {
             scenario: &layout.scenario,
             clock: clock.0,

@@ -136,6 +136,8 @@ pub struct AppSnapshot {
     pub frames_per_s: f64,
     /// Name of the opened policy, if there is one to compare with.
     pub opened_policy: Option<String>,
+    /// Name of the classical driver that the user has chosen to compare with in place of that policy.
+    pub opened_driver: Option<String>,
     /// Notices, oldest first.
     pub notices: Vec<Notice>,
     /// Whether a new training would discard an unsaved one that is worth keeping.

@@ -16,7 +16,8 @@ use super::session::{
     ActiveMode, Autosave, Evaluations, Journal, Notices, OpenedFiles, Pacer, QuitQuestion, ScenarioSource,
     Throughput, Trails, TrainingRun, comparison,
 };
-use crate::agent::{ActiveLearner, Decisions};
+use crate::agent::{ActionSource, ActionSources, ActiveLearner, Decisions};
+use crate::drivers::DriverPlan;
 use crate::run::preset::Budget;
 use crate::run::shipped;
 use crate::scenario::{Scenario, pose_at};
@@ -71,6 +72,7 @@ pub(super) struct WorldView<'w, 's> {
     scenario: Res<'w, CurrentScenario>,
     decisions: Res<'w, Decisions>,
     actions: Res<'w, Actions>,
+    sources: Res<'w, ActionSources>,
     trails: Res<'w, Trails>,
     arenas: Query<'w, 's, ArenaComponents>,
 }
@@ -129,6 +131,7 @@ fn arena_scenes(session: &SessionView, world: &WorldView, view_state: &CurrentVi
             action: world.actions.0.get(k).copied().unwrap_or(0),
             explored: world.decisions.explored.get(k).copied().unwrap_or(false),
             q_values: if q_values.iter().all(|q| q.is_finite()) { q_values.to_vec() } else { Vec::new() },
+            plan: if mode == SessionMode::Compare { plan(world.sources.arenas.get(k)) } else { None },
             path_m: trails.path_m.clone(),
             trails: if is_large && view_state.0.overlays.trails {
                 trails.finished.iter().cloned().collect()
@@ -140,6 +143,14 @@ fn arena_scenes(session: &SessionView, world: &WorldView, view_state: &CurrentVi
         }
     };
     shown.into_iter().map(arena_scene).collect()
+}
+
+/// What a classical driver plans with.
+fn plan(source: Option<&ActionSource>) -> Option<DriverPlan> {
+    match source {
+        Some(ActionSource::Driver(driver)) => driver.plan(),
+        _ => None,
+    }
 }
 
 /// The pose at the fraction `part` of the way between two poses. The heading turns the short way.
@@ -213,6 +224,7 @@ fn app_snapshot(session: &SessionView, scenarios: Vec<Choice>, presets: Vec<Choi
         simulated_s: session.journal.steps as f64 * period_s,
         frames_per_s: rates.frames_per_s,
         opened_policy: session.opened.policy.as_ref().map(|(name, _)| name.clone()),
+        opened_driver: session.opened.driver.as_ref().map(|(name, _)| name.clone()),
         notices: session.notices.list(),
         restart_loses_training: session.run.would_lose_training(learner.env_steps()),
         last_session: session.autosave.last_session(),

@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 
+use crate::drivers::DriverPlan;
 use crate::scenario::Scenario;
 use crate::task::{Goal, Pose};
 
@@ -66,7 +67,7 @@ impl Score {
 pub enum DriverLabel {
     /// The network in training, exploring.
     Learner,
-    /// A greedy policy.
+    /// A greedy policy, or a classical driver.
     Policy {
         /// Its name.
         name: String,
@@ -100,6 +101,8 @@ pub struct ArenaScene {
     pub explored: bool,
     /// Q-values of the last decision, one per motion; empty if no network decided.
     pub q_values: Vec<f32>,
+    /// What a classical driver plans with, if it plans a path.
+    pub plan: Option<DriverPlan>,
     /// Path towards the current goal, oldest point first, in m.
     pub path_m: Vec<[f32; 2]>,
     /// Earlier paths, oldest first.

@@ -7,7 +7,7 @@ use crate::drivers::DriverConfig;
 use crate::policy::Policy;
 use crate::run::evaluate::Evaluated;
 use crate::run::{RunError, shipped};
-use crate::scenario::{Scenario, parse_checked, path_exists, read_text};
+use crate::scenario::{Scenario, path_exists, read_text};
 use crate::simulation::Extensions;
 
 /// A policy or a classical driver.
@@ -31,13 +31,7 @@ impl TestDriver {
             return Ok(Self::Classical(driver));
         }
         if exists && path.extension().is_some_and(|extension| extension == "ron") {
-            let check = DriverConfig::diagnostics;
-            return Ok(Self::Classical(parse_checked(
-                &read_text(path)?,
-                path,
-                |driver, _| check(driver),
-                check,
-            )?));
+            return Ok(Self::Classical(DriverConfig::parse(&read_text(path)?, path)?));
         }
         if !exists && policy::is_unknown_name(path) {
             let policies: Vec<&str> =

@@ -12,7 +12,7 @@ use super::open::{OpenedFiles, check_can_drive};
 use super::session_policy;
 use super::trails::Trails;
 use super::training_run::TrainingRun;
-use crate::agent::{ActionSelection, ActionSource, ActionSources, ActiveLearner, Decisions};
+use crate::agent::{ActionSelection, ActionSource, ActionSources, ActiveLearner, Decisions, DriverSource};
 use crate::app::commands::{Pace, PolicySource, SessionMode};
 use crate::app::scene::DriverLabel;
 use crate::learning::QNetwork;
@@ -79,17 +79,26 @@ pub(super) fn drivers(
             let ahead = straightest_motion(&config.scenario.robot.motions);
             vec![(DriverLabel::User, ActionSource::Manual(ahead)), tested(world)?]
         }
-        SessionMode::Compare => {
-            let Some((name, policy)) = &world.resource::<OpenedFiles>().policy else {
-                return Err(RunError::InvalidInput(
-                    "No policy to compare with\nhelp: open a policy file first".into(),
-                ));
-            };
-            check_can_drive(config, name, policy)?;
-            let label = DriverLabel::Policy { name: name.clone(), origin: origin(config, policy) };
-            vec![tested(world)?, (label, ActionSource::Policy(network(policy)?))]
-        }
+        SessionMode::Compare => vec![tested(world)?, second(world)?],
     })
+}
+
+/// The second driver of a comparison: the classical driver that the user has chosen, or else the opened policy.
+fn second(world: &World) -> Result<(DriverLabel, ActionSource), RunError> {
+    let opened = world.resource::<OpenedFiles>();
+    if let Some((name, driver)) = &opened.driver {
+        let label = DriverLabel::Policy { name: name.clone(), origin: driver.class().about().into() };
+        return Ok((label, ActionSource::Driver(DriverSource::new(driver))));
+    }
+    let Some((name, policy)) = &opened.policy else {
+        return Err(RunError::InvalidInput(
+            "Nothing to compare with\nhelp: open a policy file, or choose a classical driver".into(),
+        ));
+    };
+    let config = &world.resource::<TrainingRun>().config;
+    check_can_drive(config, name, policy)?;
+    let label = DriverLabel::Policy { name: name.clone(), origin: origin(config, policy) };
+    Ok((label, ActionSource::Policy(network(policy)?)))
 }
 
 /// The policy that is tested: the best one so far if the user has chosen it, or else the current one.

@@ -1,18 +1,19 @@
-//! Files opened in the app: a run or its checkpoint, a policy, a scenario, a preset.
+//! Files opened in the app: a run or its checkpoint, a policy, a scenario, a preset, a classical driver.
 //!
-//! In: a path. Out: a training that resumes or starts, or a second policy to compare with; otherwise a notice with the
+//! In: a path. Out: a training that resumes or starts, or a second driver to compare with; otherwise a notice with the
 //! error.
 
 use std::path::{Path, PathBuf};
 
 use bevy::prelude::*;
 
-use super::comparison::compare_with;
+use super::comparison::{compare_with, compare_with_driver, open_driver};
 use super::notices::{NoticeTopic, notify};
 use super::start_training;
 use super::training_run::TrainingRun;
 use crate::agent::ActiveLearner;
 use crate::app::app_snapshot::{Choice, Severity};
+use crate::drivers::DriverConfig;
 use crate::policy::Policy;
 use crate::run::folder::{RunConfig, RunFolder};
 use crate::run::preset::Preset;
@@ -20,13 +21,16 @@ use crate::run::{RunError, evaluate, policy_card, shipped};
 use crate::scenario::{Scenario, path_exists, read_text, resemblance, utf8};
 
 /// The kinds of files that can be opened.
-const OPENABLE: &str = "a policy (.safetensors), a scenario or preset (.ron), or a run folder";
+const OPENABLE: &str =
+    "a policy (.safetensors), a scenario, a preset or a classical driver (.ron), or a run folder";
 
 /// The files that the user has opened. A new training keeps them.
 #[derive(Resource, Default)]
 pub struct OpenedFiles {
     /// A second policy to compare with, and its name.
     pub policy: Option<(String, Policy)>,
+    /// A classical driver to compare with in place of that policy, and its name.
+    pub driver: Option<(String, DriverConfig)>,
     /// The user's own scenarios.
     pub scenarios: Vec<Choice>,
     /// The user's own presets.
@@ -72,7 +76,8 @@ fn confirm_by_repeating(world: &mut World, path: &Path) -> Result<(), RunError> 
     )))
 }
 
-/// Opens a run's folder or its checkpoint, a policy, a scenario or a preset. Returns a confirmation for the user.
+/// Opens a run's folder or its checkpoint, a policy, a scenario, a preset or a classical driver. Returns a confirmation for the
+/// user.
 fn open(world: &mut World, path: &Path) -> Result<String, RunError> {
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
     if path.is_dir() {
@@ -96,6 +101,7 @@ fn open(world: &mut World, path: &Path) -> Result<String, RunError> {
             Ok(text)
         }
         Some("ron") => open_ron(world, path),
+        None if !path_exists(path) && DriverConfig::shipped(&name).is_some() => open_driver(world, &name),
         _ => Err(RunError::invalid_input(path, format!("cannot be opened\nhelp: open {OPENABLE}"))),
     }
 }
@@ -113,10 +119,15 @@ fn resume(world: &mut World, path: &Path, folder: &Path) -> Result<String, RunEr
     Ok(format!("Resumed the run {name}"))
 }
 
-/// Opens a scenario or a preset, and starts a training with it.
+/// Opens a scenario or a preset, and starts a training with it; or a classical driver.
 fn open_ron(world: &mut World, path: &Path) -> Result<String, RunError> {
     let from = utf8(path)?.to_owned();
     let text = read_text(path)?;
+    if DriverConfig::is_meant_by(&text) {
+        let driver = DriverConfig::parse(&text, path)?;
+        let file = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+        return compare_with_driver(world, format!("{}, {file}", driver.title()), driver);
+    }
     let RunConfig { scenario_from, preset_from, seed, .. } = &world.resource::<TrainingRun>().config;
     let (scenario_from, preset_from, seed) = (scenario_from.clone(), preset_from.clone(), *seed);
     match Scenario::parse(&text, path) {

@@ -105,6 +105,7 @@ mod tests {
             action: 0,
             explored: false,
             q_values: vec![],
+            plan: None,
             path_m: vec![],
             trails: vec![],
             score: Score::default(),

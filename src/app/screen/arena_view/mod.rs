@@ -14,6 +14,7 @@
 //! | `silhouette.rs`, `polygon.rs` | outlines of objects; filling and growing polygons |
 //! | `obstacle_paths.rs` | the paths of moving obstacles |
 //! | `trajectories.rs` | the robot's current path and past paths |
+//! | `driver_plan.rs` | the map and the planned path of a classical driver |
 //! | `beams.rs` | LIDAR beams |
 //! | `q_card.rs`, `q_card_position.rs`, `motion_arrow.rs` | the Q-values next to the robot |
 //! | `field_view.rs`, `field_image.rs`, `color_bar.rs` | the potential and the state value as colours and arrows |
@@ -31,6 +32,7 @@ pub mod canvas;
 mod color_bar;
 mod drag;
 mod drag_target;
+mod driver_plan;
 mod field_image;
 mod field_view;
 pub mod floor;

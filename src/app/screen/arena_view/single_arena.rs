@@ -8,8 +8,8 @@ use super::canvas::Canvas;
 use super::field_view::{self, FieldKind};
 use super::transform::{ArenaBounds, ViewTransform};
 use super::{
-    arena, beams, color_bar, drag, drag_target, floor, legend, obstacle_paths, q_card, silhouette,
-    trajectories,
+    arena, beams, color_bar, drag, drag_target, driver_plan, floor, legend, obstacle_paths, q_card,
+    silhouette, trajectories,
 };
 use crate::app::commands::Command;
 use crate::app::interaction::ActiveDrag;
@@ -92,6 +92,9 @@ fn draw_arena(
     }
     if let Some(field) = potential {
         field_view::draw_arrows(canvas, field, canvas.palette.text.gamma_multiply(0.45));
+    }
+    if let Some(plan) = arena.plan.as_ref().filter(|_| overlays.path) {
+        driver_plan::draw(canvas, plan);
     }
     trajectories::draw(canvas, arena, overlays);
     arena::draw_solids(canvas, &arena.scenario, &arena.obstacles);

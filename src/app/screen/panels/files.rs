@@ -10,16 +10,17 @@ use crate::app::commands::{Command, SaveKind};
 use crate::app::screen::key_bindings::{Shortcut, with_key_hint};
 use crate::app::screen::numbers::{format_count, format_percent};
 use crate::app::screen::widgets::buttons::wide_button_ui;
-use crate::app::screen::widgets::text::section_title_ui;
+use crate::app::screen::widgets::text::{section_title_ui, weak_text};
+use crate::drivers::DriverConfig;
 
 /// The height of the buttons, in points.
 const HEIGHT: f32 = 26.0;
 
-const OPEN_HELP: &str = "Open a policy to compare with, a saved run to resume, a scenario or a preset";
+const OPEN_HELP: &str =
+    "Open a policy or a classical driver to compare with, a saved run to resume, a scenario or a preset";
 
 /// The tooltip without a disk, where no run can be opened.
-const OPEN_HELP_WITHOUT_DISK: &str =
-    "Open a policy to compare with, a scenario or a preset. The file stays on your machine";
+const OPEN_HELP_WITHOUT_DISK: &str = "Open a policy or a classical driver to compare with, a scenario or a preset. The file stays on your machine";
 
 const SAVE_POLICY: &str = "Save policy…";
 
@@ -27,6 +28,7 @@ const SAVE_POLICY: &str = "Save policy…";
 pub(super) fn files_ui(ui: &mut Ui, status: &AppSnapshot, commands: &mut Vec<Command>) {
     section_title_ui(ui, "Files");
     expert_button_ui(ui, status, commands);
+    driver_menu_ui(ui, commands);
     let open = if status.has_disk { OPEN_HELP } else { OPEN_HELP_WITHOUT_DISK };
     let run = "Save the whole run, so that it can be resumed";
     let scenario = "Save the scenario, including objects you moved";
@@ -57,6 +59,25 @@ fn expert_button_ui(ui: &mut Ui, status: &AppSnapshot, commands: &mut Vec<Comman
     if wide_button_ui(ui, &text, HEIGHT).on_hover_text(about).clicked() {
         commands.push(Command::OpenExpert);
     }
+}
+
+/// Draws the menu of the classical drivers, by class.
+fn driver_menu_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
+    let button = Button::new("Watch a classical driver").min_size(vec2(ui.available_width(), HEIGHT));
+    let (response, _) = MenuButton::from_button(button).ui(ui, |ui| {
+        let mut class = None;
+        for (name, driver) in
+            DriverConfig::NAMES.iter().filter_map(|name| Some((name, DriverConfig::shipped(name)?)))
+        {
+            if class.replace(driver.class()) != Some(driver.class()) {
+                ui.label(weak_text(driver.class().about()));
+            }
+            if ui.button(driver.title()).clicked() {
+                commands.push(Command::OpenDriver(name));
+            }
+        }
+    });
+    response.on_hover_text("Compare the current policy with a classical driver, on the same goals");
 }
 
 fn button_ui(
