@@ -22,7 +22,8 @@ use crate::run::preset::Budget;
 use crate::run::shipped;
 use crate::scenario::{Scenario, pose_at};
 use crate::task::{
-    Actions, Arena, ArenaLayout, Clock, CurrentScenario, Episode, Goal, Pose, Scan, wrap_angle,
+    Actions, Arena, ArenaLayout, ArenaScenario, Clock, CurrentScenario, Episode, Goal, Pose, Scan,
+    ScenarioPool, wrap_angle,
 };
 
 /// The snapshot that the screen draws next.
@@ -46,6 +47,7 @@ type ArenaComponents = (
     &'static Clock,
     &'static Scan,
     &'static Episode,
+    Option<&'static ArenaScenario>,
 );
 
 /// The resources of the session that are shown.
@@ -73,6 +75,7 @@ pub(super) struct WorldView<'w, 's> {
     decisions: Res<'w, Decisions>,
     actions: Res<'w, Actions>,
     sources: Res<'w, ActionSources>,
+    pool: Option<Res<'w, ScenarioPool>>,
     trails: Res<'w, Trails>,
     arenas: Query<'w, 's, ArenaComponents>,
 }
@@ -107,7 +110,7 @@ fn arena_scenes(session: &SessionView, world: &WorldView, view_state: &CurrentVi
     let mode = session.mode.mode();
     let motions = world.scenario.0.robot.motions.len();
     let no_trails = ArenaTrails::default();
-    let arena_scene = |(arena, layout, pose, goal, clock, scan, episode): (
+    let arena_scene = |(arena, layout, pose, goal, clock, scan, episode, member): (
         &Arena,
         &ArenaLayout,
         &Pose,
@@ -115,6 +118,7 @@ fn arena_scenes(session: &SessionView, world: &WorldView, view_state: &CurrentVi
         &Clock,
         &Scan,
         &Episode,
+        Option<&ArenaScenario>,
     )| {
         let k = arena.0;
         let trails = world.trails.0.get(k).unwrap_or(&no_trails);
@@ -122,6 +126,8 @@ fn arena_scenes(session: &SessionView, world: &WorldView, view_state: &CurrentVi
         let is_large = view_state.0.followed == k || mode != SessionMode::Train;
         ArenaScene {
             scenario: layout.scenario.clone(),
+            written: layout.written.clone(),
+            set_member: world.pool.as_ref().zip(member).map(|(pool, member)| pool.title(member.choice)),
             pose: trails.previous_pose.map_or(*pose, |before| interpolate(&before, pose, part)),
             goal: *goal,
             obstacles: obstacles(&layout.scenario, *clock, part),
@@ -176,9 +182,17 @@ fn obstacles(scenario: &Scenario, clock: Clock, part: f32) -> Vec<(f32, f32, f32
 }
 
 fn shipped_choices() -> (Vec<Choice>, Vec<Choice>) {
-    let scenarios = shipped::scenarios()
-        .map(|(name, scenario)| Choice { from: name.into(), title: scenario.name, about: scenario.about })
-        .collect();
+    let scenarios = shipped::scenarios().map(|(name, scenario)| Choice {
+        from: name.into(),
+        title: scenario.name,
+        about: scenario.about,
+    });
+    let levels = shipped::level_generators().map(|(name, levels)| Choice {
+        from: name.into(),
+        title: levels.name,
+        about: levels.about,
+    });
+    let scenarios = scenarios.chain(levels).collect();
     let presets = shipped::presets()
         .map(|(name, preset)| Choice {
             from: name.into(),
@@ -199,8 +213,9 @@ fn app_snapshot(session: &SessionView, scenarios: Vec<Choice>, presets: Vec<Choi
         pace: session.pacer.pace,
         mode: session.mode.mode(),
         scenario_modified: session.source.is_modified(config),
-        is_paper_scenario_1: shipped::is_paper_scenario_1(&config.scenario),
+        is_paper_scenario_1: config.is_paper_scenario_1(),
         scenario_from: config.scenario_from.clone(),
+        is_set: config.scenario_set.is_some(),
         preset_from: config.preset_from.clone(),
         scenarios: [scenarios, session.opened.scenarios.clone()].concat(),
         presets: [presets, session.opened.presets.clone()].concat(),
@@ -231,7 +246,7 @@ fn app_snapshot(session: &SessionView, scenarios: Vec<Choice>, presets: Vec<Choi
         unsaved_edits: session.backup.offer(),
         quit_question: session.quit_question.0,
         expert: comparison::expert(config).map(|expert| ExpertChoice {
-            is_new_here: expert.trained_in != config.scenario.name,
+            is_new_here: expert.trained_in != config.scenario_title(),
             name: comparison::expert_name(expert),
         }),
         tested: session.run.tested,

@@ -83,6 +83,10 @@ pub enum DriverLabel {
 pub struct ArenaScene {
     /// The scenario as it is laid out in this arena, with generated obstacles.
     pub scenario: Arc<Scenario>,
+    /// The same without generated obstacles.
+    pub written: Arc<Scenario>,
+    /// The name of the scenario of a set that the episode is in, with the seed of a level; `None` without a set.
+    pub set_member: Option<String>,
     /// Pose of the robot, interpolated between the last two control steps.
     pub pose: Pose,
     /// The current goal.
@@ -131,7 +135,7 @@ pub struct ScalarField {
 /// Everything visible in the arenas.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
-    /// The scenario, without generated obstacles.
+    /// The scenario of the training, without generated obstacles; of a set, the first.
     pub scenario: Arc<Scenario>,
     /// The arenas by index: at least one, at most the first 100.
     pub arenas: Vec<ArenaScene>,

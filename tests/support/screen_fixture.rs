@@ -90,6 +90,7 @@ impl ScreenFixture {
             arena.obstacles = layout.obstacles.iter().map(at).collect();
             arena.ranges_m = vec![0.4 * scenario.lidar.max_range_m; scenario.lidar.beams];
             arena.scenario = Arc::new(layout);
+            arena.written = Arc::new(scenario.clone());
         }
         self.scene.scenario = Arc::new(scenario);
         self
@@ -234,6 +235,8 @@ fn arena(n: usize, layout: &Arc<Scenario>) -> ArenaScene {
     let ends = [TrailEnd::Reached, TrailEnd::Collided, TrailEnd::Reached, TrailEnd::TimedOut];
     ArenaScene {
         scenario: layout.clone(),
+        written: layout.clone(),
+        set_member: None,
         pose,
         goal: Goal { x_m: 1.2 * (turn + 0.8).cos(), y_m: 1.2 * (turn + 0.8).sin() },
         obstacles: RING_M.iter().map(|&Vec2 { x, y }| (x, y, 0.0)).collect(),
@@ -284,6 +287,7 @@ fn status() -> AppSnapshot {
         pace: Pace::Times(20.0),
         mode: SessionMode::Train,
         scenario_from: "scenario-1".into(),
+        is_set: false,
         preset_from: "fast".into(),
         scenario_modified: false,
         is_paper_scenario_1: true,

@@ -29,8 +29,8 @@ pub(super) fn open_expert(world: &mut World) -> Result<(), RunError> {
                    observations";
         return Err(RunError::InvalidInput(why.into()));
     };
-    let (name, here) = (expert_name(expert), &config.scenario.name);
-    let text = if expert.trained_in == *here {
+    let (name, here) = (expert_name(expert), config.scenario_title());
+    let text = if expert.trained_in == here {
         format!("The {name} drives next to the current policy")
     } else {
         format!("The {name} drives next to the current policy. It was not trained in {here}")
@@ -90,7 +90,7 @@ pub(crate) fn expert_name(expert: &ShippedPolicy) -> String {
 
 /// Where `policy` comes from, as seen from the training of `config`; empty if its card does not say.
 pub(super) fn origin(config: &RunConfig, policy: &Policy) -> String {
-    let here = config.scenario.name.as_str();
+    let here = config.scenario_title();
     match policy_card::scenario_name(policy) {
         Some(there) if there == here => format!("Trained in {there}"),
         Some(there) => format!("Trained in {there}, new here"),

@@ -21,7 +21,7 @@ use crate::report::format::{number, percent};
 use crate::run::{RunError, evaluate};
 use crate::scenario::Motion;
 use crate::sim;
-use crate::task::{Arena, CurrentScenario, Episode, EpisodeEnded, TaskMode};
+use crate::task::{Arena, CurrentScenario, Episode, EpisodeEnded, ScenarioPool, TaskMode};
 
 /// Control steps between two rounds, so that the user sees how a round ended.
 const PAUSE_BETWEEN_ROUNDS: u32 = 4;
@@ -135,9 +135,15 @@ pub(super) fn advance_rounds(world: &mut World) {
     }
 }
 
-/// Puts every arena at the start of `round`, which has the same start and goal in all arenas.
+/// Puts every arena at the start of `round`, which has the same start and goal in all arenas. With a set of scenarios, it is in the
+/// scenario that an evaluation would have.
 fn begin_round(world: &mut World, round: u64) {
     let seed = world.resource::<TrainingRun>().config.seed;
+    let has_rounds = world.resource::<ActiveMode>().mode() != SessionMode::Test;
+    if let Some(pool) = world.get_resource::<ScenarioPool>().filter(|_| has_rounds) {
+        let scenario = pool.evaluation(seed, round as usize + 1).pop().unwrap_or_default();
+        sim::assign_scenarios(world, |_| scenario);
+    }
     sim::reset_arenas(world, |_| Some(evaluate::episode_streams(seed, round)));
     let mut trails = world.resource_mut::<Trails>();
     for arena in 0..trails.0.len() {

@@ -17,8 +17,8 @@ use crate::drivers::DriverConfig;
 use crate::policy::Policy;
 use crate::run::folder::{RunConfig, RunFolder};
 use crate::run::preset::Preset;
-use crate::run::{RunError, evaluate, policy_card, shipped};
-use crate::scenario::{Scenario, path_exists, read_text, resemblance, utf8};
+use crate::run::{RunError, evaluate, policy_card, scenario_set, shipped};
+use crate::scenario::{LevelGenerator, Scenario, path_exists, read_text, resemblance, utf8};
 
 /// The kinds of files that can be opened.
 const OPENABLE: &str =
@@ -111,6 +111,11 @@ pub(super) fn is_preset(text: &str) -> bool {
     resemblance::<Preset>(text, "Preset") > resemblance::<Scenario>(text, "Scenario")
 }
 
+/// Whether the text of a file is meant as a set of scenarios, or as a level generator, which is the set of its levels.
+pub(super) fn is_set(text: &str) -> bool {
+    scenario_set::is_meant_by(text) || LevelGenerator::is_meant_by(text)
+}
+
 /// Resumes the run in `folder`, which the user opened by `path`.
 fn resume(world: &mut World, path: &Path, folder: &Path) -> Result<String, RunError> {
     confirm_by_repeating(world, path)?;
@@ -130,6 +135,13 @@ fn open_ron(world: &mut World, path: &Path) -> Result<String, RunError> {
     }
     let RunConfig { scenario_from, preset_from, seed, .. } = &world.resource::<TrainingRun>().config;
     let (scenario_from, preset_from, seed) = (scenario_from.clone(), preset_from.clone(), *seed);
+    if is_set(&text) {
+        shipped::scenario_or_set(&from)?;
+        confirm_by_repeating(world, path)?;
+        start_training::start_training(world, &from, &preset_from, seed)?;
+        let config = &world.resource::<TrainingRun>().config;
+        return Ok(format!("Training started in the scenarios of {}", config.scenario_title()));
+    }
     match Scenario::parse(&text, path) {
         Ok(scenario) => {
             confirm_by_repeating(world, path)?;
@@ -138,8 +150,10 @@ fn open_ron(world: &mut World, path: &Path) -> Result<String, RunError> {
         }
         Err(error) => {
             let is_preset = is_preset(&text);
-            Preset::parse(&text, path).map_err(|as_preset| if is_preset { as_preset } else { error })?;
+            let preset =
+                Preset::parse(&text, path).map_err(|as_preset| if is_preset { as_preset } else { error })?;
             confirm_by_repeating(world, path)?;
+            let scenario_from = preset.scenario.unwrap_or(scenario_from);
             start_training::start_training(world, &scenario_from, &from, seed)?;
             let preset = world.resource::<TrainingRun>().config.preset_name();
             Ok(format!("Training started with the preset {preset}"))
@@ -163,18 +177,22 @@ pub(super) fn check_can_drive(config: &RunConfig, name: &str, policy: &Policy) -
     Ok(())
 }
 
-/// Lists the current scenario and preset among the user's own, if they are not shipped.
+/// Lists the current scenario or set of scenarios, and the current preset, among the user's own, if they are not shipped.
 pub(super) fn list_user_files(world: &mut World) {
-    let RunConfig { scenario_from, preset_from, scenario, preset, .. } =
-        &world.resource::<TrainingRun>().config;
-    let scenario = (!shipped::is_scenario(scenario_from)).then(|| Choice {
+    let config = &world.resource::<TrainingRun>().config;
+    let RunConfig { scenario_from, preset_from, scenario, preset, .. } = config;
+    let is_shipped = shipped::is_scenario(scenario_from) || shipped::is_level_generator(scenario_from);
+    let scenario = (!is_shipped).then(|| Choice {
         from: scenario_from.clone(),
-        title: scenario.name.clone(),
-        about: scenario.about.clone(),
+        title: config.scenario_title().into(),
+        about: match &config.scenario_set {
+            Some(_) => format!("Scenarios: {}", config.member_names().collect::<Vec<_>>().join(", ")),
+            None => scenario.about.clone(),
+        },
     });
     let preset = (!shipped::is_preset(preset_from)).then(|| Choice {
         from: preset_from.clone(),
-        title: world.resource::<TrainingRun>().config.preset_name(),
+        title: config.preset_name(),
         about: preset.about.clone(),
     });
     let opened = world.resource_mut::<OpenedFiles>().into_inner();

@@ -8,10 +8,10 @@ use crate::run::folder::RunConfig;
 use crate::run::notes::preset_notes;
 use crate::run::policy_card;
 use crate::run::preset::Preset;
-use crate::run::scenario_set;
+use crate::run::{scenario_set, shipped};
 use crate::scenario::{
-    FileError, LevelGenerator, LocatedDiagnostic, Note, NoteLevel, Scenario, ScenarioSetFile, locate, notes,
-    quoted, read_text, resemblance,
+    Diagnostic, FileError, LevelGenerator, LocatedDiagnostic, Note, NoteLevel, Scenario, ScenarioSetFile,
+    locate, notes, quoted, read_text, resemblance,
 };
 
 /// Number of levels that are made to check a level generator.
@@ -136,7 +136,7 @@ pub fn check(path: &Path) -> (Option<FileKind>, Result<LocatedNotes, FileError>)
     };
     let kind = FileKind::of_text(&text);
     let found = match kind {
-        FileKind::Preset => Preset::parse(&text, path).map(|preset| preset_notes(&preset, None, false)),
+        FileKind::Preset => check_preset(&text, path).map(|preset| preset_notes(&preset, None, false)),
         FileKind::Experiment => Experiment::check(&text, path),
         FileKind::LevelGenerator => check_levels(&text, path).map(|()| Vec::new()),
         FileKind::RunConfig => RunConfig::parse(&text, path).map(|_| Vec::new()),
@@ -146,6 +146,16 @@ pub fn check(path: &Path) -> (Option<FileKind>, Result<LocatedNotes, FileError>)
         }
     };
     (Some(kind), found.map(|notes| located(kind, &text, path, &notes)))
+}
+
+/// Checks a preset, and the scenario that it names.
+fn check_preset(text: &str, path: &Path) -> Result<Preset, FileError> {
+    let preset = Preset::parse(text, path)?;
+    let Some(Err(error)) = preset.scenario.as_deref().map(shipped::scenario_or_set) else {
+        return Ok(preset);
+    };
+    let diagnostic = Diagnostic { path: "scenario".into(), message: format!("cannot be used: {error}") };
+    Err(FileError::from_located(path, Preset::locate(text, path, [diagnostic].iter())))
 }
 
 /// Checks a level generator, and that it has a few levels.

@@ -73,7 +73,7 @@ impl Source {
             Self::Set(_, set) => {
                 let names: Vec<&str> = set.members.iter().map(|member| member.name.as_str()).collect();
                 let why = format!(
-                    "is a set of scenarios ({}), which only --train takes; help: give one of them",
+                    "is a set of scenarios ({}), which only --train and the app take; help: give one of them",
                     names.join(", ")
                 );
                 Err(FileError::for_file(Path::new(wanted), why))

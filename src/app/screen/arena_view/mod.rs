@@ -52,6 +52,7 @@ pub mod welcome;
 
 use egui::{FontId, Rect, Stroke, Ui, vec2};
 
+use self::canvas::Canvas;
 use self::single_arena::{MARGIN, is_pair, single_arena};
 use self::transform::{ArenaBounds, ViewTransform};
 use crate::app::commands::Command;
@@ -85,15 +86,23 @@ pub fn arenas_ui(
         let index = view_state.followed;
         let canvas = single_arena(ui, rect, view, index, view_state, commands);
         if scene.arenas.len() > 1 {
-            let words = format!("Arena {} of {}", index + 1, scene.arenas.len());
-            let at = rect.min + vec2(14.0, 16.0);
-            let font = FontId::proportional(SMALL);
-            let galley = canvas.painter.layout_no_wrap(words, font, canvas.palette.weak_text);
-            let corner = at - vec2(0.0, galley.size().y / 2.0);
-            canvas.strip_background(Rect::from_min_size(corner, galley.size()).expand2(vec2(6.0, 3.0)));
-            canvas.painter.galley(corner, galley, canvas.palette.weak_text);
+            draw_arena_label(&canvas, rect, scene, index);
         }
     }
+}
+
+/// Draws the number of arena `index` in the upper left corner, with the scenario of a set that it is in.
+fn draw_arena_label(canvas: &Canvas, rect: Rect, scene: &Scene, index: usize) {
+    let mut words = format!("Arena {} of {}", index + 1, scene.arenas.len());
+    if let Some(member) = scene.arenas.get(index).and_then(|arena| arena.set_member.as_ref()) {
+        words = format!("{words} · {member}");
+    }
+    let at = rect.min + vec2(14.0, 16.0);
+    let font = FontId::proportional(SMALL);
+    let galley = canvas.painter.layout_no_wrap(words, font, canvas.palette.weak_text);
+    let corner = at - vec2(0.0, galley.size().y / 2.0);
+    canvas.strip_background(Rect::from_min_size(corner, galley.size()).expand2(vec2(6.0, 3.0)));
+    canvas.painter.galley(corner, galley, canvas.palette.weak_text);
 }
 
 /// Whether the scene has one arena only, driven by a policy.
@@ -136,7 +145,7 @@ fn with_score(
     single_arena(ui, below, view, index, view_state, commands);
     if let Some(arena) = view.scene.arenas.get(index) {
         // As wide as the arena at zoom 1.
-        let bounds = ArenaBounds::from_enclosure(&view.scene.scenario.enclosure);
+        let bounds = ArenaBounds::from_enclosure(&arena.written.enclosure);
         let fit = ViewTransform::new(below, MARGIN, ViewCamera::default(), bounds);
         score::draw(ui, ui.id().with(("score", index)), header, fit.bounds_rect().width(), arena);
     }

@@ -43,7 +43,16 @@ pub(super) fn files_ui(ui: &mut Ui, status: &AppSnapshot, commands: &mut Vec<Com
         if status.has_disk {
             button_ui(ui, width, "Save run…", run, Command::SaveDialog(SaveKind::Run), commands);
         }
-        button_ui(ui, width, "Save scenario…", scenario, Command::SaveDialog(SaveKind::Scenario), commands);
+        if !status.is_set {
+            button_ui(
+                ui,
+                width,
+                "Save scenario…",
+                scenario,
+                Command::SaveDialog(SaveKind::Scenario),
+                commands,
+            );
+        }
     });
 }
 
