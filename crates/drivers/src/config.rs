@@ -116,7 +116,7 @@ impl Default for DwaParameters {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct TrackingParameters {
-    /// The dynamic window approach. (It remembers no earlier scans.)
+    /// The dynamic window approach. It remembers still points only.
     pub dwa: DwaParameters,
     /// Largest extent of an obstacle that may move, 0.1 to 100 keep-out distances. Larger things are taken for walls.
     pub max_extent: f32,
@@ -131,6 +131,9 @@ pub struct TrackingParameters {
     pub min_scans: u32,
     /// Lowest speed that counts as motion, 0 to 5 m/s.
     pub min_speed_m_s: f32,
+    /// A thing moves only if a beam of the last second ended at least this far behind its present place, 0 to 100 keep-out
+    /// distances.
+    pub free_margin: f32,
 }
 
 impl Default for TrackingParameters {
@@ -143,6 +146,7 @@ impl Default for TrackingParameters {
             velocity_gain: 0.3,
             min_scans: 4,
             min_speed_m_s: 0.05,
+            free_margin: 0.5,
         }
     }
 }
@@ -340,6 +344,7 @@ impl DriverConfig {
                     within_above_zero("velocity_gain", p.velocity_gain, 1.0),
                     within("min_scans", p.min_scans, 2..=100),
                     within("min_speed_m_s", p.min_speed_m_s, 0.0..=5.0),
+                    within("free_margin", p.free_margin, 0.0..=100.0),
                 ];
                 [&own[..], &p.dwa.checks("dwa.")].concat()
             }

@@ -162,33 +162,50 @@ fn alignment(pose: &Odometry, target_m: Vec2) -> f32 {
     1.0 - libm::atan2f(target.y, target.x).abs() / PI
 }
 
+/// The still points of the last scans.
+#[derive(Default)]
+struct Memory {
+    /// The points of each scan in the present frame, oldest scan first.
+    scans: VecDeque<Vec<Vec2>>,
+}
+
+impl Memory {
+    /// Moves the points by `odometry`, adds those of a new scan, and forgets those that are too old.
+    fn add(&mut self, dwa: &Dwa, odometry: &Odometry, new: Vec<Vec2>) {
+        for point in self.scans.iter_mut().flatten() {
+            *point = odometry.to_inner(*point);
+        }
+        self.scans.push_back(new);
+        let kept = 1 + (dwa.parameters.memory_s / dwa.robot.control_period_s) as usize;
+        while self.scans.len() > kept {
+            self.scans.pop_front();
+        }
+    }
+
+    fn points(&self) -> impl Iterator<Item = MovingPoint> + '_ {
+        let still = |at_m: &Vec2| MovingPoint { at_m: *at_m, velocity_m_s: Vec2::ZERO };
+        self.scans.iter().flatten().map(still)
+    }
+}
+
 /// The dynamic window approach on the scan, which is taken as still.
 pub(crate) struct DwaDriver {
     dwa: Dwa,
-    /// The hits of earlier scans in the present frame, oldest scan first.
-    remembered: VecDeque<Vec<Vec2>>,
+    memory: Memory,
 }
 
 impl DwaDriver {
     pub(crate) fn new(robot: Robot, parameters: DwaParameters) -> Self {
-        Self { dwa: Dwa::new(robot, parameters), remembered: VecDeque::new() }
+        Self { dwa: Dwa::new(robot, parameters), memory: Memory::default() }
     }
 }
 
 impl Driver for DwaDriver {
     fn act(&mut self, percept: &Percept) -> usize {
-        let Dwa { robot, parameters, .. } = &self.dwa;
-        for point in self.remembered.iter_mut().flatten() {
-            *point = percept.odometry.to_inner(*point);
-        }
-        self.remembered.push_back(robot.hits(percept.ranges_m).collect());
-        let scans = 1 + (parameters.memory_s / robot.control_period_s) as usize;
-        while self.remembered.len() > scans {
-            self.remembered.pop_front();
-        }
-        let still = |at_m: &Vec2| MovingPoint { at_m: *at_m, velocity_m_s: Vec2::ZERO };
-        let clearance = self.dwa.clearance_from(self.remembered.iter().flatten().map(still));
-        self.dwa.choose(&percept.twist, percept.goal_m(), robot.goal_radius_m, clearance)
+        let hits = self.dwa.robot.hits(percept.ranges_m).collect();
+        self.memory.add(&self.dwa, &percept.odometry, hits);
+        let clearance = self.dwa.clearance_from(self.memory.points());
+        self.dwa.choose(&percept.twist, percept.goal_m(), self.dwa.robot.goal_radius_m, clearance)
     }
 }
 
@@ -196,18 +213,27 @@ impl Driver for DwaDriver {
 pub(crate) struct TrackingDwaDriver {
     dwa: Dwa,
     tracks: Tracks,
+    memory: Memory,
 }
 
 impl TrackingDwaDriver {
     pub(crate) fn new(robot: Robot, parameters: TrackingParameters) -> Self {
-        Self { dwa: Dwa::new(robot, parameters.dwa), tracks: Tracks::new(parameters) }
+        Self {
+            dwa: Dwa::new(robot, parameters.dwa),
+            tracks: Tracks::new(parameters),
+            memory: Memory::default(),
+        }
     }
 }
 
 impl Driver for TrackingDwaDriver {
     fn act(&mut self, percept: &Percept) -> usize {
         let points = self.tracks.update(&self.dwa.robot, percept);
-        let clearance = self.dwa.clearance_from(points.into_iter());
+        let (still, moving): (Vec<_>, Vec<_>) =
+            points.into_iter().partition(|point| point.velocity_m_s == Vec2::ZERO);
+        let still = still.iter().map(|point| point.at_m).collect();
+        self.memory.add(&self.dwa, &percept.odometry, still);
+        let clearance = self.dwa.clearance_from(self.memory.points().chain(moving));
         self.dwa.choose(&percept.twist, percept.goal_m(), self.dwa.robot.goal_radius_m, clearance)
     }
 }

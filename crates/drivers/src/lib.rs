@@ -31,6 +31,7 @@
 //! | `field` | potential field (Khatib 1986) |
 //! | `dwa` | dynamic window approach (Fox, Burgard and Thrun 1997) |
 //! | `tracks` | velocities of moving obstacles, estimated from scans |
+//! | `free_space` | the space that earlier scans saw free |
 //! | `grid`, `path_search` | grids of cells, and A* over them (Hart, Nilsson and Raphael 1968) |
 //! | `rolling_map` | a map that is built from scans |
 //! | `true_map` | a map of the true scenario |
@@ -41,6 +42,7 @@
 mod config;
 mod dwa;
 mod field;
+mod free_space;
 mod grid;
 pub mod orca;
 mod path;

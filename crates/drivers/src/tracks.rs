@@ -1,7 +1,8 @@
 //! Velocities of moving obstacles, estimated from scans.
 //!
 //! Neighbouring hits of a scan form clusters. A compact cluster may be a moving obstacle: it is followed from scan to scan, in the
-//! robot's present frame, by an alpha-beta filter with constant velocity. All other hits are taken as still.
+//! robot's present frame, by an alpha-beta filter with constant velocity. It moves if its filter says so and it stands where an
+//! earlier beam had passed: a wall also seems to move when other beams hit it. All other hits are taken as still.
 //!
 //! Source of the filter: P. R. Kalata, *The tracking index*, IEEE Transactions on Aerospace and Electronic Systems 20(2), 1984.
 
@@ -11,6 +12,7 @@ use glam::Vec2;
 
 use crate::config::TrackingParameters;
 use crate::dwa::MovingPoint;
+use crate::free_space::FreeSpace;
 use crate::percept::{Odometry, Percept};
 use crate::robot::Robot;
 
@@ -21,6 +23,7 @@ const MAX_MISSED: u32 = 3;
 pub(crate) struct Tracks {
     parameters: TrackingParameters,
     tracks: Vec<Track>,
+    free_space: FreeSpace,
 }
 
 /// A thing that may move, in the robot's present frame.
@@ -41,14 +44,17 @@ struct Cluster {
 
 impl Tracks {
     pub(crate) fn new(parameters: TrackingParameters) -> Self {
-        Self { parameters, tracks: Vec::new() }
+        Self { parameters, tracks: Vec::new(), free_space: FreeSpace::default() }
     }
 
     /// The hits of the scan with their velocities.
     pub(crate) fn update(&mut self, robot: &Robot, percept: &Percept) -> Vec<MovingPoint> {
         let still = |at_m| MovingPoint { at_m, velocity_m_s: Vec2::ZERO };
         let mut points: Vec<MovingPoint> = robot.hits(percept.ranges_m).map(still).collect();
+        self.free_space.add(robot, percept);
         self.predict(&percept.odometry, robot.control_period_s);
+        let margin_m = self.parameters.free_margin * robot.keep_out_m;
+        let was_free = |point: &MovingPoint| self.free_space.contains(robot, point.at_m, margin_m);
         let clusters = self.clusters(robot, &points);
         let mut is_taken = vec![false; clusters.len()];
         for track in &mut self.tracks {
@@ -62,10 +68,12 @@ impl Tracks {
             };
             is_taken[nearest] = true;
             track.correct(clusters[nearest].centre_m, &self.parameters, robot.control_period_s);
+            let hits = &mut points[clusters[nearest].hits.clone()];
             if track.seen >= self.parameters.min_scans
                 && track.velocity_m_s.length() >= self.parameters.min_speed_m_s
+                && hits.iter().any(was_free)
             {
-                for point in &mut points[clusters[nearest].hits.clone()] {
+                for point in hits {
                     point.velocity_m_s = track.velocity_m_s;
                 }
             }
