@@ -144,6 +144,8 @@ const SCENARIOS: &[Limit] = &[
         "no robot or obstacle jumps over another",
     ),
     Limit("waypoints of a patrol", counts(&scenario::WAYPOINTS), "", "memory, time of a step"),
+    Limit("key frames of all obstacles", count(scenario::MAX_KEY_FRAMES), "", "memory, time of the checks"),
+    Limit("times of key frames", reals(&scenario::KEY_FRAME_TIME_S), "s", "rounding"),
     Limit("radius of a random walk", reals(&scenario::WALK_RADIUS_M), "m", "rounding"),
     Limit("generators", count(scenario::MAX_GENERATORS), "", "time of a reset"),
     Limit("obstacles of a generator", counts32(&scenario::GENERATOR_COUNT), "", "time of a reset"),

@@ -109,6 +109,10 @@ impl ContactQuery<'_> {
 
     /// The longest distance that any point of an obstacle travels in a step, in m.
     fn max_travel_m(&self, obstacle: &Obstacle) -> f32 {
+        if obstacle.motion.speed() == MotionSpeed::Variable {
+            // The highest speed of many key frames takes long to find.
+            return self.translation_m(obstacle).length() + MIN_ADVANCE_M;
+        }
         let speed_m_s = obstacle.max_speed_m_s();
         // MIN_ADVANCE_M covers the rounding of the obstacle's coordinates.
         if speed_m_s == 0.0 {
@@ -125,14 +129,19 @@ impl ContactQuery<'_> {
             MotionSpeed::Revolution { centre_m, speed_rad_s } => {
                 ObstacleTrajectory::Arc { centre: centre_m, angle_rad: speed_rad_s * period_s }
             }
-            MotionSpeed::Translation(_) => {
-                let at = |step| {
-                    let (x, y, _) = pose_at(obstacle, step, period_s);
-                    Vec2::new(x, y)
-                };
-                ObstacleTrajectory::Straight(at(self.clock.0) - at(self.clock.0.saturating_sub(1)))
+            MotionSpeed::Translation(_) | MotionSpeed::Variable => {
+                ObstacleTrajectory::Straight(self.translation_m(obstacle))
             }
         }
+    }
+
+    /// The way of an obstacle's origin in this step, in m.
+    fn translation_m(&self, obstacle: &Obstacle) -> Vec2 {
+        let at = |step| {
+            let (x, y, _) = pose_at(obstacle, step, self.scenario.task.control_period_s);
+            Vec2::new(x, y)
+        };
+        at(self.clock.0) - at(self.clock.0.saturating_sub(1))
     }
 }
 

@@ -6,7 +6,7 @@ use bevy::math::{Vec2, vec2};
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use wayfield::random::{Stream, uniform, uniform_01};
-use wayfield::scenario::{Motion, Obstacle, ObstacleMotion, Scenario, diagnostics, pose_at};
+use wayfield::scenario::{KeyFrameEnd, Motion, Obstacle, ObstacleMotion, Scenario, diagnostics, pose_at};
 use wayfield::task::Pose;
 
 use crate::common::closed_form;
@@ -37,6 +37,12 @@ pub fn at_max_speed(mut scenario: Scenario) -> Option<Scenario> {
             ObstacleMotion::Patrol { speed_m_s, .. }
             | ObstacleMotion::BackAndForth { speed_m_s, .. }
             | ObstacleMotion::RandomWalk { speed_m_s, .. } => *speed_m_s = (0.5 / period).min(5.0),
+            ObstacleMotion::KeyFrames { frames, end } => {
+                let path_m: Vec<_> = frames.iter().map(|frame| frame.position_m).collect();
+                let is_loop = *end != KeyFrameEnd::Stop;
+                obstacle.motion =
+                    ObstacleMotion::key_frames_along(at, &path_m, (0.5 / period).min(5.0), is_loop);
+            }
         }
     }
     let v = (2.0 * scenario.task.goal_radius_m / period).min(5.0);

@@ -21,6 +21,7 @@
 mod convex;
 mod extent;
 mod grid;
+mod key_frames;
 mod motions;
 mod numbers;
 mod obstacles;
@@ -95,9 +96,11 @@ pub fn diagnostics_of_known(scenario: &Scenario, unknown: &[String]) -> Vec<Diag
 pub fn notes(scenario: &Scenario) -> Vec<Note> {
     let mut notes = Vec::new();
     if value_diagnostics(scenario).is_empty() && motions::max_speed_m_s(&scenario.robot) > 0.0 {
-        for check in [time_limit::check, turning::check, speeds::note_fast_obstacles, overlaps::check] {
-            check(scenario, &mut notes);
-        }
+        time_limit::check(scenario, &mut notes);
+        turning::check(scenario, &mut notes);
+        speeds::note_fast_obstacles(scenario, &mut notes);
+        key_frames::note_stops(scenario, &mut notes);
+        overlaps::check(scenario, &mut notes);
     }
     notes
 }

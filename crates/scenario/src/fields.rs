@@ -7,12 +7,13 @@
 use std::ops::RangeInclusive;
 
 use super::limits::{MAX_ANGULAR_SPEED_RAD_S, MAX_SPEED_M_S, SHAPE_SIZE_M, WALK_RADIUS_M};
+use super::schema::{KeyFrame, KeyFrameEnd};
 use glam::Vec2;
 
 /// A field of a shape or a motion, or two fields that are shown together.
 #[derive(Debug)]
 pub struct Field<'a> {
-    /// Names in scenario files, such as `radius_m`: two for a [`FieldValue::Pair`], else one.
+    /// Names in scenario files, such as `radius_m`: two for a [`FieldValue::Pair`], else one and those of the fields inside it.
     pub names: &'static [&'static str],
     /// Name on the screen.
     pub label: &'static str,
@@ -35,6 +36,8 @@ pub enum FieldValue<'a> {
     Centre(&'a mut Vec2),
     /// The corners of a path after the obstacle's position, in m. They move with the obstacle.
     Waypoints(&'a mut Vec<Vec2>),
+    /// The frames of a recorded path, and what happens after the last. Their positions move with the obstacle.
+    KeyFrames(&'a mut Vec<KeyFrame>, &'a mut KeyFrameEnd),
     /// The corners of a convex polygon in the shape's own frame, in m.
     Corners(&'a mut Vec<Vec2>),
 }

@@ -12,6 +12,7 @@ mod generate;
 mod geometry;
 #[cfg(not(target_arch = "wasm32"))]
 mod input;
+mod key_frames;
 mod levels;
 pub mod limits;
 mod load;
@@ -33,6 +34,7 @@ mod track;
 mod uniform_grid;
 #[cfg(target_arch = "wasm32")]
 pub mod virtual_files;
+mod waypoints;
 mod write;
 
 pub use check::{diagnostics, diagnostics_of_known, notes, value_diagnostics};

@@ -71,6 +71,10 @@ pub const MAX_STEP_M: f32 = 0.5;
 pub const WAYPOINTS: RangeInclusive<usize> = 1..=256;
 /// Reach of a random walk, in m.
 pub const WALK_RADIUS_M: RangeInclusive<f32> = 0.01..=500.0;
+/// Most key frames of all obstacles together.
+pub const MAX_KEY_FRAMES: usize = 10_000;
+/// Times of key frames, in s.
+pub const KEY_FRAME_TIME_S: RangeInclusive<f32> = 0.001..=100_000.0;
 
 // Generators.
 

@@ -9,6 +9,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::key_frames;
 use super::schema::{Obstacle, ObstacleMotion};
 use glam::{DVec2, Vec2, dvec2};
 use wayfield_random::Stream;
@@ -19,7 +20,8 @@ use wayfield_random::Stream;
 /// Orbit: the obstacle revolves about the centre and rotates with the revolution. Patrol: it starts at its own position,
 /// visits the waypoints in order, returns to its position, and repeats; a negative speed reverses the direction. Back and
 /// forth: it goes to the last waypoint and back. Random walk: it starts at its position and moves in a straight line at
-/// constant speed to a random point of the disc about it; every leg takes the time of the longest possible leg.
+/// constant speed to a random point of the disc about it; every leg takes the time of the longest possible leg. Key frames:
+/// it is at each frame at its time, and moves in straight lines between them.
 ///
 /// Numbers that [`diagnostics`](super::diagnostics) would reject may give NaN but never a panic.
 #[must_use]
@@ -42,6 +44,9 @@ pub fn pose_at(obstacle: &Obstacle, step: u64, control_period_s: f32) -> (f32, f
         }
         ObstacleMotion::RandomWalk { radius_m, speed_m_s, seed } => {
             (random_walk(position, f64::from(*radius_m), *seed, travelled(*speed_m_s)), rotation)
+        }
+        ObstacleMotion::KeyFrames { frames, end } => {
+            (key_frames::position_m(position, frames, *end, travelled(1.0)), rotation)
         }
     };
     (point.x as f32, point.y as f32, wrapped(rotation) as f32)

@@ -17,16 +17,19 @@ pub enum MotionKind {
     BackAndForth,
     /// Between random points.
     RandomWalk,
+    /// Along recorded positions.
+    KeyFrames,
 }
 
 impl MotionKind {
     /// All kinds, each with its name and a description for the screen.
-    pub const ALL: [(Self, &'static str, &'static str); 5] = [
+    pub const ALL: [(Self, &'static str, &'static str); 6] = [
         (Self::Static, "Static", "Does not move"),
         (Self::Orbit, "Orbit", "Around a point, rotating with it"),
         (Self::Patrol, "Patrol", "Along a closed path"),
         (Self::BackAndForth, "Back and forth", "Along a path and back"),
         (Self::RandomWalk, "Random walk", "Between random points near its position"),
+        (Self::KeyFrames, "Key frames", "At recorded positions at their times"),
     ];
 }
 
@@ -40,13 +43,14 @@ impl ObstacleMotion {
             Self::Patrol { .. } => MotionKind::Patrol,
             Self::BackAndForth { .. } => MotionKind::BackAndForth,
             Self::RandomWalk { .. } => MotionKind::RandomWalk,
+            Self::KeyFrames { .. } => MotionKind::KeyFrames,
         }
     }
 
     /// The fields, in the order in which they are shown.
     #[must_use]
     pub fn fields_mut(&mut self) -> Vec<Field<'_>> {
-        use FieldValue::{Centre, Number, Seed, Waypoints};
+        use FieldValue::{Centre, KeyFrames, Number, Seed, Waypoints};
         let field = |name, label, about, value| Field { names: name, label, about, value };
         match self {
             Self::Static => Vec::new(),
@@ -73,6 +77,10 @@ impl ObstacleMotion {
                     field(&["seed"], "Seed", "Obstacles with the same seed walk alike", Seed(seed)),
                 ]
             }
+            Self::KeyFrames { frames, end } => {
+                let names = &["frames", "time_s", "position_m", "end", "period_s"];
+                vec![field(names, "Frame", "", KeyFrames(frames, end))]
+            }
         }
     }
 
@@ -81,15 +89,6 @@ impl ObstacleMotion {
     pub fn number_mut(&mut self, quantity: Quantity) -> Option<&mut f32> {
         self.fields_mut().into_iter().find_map(|field| match field.value {
             FieldValue::Number(number, of) if of == quantity => Some(number),
-            _ => None,
-        })
-    }
-
-    /// The waypoints of a path, in m.
-    #[must_use]
-    pub fn waypoints_mut(&mut self) -> Option<&mut Vec<Vec2>> {
-        self.fields_mut().into_iter().find_map(|field| match field.value {
-            FieldValue::Waypoints(waypoints_m) => Some(waypoints_m),
             _ => None,
         })
     }
@@ -103,7 +102,8 @@ impl ObstacleMotion {
         })
     }
 
-    /// The points that move with the obstacle, in m: the centre of a revolution or the waypoints of a path.
+    /// The points that move with the obstacle, in m: the centre of a revolution, the waypoints of a path or
+    /// the positions of key frames.
     #[must_use]
     pub fn points_mut(&mut self) -> Vec<&mut Vec2> {
         let mut points = Vec::new();
@@ -111,6 +111,9 @@ impl ObstacleMotion {
             match field.value {
                 FieldValue::Centre(centre_m) => points.push(centre_m),
                 FieldValue::Waypoints(waypoints_m) => points.extend(waypoints_m),
+                FieldValue::KeyFrames(frames, _) => {
+                    points.extend(frames.iter_mut().map(|frame| &mut frame.position_m));
+                }
                 _ => {}
             }
         }

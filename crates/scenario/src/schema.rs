@@ -201,6 +201,40 @@ pub enum ObstacleMotion {
         #[serde(default)]
         seed: u32,
     },
+    /// Recorded positions, each with its time, and straight lines between them, without rotation. At time 0 it is at its
+    /// position; don't repeat that as a frame. The clock of an arena's obstacles runs on from episode to episode of a training,
+    /// and episodes of an evaluation begin at a random time: a motion that stops is mostly seen at rest.
+    KeyFrames {
+        /// The 1 to 10,000 frames, in the order of their times; at most 10,000 for all obstacles together.
+        frames: Vec<KeyFrame>,
+        /// What happens after the last frame.
+        #[serde(default)]
+        end: KeyFrameEnd,
+    },
+}
+
+/// A position at a time. The obstacle moves there from the position before at constant speed, at most 5 m/s.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct KeyFrame {
+    /// Time, 0.001 to 100,000 s, later than that of the frame before.
+    pub time_s: f32,
+    /// Position of the obstacle's origin.
+    pub position_m: Vec2,
+}
+
+/// What an obstacle does after its last key frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum KeyFrameEnd {
+    /// It stays at the last frame.
+    #[default]
+    Stop,
+    /// It returns to its position on a straight line, and starts again.
+    Loop {
+        /// Time at which it is back at its position, later than that of the last frame, up to 100,000 s.
+        period_s: f32,
+    },
 }
 
 /// A generator of random static obstacles. Every episode of every arena has its own, so that a policy learns to cope with

@@ -3,7 +3,8 @@
 //! In: an [`Obstacle`]. Out: its kind of speed and the places where it may be, without regard to the time.
 
 use super::geometry::length;
-use super::schema::{Obstacle, ObstacleMotion};
+use super::key_frames::{self, Leg};
+use super::schema::{KeyFrameEnd, Obstacle, ObstacleMotion};
 use glam::Vec2;
 
 /// The velocity of an obstacle, apart from its direction.
@@ -13,6 +14,8 @@ pub enum MotionSpeed {
     AtRest,
     /// A translation without rotation, at up to this speed in m/s.
     Translation(f32),
+    /// A translation without rotation, at a speed that changes: [`Obstacle::origin_speed_m_s`] is the highest.
+    Variable,
     /// A revolution about a point, in which the obstacle rotates as if fixed to a turntable.
     Revolution {
         /// The point, in m.
@@ -36,7 +39,7 @@ pub enum Track {
     Lines {
         /// The corners, in m, starting with its position.
         corners_m: Vec<Vec2>,
-        /// Whether the last corner is connected to the first; else it goes back along the same lines.
+        /// Whether the last corner is connected to the first; else it goes back along the same lines, or stops.
         closed: bool,
     },
     /// Any place within a distance of its position.
@@ -57,6 +60,7 @@ impl ObstacleMotion {
             Self::Patrol { speed_m_s, .. }
             | Self::BackAndForth { speed_m_s, .. }
             | Self::RandomWalk { speed_m_s, .. } => MotionSpeed::Translation(speed_m_s),
+            Self::KeyFrames { .. } => MotionSpeed::Variable,
         }
     }
 
@@ -65,6 +69,7 @@ impl ObstacleMotion {
     pub fn is_moving(&self) -> bool {
         match self.speed() {
             MotionSpeed::AtRest => false,
+            MotionSpeed::Variable => true,
             MotionSpeed::Translation(speed) | MotionSpeed::Revolution { speed_rad_s: speed, .. } => {
                 speed != 0.0
             }
@@ -86,6 +91,10 @@ impl Obstacle {
             ObstacleMotion::Patrol { waypoints_m, .. } => lines(waypoints_m, true),
             ObstacleMotion::BackAndForth { waypoints_m, .. } => lines(waypoints_m, false),
             ObstacleMotion::RandomWalk { radius_m, .. } => Track::Disc { radius_m: *radius_m },
+            ObstacleMotion::KeyFrames { frames, end } => {
+                let positions_m: Vec<Vec2> = frames.iter().map(|frame| frame.position_m).collect();
+                lines(&positions_m, *end != KeyFrameEnd::Stop)
+            }
         }
     }
 
@@ -95,7 +104,7 @@ impl Obstacle {
     }
 
     /// The corners of its path, in m, starting with its position, and whether the path is closed. `None` for motions without
-    /// waypoints.
+    /// a path.
     #[must_use]
     pub fn path_m(&self) -> Option<(Vec<Vec2>, bool)> {
         match self.track() {
@@ -104,12 +113,13 @@ impl Obstacle {
         }
     }
 
-    /// Speed of the obstacle's origin, in m/s; of a random walk, the largest.
+    /// Speed of the obstacle's origin, in m/s; of a random walk and of key frames, the largest.
     #[must_use]
     pub fn origin_speed_m_s(&self) -> f32 {
         match self.motion.speed() {
             MotionSpeed::AtRest => 0.0,
             MotionSpeed::Translation(speed_m_s) => speed_m_s.abs(),
+            MotionSpeed::Variable => self.legs().filter_map(Leg::speed_m_s).fold(0.0, f64::max) as f32,
             MotionSpeed::Revolution { centre_m, speed_rad_s } => {
                 (speed_rad_s * self.distance_to(centre_m)).abs()
             }
@@ -122,6 +132,7 @@ impl Obstacle {
         match self.motion.speed() {
             MotionSpeed::AtRest => 0.0,
             MotionSpeed::Translation(speed_m_s) => speed_m_s,
+            MotionSpeed::Variable => self.origin_speed_m_s(),
             MotionSpeed::Revolution { centre_m, speed_rad_s } => {
                 // The rotation of a circle moves none of its surface towards anything.
                 let turning_m =
@@ -129,6 +140,15 @@ impl Obstacle {
                 speed_rad_s * (self.distance_to(centre_m) + turning_m)
             }
         }
+    }
+
+    /// The legs between key frames; none for other motions.
+    pub(super) fn legs(&self) -> impl Iterator<Item = Leg> {
+        let (frames, end) = match &self.motion {
+            ObstacleMotion::KeyFrames { frames, end } => (frames.as_slice(), *end),
+            _ => (&[][..], KeyFrameEnd::Stop),
+        };
+        key_frames::legs(self.position_m, frames, end)
     }
 
     /// Distance of the obstacle's origin at step 0 from `centre_m`, in m.

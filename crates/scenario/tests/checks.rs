@@ -4,8 +4,8 @@ use std::time::{Duration, Instant};
 
 use glam::{Vec2, Vec2Swizzles, vec2};
 use wayfield_scenario::{
-    BenchmarkRoute, Enclosure, Generator, Motion, Obstacle, ObstacleMotion, PlacementRule, RandomShape,
-    Region, Robot, Scenario, Shape, TaskRules, Wall, diagnostics, notes,
+    BenchmarkRoute, Enclosure, Generator, KeyFrame, KeyFrameEnd, Motion, Obstacle, ObstacleMotion,
+    PlacementRule, RandomShape, Region, Robot, Scenario, Shape, TaskRules, Wall, diagnostics, notes,
 };
 
 /// The diagnostics as lines, without a file name.
@@ -398,6 +398,72 @@ fn obstacles_faster_than_the_robot_are_noted() {
     assert!(
         notes.len() == 1 && notes[0].contains("motion.speed_rad_s` moves the obstacle at up to 0.224 m/s"),
         "{notes:?}"
+    );
+}
+
+#[test]
+fn key_frames_have_increasing_times_and_no_jumps() {
+    let with = |frames: &[(f32, f32, f32)], end| {
+        let frame = |&(time_s, x, y): &(f32, f32, f32)| KeyFrame { time_s, position_m: vec2(x, y) };
+        let motion = ObstacleMotion::KeyFrames { frames: frames.iter().map(frame).collect(), end };
+        let obstacles = vec![obstacle(Shape::Circle { radius_m: 0.1 }, vec2(-1.5, 0.5), motion)];
+        let mut scenario = Scenario { obstacles, ..Scenario::default() };
+        let route = scenario.benchmark_route.get_or_insert_default();
+        (route.start_m, route.goal_m) = (vec2(0.0, -1.5), vec2(1.5, -1.5));
+        scenario
+    };
+    let loop_of = |period_s| KeyFrameEnd::Loop { period_s };
+    let there = [(10.0, -0.5, 0.5), (20.0, -0.5, 0.5)];
+    assert_eq!(found(&with(&there, loop_of(30.0))), [""; 0]);
+    assert_eq!(noted(&with(&there, loop_of(30.0))), [""; 0]);
+    for (frames, end, problem) in [
+        (&[][..], KeyFrameEnd::Stop, "frames` has 0 entries: write 1 to 10000"),
+        (
+            &[(3.0, 0.0, 0.5), (3.0, 0.1, 0.5)],
+            KeyFrameEnd::Stop,
+            "frames[1].time_s` is 3: write more than the time of the frame before, 3 s",
+        ),
+        (
+            &[(0.0, 0.0, 0.5)],
+            KeyFrameEnd::Stop,
+            "frames[0].time_s` is 0: write a number from 0.001 to 100000 (seconds)",
+        ),
+        (
+            &[(900.0, 501.0, 0.5)],
+            KeyFrameEnd::Stop,
+            "frames[0].position_m[0]` is 501: write a number from -500 to 500 (metres)",
+        ),
+        (&there, loop_of(20.0), "end.period_s` is 20: write more than the time of the frame before, 20 s"),
+        (
+            &there,
+            loop_of(20.25),
+            "end.period_s` moves the obstacle 0.800 m in one control step, above the limit of 0.5 m: make the leg of \
+             1.000 m last at least 0.400 s",
+        ),
+        (
+            &[(20.0, -0.5, 0.5), (20.1, 0.5, 0.5)],
+            KeyFrameEnd::Stop,
+            "frames[1].time_s` moves the obstacle at 10.000 m/s, above the limit of 5 m/s: make the leg of 1.000 m last \
+             at least 0.400 s",
+        ),
+        (&[(30.0, 5.0, 0.5)], KeyFrameEnd::Stop, "motion` "),
+    ] {
+        let problems = found(&with(frames, end));
+        assert!(problems.len() == 1 && problems[0].contains(problem), "{frames:?}: {problems:?}");
+    }
+    let mut crowded = with(&vec![(1.0, 0.0, 0.0); 6_000], KeyFrameEnd::Stop);
+    crowded.obstacles.push(crowded.obstacles[0].clone());
+    let problems = found(&crowded);
+    let total = "`obstacles` have 12000 key frames in total: write at most 10000";
+    assert!(problems.iter().any(|problem| problem == total), "{problems:?}");
+    assert_eq!(
+        noted(&with(&[(4.0, -0.5, 0.5)], KeyFrameEnd::Stop)),
+        [
+            "note: `obstacles[0].motion` moves the obstacle at up to 0.250 m/s, faster than the robot at 0.150 m/s, which \
+             can't evade it: slow it down, unless that is meant",
+            "note: `obstacles[0].motion` stops after 4 s, but the obstacles' clock runs on between episodes, and evaluations \
+             begin at random times: write end: Loop(period_s: ...), unless that is meant"
+        ]
     );
 }
 

@@ -94,7 +94,7 @@ fn syntax_errors_have_a_position_and_a_fix() {
         (
             "(name: \"a\",\n obstacles: [(shape: Circle(radius_m: 1), position_m: (0, 0), motion: Wander())])",
             "2:71: unknown choice `Wander` for `obstacles[0].motion`: the choices are `Static`, `Orbit`, `Patrol`, \
-             `BackAndForth`, `RandomWalk`",
+             `BackAndForth`, `RandomWalk`, `KeyFrames`",
         ),
         (
             r#"(name: "a", enclosure: Circle(radius_m: 2))"#,

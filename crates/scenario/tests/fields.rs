@@ -12,14 +12,15 @@ use wayfield_scenario::{
 const PERIOD_S: f32 = 0.2;
 
 /// A motion of every kind, for an obstacle at (0.5, 0.5).
-fn motions() -> [ObstacleMotion; 5] {
+fn motions() -> [ObstacleMotion; 6] {
     let waypoints_m = vec![vec2(1.0, 0.5), vec2(1.0, 1.0)];
     [
         ObstacleMotion::Static,
         ObstacleMotion::Orbit { centre_m: vec2(0.2, 0.1), speed_rad_s: -0.3 },
         ObstacleMotion::Patrol { waypoints_m: waypoints_m.clone(), speed_m_s: 0.3 },
-        ObstacleMotion::BackAndForth { waypoints_m, speed_m_s: 0.3 },
+        ObstacleMotion::BackAndForth { waypoints_m: waypoints_m.clone(), speed_m_s: 0.3 },
         ObstacleMotion::RandomWalk { radius_m: 0.4, speed_m_s: 0.2, seed: 3 },
+        ObstacleMotion::key_frames_along(vec2(0.5, 0.5), &waypoints_m, 0.3, true),
     ]
 }
 
@@ -103,7 +104,7 @@ fn every_number_above_its_range_is_reported_with_its_field() {
             count += 1;
         }
     }
-    assert_eq!(count, 5 + 5 + 5, "the shapes, the balls that move, and their motions");
+    assert_eq!(count, 5 + 6 + 5, "the shapes, the balls that move, and their motions");
 }
 
 #[test]

@@ -7,8 +7,8 @@ use proptest::collection::vec;
 use proptest::option;
 use proptest::prelude::*;
 use wayfield_scenario::{
-    BenchmarkRoute, Enclosure, Generator, Lidar, Motion, Obstacle, ObstacleMotion, PlacementRule,
-    RandomShape, Region, Robot, Scenario, Shape, TaskRules, Wall, parse_ron, to_text,
+    BenchmarkRoute, Enclosure, Generator, KeyFrame, KeyFrameEnd, Lidar, Motion, Obstacle, ObstacleMotion,
+    PlacementRule, RandomShape, Region, Robot, Scenario, Shape, TaskRules, Wall, parse_ron, to_text,
 };
 
 fn read(text: &str) -> Scenario {
@@ -59,6 +59,11 @@ fn circle(x: f32, y: f32) -> Obstacle {
     }
 }
 
+fn key_frames(end: KeyFrameEnd) -> ObstacleMotion {
+    let frame = |time_s, x, y| KeyFrame { time_s, position_m: vec2(x, y) };
+    ObstacleMotion::KeyFrames { frames: vec![frame(0.5, 1.0, 0.0), frame(1.0, 1.25, -0.5)], end }
+}
+
 /// A scenario in which no field has its default.
 fn everything() -> Scenario {
     let moving = |shape, motion| Obstacle { shape, position_m: vec2(1.0, -2.5), rotation_rad: 0.1, motion };
@@ -93,6 +98,8 @@ fn everything() -> Scenario {
                 motion: ObstacleMotion::RandomWalk { radius_m: 0.8, speed_m_s: 0.1, seed: 7 },
                 ..circle(-0.0, 3e20)
             },
+            Obstacle { motion: key_frames(KeyFrameEnd::Stop), ..circle(0.0, 0.0) },
+            Obstacle { motion: key_frames(KeyFrameEnd::Loop { period_s: 2.5 }), ..circle(0.0, 0.0) },
         ],
         generators: vec![
             Generator {
@@ -190,6 +197,27 @@ const EVERYTHING: &str = r#"(
             shape: Circle(radius_m: 0.15),
             position_m: (-0.0, 3e20),
             motion: RandomWalk(radius_m: 0.8, speed_m_s: 0.1, seed: 7),
+        ),
+        (
+            shape: Circle(radius_m: 0.15),
+            position_m: (0.0, 0.0),
+            motion: KeyFrames(
+                frames: [
+                    (time_s: 0.5, position_m: (1.0, 0.0)),
+                    (time_s: 1.0, position_m: (1.25, -0.5)),
+                ],
+            ),
+        ),
+        (
+            shape: Circle(radius_m: 0.15),
+            position_m: (0.0, 0.0),
+            motion: KeyFrames(
+                frames: [
+                    (time_s: 0.5, position_m: (1.0, 0.0)),
+                    (time_s: 1.0, position_m: (1.25, -0.5)),
+                ],
+                end: Loop(period_s: 2.5),
+            ),
         ),
     ],
 
@@ -515,6 +543,15 @@ fn motion() -> impl Strategy<Value = ObstacleMotion> {
             .prop_map(|(waypoints_m, speed_m_s)| ObstacleMotion::Patrol { waypoints_m, speed_m_s }),
         (points(), number())
             .prop_map(|(waypoints_m, speed_m_s)| ObstacleMotion::BackAndForth { waypoints_m, speed_m_s }),
+        (proptest::collection::vec((number(), point()), 0..4), number(), any::<bool>()).prop_map(
+            |(frames, period_s, is_loop)| ObstacleMotion::KeyFrames {
+                frames: frames
+                    .into_iter()
+                    .map(|(time_s, position_m)| KeyFrame { time_s, position_m })
+                    .collect(),
+                end: if is_loop { KeyFrameEnd::Loop { period_s } } else { KeyFrameEnd::Stop },
+            }
+        ),
         (number(), number(), 0_u32..3).prop_map(|(radius_m, speed_m_s, seed)| ObstacleMotion::RandomWalk {
             radius_m,
             speed_m_s,

@@ -11,7 +11,7 @@ use super::limits::{MAX_POINTS, NEW_SPEED_M_S, NEW_WALL_THICKNESS_M, WALL_CORNER
 use super::points::distance;
 use super::selection::Selection;
 use super::tool::Tool;
-use crate::scenario::{ObstacleMotion, PlacementRule, Scenario, Wall};
+use crate::scenario::{PlacementRule, Scenario, Wall};
 
 impl Editor {
     /// The current tool.
@@ -102,11 +102,7 @@ impl Editor {
         self.step(|scenario, selection| {
             let Selection::Obstacle(k) = *selection else { return };
             let Some(obstacle) = scenario.obstacles.get_mut(k) else { return };
-            if let Some(waypoints_m) = obstacle.motion.waypoints_mut() {
-                *waypoints_m = path;
-            } else {
-                obstacle.motion = ObstacleMotion::Patrol { waypoints_m: path, speed_m_s: NEW_SPEED_M_S };
-            }
+            obstacle.set_path(path, NEW_SPEED_M_S);
         });
     }
 

@@ -1,10 +1,10 @@
 //! Limits and default values of the editor.
 
-use crate::scenario::Scenario;
 use crate::scenario::limits::ENCLOSURE_SIDE_M;
 pub(super) use crate::scenario::limits::{
     ENCLOSURE_CORNERS, MAX_SPEED_M_S, POLYGON_CORNERS, WALL_CORNERS, WAYPOINTS,
 };
+use crate::scenario::{Obstacle, ObstacleMotion, Scenario};
 
 /// Maximum number of points of a path, and of positions of a start or goal rule.
 pub(super) const MAX_POINTS: usize = *WAYPOINTS.end();
@@ -30,8 +30,12 @@ pub(super) const MAX_UNDO_STEPS: usize = 500;
 /// Maximum number of items in all undo snapshots together. Very large scenarios therefore have fewer undo steps.
 pub(super) const MAX_SNAPSHOT_ITEMS: usize = 1_000_000;
 
-/// Number of obstacles and wall corners in a scenario.
+/// Number of obstacles, wall corners and key frames in a scenario.
 pub(super) fn item_count(scenario: &Scenario) -> usize {
     let corners = scenario.walls.iter().map(|wall| wall.corners_m.len()).sum::<usize>();
-    scenario.obstacles.len() + corners
+    let frames = |obstacle: &Obstacle| match &obstacle.motion {
+        ObstacleMotion::KeyFrames { frames, .. } => frames.len(),
+        _ => 0,
+    };
+    scenario.obstacles.len() + scenario.obstacles.iter().map(frames).sum::<usize>() + corners
 }

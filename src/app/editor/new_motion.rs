@@ -2,7 +2,7 @@
 
 use bevy::math::{Vec2, vec2};
 
-use super::limits::{MAX_SPEED_M_S, NEW_ORBIT_SPEED_RAD_S, NEW_SPEED_M_S};
+use super::limits::{MAX_POINTS, MAX_SPEED_M_S, NEW_ORBIT_SPEED_RAD_S, NEW_SPEED_M_S};
 use super::points::{centre_of, distance, point_to_mm, to_mm};
 use crate::scenario::{
     MotionKind, Obstacle, ObstacleMotion, Quantity, Scenario, clearance, enclosure_distance,
@@ -14,21 +14,30 @@ const DIRECTIONS: [Vec2; 4] = [Vec2::NEG_X, Vec2::X, Vec2::NEG_Y, Vec2::Y];
 /// A motion of this kind for obstacle `index`. The path of the old motion is kept.
 pub(super) fn of_kind(scenario: &Scenario, index: usize, kind: MotionKind) -> ObstacleMotion {
     let obstacle = &scenario.obstacles[index];
-    let path = |closed| match &obstacle.motion {
-        ObstacleMotion::Patrol { waypoints_m, speed_m_s }
-        | ObstacleMotion::BackAndForth { waypoints_m, speed_m_s } => (waypoints_m.clone(), *speed_m_s),
-        _ => (path(scenario, index, closed), NEW_SPEED_M_S),
+    let speed_m_s = obstacle.mean_speed_m_s().map_or(NEW_SPEED_M_S, |speed| to_mm(speed).max(0.001));
+    let path = |closed| match obstacle.path_m() {
+        Some((corners_m, _)) => (corners_m[1..].to_vec(), speed_m_s),
+        None => (path(scenario, index, closed), NEW_SPEED_M_S),
+    };
+    let waypoints = |closed| {
+        let (mut waypoints_m, speed_m_s) = path(closed);
+        waypoints_m.truncate(MAX_POINTS);
+        (waypoints_m, speed_m_s)
     };
     match kind {
         MotionKind::Static => ObstacleMotion::Static,
         MotionKind::Orbit => orbit(scenario, obstacle),
         MotionKind::Patrol => {
-            let (waypoints_m, speed_m_s) = path(true);
+            let (waypoints_m, speed_m_s) = waypoints(true);
             ObstacleMotion::Patrol { waypoints_m, speed_m_s }
         }
         MotionKind::BackAndForth => {
-            let (waypoints_m, speed_m_s) = path(false);
+            let (waypoints_m, speed_m_s) = waypoints(false);
             ObstacleMotion::BackAndForth { waypoints_m, speed_m_s }
+        }
+        MotionKind::KeyFrames => {
+            let (path_m, speed_m_s) = path(true);
+            ObstacleMotion::key_frames_along(obstacle.position_m, &path_m, speed_m_s, true)
         }
         MotionKind::RandomWalk => {
             let free_m = enclosure_distance(&scenario.enclosure, obstacle.position_m);

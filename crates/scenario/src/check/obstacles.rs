@@ -4,7 +4,8 @@ use std::fmt::Arguments;
 
 use super::numbers::check_region;
 use super::{
-    Diagnostics, METRES, METRES_PER_SECOND, RADIANS, RADIANS_PER_SECOND, TWICE_COLLISION_RANGE, polygons,
+    Diagnostics, METRES, METRES_PER_SECOND, RADIANS, RADIANS_PER_SECOND, TWICE_COLLISION_RANGE, key_frames,
+    polygons,
 };
 use crate::fields::{Field, FieldValue, Quantity};
 use crate::limits::*;
@@ -30,6 +31,7 @@ pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     for (k, obstacle) in scenario.obstacles.iter().enumerate().take(MAX_OBSTACLES) {
         check_obstacle(k, obstacle, diagnostics);
     }
+    key_frames::check_total(&scenario.obstacles, diagnostics);
     diagnostics.check_count(format_args!("generators"), scenario.generators.len(), 0..=MAX_GENERATORS);
     for (k, generator) in scenario.generators.iter().enumerate().take(MAX_GENERATORS) {
         check_generator(k, generator, scenario.task.collision_range_m, diagnostics);
@@ -56,6 +58,7 @@ fn check_obstacle(k: usize, obstacle: &Obstacle, diagnostics: &mut Diagnostics) 
         RADIANS,
     );
     check_fields(format_args!("obstacles[{k}].motion"), motion.fields_mut(), diagnostics);
+    key_frames::check(format_args!("obstacles[{k}].motion"), &obstacle.motion, diagnostics);
 }
 
 /// Checks the fields of the shape or the motion at `path`.
@@ -75,7 +78,8 @@ fn check_fields(path: Arguments<'_>, fields: Vec<Field<'_>>, diagnostics: &mut D
             FieldValue::Pair(values, quantity) => {
                 names.iter().zip(values).for_each(|(name, value)| number(name, *value, quantity));
             }
-            FieldValue::Seed(_) => {}
+            // Key frames are checked as a whole.
+            FieldValue::Seed(_) | FieldValue::KeyFrames(..) => {}
             FieldValue::Centre(centre_m) => diagnostics.check_point(path, *centre_m),
             FieldValue::Waypoints(waypoints_m) => diagnostics.check_points(path, waypoints_m, WAYPOINTS),
             FieldValue::Corners(corners_m) => polygons::check_convex(path, corners_m, diagnostics),

@@ -3,13 +3,13 @@
 use std::f32::consts::PI;
 
 use super::motions::max_speed_m_s;
-use super::{Diagnostics, Note, NoteLevel, rounded_down};
+use super::{Diagnostics, Note, NoteLevel, key_frames, rounded_down};
 use crate::limits::*;
 use crate::schema::*;
 use crate::track::MotionSpeed;
 
 /// Factor of tolerance for the rounding of a speed at the limit.
-const SLACK: f32 = 1.0 + 1e-5;
+pub(super) const SLACK: f32 = 1.0 + 1e-5;
 
 pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     let period = scenario.task.control_period_s;
@@ -36,14 +36,12 @@ fn check_obstacle(k: usize, obstacle: &Obstacle, period: f32, diagnostics: &mut 
                 diagnostics.push(path, too_far(speed * period, "obstacle", &most));
             } else if speed > MAX_SPEED_M_S * SLACK {
                 let most = rounded_down(MAX_SPEED_M_S / arm);
-                let message = format!(
-                    "moves the obstacle at {speed:.3} m/s, above the limit of {MAX_SPEED_M_S} m/s: write at most {most}"
-                );
-                diagnostics.push(path, message);
+                diagnostics.push(path, format!("{}: write at most {most}", too_fast(speed)));
             } else if speed_rad_s.abs() * period > PI * SLACK {
                 diagnostics.push(path, too_round(speed_rad_s.abs() * period, "obstacle", period));
             }
         }
+        MotionSpeed::Variable => key_frames::check_speeds(k, obstacle, period, diagnostics),
         MotionSpeed::Translation(speed_m_s) => {
             let gone = speed_m_s * period;
             if gone > MAX_STEP_M * SLACK && speed_m_s <= MAX_SPEED_M_S {
@@ -82,18 +80,22 @@ pub(super) fn note_fast_obstacles(scenario: &Scenario, notes: &mut Vec<Note>) {
     for (k, obstacle) in scenario.obstacles.iter().enumerate() {
         let speed_m_s = obstacle.max_speed_m_s().abs();
         if speed_m_s > robot_m_s * SLACK {
-            let name = if matches!(obstacle.motion.speed(), MotionSpeed::Revolution { .. }) {
-                "rad_s"
-            } else {
-                "m_s"
+            let field = match obstacle.motion.speed() {
+                MotionSpeed::Revolution { .. } => ".speed_rad_s",
+                MotionSpeed::Variable => "",
+                _ => ".speed_m_s",
             };
             let message = format!(
                 "moves the obstacle at up to {speed_m_s:.3} m/s, faster than the robot at {robot_m_s:.3} m/s, which can't \
                  evade it: slow it down, unless that is meant"
             );
-            notes.push(Note::new(NoteLevel::Note, format!("obstacles[{k}].motion.speed_{name}"), message));
+            notes.push(Note::new(NoteLevel::Note, format!("obstacles[{k}].motion{field}"), message));
         }
     }
+}
+
+pub(super) fn too_fast(speed_m_s: f32) -> String {
+    format!("moves the obstacle at {speed_m_s:.3} m/s, above the limit of {MAX_SPEED_M_S} m/s")
 }
 
 fn too_far(gone: f32, what: &str, most: &str) -> String {

@@ -120,6 +120,11 @@ impl ValueRange {
                 .prop_map(|(waypoints_m, speed_m_s)| ObstacleMotion::Patrol { waypoints_m, speed_m_s }),
             1 => (waypoints(), speed())
                 .prop_map(|(waypoints_m, speed_m_s)| ObstacleMotion::BackAndForth { waypoints_m, speed_m_s }),
+            1 => (waypoints(), self.within(0.2, 1.0), any::<bool>(), self.place(1.4)).prop_map(
+                |(path_m, speed_m_s, is_loop, start_m)| {
+                    ObstacleMotion::key_frames_along(start_m, &path_m, speed_m_s, is_loop)
+                }
+            ),
             1 => (self.within(0.05, 1.0), speed(), any::<u32>())
                 .prop_map(|(radius_m, speed_m_s, seed)| ObstacleMotion::RandomWalk { radius_m, speed_m_s, seed }),
         ]

@@ -3,7 +3,7 @@
 use bevy::math::{Vec2, vec2};
 
 use super::super::handle::{Handle, HandleKind};
-use super::super::limits::{MAX_POINTS, WAYPOINTS};
+use super::super::limits::MAX_POINTS;
 use super::super::points::{distance, format_metres, place_text, point_to_mm};
 use super::corners;
 use super::editable::DragTarget;
@@ -26,9 +26,11 @@ pub(super) fn handles(obstacle: &Obstacle) -> Vec<Handle> {
     }
 }
 
-/// Handles of the path: new waypoints on its legs, then its start and waypoints.
+/// Handles of the path: new waypoints on its legs, then its start and waypoints. Of a longer path than one can draw, only the
+/// start has a handle.
 fn path_handles(path: &[Vec2], closed: bool) -> Vec<Handle> {
     let mut handles = Vec::new();
+    let path = if path.len() > MAX_POINTS + 1 { &path[..1] } else { path };
     if path.len() <= MAX_POINTS {
         let legs = if closed && path.len() > 2 { path.len() } else { path.len() - 1 };
         handles.extend((0..legs).map(|k| {
@@ -51,10 +53,10 @@ pub(super) fn drag(obstacle: &mut Obstacle, kind: HandleKind, target: DragTarget
     let motion = &mut obstacle.motion;
     match kind {
         HandleKind::PathStart => {
-            motion.waypoints_mut()?;
+            motion.waypoint_mut(0)?;
             obstacle.position_m = target.snapped_m;
         }
-        HandleKind::Waypoint(k) => *motion.waypoints_mut()?.get_mut(k)? = target.snapped_m,
+        HandleKind::Waypoint(k) => *motion.waypoint_mut(k)? = target.snapped_m,
         HandleKind::Centre => *motion.centre_mut()? = target.snapped_m,
         HandleKind::Reach => {
             let reach_m = distance(obstacle.position_m, target.position_m);
@@ -68,14 +70,14 @@ pub(super) fn drag(obstacle: &mut Obstacle, kind: HandleKind, target: DragTarget
 /// Inserts a waypoint.
 pub(super) fn insert(obstacle: &mut Obstacle, kind: HandleKind, position_m: Vec2) -> Option<HandleKind> {
     let HandleKind::InsertWaypoint(k) = kind else { return None };
-    corners::insert(obstacle.motion.waypoints_mut()?, k, position_m)?;
+    obstacle.motion.insert_waypoint(k, position_m)?;
     Some(HandleKind::Waypoint(k))
 }
 
 /// Removes a waypoint, unless it is the last.
 pub(super) fn remove(obstacle: &mut Obstacle, kind: HandleKind) -> Option<()> {
     let HandleKind::Waypoint(k) = kind else { return None };
-    corners::remove(obstacle.motion.waypoints_mut()?, k, *WAYPOINTS.start())
+    obstacle.motion.remove_waypoint(k)
 }
 
 /// Moves the obstacle and its motion.

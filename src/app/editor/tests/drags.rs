@@ -268,6 +268,31 @@ fn a_path_is_dragged_by_its_waypoints_or_as_a_whole() {
 }
 
 #[test]
+fn key_frames_are_dragged_with_their_times() {
+    let mut editor = editor(full());
+    editor.select(Selection::Obstacle(1));
+    // The patrol from (1, 0) over (1, 1.5) and (0.5, 1.5) at 0.1 m/s.
+    editor.set_motion(MotionKind::KeyFrames);
+    let frames = |editor: &Editor| match &editor.scenario().obstacles[1].motion {
+        ObstacleMotion::KeyFrames { frames, .. } => {
+            frames.iter().map(|frame| (frame.time_s, frame.position_m)).collect::<Vec<_>>()
+        }
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(frames(&editor), [(15.0, vec2(1.0, 1.5)), (20.0, vec2(0.5, 1.5))]);
+    drag(&mut editor, HandleKind::Waypoint(0), vec2(0.3, -0.1), false);
+    drag(&mut editor, HandleKind::InsertWaypoint(1), vec2(-0.2, 0.0), false);
+    let changed = [(15.0, vec2(1.3, 1.4)), (17.5, vec2(0.7, 1.45)), (20.0, vec2(0.5, 1.5))];
+    assert_eq!(frames(&editor), changed);
+    assert!(editor.remove_handle(HandleKind::Waypoint(0)) && editor.remove_handle(HandleKind::Waypoint(0)));
+    assert!(!editor.remove_handle(HandleKind::Waypoint(0)), "one frame remains");
+    drag(&mut editor, HandleKind::Middle, vec2(-0.1, 0.0), false);
+    assert_eq!(frames(&editor), [(20.0, vec2(0.4, 1.5))]);
+    editor.set_motion(MotionKind::Patrol);
+    assert_eq!(editor.scenario().obstacles[1].path_m(), Some((vec![vec2(0.9, 0.0), vec2(0.4, 1.5)], true)));
+}
+
+#[test]
 fn the_centre_of_an_orbit_and_the_radius_of_a_random_walk_are_dragged() {
     let motion = ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: 0.15 };
     let mut editor = with(Obstacle { motion, ..circle(0.6, 0.8) });

@@ -80,7 +80,7 @@ fn random_edit(editor: &mut Editor, stream: &mut Stream) {
         11 => [Editor::copy, Editor::cut][one_of(stream, 2)](editor),
         12 => editor.paste([None, Some(at)][one_of(stream, 2)]),
         13 => editor.nudge(1, -2, uniform(stream, 0.0, 1.0) < 0.5),
-        14 => editor.set_motion(MotionKind::ALL[one_of(stream, 5)].0),
+        14 => editor.set_motion(MotionKind::ALL[one_of(stream, MotionKind::ALL.len())].0),
         15 => editor.set_rule(rule, PlacementKind::ALL[one_of(stream, 4)]),
         16 => editor.set_enclosure([EnclosureKind::Rectangle, EnclosureKind::Polygon][one_of(stream, 2)]),
         17 => {

@@ -5,10 +5,12 @@ use bevy::math;
 use egui::{Color32, Pos2, Shape as Mark, Stroke, Vec2, vec2};
 
 use super::canvas::Canvas;
-use crate::scenario::{MotionSpeed, Obstacle, Track};
+use crate::scenario::{MotionKind, MotionSpeed, Obstacle, Track};
 
 /// Lengths of a dash and of the gap after it, in points.
 const DASH: (f32, f32) = (6.0, 4.0);
+/// A path with more corners, as recordings have, is drawn without dots and arrows.
+const MAX_MARKED_CORNERS: usize = 300;
 
 /// Draws the path of `obstacle`; nothing for a static one.
 pub fn draw(canvas: &Canvas, obstacle: &Obstacle, color: Color32) {
@@ -17,7 +19,7 @@ pub fn draw(canvas: &Canvas, obstacle: &Obstacle, color: Color32) {
     match obstacle.track() {
         Track::Point => {}
         Track::Circle { centre_m } => orbit(canvas, canvas.to_screen(centre_m.into()), obstacle, stroke),
-        Track::Lines { corners_m, closed } => legs(canvas, corners_m, closed, stroke),
+        Track::Lines { corners_m, closed } => legs(canvas, corners_m, ways(obstacle, closed), stroke),
         Track::Disc { radius_m } => {
             let reach = canvas.transform.to_screen_length(radius_m);
             canvas.painter.circle_filled(at, reach, color.gamma_multiply(0.08));
@@ -44,15 +46,37 @@ fn orbit(canvas: &Canvas, centre: Pos2, obstacle: &Obstacle, stroke: Stroke) {
     }
 }
 
-/// Draws a dashed line through the corners, with an arrow on each long leg, in both directions if the path is
-/// not closed.
-fn legs(canvas: &Canvas, corners: Vec<math::Vec2>, closed: bool, stroke: Stroke) {
+/// The directions in which an obstacle moves along its path.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Ways {
+    /// From corner to corner, and from the last to the first.
+    Round,
+    /// From corner to corner, and back.
+    Both,
+    /// From corner to corner.
+    There,
+}
+
+fn ways(obstacle: &Obstacle, closed: bool) -> Ways {
+    match obstacle.motion.kind() {
+        _ if closed => Ways::Round,
+        MotionKind::KeyFrames => Ways::There,
+        _ => Ways::Both,
+    }
+}
+
+/// Draws a dashed line through the corners, with an arrow on each long leg for each way.
+fn legs(canvas: &Canvas, corners: Vec<math::Vec2>, ways: Ways, stroke: Stroke) {
     let mut points: Vec<Pos2> = corners.into_iter().map(|corner| canvas.to_screen(corner.into())).collect();
+    if ways == Ways::Round {
+        points.extend(points.first().copied());
+    }
+    if points.len() > MAX_MARKED_CORNERS {
+        canvas.painter.extend(Mark::dashed_line(&points, stroke, DASH.0, DASH.1));
+        return;
+    }
     for &corner in points.iter().skip(1) {
         canvas.painter.circle_filled(corner, 2.5, stroke.color);
-    }
-    if closed {
-        points.extend(points.first().copied());
     }
     for leg in points.windows(2) {
         let (from, to) = (leg[0], leg[1]);
@@ -64,7 +88,7 @@ fn legs(canvas: &Canvas, corners: Vec<math::Vec2>, closed: bool, stroke: Stroke)
         // Not in the middle, where the editor has its handle for a new corner.
         let position = from.lerp(to, 0.7);
         canvas.arrow_head(position + along * 4.0, along, 8.0, stroke.color);
-        if !closed {
+        if ways == Ways::Both {
             canvas.arrow_head(from.lerp(to, 0.3) - along * 4.0, -along, 8.0, stroke.color);
         }
     }

@@ -14,7 +14,7 @@ use crate::app::screen::widgets::text::weak_text;
 use crate::scenario::Scenario;
 
 /// Maximum number of list entries shown.
-const MAX_SHOWN: usize = 32;
+pub const MAX_SHOWN: usize = 32;
 
 /// The rows of one item.
 pub struct FieldRows<'u> {

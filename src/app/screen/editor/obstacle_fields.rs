@@ -4,12 +4,14 @@ use bevy::math::Vec2;
 use egui::Ui;
 
 use super::controls::{button_row_ui, choice_ui};
-use super::fields::FieldRows;
+use super::fields::{FieldRows, MAX_SHOWN};
 use super::number::NumberSpec;
 use crate::app::editor::{Editor, Tool, format_metres};
 use crate::app::screen::widgets::text::weak_text;
-use crate::scenario::limits::{POLYGON_CORNERS, WALL_CORNERS, WALL_THICKNESS_M, WAYPOINTS};
-use crate::scenario::{Field, FieldValue, MotionKind, Obstacle, ObstacleMotion, Track};
+use crate::scenario::limits::{KEY_FRAME_TIME_S, POLYGON_CORNERS, WALL_CORNERS, WALL_THICKNESS_M, WAYPOINTS};
+use crate::scenario::{
+    Field, FieldValue, KeyFrame, KeyFrameEnd, MotionKind, Obstacle, ObstacleMotion, Track,
+};
 
 /// Shows the fields of an obstacle.
 pub fn obstacle_ui(ui: &mut Ui, editor: &mut Editor, index: usize) {
@@ -72,18 +74,52 @@ fn described_rows(rows: &mut FieldRows<'_>, fields: Vec<Field<'_>>) {
             FieldValue::Seed(seed) => rows.count(label, about, seed, 0..=u32::MAX),
             FieldValue::Centre(centre_m) => rows.position(label, about, centre_m),
             FieldValue::Waypoints(waypoints_m) => rows.positions(label, waypoints_m, *WAYPOINTS.start()),
+            FieldValue::KeyFrames(frames, end) => {
+                end_rows(rows, frames, end);
+                key_frame_rows(rows, label, frames);
+            }
             FieldValue::Corners(corners_m) => rows.positions(label, corners_m, *POLYGON_CORNERS.start()),
         }
     }
 }
 
-/// The radius and the speed of an orbit, or the length and the duration of a round trip.
+/// The times of key frames, then their positions.
+fn key_frame_rows(rows: &mut FieldRows<'_>, label: &str, frames: &mut Vec<KeyFrame>) {
+    let time = NumberSpec::seconds(KEY_FRAME_TIME_S);
+    for (k, frame) in frames.iter_mut().enumerate().take(MAX_SHOWN) {
+        rows.number(&format!("Time {}", k + 1), "Since the start of the motion", &mut frame.time_s, time);
+    }
+    let specs = [NumberSpec::POSITION; 2];
+    rows.list(label, frames, 1, "edit them in the file", specs, |KeyFrame { position_m, .. }| {
+        [("x", &mut position_m.x), ("y", &mut position_m.y)]
+    });
+}
+
+/// Whether key frames repeat, and after which time. A new period gives as much time for the way back as for the way there.
+fn end_rows(rows: &mut FieldRows<'_>, frames: &[KeyFrame], end: &mut KeyFrameEnd) {
+    let (was_loop, last_s) = (*end != KeyFrameEnd::Stop, frames.last().map_or(1.0, |frame| frame.time_s));
+    let mut is_loop = was_loop;
+    rows.checkbox("Repeat", "Return to the position and start again", &mut is_loop);
+    if is_loop != was_loop {
+        let period_s = (2.0 * last_s).min(*KEY_FRAME_TIME_S.end());
+        *end = if is_loop { KeyFrameEnd::Loop { period_s } } else { KeyFrameEnd::Stop };
+    }
+    if let KeyFrameEnd::Loop { period_s } = end {
+        let time = NumberSpec::seconds(KEY_FRAME_TIME_S);
+        rows.number("Period", "Time at which it is back at its position", period_s, time);
+    }
+}
+
+/// The radius and the speed of an orbit, the speed of key frames, or the length and the duration of a round trip.
 fn track_summary(obstacle: &Obstacle) -> Option<String> {
     let speed_m_s = obstacle.origin_speed_m_s();
     match obstacle.track() {
         Track::Circle { centre_m } => {
             let radius_m = format_metres(obstacle.position_m.distance(centre_m));
             Some(format!("Radius {radius_m} m, {} m/s", format_metres(speed_m_s)))
+        }
+        Track::Lines { .. } if obstacle.motion.kind() == MotionKind::KeyFrames => {
+            Some(format!("At most {} m/s", format_metres(speed_m_s)))
         }
         Track::Lines { corners_m, closed } => Some(round_trip(&corners_m, closed, speed_m_s)),
         Track::Point | Track::Disc { .. } => None,
