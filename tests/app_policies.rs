@@ -134,7 +134,7 @@ fn a_classical_driver_drives_next_to_the_policy_with_its_class_and_the_map_that_
         frame(&mut app);
     }
     assert_eq!(app.shown().1.mode, SessionMode::Compare);
-    let (name, class) = ("A* and DWA on its own map", "Class B: builds a map as it drives");
+    let (name, class) = ("A* and DWA on its own map", "Class B: builds a map");
     assert_eq!(driver(&app, 1), (name.into(), class.into()));
     let [policy, classical] = &app.shown().0.arenas[..] else { panic!("two arenas") };
     assert_eq!(policy.goal, classical.goal);
@@ -152,7 +152,7 @@ fn a_classical_driver_drives_next_to_the_policy_with_its_class_and_the_map_that_
     }
     app.command(Command::OpenDriver("orca"));
     frame(&mut app);
-    assert_eq!(driver(&app, 1), ("ORCA".into(), "Class C: knows the true scenario".into()));
+    assert_eq!(driver(&app, 1), ("ORCA".into(), "Class C: knows everything".into()));
     app.command(Command::OpenExpert);
     frame(&mut app);
     assert!(driver(&app, 1).0.ends_with(" expert"), "a policy takes the place of the driver");
@@ -174,7 +174,7 @@ fn a_classical_drivers_file_is_opened_like_a_policy() {
     app.command(Command::Open(path));
     app.frame(Duration::from_millis(10));
     assert_eq!(app.shown().1.mode, SessionMode::Compare);
-    assert_eq!(driver(&app, 1), ("DWA, careful.ron".into(), "Class A: perceives what a policy does".into()));
+    assert_eq!(driver(&app, 1), ("DWA, careful.ron".into(), "Class A: sees what a policy sees".into()));
     app.command(Command::Open("astar".into()));
     app.frame(Duration::from_millis(10));
     assert_eq!(driver(&app, 1).0, "A* and pure pursuit", "a driver is also opened by its name");

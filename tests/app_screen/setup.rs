@@ -247,7 +247,7 @@ fn a_classical_driver_is_chosen_from_a_menu_that_names_the_classes() {
     let mut window = window(ScreenFixture::default());
     for (title, name) in [("Potential field", "field"), ("ORCA", "orca")] {
         assert_eq!(click(&mut window, "Watch a classical driver"), []);
-        assert!(window.query_by_label("Class B: builds a map as it drives").is_some());
+        assert!(window.query_by_label("Class B: builds a map").is_some());
         assert_eq!(click(&mut window, title), [Command::OpenDriver(name)]);
     }
     window.state_mut().status.opened_driver = Some("ORCA".into());

@@ -157,7 +157,7 @@ test('a classical driver is compared with the current policy in the levels of a 
     await click(page, 'Watch a classical driver');
     await click(page, 'A* and DWA on its own map');
     const now = await until(page, (now) => now.mode === 'Compare');
-    assert.match(now.notice, /Class B: builds a map as it drives/);
+    assert.match(now.notice, /Class B: builds a map/);
     await page.waitForTimeout(4000);
     await picture(page, 'driver');
     await closeWithoutErrors(page);

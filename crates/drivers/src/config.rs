@@ -31,9 +31,9 @@ impl DriverClass {
     #[must_use]
     pub fn about(self) -> &'static str {
         match self {
-            Self::A => "Class A: perceives what a policy does",
-            Self::B => "Class B: builds a map as it drives",
-            Self::C => "Class C: knows the true scenario",
+            Self::A => "Class A: sees what a policy sees",
+            Self::B => "Class B: builds a map",
+            Self::C => "Class C: knows everything",
         }
     }
 }

@@ -12,7 +12,7 @@ const GAP: f32 = 4.0;
 
 /// Draws the occupied cells and the path of `plan`.
 pub fn draw(canvas: &Canvas, plan: &DriverPlan) {
-    canvas.painter.add(Shape::mesh(cells(canvas, plan, canvas.palette.warning.gamma_multiply(0.3))));
+    canvas.painter.add(Shape::mesh(cells(canvas, plan, canvas.palette.warning.gamma_multiply(0.5))));
     let path: Vec<Pos2> = plan.path_m.iter().map(|at| canvas.to_screen(at.to_array())).collect();
     let stroke = Stroke::new(1.5, canvas.palette.warning);
     canvas.painter.extend(Shape::dashed_line(&path, stroke, DASH, GAP));

@@ -97,11 +97,11 @@ fn draw_arena(
     if let Some(field) = potential {
         field_view::draw_arrows(canvas, field, canvas.palette.text.gamma_multiply(0.45));
     }
+    trajectories::draw(canvas, arena, overlays);
+    arena::draw_solids(canvas, &arena.scenario, &arena.obstacles);
     if let Some(plan) = arena.plan.as_ref().filter(|_| overlays.path) {
         driver_plan::draw(canvas, plan);
     }
-    trajectories::draw(canvas, arena, overlays);
-    arena::draw_solids(canvas, &arena.scenario, &arena.obstacles);
     arena::draw_goal(canvas, scenario, [arena.goal.x_m, arena.goal.y_m]);
     let beams = overlays.beams && !arena.inactive;
     let label = beams.then(|| beams::draw(canvas, scenario, arena)).flatten();

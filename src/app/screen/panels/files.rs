@@ -3,7 +3,7 @@
 //! In: the session state. Out: commands.
 
 use egui::containers::menu::MenuButton;
-use egui::{Button, Ui, vec2};
+use egui::{Atom, Button, Ui, vec2};
 
 use crate::app::app_snapshot::{AppSnapshot, BestSoFar};
 use crate::app::commands::{Command, SaveKind};
@@ -72,7 +72,8 @@ fn expert_button_ui(ui: &mut Ui, status: &AppSnapshot, commands: &mut Vec<Comman
 
 /// Draws the menu of the classical drivers, by class.
 fn driver_menu_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
-    let button = Button::new("Watch a classical driver").min_size(vec2(ui.available_width(), HEIGHT));
+    let text = (Atom::grow(), "Watch a classical driver", Atom::grow());
+    let button = Button::new(text).min_size(vec2(ui.available_width(), HEIGHT));
     let (response, _) = MenuButton::from_button(button).ui(ui, |ui| {
         let mut class = None;
         for (name, driver) in
