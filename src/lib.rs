@@ -46,7 +46,8 @@
 //!
 //! # Crates
 //!
-//! These crates do not depend on Bevy. This crate re-exports all but `wayfield_ron_patch` and `wayfield_protobuf`.
+//! These crates do not depend on Bevy. This crate re-exports all but `wayfield_orca`, `wayfield_ron_patch` and
+//! `wayfield_protobuf`.
 //!
 //! | crate | contents |
 //! |---|---|
@@ -57,6 +58,7 @@
 //! | [`wayfield_import`] | scenarios from ROS maps, pictures, SDF worlds and BARN worlds |
 //! | `wayfield_protobuf` | a writer and a reader of protobuf messages |
 //! | [`wayfield_scenario`] | scenarios: the RON schema, its checks, geometry, generators |
+//! | `wayfield_orca` | ORCA, by which pedestrians and the driver of that name avoid others |
 //! | `wayfield_ron_patch` | a RON writer that keeps comments |
 //! | [`wayfield_learning`] | the learner: Q-network, replay buffer, update rules |
 //! | [`wayfield_planner`] | time-optimal paths, and lower bounds on the number of steps |

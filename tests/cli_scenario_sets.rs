@@ -222,9 +222,9 @@ fn an_invalid_entry_of_a_set_is_reported_with_line_and_fix() {
 fn modes_for_one_scenario_name_those_of_a_set() {
     let workspace = workspace();
     workspace.run_ok("--check set.ron");
-    let done = workspace.run("--draw set.svg --scenario set.ron");
+    let done = workspace.run("--draw set.svg --plain --scenario set.ron");
     assert_eq!(done.status, Some(2), "{}", done.stderr);
-    let expected = "set.ron: is a set of scenarios (one, moving, clutter), which only --train and the app take; help: give one of them";
+    let expected = "set.ron: is a set of scenarios (one, moving, clutter), but one scenario is needed here; help: give one of them";
     assert!(done.stderr.contains(expected), "{}", done.stderr);
 }
 

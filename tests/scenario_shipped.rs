@@ -104,6 +104,7 @@ fn the_shipped_scenarios_use_every_part_of_the_format() {
                 ObstacleMotion::Patrol { .. } => mark("a patrol", true),
                 ObstacleMotion::BackAndForth { .. } => mark("back and forth", true),
                 ObstacleMotion::RandomWalk { .. } => mark("a random walk", true),
+                ObstacleMotion::Pedestrian { .. } => mark("a pedestrian", true),
                 ObstacleMotion::KeyFrames { .. } => mark("key frames", true),
             }
         }

@@ -84,6 +84,11 @@ fn arena_k_has_the_same_bits_among_1_2_7_or_64_with_moving_obstacles() {
 }
 
 #[test]
+fn arena_k_has_the_same_bits_among_1_2_7_or_64_with_pedestrians() {
+    assert_independent_of_number_of_arenas(&common::pedestrians());
+}
+
+#[test]
 fn arena_k_has_the_same_bits_among_1_2_7_or_64_with_generated_obstacles() {
     let shape = RandomShape::Circle { radius_m: (0.1, 0.2) };
     let generators = vec![Generator { count: 4, shape, gap_m: 0.3, within: None }];

@@ -171,6 +171,11 @@ fn a_restored_simulation_continues_to_the_bit_with_moving_obstacles() {
 }
 
 #[test]
+fn a_restored_simulation_continues_to_the_bit_with_pedestrians() {
+    assert_restored_continues_to_the_bit(common::pedestrians());
+}
+
+#[test]
 fn a_restored_simulation_continues_to_the_bit_with_a_noisy_lidar() {
     let mut scenario = common::moving_obstacles();
     (scenario.lidar.noise_std_m, scenario.lidar.dropout) = (0.05, 0.05);

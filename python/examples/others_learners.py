@@ -107,7 +107,7 @@ def learners(cleanrl: Path | None) -> list[Learner]:
     ]
     if cleanrl is not None:
         rows.append(cleanrls("CleanRL DQN, defaults", cleanrl / "cleanrl/dqn.py", 200_000))
-    return [*rows, sb3s("SB3 SAC, defaults, continuous actions", stable_baselines3.SAC, 50_000)]
+    return [*rows, sb3s("SB3 SAC, defaults, continuous actions", stable_baselines3.SAC, 20_000)]
 
 
 def row(learner: Learner, scenario: str, env_steps: int, out: Path) -> str:

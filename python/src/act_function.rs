@@ -1,17 +1,17 @@
 //! Functions of Python that choose the actions of an evaluation.
 
 use pyo3::prelude::*;
-use pyo3::types::PyByteArray;
 use wayfield::env::Commands;
 use wayfield::policy::Encoding;
 use wayfield::run::evaluate::{EvaluationRun, Evaluator};
 
+use crate::arrays::rows;
 use crate::commands::{actions, motions};
 use crate::errors::env_error;
 
 /// A function of Python that chooses the actions of an evaluation.
 pub struct ActFunction {
-    /// The function: observations as bytes, and their number, to an array of commands.
+    /// The function: observations (rows x width) to an array of commands.
     pub act: Py<PyAny>,
     /// The encoding of the observations.
     pub encoding: Encoding,
@@ -27,15 +27,15 @@ impl ActFunction {
         run: &mut EvaluationRun,
         num_actions: usize,
     ) -> PyResult<()> {
-        let observations = evaluator.observations(run);
-        let bytes: Vec<u8> = observations.iter().flat_map(|number| number.to_ne_bytes()).collect();
         Python::attach(|py| {
+            let observations = evaluator.observations(run);
             let count = run.parallel_episodes();
-            let returned = self.act.bind(py).call1((PyByteArray::new(py, &bytes), count))?;
+            let observations = rows(py, observations, observations.len() / count.max(1))?;
+            let returned = self.act.bind(py).call1((observations,))?;
             let result = if self.is_continuous {
-                evaluator.command(run, Commands::Motions(&motions(py, &returned.extract()?)?))
+                evaluator.command(run, Commands::Motions(&motions(&returned, &[count])?))
             } else {
-                evaluator.command(run, Commands::Actions(&actions(py, &returned.extract()?, num_actions)?))
+                evaluator.command(run, Commands::Actions(&actions(&returned, &[count], num_actions)?))
             };
             result.map_err(env_error)
         })

@@ -8,13 +8,25 @@ use crate::env::NativeEnv;
 /// The number of different rows of actions.
 const ROWS: usize = 1000;
 
-/// Takes `steps` control steps with random actions in the environments `env`, which must not need a reset by the caller.
+/// Takes `steps` control steps with random actions in the environments `env`, and resets those that wait for it.
 #[pyfunction]
 pub fn benchmark(py: Python<'_>, mut env: PyRefMut<'_, NativeEnv>, steps: usize) -> PyResult<()> {
+    let waits_for_resets = env.waits_for_resets();
     env.run(py, |env, _| {
         let mut random = stream(1, "actions", 0);
         let (envs, num_actions) = (env.num_envs(), env.num_actions());
         let actions: Vec<usize> = (0..ROWS * envs).map(|_| uniform_index(&mut random, num_actions)).collect();
-        actions.chunks_exact(envs).cycle().take(steps).try_for_each(|row| env.step(row).map(|_| ()))
+        let mut ended = Vec::with_capacity(envs);
+        for row in actions.chunks_exact(envs).cycle().take(steps) {
+            let step = env.step(row)?;
+            if waits_for_resets {
+                ended.clear();
+                ended.extend(step.terminated.iter().zip(step.truncated).map(|(a, b)| a | b));
+                if ended.contains(&true) {
+                    env.reset_selected(&ended, None)?;
+                }
+            }
+        }
+        Ok(())
     })
 }

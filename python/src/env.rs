@@ -1,32 +1,35 @@
-//! Environments: steps and resets that write into numpy's arrays.
+//! Environments: steps and resets that return numpy's arrays.
 
 use std::f32::consts::PI;
 
-use pyo3::buffer::PyBuffer;
+use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyIndexError, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use wayfield::env::{Step, VecEnv, VecEnvError};
+use wayfield::env::{Autoreset, Step, VecEnv, VecEnvError};
 use wayfield::policy::{Encoding, observation};
 use wayfield::report::raster;
 use wayfield::run::scenario_image;
 use wayfield::scenario::Scenario;
 use wayfield::sim;
-use wayfield::task::StepOutcome;
 
+use crate::arrays::rows;
 use crate::commands;
-use crate::env_options::{EnvOptions, scenario_or_set};
+use crate::env_options::{EnvOptions, is_continuous, scenario_or_set};
 use crate::errors::{detached, env_error};
+use crate::step_details::StepDetails;
 
-/// The names of the reward's terms, as in `episodes.csv`.
-const REWARD_TERMS: [&str; 4] = ["reward_goal", "reward_collision", "reward_attraction", "reward_repulsion"];
+/// Observations (envs x width), rewards, terminated, truncated, and the rest.
+type Stepped<'py> = (
+    Bound<'py, PyArray2<f32>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<bool>>,
+    Bound<'py, PyArray1<bool>>,
+    StepDetails,
+);
 
-/// The flags of an environment after a step.
-const FLAGS: [&str; 5] = ["terminated", "truncated", "is_success", "collision", "stepped"];
-
-/// The arrays that a step fills: observations (f32, envs x width), the rewards and their terms (f64, (1 + terms) x envs), and
-/// the flags (u8, flags x envs).
-type Outputs = (PyBuffer<f32>, PyBuffer<f64>, PyBuffer<u8>);
+/// Observation, reward, terminated, truncated and info.
+type SteppedOne<'py> = (Bound<'py, PyArray1<f32>>, f64, bool, bool, Bound<'py, PyDict>);
 
 /// Environments of one scenario, stepped together.
 #[pyclass(module = "wayfield._native")]
@@ -35,36 +38,25 @@ pub struct NativeEnv {
     env: Option<Box<VecEnv>>,
     scenario: Scenario,
     encoding: Encoding,
+    autoreset: Autoreset,
+    is_continuous: bool,
     results: Results,
 }
 
-/// The results of a step.
+/// The results of a step, one per environment.
 #[derive(Default)]
 pub(crate) struct Results {
-    numbers: Vec<f64>,
-    flags: Vec<u8>,
-    any_ended: bool,
+    rewards: Vec<f64>,
+    terminated: Vec<bool>,
+    truncated: Vec<bool>,
 }
 
 impl Results {
     fn fill(&mut self, step: &Step<'_>) {
-        let envs = step.outcomes.len();
-        self.numbers.resize((1 + REWARD_TERMS.len()) * envs, 0.0);
-        self.flags.resize(FLAGS.len() * envs, 0);
-        self.any_ended = false;
-        for (env, outcome) in step.outcomes.iter().enumerate() {
-            let StepOutcome { reward, reached, collided, inactive, .. } = *outcome;
-            let (terminated, truncated) = (step.terminated[env], step.truncated[env]);
-            let numbers =
-                [step.rewards[env], reward.reached, reward.collided, reward.attraction, reward.repulsion];
-            for (row, number) in numbers.into_iter().enumerate() {
-                self.numbers[row * envs + env] = f64::from(number);
-            }
-            for (row, flag) in [terminated, truncated, reached, collided, !inactive].into_iter().enumerate() {
-                self.flags[row * envs + env] = u8::from(flag);
-            }
-            self.any_ended |= terminated || truncated;
-        }
+        self.rewards.clear();
+        self.rewards.extend(step.rewards.iter().copied().map(f64::from));
+        step.terminated.clone_into(&mut self.terminated);
+        step.truncated.clone_into(&mut self.truncated);
     }
 }
 
@@ -74,45 +66,48 @@ impl NativeEnv {
     #[new]
     fn new(py: Python<'_>, wanted: &str, options: EnvOptions) -> PyResult<Self> {
         let (mut scenario, set) = scenario_or_set(wanted)?;
+        let is_continuous = is_continuous(&options.actions)?;
         let config = options.config(&mut scenario, set)?;
-        let encoding = config.encoding;
+        let (encoding, autoreset) = (config.encoding, config.autoreset);
         let env = detached(py, || VecEnv::new(&scenario, config).map(Box::new).map_err(env_error))?;
-        Ok(Self { env: Some(env), scenario, encoding, results: Results::default() })
+        Ok(Self { env: Some(env), scenario, encoding, autoreset, is_continuous, results: Results::default() })
     }
 
-    /// Starts new episodes in all environments, or in those of `mask`, and writes all observations (f32, envs x width).
-    #[pyo3(signature = (observations, seed=None, mask=None))]
-    fn reset(
+    /// Starts new episodes in all environments, or in those of `mask`. Returns all observations (envs x width).
+    #[pyo3(signature = (seed=None, mask=None))]
+    fn reset<'py>(
         &mut self,
-        py: Python<'_>,
-        observations: PyBuffer<f32>,
+        py: Python<'py>,
         seed: Option<u64>,
-        mask: Option<Vec<bool>>,
-    ) -> PyResult<()> {
+        mask: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        let mask = mask.map(|mask| commands::mask(mask, self.env()?.num_envs())).transpose()?;
         self.run(py, |env, _| {
             let mask = mask.unwrap_or_else(|| vec![true; env.num_envs()]);
             env.reset_selected(&mask, seed).map(|_| ())
         })?;
-        observations.copy_from_slice(py, self.env()?.observations())
+        self.observations(py)
     }
 
-    /// Takes a step with `actions` (i64, one per environment). Returns whether an episode has ended.
-    fn step(&mut self, py: Python<'_>, actions: PyBuffer<i64>, outputs: Outputs) -> PyResult<bool> {
-        let actions = commands::actions(py, &actions, self.env()?.num_actions())?;
-        self.run(py, |env, results| env.step(&actions).map(|step| results.fill(&step)))?;
-        self.write(py, &outputs)
+    /// Takes a step with `actions`: integers, one per environment, or motions (envs x 2: m/s, rad/s).
+    fn step<'py>(&mut self, py: Python<'py>, actions: &Bound<'py, PyAny>) -> PyResult<Stepped<'py>> {
+        let details = self.take_step(py, actions, &[self.env()?.num_envs()])?;
+        let Results { rewards, terminated, truncated } = &self.results;
+        Ok((
+            self.observations(py)?,
+            PyArray1::from_slice(py, rewards),
+            PyArray1::from_slice(py, terminated),
+            PyArray1::from_slice(py, truncated),
+            details,
+        ))
     }
 
-    /// Takes a step with commanded motions (f32, envs x 2: m/s, rad/s). Returns whether an episode has ended.
-    fn step_motions(&mut self, py: Python<'_>, motions: PyBuffer<f32>, outputs: Outputs) -> PyResult<bool> {
-        let motions = commands::motions(py, &motions)?;
-        self.run(py, |env, results| env.step_motions(&motions).map(|step| results.fill(&step)))?;
-        self.write(py, &outputs)
-    }
-
-    /// Writes the observations after the last step and before any reset (f32, envs x width).
-    fn final_observations(&self, py: Python<'_>, observations: PyBuffer<f32>) -> PyResult<()> {
-        observations.copy_from_slice(py, self.env()?.final_observations())
+    /// Takes a step of the only environment, with an integer or a motion (m/s, rad/s).
+    fn step_one<'py>(&mut self, py: Python<'py>, action: &Bound<'py, PyAny>) -> PyResult<SteppedOne<'py>> {
+        let info = self.take_step(py, action, &[])?.single_info(py)?;
+        let Results { rewards, terminated, truncated } = &self.results;
+        let observation = PyArray1::from_slice(py, self.env()?.observations());
+        Ok((observation, rewards[0], terminated[0], truncated[0], info))
     }
 
     /// A picture of one environment: height and width in pixels, and the RGB bytes.
@@ -204,16 +199,10 @@ impl NativeEnv {
         wayfield::run::evaluate::period_s(self.scenario.task.control_period_s)
     }
 
-    /// The names of the reward's terms: the rows of a step's numbers after the first.
-    #[classattr]
-    fn reward_terms() -> [&'static str; 4] {
-        REWARD_TERMS
-    }
-
-    /// The names of a step's flags, row by row.
-    #[classattr]
-    fn flags() -> [&'static str; 5] {
-        FLAGS
+    /// Whether actions are motions.
+    #[getter]
+    fn is_continuous(&self) -> bool {
+        self.is_continuous
     }
 }
 
@@ -238,11 +227,35 @@ impl NativeEnv {
         result.map_err(env_error)
     }
 
-    fn write(&self, py: Python<'_>, (observations, numbers, flags): &Outputs) -> PyResult<bool> {
-        observations.copy_from_slice(py, self.env()?.observations())?;
-        numbers.copy_from_slice(py, &self.results.numbers)?;
-        flags.copy_from_slice(py, &self.results.flags)?;
-        Ok(self.results.any_ended)
+    /// Whether ended environments wait for the caller's reset.
+    pub(crate) fn waits_for_resets(&self) -> bool {
+        self.autoreset == Autoreset::Disabled
+    }
+
+    /// Takes a step. The actions have the shape `shape`, motions a further axis of length 2.
+    fn take_step<'py>(
+        &mut self,
+        py: Python<'py>,
+        actions: &Bound<'py, PyAny>,
+        shape: &[usize],
+    ) -> PyResult<StepDetails> {
+        let has_resets = self.autoreset == Autoreset::SameStep;
+        let details = move |step: Step<'_>, results: &mut Results| {
+            results.fill(&step);
+            StepDetails::new(step.outcomes, has_resets.then_some(step.final_observations))
+        };
+        if self.is_continuous {
+            let motions = commands::motions(actions, shape)?;
+            self.run(py, |env, results| env.step_motions(&motions).map(|step| details(step, results)))
+        } else {
+            let actions = commands::actions(actions, shape, self.num_actions())?;
+            self.run(py, |env, results| env.step(&actions).map(|step| details(step, results)))
+        }
+    }
+
+    fn observations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        let env = self.env()?;
+        rows(py, env.observations(), env.observation_width())
     }
 }
 

@@ -17,7 +17,7 @@ use wayfield::task::{ObservationLayout, ScenarioPool, TaskMode};
 use crate::errors::{file_error, run_error, setting_errors};
 
 /// The name of a scenario's or a preset's text in messages.
-const TEXT: &str = "<text>";
+pub const TEXT: &str = "<text>";
 
 /// Whether `source` is the text of a RON file, and not a path or a name. A heuristic: text has parentheses, and no file of
 /// that name exists.
@@ -70,6 +70,8 @@ pub struct EnvOptions {
     pub task: String,
     /// `scaled` or `raw`; `None` for the preset's.
     pub observation: Option<String>,
+    /// `discrete` or `continuous`.
+    pub actions: String,
     /// The preset whose reward and encoding are used.
     pub preset: String,
     /// Settings of the preset and the scenario: pairs of a field's path and its value as RON.
@@ -118,6 +120,11 @@ impl EnvOptions {
 /// The encoding that is called `name`.
 pub fn encoding(name: &str) -> PyResult<Encoding> {
     choice("observation", name, &[("scaled", Encoding::Scaled), ("raw", Encoding::Raw)])
+}
+
+/// Whether the actions that are called `name` are motions.
+pub fn is_continuous(name: &str) -> PyResult<bool> {
+    choice("actions", name, &[("discrete", false), ("continuous", true)])
 }
 
 /// The autoreset mode that is called `name`.

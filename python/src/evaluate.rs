@@ -1,4 +1,4 @@
-//! Evaluations: policies tested over episodes, as by `wayfield --eval`.
+//! Evaluations: policies and drivers tested over episodes, as by `wayfield --eval`.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -7,6 +7,8 @@ use std::sync::Arc;
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use serde::Serialize;
+use wayfield::cli::TestDriver;
+use wayfield::drivers::DriverClass;
 use wayfield::limits::MAX_EVAL_EPISODES;
 use wayfield::planner::StepBounds;
 use wayfield::policy::Policy;
@@ -22,7 +24,7 @@ use wayfield::task::EpisodeSetup;
 use crate::act_function::ActFunction;
 use crate::env_options::{self, scenario as find_scenario};
 use crate::errors::{check_ctrl_c, detached, run_error, setting_errors};
-use crate::policy::NativePolicy;
+use crate::tested::Tested;
 
 /// The control steps between two checks for Ctrl-C.
 const STEPS_BETWEEN_SIGNALS: u32 = 50;
@@ -45,9 +47,10 @@ pub struct EvaluateOptions {
     trace: Option<PathBuf>,
 }
 
-/// What the Python layer gets for a policy, as JSON.
+/// What the Python layer gets for a policy or a driver, as JSON.
 #[derive(Serialize)]
 struct Report {
+    driver_class: DriverClass,
     weights_crc32c: Option<String>,
     scenario: String,
     warning: Option<String>,
@@ -61,7 +64,7 @@ struct Report {
 
 /// An evaluation that is ready to run.
 struct Test<'a> {
-    policies: &'a [(String, Policy)],
+    drivers: &'a [(String, TestDriver)],
     scenario: Arc<Scenario>,
     setup: EpisodeSetup,
     seed: u64,
@@ -76,39 +79,35 @@ struct References {
     bounds: Vec<StepBounds>,
 }
 
-/// Tests `policies` in the same episodes. Returns a list of reports as JSON.
+/// Tests `drivers` in the same episodes. Returns a list of reports as JSON.
 #[pyfunction]
-pub fn evaluate(
-    py: Python<'_>,
-    policies: Vec<PyRef<'_, NativePolicy>>,
-    options: EvaluateOptions,
-) -> PyResult<String> {
-    let policies = named(&options.names, &policies);
-    tested(py, &policies, options, |test, trace| match trace {
+pub fn evaluate(py: Python<'_>, drivers: Vec<Tested<'_>>, options: EvaluateOptions) -> PyResult<String> {
+    let drivers = named(&options.names, &drivers)?;
+    tested(py, &drivers, options, |test, trace| match trace {
         Some(path) => test.traced(path),
         None => test.run(None),
     })
 }
 
-/// Tests the function `act`, which gets observations in `observation` (`scaled` or `raw`), as bytes, and their number. It returns
-/// an array of actions (i64), or with `is_continuous` of motions (f32, rows x 2: m/s, rad/s). Returns a list of one report as
-/// JSON.
+/// Tests the function `act`, which gets observations in `observation` (`scaled` or `raw`; rows x width). It returns an array of
+/// `actions`: `discrete` (rows), or `continuous` (rows x 2: m/s, rad/s). Returns a list of one report as JSON.
 #[pyfunction]
 pub fn evaluate_function(
     py: Python<'_>,
     act: Py<PyAny>,
     observation: &str,
-    is_continuous: bool,
+    actions: &str,
     options: EvaluateOptions,
 ) -> PyResult<String> {
+    let is_continuous = env_options::is_continuous(actions)?;
     let function = ActFunction { act, encoding: env_options::encoding(observation)?, is_continuous };
     tested(py, &[], options, |test, _| test.function(&function).map(|report| vec![report]))
 }
 
-/// Makes the test of `policies` and runs it by `run`, which also gets the path of the trace.
+/// Makes the test of `drivers` and runs it by `run`, which also gets the path of the trace.
 fn tested(
     py: Python<'_>,
-    policies: &[(String, Policy)],
+    drivers: &[(String, TestDriver)],
     options: EvaluateOptions,
     run: impl FnOnce(&Test<'_>, Option<&Path>) -> PyResult<Vec<Report>> + Send,
 ) -> PyResult<String> {
@@ -119,50 +118,51 @@ fn tested(
             options.episodes, options.rounds
         )));
     }
-    let scenario = Arc::new(scenario(options.scenario.as_deref(), options.settings, policies)?);
+    let scenario = Arc::new(scenario(options.scenario.as_deref(), options.settings, drivers)?);
     let setup = if options.benchmark_route { route(&scenario)? } else { EpisodeSetup::Random };
     let EvaluateOptions { seed, optimum, trace, episodes, .. } = options;
     detached(py, || {
         let (count, per_round) = (count as usize, episodes as usize);
-        let test = Test { policies, scenario, setup, seed, count, per_round, optimum };
+        let test = Test { drivers, scenario, setup, seed, count, per_round, optimum };
         serde_json::to_string(&run(&test, trace.as_deref())?)
             .map_err(|error| PyRuntimeError::new_err(error.to_string()))
     })
 }
 
-/// The RON text of the scenario in which `policies` are tested, with all settings.
+/// The RON text of the scenario in which `drivers` are tested, with all settings.
 #[pyfunction]
 pub fn evaluation_scenario(
-    policies: Vec<PyRef<'_, NativePolicy>>,
+    drivers: Vec<Tested<'_>>,
     names: Vec<String>,
     wanted: Option<&str>,
     settings: Vec<(String, String)>,
 ) -> PyResult<String> {
-    let scenario = scenario(wanted, settings, &named(&names, &policies))?;
+    let scenario = scenario(wanted, settings, &named(&names, &drivers)?)?;
     to_ron(&scenario).map_err(|error| PyRuntimeError::new_err(error.to_string()))
 }
 
-fn named(names: &[String], policies: &[PyRef<'_, NativePolicy>]) -> Vec<(String, Policy)> {
-    names.iter().cloned().zip(policies.iter().map(|policy| policy.policy.clone())).collect()
+fn named(names: &[String], drivers: &[Tested<'_>]) -> PyResult<Vec<(String, TestDriver)>> {
+    names.iter().zip(drivers).map(|(name, tested)| Ok((name.clone(), tested.driver()?))).collect()
 }
 
-/// The scenario `wanted`, or else the one that all policies were trained in, changed by settings.
+/// The scenario `wanted`, or else the one that all policies among `drivers` were trained in, or Scenario I without a policy,
+/// changed by settings.
 fn scenario(
     wanted: Option<&str>,
     settings: Vec<(String, String)>,
-    policies: &[(String, Policy)],
+    drivers: &[(String, TestDriver)],
 ) -> PyResult<Scenario> {
+    let policies = drivers.iter().filter_map(|(name, driver)| Some((name.as_str(), driver.policy()?)));
     let mut scenario = match wanted {
         Some(wanted) => find_scenario(wanted)?,
-        None => policy_card::common_scenario(policies.iter().map(|(name, policy)| (name.as_str(), policy)))
-            .map_err(run_error)?,
+        None => policy_card::common_scenario(policies).map_err(run_error)?,
     };
     env_options::settings(settings).apply_to_scenario(&mut scenario).map_err(setting_errors)?;
     Ok(scenario)
 }
 
 impl Test<'_> {
-    /// Tests all policies, and writes every control step to the file at `path`, which appears when all are tested.
+    /// Tests all drivers, and writes every control step to the file at `path`, which appears when all are tested.
     fn traced(&self, path: &Path) -> PyResult<Vec<Report>> {
         check_writable(path).map_err(run_error)?;
         let mut done = None;
@@ -185,23 +185,24 @@ impl Test<'_> {
         let mut evaluator = Evaluator::new(&self.scenario, parallel).measuring_paths();
         let mut references = None;
         let mut reports = Vec::new();
-        for (name, policy) in self.policies {
+        for (name, driver) in self.drivers {
             let episodes = match &mut trace {
-                Some(trace) => self.traced_episodes(&mut evaluator, name, policy, trace)?,
-                None => self.episodes(&mut evaluator, policy)?,
+                Some(trace) => self.traced_episodes(&mut evaluator, name, driver, trace)?,
+                None => self.episodes(&mut evaluator, driver)?,
             };
-            // They are the same for every policy.
+            // They are the same for every driver.
             let references = match &mut references {
                 Some(references) => references,
                 none => none.insert(self.plan(&episodes)?),
             };
-            reports.push(self.report(Some(policy), &episodes, references)?);
+            reports.push(self.report(Some(driver), &episodes, references)?);
         }
         Ok(reports)
     }
 
-    fn episodes(&self, evaluator: &mut Evaluator, policy: &Policy) -> PyResult<Vec<EpisodeResult>> {
-        let mut run = evaluator.start(policy, self.seed, self.count, self.setup).map_err(run_error)?;
+    fn episodes(&self, evaluator: &mut Evaluator, driver: &TestDriver) -> PyResult<Vec<EpisodeResult>> {
+        let started = evaluator.start(driver.evaluated(), self.seed, self.count, self.setup);
+        let mut run = started.map_err(run_error)?;
         loop {
             for _ in 0..STEPS_BETWEEN_SIGNALS {
                 if evaluator.step(&mut run).map_err(run_error)? {
@@ -216,10 +217,10 @@ impl Test<'_> {
         &self,
         evaluator: &mut Evaluator,
         name: &str,
-        policy: &Policy,
+        driver: &TestDriver,
         trace: &mut Sink<'_>,
     ) -> PyResult<Vec<EpisodeResult>> {
-        let result = evaluator.run_traced(policy, self.seed, self.count, self.setup, |step| {
+        let result = evaluator.run_traced(driver.evaluated(), self.seed, self.count, self.setup, |step| {
             if step.step % STEPS_BETWEEN_SIGNALS == 0 {
                 check_ctrl_c().map_err(TraceError::Raised)?;
             }
@@ -262,7 +263,7 @@ impl Test<'_> {
 
     fn report(
         &self,
-        policy: Option<&Policy>,
+        driver: Option<&TestDriver>,
         episodes: &[EpisodeResult],
         references: &References,
     ) -> PyResult<Report> {
@@ -274,8 +275,11 @@ impl Test<'_> {
             EpisodeRecord::new("", index + 1, episode, scenario, shortest_m, bounds.get(index).copied())
         });
         let spl: f64 = each().filter_map(|(episode, &shortest_m)| episode.spl(shortest_m)).sum();
+        let policy = driver.and_then(TestDriver::policy);
         let warning = policy.map_or(Ok(None), |policy| policy_card::warning(policy, scenario));
         Ok(Report {
+            // A function perceives what a policy perceives.
+            driver_class: driver.map_or(DriverClass::A, |driver| driver.evaluated().class()),
             weights_crc32c: policy.map(Policy::weights_crc32c),
             scenario: scenario.name.clone(),
             warning: warning.map_err(run_error)?,

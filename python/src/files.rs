@@ -1,18 +1,21 @@
 //! Shipped files, checks, drawings, and the command line.
 
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use pyo3::exceptions::PyRuntimeError;
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
-use wayfield::cli;
+use wayfield::cli::{self, ScenarioFigure, parse_size};
+use wayfield::limits::MAX_SHEET_LEVELS;
+use wayfield::run::folder::RunFolder;
 use wayfield::run::image_file::{self, ImageSize};
-use wayfield::run::{scenario_image, shipped};
+use wayfield::run::run_image;
+use wayfield::run::shipped::{self, Source};
 use wayfield::simulation::Extensions;
 
-use crate::env_options::{self, scenario as find_scenario};
-use crate::errors::{detached, run_error, setting_errors};
+use crate::env_options::{self, TEXT};
+use crate::errors::{detached, file_error, run_error};
 
 /// The shipped scenarios: name and description.
 #[pyfunction]
@@ -40,27 +43,74 @@ pub fn check(py: Python<'_>, paths: Vec<PathBuf>) -> PyResult<String> {
     })
 }
 
-/// Draws the scenario `wanted`, changed by settings, into the SVG, PNG or PDF file `path`; if plain, without name, legend and
-/// axes.
-#[pyfunction]
-pub fn draw(
-    py: Python<'_>,
-    wanted: &str,
+/// How a scenario or a level generator is drawn.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct DrawOptions {
     settings: Vec<(String, String)>,
-    path: PathBuf,
     is_plain: bool,
-) -> PyResult<()> {
-    let mut scenario = find_scenario(wanted)?;
-    let settings = env_options::settings(settings);
-    settings.apply_to_scenario(&mut scenario).map_err(setting_errors)?;
-    detached(py, || {
-        let (svg, size) = if is_plain {
-            (scenario_image::thumbnail(&scenario), ImageSize::Screen)
-        } else {
-            (scenario_image::figure(&scenario), ImageSize::Print)
+    levels: Option<u64>,
+    seed: Option<u64>,
+    over: Option<PathBuf>,
+    resolution_m: Option<f64>,
+    /// Width and height in pixels, as `640x480`.
+    size: Option<String>,
+}
+
+impl DrawOptions {
+    fn image_size(&self) -> PyResult<ImageSize> {
+        let Some(text) = &self.size else {
+            return Ok(if self.is_plain { ImageSize::Screen } else { ImageSize::Print });
         };
-        let svg = svg.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
+        let invalid = |why| PyValueError::new_err(format!("size is {text}; help: {why}"));
+        let (width, height) = parse_size(text).map_err(invalid)?;
+        Ok(ImageSize::Pixels(width.into(), height.into()))
+    }
+
+    /// The levels of the contact sheet.
+    fn levels(&self) -> PyResult<Option<u64>> {
+        match self.levels {
+            Some(_) if self.is_plain || self.over.is_some() => Err(PyValueError::new_err(
+                "levels are drawn as a contact sheet; help: leave out plain and over",
+            )),
+            Some(levels) if !(1..=MAX_SHEET_LEVELS).contains(&levels) => Err(PyValueError::new_err(format!(
+                "levels is {levels}; help: give a number from 1 to {MAX_SHEET_LEVELS}"
+            ))),
+            levels => Ok(levels),
+        }
+    }
+}
+
+/// Draws the scenario or the level generator `wanted` into the SVG, PNG or PDF file `path`.
+#[pyfunction]
+pub fn draw(py: Python<'_>, wanted: &str, path: PathBuf, options: DrawOptions) -> PyResult<()> {
+    let source = match env_options::is_text(wanted) {
+        true => Source::parse(wanted, Path::new(TEXT)).map_err(|error| run_error(error.into()))?,
+        false => Source::load(wanted).map_err(|error| file_error(wanted, error))?,
+    };
+    let (size, levels) = (options.image_size()?, options.levels()?);
+    let figure = ScenarioFigure {
+        name: if env_options::is_text(wanted) { TEXT } else { wanted },
+        settings: &env_options::settings(options.settings),
+        is_plain: options.is_plain,
+        levels,
+        seed: options.seed,
+        over: options.over.as_deref(),
+        resolution_m: options.resolution_m,
+    };
+    detached(py, || {
+        let svg = figure.svg(source).map_err(run_error)?;
         image_file::write(svg, size, &path).map_err(run_error)
+    })
+}
+
+/// Draws the learning curves of the run in `folder`, which may still be in progress, into the SVG, PNG or PDF file `path`.
+#[pyfunction]
+pub fn draw_run(py: Python<'_>, folder: PathBuf, path: PathBuf) -> PyResult<()> {
+    detached(py, || {
+        let (folder, config) = RunFolder::open(&folder).map_err(run_error)?;
+        let svg = run_image::figure(&folder, &config).map_err(run_error)?;
+        image_file::write(svg, ImageSize::Print, &path).map_err(run_error)
     })
 }
 

@@ -1,25 +1,30 @@
 //! The native module of the Python package `wayfield`: environments, training, evaluation and policies.
 //!
 //! In: numbers, text and numpy's arrays from the Python layer (`python/wayfield/`), which documents them for users. Out:
-//! results, as JSON or written into arrays, and Python exceptions with the texts of the command line. Every long call releases
+//! results, as JSON or as new arrays, and Python exceptions with the texts of the command line. Every long call releases
 //! the GIL and checks for Ctrl-C. A panic becomes a `RuntimeError`.
 //!
 //! | file | duty |
 //! |---|---|
 //! | `env.rs` | environments |
+//! | `step_details.rs` | the contents of a step's `info` |
 //! | `env_options.rs` | the options of an environment |
+//! | `arrays.rs` | new arrays |
 //! | `commands.rs` | actions and motions from arrays |
 //! | `cluster.rs` | trainings as tasks for other machines |
 //! | `benchmark.rs` | steps without Python, for comparison |
 //! | `policy.rs` | policies |
 //! | `train.rs` | training runs |
 //! | `evaluate.rs` | evaluations |
+//! | `suite.rs` | evaluations in suites |
+//! | `tested.rs` | what is evaluated: policies and classical drivers |
 //! | `act_function.rs` | functions of Python that are evaluated |
 //! | `files.rs` | shipped files, checks, drawings, the command line |
 //! | `import.rs` | imports of maps and worlds |
 //! | `errors.rs` | exceptions |
 
 mod act_function;
+mod arrays;
 mod benchmark;
 mod cluster;
 mod commands;
@@ -30,6 +35,9 @@ mod evaluate;
 mod files;
 mod import;
 mod policy;
+mod step_details;
+mod suite;
+mod tested;
 mod train;
 
 use pyo3::prelude::*;
@@ -50,11 +58,17 @@ mod _native {
     #[pymodule_export]
     use super::evaluate::{evaluate, evaluate_function, evaluation_scenario};
     #[pymodule_export]
-    use super::files::{check, draw, main, presets, scenario_text, scenarios, version};
+    use super::files::{check, draw, draw_run, main, presets, scenario_text, scenarios, version};
     #[pymodule_export]
     use super::import::import_scenario;
     #[pymodule_export]
     use super::policy::NativePolicy;
+    #[pymodule_export]
+    use super::step_details::StepDetails;
+    #[pymodule_export]
+    use super::suite::evaluate_suite;
+    #[pymodule_export]
+    use super::tested::load_tested;
     #[pymodule_export]
     use super::train::{resume, train, training_task};
 }

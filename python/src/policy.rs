@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use pyo3::buffer::PyBuffer;
+use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -12,6 +12,7 @@ use wayfield::policy::{Encoding, Policy, Scratch, observation};
 use wayfield::run::export::{ModelCardFile, export_policy};
 use wayfield::run::{policy_card, shipped};
 
+use crate::arrays::rows;
 use crate::errors::{detached, file_error, run_error};
 
 /// A trained Q-network with its card.
@@ -46,27 +47,29 @@ impl NativePolicy {
         Self::try_from(policy.map_err(|error| PyValueError::new_err(error.to_string()))?)
     }
 
-    /// Writes the Q-values (f32, rows x actions) of `observations` (f32, rows x inputs).
-    fn q_values(&self, py: Python<'_>, observations: PyBuffer<f32>, out: PyBuffer<f32>) -> PyResult<()> {
-        let observations = observations.to_vec(py)?;
+    /// The Q-values (rows x actions) of `observations` (rows x inputs).
+    fn q_values<'py>(
+        &self,
+        py: Python<'py>,
+        observations: PyReadonlyArray2<'py, f32>,
+    ) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        let observations: Vec<f32> = observations.as_array().iter().copied().collect();
         let values = detached(py, || {
             let mut scratch = Scratch::default();
             let rows = observations.chunks_exact(self.inputs());
             Ok(rows.flat_map(|row| self.policy.q_values(row, &mut scratch).to_vec()).collect::<Vec<f32>>())
         })?;
-        out.copy_from_slice(py, &values)
+        rows(py, &values, self.actions())
     }
 
-    /// Writes the observation (f32, width) of a scan (f32, beams, in m) and a goal.
-    fn encode(
+    /// The observation (width) of a scan (beams, in m) and a goal.
+    fn encode<'py>(
         &self,
-        py: Python<'_>,
-        ranges_m: PyBuffer<f32>,
+        py: Python<'py>,
+        ranges_m: Vec<f32>,
         bearing_rad: f32,
         distance_m: f32,
-        out: PyBuffer<f32>,
-    ) -> PyResult<()> {
-        let ranges_m = ranges_m.to_vec(py)?;
+    ) -> PyResult<Bound<'py, PyArray1<f32>>> {
         let (width, inputs) = (observation::width(ranges_m.len()), self.inputs());
         if width != inputs {
             return Err(PyValueError::new_err(format!(
@@ -77,7 +80,7 @@ impl NativePolicy {
         }
         let mut row = vec![0.0; width];
         observation::encode(self.encoding, &ranges_m, bearing_rad, distance_m, &mut row);
-        out.copy_from_slice(py, &row)
+        Ok(PyArray1::from_slice(py, &row))
     }
 
     /// The policy's header as JSON: network, card, and metadata of older files.

@@ -215,6 +215,9 @@ def test_errors_are_pythons_with_the_texts_of_the_command_line(tmp_path):
     with pytest.raises(RuntimeError, match="help: call reset"):
         envs.step([0, 0])
     envs.reset(seed=1)
+    for mask in (np.array([1, 0]), np.array([True]), "x"):
+        with pytest.raises(ValueError, match=r"reset_mask is .*; help: give a bool array of the shape \(2,\)"):
+            envs.reset(options={"reset_mask": mask})
     for actions, text in (([0], "shape"), ([0, 5], "out of range"), ([0, -1], "out of range")):
         with pytest.raises(ValueError, match=text):
             envs.step(actions)

@@ -37,6 +37,26 @@ def run(tmp_path_factory):
     return wayfield.train("scenario-1", seed=7, steps=STEPS, out=tmp_path_factory.mktemp("run") / "run", progress=False)
 
 
+def test_a_suite_gives_the_numbers_of_the_command_line(tmp_path):
+    suite = tmp_path / "suite.ron"
+    suite.write_text('''(name: "S", families: [(name: "still", scenarios: ["scenario-1", "maze"], episodes: 3),
+        (name: "levels", generator: "clutter", levels: 5)])''')
+    field, policy = wayfield.evaluate(["field", wayfield.Policy.load("scenario-1")], suite=suite, seed=2)
+    assert (field.suite, list(field.families), field.driver_class) == ("S", ["still", "levels"], "A")
+    for name, ours in [("field", field), ("scenario-1", policy)]:
+        theirs = cli("--eval", name, "--suite", suite, "--seed", 2)
+        for family, result in theirs["families"].items():
+            for key, value in result.items():
+                found = getattr(ours.families[family], key)
+                assert (list(found) if isinstance(found, tuple) else found) == value, (family, key)
+    alone = wayfield.evaluate("field", suite=suite, seed=2, episodes=1, set={"scenario.task.max_episode_steps": 1})
+    assert alone.families["levels"].timeout_rate == 1 and alone.families["still"].episodes == 2
+    with pytest.raises(ValueError, match="can't be used with suite; help: "):
+        wayfield.evaluate("field", suite=suite, rounds=2)
+    with pytest.raises(ValueError, match="did you mean `maze`"):
+        wayfield.evaluate("field", suite="mzae")
+
+
 def test_training_gives_the_bits_of_the_command_line(run, tmp_path):
     summary = cli("--train", "--seed", 7, "--steps", STEPS, "--out", tmp_path / "run")
     assert (tmp_path / "run/policy.safetensors").read_bytes() == (run.folder / "policy.safetensors").read_bytes()
@@ -131,6 +151,24 @@ def test_several_policies_drive_the_same_episodes(run):
         wayfield.evaluate(["scenario-1", "scenario-2"], episodes=1, rounds=1)
     with pytest.raises(ValueError, match="the list of policies is empty; help:"):
         wayfield.evaluate([])
+
+
+def test_classical_drivers_have_the_numbers_of_the_command_line(tmp_path):
+    (tmp_path / "mine.ron").write_text("Dwa(horizon_s: 1.0)")
+    drivers = ["field", "scenario-1", str(tmp_path / "mine.ron")]
+    printed = cli("--eval", *drivers, "orca", "--seed", 3, "--episodes", 8, "--rounds", 2)["policies"]
+    ours = wayfield.evaluate([*drivers, "orca"], seed=3, episodes=8, rounds=2)
+    for result, expected in zip(ours, printed, strict=True):
+        for key in ("success_rate", "mean_cost_s", "spl", "weights_crc32c", "scenario"):
+            assert getattr(result, key) == expected[key], key
+        assert result.driver_class == expected["class"]
+    assert [result.driver_class for result in ours] == ["A", "A", "A", "C"]
+    by_text = wayfield.evaluate("Dwa(horizon_s: 1.0)", seed=3, episodes=8, rounds=2)
+    assert (by_text.mean_cost_s, by_text.scenario) == (ours[2].mean_cost_s, "Scenario I")
+    with pytest.raises(FileNotFoundError, match="a driver .field, dwa.* or its RON file"):
+        wayfield.evaluate("dwaa")
+    with pytest.raises(ValueError, match="horizon_s` is 0; help: give 0.1 to 60"):
+        wayfield.evaluate("Dwa(horizon_s: 0)")
 
 
 def test_a_trace_is_that_of_the_command_line(run, tmp_path):
@@ -310,6 +348,31 @@ def test_files_are_checked_and_drawn(tmp_path):
         wayfield.draw("hall", tmp_path / "hall.gif")
 
 
+def test_drawings_are_those_of_the_command_line(run, tmp_path):
+    room = tmp_path / "room.pgm"
+    rows = [[0 if x in (0, 39) or y in (0, 29) else 254 for x in range(40)] for y in range(30)]
+    room.write_bytes(b"P5\n40 30\n255\n" + bytes(v for row in rows for v in row))
+    (tmp_path / "room.ron").write_text(wayfield.import_scenario(room, resolution=0.1).text)
+
+    def drawn(draw, *words):
+        command = [sys.executable, "-m", "wayfield", "--draw", tmp_path / "cli.svg", *map(str, words)]
+        subprocess.run(command, check=True, capture_output=True)
+        draw(tmp_path / "python.svg")
+        return (tmp_path / "python.svg").read_bytes() == (tmp_path / "cli.svg").read_bytes()
+
+    sheet = ("--scenario", "clutter", "--levels", 3, "--seed", 5)
+    assert drawn(lambda path: wayfield.draw("clutter", path, levels=3, seed=5), *sheet)
+    over = ("--scenario", tmp_path / "room.ron", "--over", room, "--resolution", 0.1)
+    assert drawn(lambda path: wayfield.draw(tmp_path / "room.ron", path, over=room, resolution=0.1), *over)
+    small = ("--scenario", "hall", "--size", "320x200", "--plain", "--set", "scenario.robot.radius_m=0.05")
+    settings = {"scenario.robot.radius_m": 0.05}
+    assert drawn(lambda path: wayfield.draw("hall", path, size=(320, 200), plain=True, set=settings), *small)
+    assert drawn(run.draw, "--run", run.folder)
+    for options in ({"size": (1, 1)}, {"levels": 0}, {"levels": 3, "plain": True}, {"seed": 3, "scenario": "hall"}):
+        with pytest.raises(ValueError, match="help: "):
+            wayfield.draw(options.pop("scenario", "clutter"), tmp_path / "no.svg", **options)
+
+
 def test_the_command_line_is_there():
     output = subprocess.run([sys.executable, "-m", "wayfield", "--version"], check=True, capture_output=True, text=True)
     assert output.stdout.split() == ["wayfield", wayfield.__version__]
@@ -321,7 +384,7 @@ def test_the_stub_lists_the_native_module():
     stub = ast.parse((Path(wayfield.__file__).parent / "_native.pyi").read_text())
     listed = {node.name: node for node in stub.body if isinstance(node, (ast.ClassDef, ast.FunctionDef))}
     assert set(listed) == {name for name in dir(_native) if not name.startswith("_")}
-    for name in ("NativeEnv", "NativePolicy", "NativeReport"):
+    for name in ("NativeEnv", "NativePolicy", "NativeReport", "StepDetails"):
         members = {node.name for node in listed[name].body if isinstance(node, ast.FunctionDef)}
         members |= {node.target.id for node in listed[name].body if isinstance(node, ast.AnnAssign)}
         native = {member for member in vars(getattr(_native, name)) if not member.startswith("__")}

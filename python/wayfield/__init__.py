@@ -17,6 +17,7 @@ from .evaluation import Evaluation, evaluate, evaluate_function
 from .files import Problem, check, draw, presets, scenario_text, scenarios
 from .importing import ImportedScenario, import_scenario
 from .policy import Policy
+from .suites import FamilyEvaluation, SuiteEvaluation
 from .training import TrainingResult, load_run, resume, train
 from .vector import NavigationVectorEnv
 
@@ -24,11 +25,13 @@ __version__ = _native.version()
 
 __all__ = [
     "Evaluation",
+    "FamilyEvaluation",
     "ImportedScenario",
     "NavigationEnv",
     "NavigationVectorEnv",
     "Policy",
     "Problem",
+    "SuiteEvaluation",
     "TrainingResult",
     "check",
     "draw",

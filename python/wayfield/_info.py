@@ -3,23 +3,24 @@
 from collections.abc import Callable
 from typing import Any
 
+from . import _native
+
 
 class StepInfo(dict[str, Any]):
-    """A dict whose first contents are those that ``make`` returns. It is called at the first access, since most loops look at
-    none of the arrays, and making them takes longer than the rest of a vector call.
+    """A dict whose first contents are those of ``details``, which is set right after it is made. (An ``__init__`` would take
+    time.) They are made at the first access, since most loops look at none of the arrays, and making them takes longer than
+    the rest of a vector call.
 
     A copy and a pickled one are plain dicts.
     """
 
-    _make: Callable[[], dict[str, Any]] | None
-
-    def __init__(self, make: Callable[[], dict[str, Any]]) -> None:
-        self._make = make
+    __slots__ = ("details",)
+    details: _native.StepDetails | None
 
     def _fill(self) -> None:
-        make, self._make = self._make, None
-        if make is not None:
-            dict.update(self, make())
+        details, self.details = self.details, None
+        if details is not None:
+            dict.update(self, details.info())
 
     def __reduce_ex__(self, protocol: Any) -> tuple[Any, ...]:
         return dict, (dict(self),)
@@ -29,7 +30,7 @@ def _filling(name: str) -> Callable[..., Any]:
     method = getattr(dict, name)
 
     def filled(self: StepInfo, *arguments: Any, **options: Any) -> Any:
-        if self._make is not None:
+        if self.details is not None:
             self._fill()
         return method(self, *arguments, **options)
 

@@ -28,11 +28,12 @@ def train(build: str, cpus: int, text: str, inputs: dict[str, bytes]) -> bytes:
         return pack(runs / _native.run_task(text, folder))
 
 
-def evaluate(build: str, cpus: int, policy: bytes, options: dict[str, Any]) -> str:
-    """Tests a policy. Returns the list of reports, with one report, as JSON."""
+def evaluate(build: str, cpus: int, policy: bytes | str, options: dict[str, Any]) -> str:
+    """Tests a policy, or the driver with that RON text. Returns the list of reports, with one report, as JSON."""
     _check_build(build)
     os.environ.setdefault("RAYON_NUM_THREADS", str(cpus))
-    return _native.evaluate([_native.NativePolicy.from_bytes(policy)], options)
+    tested = policy if isinstance(policy, str) else _native.NativePolicy.from_bytes(policy)
+    return _native.evaluate([tested], options)
 
 
 def _check_build(build: str) -> None:

@@ -143,10 +143,10 @@ def evaluate(
     progress: bool = True,
     pool: Pool | None = None,
 ) -> list[Evaluation]:
-    """Tests many policies, or policies in many scenarios, each as a task on the cluster.
+    """Tests many policies or classical drivers, or one in many scenarios, each as a task on the cluster.
 
     Args:
-        cases: The options of each test, those of ``wayfield.evaluate`` with one policy and without a trace: ``{"policy":
+        cases: The options of each test, those of ``wayfield.evaluate`` with one policy or driver and without a trace: ``{"policy":
             "runs/a/policy.safetensors", "scenario": "hall"}``.
         out: The folder for the results, a JSON file each.
         cpus, retries, progress, pool: As for ``reproduce``.
@@ -203,9 +203,9 @@ def _evaluation(case: dict[str, Any], folder: Path, cpus: int) -> Task:
     # The whole scenario: its file may change, and need not be on the node.
     options["scenario"] = _native.evaluation_scenario([policy], options["names"], scenario, settings)
     options["settings"] = []
-    contents = policy.to_bytes()
+    contents = policy if isinstance(policy, str) else policy.to_bytes()
     identity = json.dumps([_native.build(), {**options, "names": []}], sort_keys=True).encode()
-    name = f"evaluation-{_checksum(identity + contents)}"
+    name = f"evaluation-{_checksum(identity + (contents.encode() if isinstance(contents, str) else contents))}"
     path = folder / f"{name}.json"
 
     def store(text: str) -> None:

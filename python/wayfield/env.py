@@ -7,7 +7,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 
-from ._spaces import Stepper, action_space, check_render_mode, make_native, observation_space, seed_of
+from ._spaces import action_space, check_render_mode, make_native, observation_space, render, seed_of
 
 
 class NavigationEnv(gymnasium.Env):
@@ -57,12 +57,12 @@ class NavigationEnv(gymnasium.Env):
         render_mode: str | None = None,
     ) -> None:
         check_render_mode(render_mode)
-        native = make_native(scenario, 1, task, observation, preset, set, "disabled")
-        self.action_space = action_space(native, actions)
+        native = make_native(scenario, 1, task, observation, actions, preset, set, "disabled")
+        self.action_space = action_space(native)
         self.observation_space = observation_space(native)
         self.render_mode = render_mode
         self.metadata = {**self.metadata, "render_fps": round(1 / native.control_period_s)}
-        self._stepper = Stepper(native, 1, actions)
+        self._native = native
         self._is_reset = False
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
@@ -76,7 +76,7 @@ class NavigationEnv(gymnasium.Env):
         if seed is None and not self._is_reset:
             seed = seed_of(self.np_random)
         self._is_reset = True
-        return self._stepper.reset(seed)[0], {}
+        return self._native.reset(seed)[0], {}
 
     def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
         """Takes one control step.
@@ -86,24 +86,19 @@ class NavigationEnv(gymnasium.Env):
         """
         if not self._is_reset:
             raise RuntimeError("the environment was not reset; help: call reset() before step()")
-        observations, numbers, flags, _ = self._stepper.step(np.asarray(action)[np.newaxis])
-        reward, *terms = numbers[:, 0].tolist()
-        terminated, truncated, success, collision, _ = flags[:, 0].tolist()
-        info = dict(zip(self._stepper.terms, terms, strict=True))
-        info["is_success"], info["collision"] = success, collision
-        return observations[0], reward, terminated, truncated, info
+        return self._native.step_one(action)
 
     def render(self) -> np.ndarray | None:
         """The picture of the environment: uint8, 720 x 960 x 3; None without ``render_mode="rgb_array"``."""
-        return self._stepper.render(0) if self.render_mode == "rgb_array" else None
+        return render(self._native, 0) if self.render_mode == "rgb_array" else None
 
     @property
     def motions(self) -> list[tuple[float, float]]:
         """The motions of the discrete actions: speed in m/s, turning rate in rad/s (left positive)."""
-        return self._stepper.native.motions
+        return self._native.motions
 
     @property
     def state(self) -> dict[str, Any]:
         """The state: ``pose`` (m, m, rad), ``velocity`` (m/s, rad/s), ``goal`` (m, m), ``ranges`` (m), ``clock`` and
         ``episode_steps`` (control steps)."""
-        return self._stepper.native.state(0)
+        return self._native.state(0)

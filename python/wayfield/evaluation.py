@@ -1,29 +1,30 @@
-"""Evaluations of policies."""
+"""Evaluations of policies and classical drivers."""
 
 import json
 import os
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
-from typing import Any, overload
+from typing import Any, TypedDict, Unpack, overload
 
 import numpy as np
 
-from . import _native
+from . import _native, suites
 from ._frames import columns, to_frame
 from ._settings import pairs
-from ._spaces import action_array, is_discrete
 from .policy import Policy
+from .suites import SuiteEvaluation
 
 _PolicyLike = Policy | str | os.PathLike[str]
 
 
 @dataclass(frozen=True)
 class Evaluation:
-    """The results of a policy over episodes: the numbers of ``wayfield --eval --json``.
+    """The results of a policy or a driver over episodes: the numbers of ``wayfield --eval --json``.
 
     Attributes:
-        weights_crc32c: The checksum of the policy's weights; None for a function.
+        driver_class: What it may perceive (docs/drivers.md): "A", as all policies, "B" or "C".
+        weights_crc32c: The checksum of the policy's weights; None for a classical driver or a function.
         scenario: The scenario's name.
         success_rate, collision_rate, timeout_rate: Shares of the episodes, 0 to 1.
         success_interval, collision_interval, timeout_interval: Their 95 % confidence intervals.
@@ -36,6 +37,7 @@ class Evaluation:
         episodes: The columns of ``wayfield --eval --csv`` (docs/command-line.md), one value per episode; NaN if unknown.
     """
 
+    driver_class: str
     weights_crc32c: str | None
     scenario: str
     success_rate: float
@@ -67,52 +69,75 @@ class Evaluation:
         return to_frame(self.episodes)
 
 
+class EvaluationOptions(TypedDict, total=False):
+    """The options of ``evaluate``, which describes them."""
+
+    set: Mapping[str, Any] | None
+    episodes: int
+    rounds: int
+    seed: int
+    benchmark_route: bool
+    optimum: bool
+    trace: str | os.PathLike[str] | None
+
+
 @overload
 def evaluate(
     policy: _PolicyLike,
-    scenario: str | os.PathLike[str] | None = None,
     *,
+    suite: str | os.PathLike[str],
     set: Mapping[str, Any] | None = None,
-    episodes: int = 100,
-    rounds: int = 5,
+    episodes: int | None = None,
     seed: int = 0,
-    benchmark_route: bool = False,
     optimum: bool = False,
-    trace: str | os.PathLike[str] | None = None,
+) -> SuiteEvaluation: ...
+@overload
+def evaluate(
+    policy: list[_PolicyLike] | tuple[_PolicyLike, ...],
+    *,
+    suite: str | os.PathLike[str],
+    set: Mapping[str, Any] | None = None,
+    episodes: int | None = None,
+    seed: int = 0,
+    optimum: bool = False,
+) -> list[SuiteEvaluation]: ...
+@overload
+def evaluate(
+    policy: _PolicyLike, scenario: str | os.PathLike[str] | None = None, **options: Unpack[EvaluationOptions]
 ) -> Evaluation: ...
 @overload
 def evaluate(
     policy: list[_PolicyLike] | tuple[_PolicyLike, ...],
     scenario: str | os.PathLike[str] | None = None,
-    *,
-    set: Mapping[str, Any] | None = None,
-    episodes: int = 100,
-    rounds: int = 5,
-    seed: int = 0,
-    benchmark_route: bool = False,
-    optimum: bool = False,
-    trace: str | os.PathLike[str] | None = None,
+    **options: Unpack[EvaluationOptions],
 ) -> list[Evaluation]: ...
 def evaluate(
     policy: _PolicyLike | list[_PolicyLike] | tuple[_PolicyLike, ...],
     scenario: str | os.PathLike[str] | None = None,
     *,
+    suite: str | os.PathLike[str] | None = None,
     set: Mapping[str, Any] | None = None,
-    episodes: int = 100,
-    rounds: int = 5,
+    episodes: int | None = None,
+    rounds: int | None = None,
     seed: int = 0,
     benchmark_route: bool = False,
     optimum: bool = False,
     trace: str | os.PathLike[str] | None = None,
-) -> Evaluation | list[Evaluation]:
-    """Tests a policy over ``rounds * episodes`` episodes, as ``wayfield --eval``, or several policies in the same episodes.
+) -> Evaluation | list[Evaluation] | SuiteEvaluation | list[SuiteEvaluation]:
+    """Tests a policy or a classical driver over ``rounds * episodes`` episodes, as ``wayfield --eval``, or several of them in
+    the same episodes.
 
     Args:
-        policy: A policy, its file, or the name of a shipped one; or a list of them.
-        scenario: A shipped name, a path or RON text; None for the scenario that the policies were trained in.
+        policy: A policy, its file, or the name of a shipped one; or a classical driver: its name (``"dwa"``; docs/drivers.md
+            lists them), its RON file or its RON text; or a list of them.
+        scenario: A shipped name, a path or RON text; None for the scenario that the policies were trained in, or Scenario I if
+            there are none.
+        suite: In place of ``scenario``, many scenarios with results by families: the file of a suite or ``"shipped"`` or
+            ``"validation"``, a folder of scenarios, a set of scenarios, or a level generator (docs/suites.md). ``episodes`` is
+            the number in each scenario then; ``rounds``, ``benchmark_route`` and ``trace`` are for one scenario.
         set: Fields of the scenario with other values, as ``--set`` takes them: ``{"scenario.lidar.noise_std_m": 0.02}``.
-        episodes: The episodes of a round.
-        rounds: The number of rounds.
+        episodes: The episodes of a round; 100 if None, and in a suite as many as it says.
+        rounds: The number of rounds; 5 if None.
         seed: The seed of starts and goals. Equal seeds give equal episodes.
         benchmark_route: Drive the scenario's benchmark route in every episode.
         optimum: Also compute the optimal times, which may take seconds per episode in large scenarios.
@@ -120,22 +145,29 @@ def evaluate(
             after the other, with the same results.
 
     Returns:
-        The results; for a list of policies, a list in the same order.
+        The results, for a suite by families; for a list, a list in the same order.
 
     Warns:
         UserWarning: The scenario differs from that of the training.
 
     Raises:
-        ValueError: A policy does not fit the scenario, or an option is out of range.
+        ValueError: A policy does not fit the scenario, or an option or a driver's parameter is out of range.
         FileNotFoundError: There is no such file.
     """
     policies = list(policy) if isinstance(policy, (list, tuple)) else [policy]
+    if suite is not None:
+        if (scenario, rounds, benchmark_route, trace) != (None, None, False, None):
+            raise ValueError("scenario, rounds, benchmark_route and trace can't be used with suite; help: leave them out")
+        natives, options = evaluation_options(policies)
+        names = options["names"]
+        found = suites.evaluations(natives, names, suite, set=set, episodes=episodes, seed=seed, optimum=optimum)
+        return found if isinstance(policy, (list, tuple)) else found[0]
     natives, options = evaluation_options(
         policies,
         scenario,
         set=set,
-        episodes=episodes,
-        rounds=rounds,
+        episodes=100 if episodes is None else episodes,
+        rounds=5 if rounds is None else rounds,
         seed=seed,
         benchmark_route=benchmark_route,
         optimum=optimum,
@@ -173,19 +205,41 @@ def evaluate_function(
         ValueError: An option or an action is out of range.
         FileNotFoundError: There is no such scenario.
     """
-    discrete = is_discrete(actions)
-
-    def native(observations: bytearray, rows: int) -> np.ndarray:
-        return action_array(act(np.frombuffer(observations, np.float32).reshape(rows, -1)), rows, discrete)
-
-    options = _options([], scenario, set, episodes, rounds, seed, benchmark_route, optimum, None)
-    (report,) = json.loads(_native.evaluate_function(native, observation, not discrete, options))
+    options = _options(
+        [],
+        scenario,
+        set=set,
+        episodes=episodes,
+        rounds=rounds,
+        seed=seed,
+        benchmark_route=benchmark_route,
+        optimum=optimum,
+    )
+    (report,) = json.loads(_native.evaluate_function(act, observation, actions, options))
     return evaluation_from(report)
 
 
 def evaluation_options(
-    policies: Sequence[_PolicyLike],
-    scenario: str | os.PathLike[str] | None = None,
+    policies: Sequence[_PolicyLike], scenario: str | os.PathLike[str] | None = None, **options: Unpack[EvaluationOptions]
+) -> tuple[list[_native.NativePolicy | str], dict[str, Any]]:
+    """What ``evaluate`` tests, and its options, for the native module."""
+    if not policies:
+        raise ValueError("the list of policies is empty; help: give one or more")
+
+    def name(index: int, policy: _PolicyLike) -> str:
+        return f"policy {index + 1}" if isinstance(policy, Policy) else os.fspath(policy)
+
+    def load(policy: _PolicyLike) -> _native.NativePolicy | str:
+        return policy._native if isinstance(policy, Policy) else _native.load_tested(os.fspath(policy))
+
+    loaded = list(map(load, policies))
+    names = [name(index, policy) for index, policy in enumerate(policies)]
+    return loaded, _options(names, scenario, **options)
+
+
+def _options(
+    names: list[str],
+    scenario: str | os.PathLike[str] | None,
     *,
     set: Mapping[str, Any] | None = None,
     episodes: int = 100,
@@ -194,31 +248,8 @@ def evaluation_options(
     benchmark_route: bool = False,
     optimum: bool = False,
     trace: str | os.PathLike[str] | None = None,
-) -> tuple[list[_native.NativePolicy], dict[str, Any]]:
-    """The policies and the options of ``evaluate``, for the native module."""
-    if not policies:
-        raise ValueError("the list of policies is empty; help: give one or more")
-
-    def name(index: int, policy: _PolicyLike) -> str:
-        return f"policy {index + 1}" if isinstance(policy, Policy) else os.fspath(policy)
-
-    loaded = [policy if isinstance(policy, Policy) else Policy.load(policy) for policy in policies]
-    names = [name(index, policy) for index, policy in enumerate(policies)]
-    options = _options(names, scenario, set, episodes, rounds, seed, benchmark_route, optimum, trace)
-    return [policy._native for policy in loaded], options
-
-
-def _options(
-    names: list[str],
-    scenario: str | os.PathLike[str] | None,
-    set: Mapping[str, Any] | None,
-    episodes: int,
-    rounds: int,
-    seed: int,
-    benchmark_route: bool,
-    optimum: bool,
-    trace: str | os.PathLike[str] | None,
 ) -> dict[str, Any]:
+    """The options for the native module."""
     return {
         "names": names,
         "scenario": None if scenario is None else os.fspath(scenario),

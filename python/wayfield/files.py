@@ -76,13 +76,36 @@ def draw(
     *,
     set: Mapping[str, Any] | None = None,
     plain: bool = False,
+    levels: int | None = None,
+    seed: int | None = None,
+    over: str | os.PathLike[str] | None = None,
+    resolution: float | None = None,
+    size: tuple[int, int] | None = None,
 ) -> None:
-    """Draws a scenario from above into an SVG, PNG or PDF file, as ``wayfield --draw``.
+    """Draws a scenario from above into an SVG, PNG or PDF file, or levels of a level generator, as ``wayfield --draw``.
 
     Args:
-        scenario: A shipped scenario by name, a file's path, or RON text.
+        scenario: A shipped scenario or level generator by name, a file's path, or RON text.
         path: The file; its extension decides the format.
         set: Fields of the scenario with other values, as in ``train``.
         plain: Without the name, the legend and the axes.
+        levels: The number of levels of a level generator, 1 to 100; None for 12.
+        seed: The seed of the first of them; None for 0.
+        over: A map from which the scenario was imported, whose occupied cells are marked.
+        resolution: The side of a pixel in m, if that map is a plain picture.
+        size: Width and height in pixels (96 per inch in PDF); None for the figure's.
+
+    Raises:
+        FileNotFoundError: There is no such scenario or map.
+        ValueError: The scenario or an option is invalid.
     """
-    _native.draw(os.fspath(scenario), pairs(set), os.fspath(path), plain)
+    options = {
+        "settings": pairs(set),
+        "is_plain": plain,
+        "levels": levels,
+        "seed": seed,
+        "over": None if over is None else os.fspath(over),
+        "resolution_m": resolution,
+        "size": None if size is None else "x".join(map(str, size)),
+    }
+    _native.draw(os.fspath(scenario), os.fspath(path), options)

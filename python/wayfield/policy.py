@@ -51,9 +51,8 @@ class Policy:
                 f"the observations have the shape {observations.shape}; "
                 f"help: give ({self.num_inputs},), or (rows, {self.num_inputs})"
             )
-        values = np.empty((*observations.shape[:-1], self.num_actions), np.float32)
-        self._native.q_values(observations, values)
-        return values
+        values = self._native.q_values(observations.reshape(-1, self.num_inputs))
+        return values.reshape(*observations.shape[:-1], self.num_actions)
 
     def act(self, observations: Any) -> np.ndarray | np.int64:
         """The greedy actions: an index for one observation, int64, (rows,) for a batch."""
@@ -81,10 +80,7 @@ class Policy:
             bearing_rad: The angle from the heading to the goal in rad, -pi to pi, left positive.
             distance_m: The distance to the goal in m.
         """
-        ranges = np.ascontiguousarray(ranges_m, np.float32).ravel()
-        row = np.empty(self.num_inputs, np.float32)
-        self._native.encode(ranges, bearing_rad, distance_m, row)
-        return row
+        return self._native.encode(np.ravel(ranges_m).tolist(), bearing_rad, distance_m)
 
     def predict(
         self, observation: Any, state: Any = None, episode_start: Any = None, deterministic: bool = True

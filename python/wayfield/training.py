@@ -60,6 +60,10 @@ class TrainingResult:
         """The evaluations as a pandas DataFrame."""
         return to_frame(self.evaluations)
 
+    def draw(self, path: str | os.PathLike[str]) -> None:
+        """Draws the learning curves into an SVG, PNG or PDF file, as ``wayfield --draw --run``."""
+        _native.draw_run(os.fspath(self.folder), os.fspath(path))
+
     def _repr_svg_(self) -> str:
         return (self.folder / "learning-curve.svg").read_text(encoding="utf-8")
 

@@ -2,7 +2,6 @@
 
 import os
 from collections.abc import Mapping
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,7 +9,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from ._info import StepInfo
-from ._spaces import Stepper, action_space, check_render_mode, make_native, observation_space, seed_of
+from ._spaces import action_space, check_render_mode, make_native, observation_space, render, seed_of
 
 _NATIVE_MODES = {
     AutoresetMode.NEXT_STEP: "next_step",
@@ -53,11 +52,11 @@ class NavigationVectorEnv(VectorEnv):
     ) -> None:
         check_render_mode(render_mode)
         mode = AutoresetMode(autoreset_mode)
-        native = make_native(scenario, num_envs, task, observation, preset, set, _NATIVE_MODES[mode])
+        native = make_native(scenario, num_envs, task, observation, actions, preset, set, _NATIVE_MODES[mode])
         self.num_envs = num_envs
         self.render_mode = render_mode
         self.single_observation_space = observation_space(native)
-        self.single_action_space = action_space(native, actions)
+        self.single_action_space = action_space(native)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.metadata = {
@@ -65,10 +64,7 @@ class NavigationVectorEnv(VectorEnv):
             "render_fps": round(1 / native.control_period_s),
             "autoreset_mode": mode,
         }
-        self._mode = mode
-        self._stepper = Stepper(native, num_envs, actions)
-        self._keys = (*native.reward_terms, "is_success", "collision")
-        self._masks = tuple("_" + key for key in self._keys)
+        self._native = native
         self._is_reset = False
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
@@ -78,22 +74,16 @@ class NavigationVectorEnv(VectorEnv):
         Returns:
             All observations, float32, (num_envs, width), and an empty dict.
         """
-        super().reset(seed=seed)
+        if seed is not None:
+            super().reset(seed=seed)
         mask = None if options is None else options.get("reset_mask")
-        if mask is not None:
-            mask = np.asarray(mask)
-            if mask.dtype != np.bool_ or mask.shape != (self.num_envs,):
-                raise ValueError(
-                    f"reset_mask has the shape {mask.shape} and the type {mask.dtype}; "
-                    f"help: give a bool array of the shape ({self.num_envs},)"
-                )
-            mask = mask.tolist()
         if not self._is_reset:
-            if mask is not None and not all(mask):
+            if mask is not None and not np.all(mask):
                 raise RuntimeError("the environments were not reset; help: call reset() without reset_mask first")
             seed = seed_of(self.np_random) if seed is None else seed
+        observations = self._native.reset(seed, mask)
         self._is_reset = True
-        return self._stepper.reset(seed, mask), {}
+        return observations, {}
 
     def step(self, actions: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """Takes one control step in every environment.
@@ -106,40 +96,21 @@ class NavigationVectorEnv(VectorEnv):
         """
         if not self._is_reset:
             raise RuntimeError("the environments were not reset; help: call reset() before step()")
-        observations, numbers, flags, ended = self._stepper.step(actions)
-        final = self._stepper.final_observations() if ended and self._mode is AutoresetMode.SAME_STEP else None
-        info = StepInfo(partial(self._info, numbers, flags, final))
-        return observations, numbers[0], flags[0], flags[1], info
+        info = StepInfo()
+        observations, rewards, terminated, truncated, info.details = self._native.step(actions)
+        return observations, rewards, terminated, truncated, info
 
     def render(self) -> tuple[np.ndarray, ...] | None:
         """The picture of each environment: uint8, 720 x 960 x 3; None without ``render_mode="rgb_array"``."""
         if self.render_mode != "rgb_array":
             return None
-        return tuple(self._stepper.render(index) for index in range(self.num_envs))
+        return tuple(render(self._native, index) for index in range(self.num_envs))
 
     @property
     def motions(self) -> list[tuple[float, float]]:
         """The motions of the discrete actions: speed in m/s, turning rate in rad/s (left positive)."""
-        return self._stepper.native.motions
+        return self._native.motions
 
     def state(self, index: int) -> dict[str, Any]:
         """The state of one environment, as ``NavigationEnv.state``."""
-        return self._stepper.native.state(index)
-
-    def _info(self, numbers: np.ndarray, flags: np.ndarray, final: np.ndarray | None) -> dict[str, Any]:
-        """The info of a step; ``final`` are the observations before any reset, if an episode has ended in the mode SAME_STEP."""
-        _, *terms = numbers
-        terminated, truncated, success, collision, stepped = flags
-        values = dict(zip(self._keys, (*terms, success, collision), strict=True))
-        if final is None:
-            return values | dict.fromkeys(self._masks, stepped)
-        done = terminated | truncated
-        rows = np.empty(self.num_envs, dtype=object)
-        for index in done.nonzero()[0].tolist():
-            rows[index] = final[index]
-        return values | dict.fromkeys(self._masks, ~done) | {
-            "final_info": values | dict.fromkeys(self._masks, done),
-            "final_obs": rows,
-            "_final_obs": done,
-            "_final_info": done,
-        }
+        return self._native.state(index)

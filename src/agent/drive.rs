@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use super::{ActionSource, ActionSources};
 use crate::drivers::{Driver, DriverClass, DriverConfig, DriverPlan, Odometry, Percept, Robot, Truth};
 use crate::scenario::Motion;
-use crate::task::{Actions, Arena, ArenaLayout, Clock, Episode, Goal, Pose, Scan, Twist};
+use crate::task::{Actions, Arena, ArenaLayout, Clock, Episode, Goal, Pedestrians, Pose, Scan, Twist};
 
 /// A classical driver in one arena. It starts anew with every episode.
 pub struct DriverSource {
@@ -45,7 +45,7 @@ type Perceived = (
     &'static Twist,
     &'static Scan,
     &'static Goal,
-    &'static Clock,
+    (&'static Clock, &'static Pedestrians),
     &'static Episode,
 );
 
@@ -65,8 +65,9 @@ pub(super) fn drive(
             source.driver = Some(source.config.driver(&Robot::of(&layout.scenario)));
             source.last_pose = *pose;
         }
+        let (clock, pedestrians) = clock;
         let truth = Truth {
-            scenario: &layout.scenario,
+            layout: layout.indexed(pedestrians),
             clock: clock.0,
             pose: tuple(pose),
             goal_m: Vec2::new(goal.x_m, goal.y_m),

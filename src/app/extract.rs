@@ -20,10 +20,10 @@ use crate::agent::{ActionSource, ActionSources, ActiveLearner, Decisions};
 use crate::drivers::DriverPlan;
 use crate::run::preset::Budget;
 use crate::run::shipped;
-use crate::scenario::{Scenario, pose_at};
+use crate::scenario::IndexedScenario;
 use crate::task::{
-    Actions, Arena, ArenaLayout, ArenaScenario, Clock, CurrentScenario, Episode, Goal, Pose, Scan,
-    ScenarioPool, wrap_angle,
+    Actions, Arena, ArenaLayout, ArenaScenario, Clock, CurrentScenario, Episode, Goal, Pedestrians, Pose,
+    Scan, ScenarioPool, wrap_angle,
 };
 
 /// The snapshot that the screen draws next.
@@ -44,7 +44,7 @@ type ArenaComponents = (
     &'static ArenaLayout,
     &'static Pose,
     &'static Goal,
-    &'static Clock,
+    (&'static Clock, &'static Pedestrians),
     &'static Scan,
     &'static Episode,
     Option<&'static ArenaScenario>,
@@ -115,11 +115,12 @@ fn arena_scenes(session: &SessionView, world: &WorldView, view_state: &CurrentVi
         &ArenaLayout,
         &Pose,
         &Goal,
-        &Clock,
+        (&Clock, &Pedestrians),
         &Scan,
         &Episode,
         Option<&ArenaScenario>,
     )| {
+        let (clock, pedestrians) = clock;
         let k = arena.0;
         let trails = world.trails.0.get(k).unwrap_or(&no_trails);
         let q_values = world.decisions.q_values.get(k * motions..(k + 1) * motions).unwrap_or_default();
@@ -130,7 +131,7 @@ fn arena_scenes(session: &SessionView, world: &WorldView, view_state: &CurrentVi
             set_member: world.pool.as_ref().zip(member).map(|(pool, member)| pool.title(member.choice)),
             pose: trails.previous_pose.map_or(*pose, |before| interpolate(&before, pose, part)),
             goal: *goal,
-            obstacles: obstacles(&layout.scenario, *clock, part),
+            obstacles: obstacles(layout.indexed(pedestrians), *clock, part),
             ranges_m: scan.ranges_m.clone(),
             scan_pose: scan.sensor_pose,
             driver: session.mode.driver(k),
@@ -169,16 +170,21 @@ fn interpolate(from: &Pose, to: &Pose, part: f32) -> Pose {
 }
 
 /// Poses of the obstacles at the fraction `part` of the last control step.
-fn obstacles(scenario: &Scenario, clock: Clock, part: f32) -> Vec<(f32, f32, f32)> {
-    let period_s = scenario.task.control_period_s;
-    let at = |step: u64| scenario.obstacles.iter().map(move |obstacle| pose_at(obstacle, step, period_s));
-    at(clock.0.saturating_sub(1))
-        .zip(at(clock.0))
-        .map(|(from, to)| {
-            let mix = |a: f32, b: f32| a + (b - a) * part;
-            (mix(from.0, to.0), mix(from.1, to.1), from.2 + wrap_angle(to.2 - from.2) * part)
-        })
-        .collect()
+fn obstacles(layout: IndexedScenario, clock: Clock, part: f32) -> Vec<(f32, f32, f32)> {
+    let period_s = layout.scenario.task.control_period_s;
+    let pose = |index| {
+        let to = layout.pose_at(index, clock.0);
+        let from = match layout.pedestrian(index) {
+            Some(pedestrian) => {
+                let way_m = pedestrian.velocity_m_s * period_s;
+                (to.0 - way_m.x, to.1 - way_m.y, to.2)
+            }
+            None => layout.pose_at(index, clock.0.saturating_sub(1)),
+        };
+        let mix = |a: f32, b: f32| a + (b - a) * part;
+        (mix(from.0, to.0), mix(from.1, to.1), from.2 + wrap_angle(to.2 - from.2) * part)
+    };
+    (0..layout.scenario.obstacles.len()).map(pose).collect()
 }
 
 fn shipped_choices() -> (Vec<Choice>, Vec<Choice>) {

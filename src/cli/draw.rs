@@ -1,24 +1,22 @@
-//! The mode `--draw`: a figure of a scenario, of levels of a generator, or of the learning curves of a run, as an SVG, PNG or
-//! PDF file.
+//! The mode `--draw`: a figure of a scenario, of levels of a generator, of the scenarios of a set, or of the learning curves of
+//! a run, as an SVG, PNG or PDF file. `figure.rs` draws all but the last.
+
+mod figure;
+
+pub use figure::ScenarioFigure;
 
 use std::path::{Path, PathBuf};
 
-use bevy::math::DVec2;
 use clap::Args;
 
 use super::output::print_stdout;
 use super::shared::SharedArgs;
 use super::values;
-use crate::import::{Frame, ImportOptions, backdrop};
 use crate::run::folder::RunFolder;
 use crate::run::image_file::{self, ImageFormat, ImageSize};
 use crate::run::output_file::{check_writable, is_stream};
 use crate::run::shipped::Source;
-use crate::run::{RunError, run_image, scenario_image};
-use crate::scenario::{LevelGenerator, Scenario};
-
-/// Number of levels on a contact sheet.
-const DEFAULT_LEVELS: u64 = 12;
+use crate::run::{RunError, run_image};
 
 /// The options of `--draw`.
 #[derive(Args, Debug)]
@@ -55,7 +53,18 @@ pub fn run(
     check_writable(file)?;
     let svg = match &args.run {
         Some(folder) => run_figure(folder)?,
-        None => scenario_figure(shared, args, resolution_m)?,
+        None => {
+            let figure = ScenarioFigure {
+                name: shared.scenario(),
+                settings: &shared.settings(),
+                is_plain: args.plain,
+                levels: args.levels,
+                seed: shared.seed,
+                over: args.over.as_deref(),
+                resolution_m,
+            };
+            figure.svg(Source::load(figure.name)?)?
+        }
     };
     let own = if args.plain { ImageSize::Screen } else { ImageSize::Print };
     let size = shared.size.map_or(own, |(width, height)| ImageSize::Pixels(width.into(), height.into()));
@@ -69,77 +78,4 @@ pub fn run(
 fn run_figure(folder: &Path) -> Result<String, RunError> {
     let (folder, config) = RunFolder::open(folder)?;
     run_image::figure(&folder, &config)
-}
-
-fn scenario_figure(
-    shared: &SharedArgs,
-    args: &DrawArgs,
-    resolution_m: Option<f64>,
-) -> Result<String, RunError> {
-    let name = shared.scenario();
-    let mut scenario =
-        match (Source::load(name)?, args.levels.map(|_| "--levels").or(shared.seed.map(|_| "--seed"))) {
-            (Source::Levels(generator), _) if !args.plain && args.over.is_none() => {
-                return contact_sheet(&generator, args, shared);
-            }
-            (Source::Scenario(_), Some(flag)) => return Err(only_for_levels(name, flag)),
-            (source, _) => source.into_scenario(name)?,
-        };
-    shared.settings().apply_to_scenario(&mut scenario)?;
-    let svg = match &args.over {
-        Some(map) => {
-            let areas = occupied_areas(map, resolution_m, name, &scenario)?;
-            scenario_image::figure_over(&scenario, areas)
-        }
-        None if args.plain => scenario_image::thumbnail(&scenario),
-        None => scenario_image::figure(&scenario),
-    };
-    svg.map_err(|error| RunError::failed(Path::new(name), error))
-}
-
-fn only_for_levels(name: &str, flag: &str) -> RunError {
-    let why = format!("is a scenario, and {flag} is for level generators; help: leave it out");
-    RunError::invalid_input(Path::new(name), why)
-}
-
-/// The figure of levels with consecutive seeds.
-fn contact_sheet(
-    generator: &LevelGenerator,
-    args: &DrawArgs,
-    shared: &SharedArgs,
-) -> Result<String, RunError> {
-    let path = Path::new(shared.scenario());
-    let mut levels = Vec::new();
-    for k in 0..args.levels.unwrap_or(DEFAULT_LEVELS) {
-        let seed = shared.seed().saturating_add(k);
-        let level = generator.level(seed);
-        let mut level = level.map_err(|error| RunError::invalid_input(path, error))?;
-        shared.settings().apply_to_scenario(&mut level)?;
-        levels.push(level);
-    }
-    scenario_image::contact_sheet(&generator.name, &levels).map_err(|error| RunError::failed(path, error))
-}
-
-/// The occupied areas of `map`, in m, in the frame of the scenario `name` that was imported from it: those inside its enclosure.
-fn occupied_areas(
-    map: &Path,
-    resolution_m: Option<f64>,
-    name: &str,
-    scenario: &Scenario,
-) -> Result<Vec<Vec<(f64, f64)>>, RunError> {
-    let frame = Frame::find(&scenario.about).ok_or_else(|| {
-        let why = "its `about` does not say where it lies in a map; help: import it from the map (--import)";
-        RunError::invalid_input(Path::new(name), why)
-    })?;
-    let backdrop = backdrop(map, &ImportOptions { resolution_m, ..ImportOptions::default() })?;
-    let (low, high) = scenario.enclosure.bounds_m();
-    let is_inside = |corners: &Vec<(f64, f64)>| {
-        let any = |is_beyond: &dyn Fn(&(f64, f64)) -> bool| corners.iter().any(is_beyond);
-        any(&|at| at.0 > f64::from(low.x))
-            && any(&|at| at.0 < f64::from(high.x))
-            && any(&|at| at.1 > f64::from(low.y))
-            && any(&|at| at.1 < f64::from(high.y))
-    };
-    let in_scenario = |corners: &[DVec2; 4]| corners.map(|corner| frame.to_scenario(corner).into()).to_vec();
-    Ok(backdrop.areas_m.iter().map(in_scenario).filter(is_inside).collect())
 }

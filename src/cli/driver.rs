@@ -31,7 +31,7 @@ impl TestDriver {
             return Ok(Self::Classical(driver));
         }
         if exists && path.extension().is_some_and(|extension| extension == "ron") {
-            return Ok(Self::Classical(DriverConfig::parse(&read_text(path)?, path)?));
+            return Self::parse(&read_text(path)?, path);
         }
         if !exists && policy::is_unknown_name(path) {
             let policies: Vec<&str> =
@@ -45,6 +45,14 @@ impl TestDriver {
             return Err(RunError::invalid_input(path, why));
         }
         policy::load(path).map(Self::Policy)
+    }
+
+    /// The driver whose parameters are in the RON text `text`, which is called `path` in messages.
+    ///
+    /// # Errors
+    /// It is not a driver, or a parameter is out of range.
+    pub fn parse(text: &str, path: &Path) -> Result<Self, RunError> {
+        Ok(Self::Classical(DriverConfig::parse(text, path)?))
     }
 
     /// Its policy.
@@ -69,5 +77,22 @@ impl TestDriver {
             Self::Policy(policy) => policy.into(),
             Self::Classical(driver) => driver.into(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::to_ron;
+
+    #[test]
+    fn the_text_of_every_driver_is_known_by_its_name() {
+        for name in DriverConfig::NAMES {
+            let driver = DriverConfig::shipped(name).expect("shipped");
+            let text = to_ron(&driver).expect("RON");
+            assert!(DriverConfig::is_meant_by(&text), "{text}");
+            assert_eq!(DriverConfig::parse(&text, "driver.ron"), Ok(driver));
+        }
+        assert!(!DriverConfig::is_meant_by("(name: \"Dwa\")"));
     }
 }

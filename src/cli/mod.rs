@@ -29,9 +29,11 @@ mod window;
 
 use self::check::kind::{FileKind, expect_kind};
 pub use check::{CheckReport, check_files};
+pub use draw::ScenarioFigure;
+pub use driver::TestDriver;
 pub use policy::load as load_policy;
 pub use reproduce::ReproductionReport;
-pub use values::seeds as parse_seeds;
+pub use values::{seeds as parse_seeds, size as parse_size};
 
 use std::any::TypeId;
 use std::ffi::OsString;

@@ -39,12 +39,12 @@ pub struct ModeArgs {
     #[arg(long, value_name = "FILE")]
     pub import: Option<PathBuf>,
 
-    /// Check scenarios, presets and experiments (files, or folders of them) and print every problem
+    /// Check scenarios, sets, suites, drivers, presets and experiments (files, or folders of them) and print every problem
     #[arg(long, value_name = "PATH", num_args = 1..)]
     pub check: Vec<PathBuf>,
 
-    /// Draw a scenario from above, levels of a level generator, or with --run the learning curves of a run, into an SVG,
-    /// PNG or PDF file
+    /// Draw a scenario from above, levels of a level generator, the scenarios of a set, or with --run the learning curves
+    /// of a run, into an SVG, PNG or PDF file
     #[arg(long, value_name = "FILE")]
     pub draw: Option<PathBuf>,
 

@@ -14,8 +14,8 @@ use crate::simulation::Extensions;
 #[command(next_help_heading = "Options of several modes")]
 pub struct SharedArgs {
     /// The scenario: a RON file, or a shipped one by name (scenario-1, scenario-2, empty, corridor, doorway,
-    /// slalom, random-field, u-trap, crossing, crowd, hall, maze); with --train and in the app also a set of scenarios or a level
-    /// generator [default: the preset's, else scenario-1; with --eval the one that the policy was trained in]
+    /// slalom, random-field, u-trap, crossing, crowd, hall, maze); with --train, --eval, --draw and in the app also a set of scenarios
+    /// or a level generator [default: the preset's, else scenario-1; with --eval the one that the policy was trained in]
     #[arg(long, value_name = "FILE")]
     pub scenario: Option<String>,
 

@@ -14,10 +14,11 @@ use crate::generated_section::check;
 use crate::reproduce::Experiment;
 use crate::run::folder::RunConfig;
 use crate::run::preset::Preset;
-use crate::scenario::{LevelGenerator, Scenario, ScenarioSetFile, parse_ron, to_ron};
+use crate::scenario::{LevelGenerator, Scenario, ScenarioSetFile, SuiteFile, parse_ron, to_ron};
 
 const SCENARIO: &[&str] = &["crates/scenario/src/schema.rs"];
 const SET: &[&str] = &["crates/scenario/src/set.rs"];
+const SUITE: &[&str] = &["crates/scenario/src/suite.rs"];
 const LEVEL_GENERATOR: &[&str] = &["crates/scenario/src/levels/schema.rs", "crates/scenario/src/schema.rs"];
 const PRESET: &[&str] = &[
     "src/run/preset.rs",
@@ -91,6 +92,11 @@ fn the_preset_format_in_the_docs_is_that_of_the_types() {
 fn the_format_of_sets_in_the_docs_is_that_of_the_types() {
     let reference = reference("ScenarioSetFile", SET, read::<ScenarioSetFile>, None);
     check("docs/scenario-sets.md", &reference);
+}
+
+#[test]
+fn the_format_of_suites_in_the_docs_is_that_of_the_types() {
+    check("docs/suites.md", &reference("SuiteFile", SUITE, read::<SuiteFile>, None));
 }
 
 #[test]

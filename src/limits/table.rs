@@ -61,6 +61,7 @@ const TABLES: &[Table] = &[
     Table { title: "Scenarios", limits: SCENARIOS },
     Table { title: "Level generators", limits: LEVEL_GENERATORS },
     Table { title: "Sets of scenarios", limits: SETS },
+    Table { title: "Suites", limits: SUITES },
     Table { title: "Presets", limits: PRESETS },
     Table { title: "Preset and scenario together", limits: TRAINING },
     Table { title: "Experiments", limits: EXPERIMENTS },
@@ -97,6 +98,14 @@ const SETS: &[Limit] = &[
     Limit("entries", counts(&scenario::SET_SCENARIOS), "", "memory"),
     Limit("share of an entry, relative to the others", reals(&scenario::SET_SHARE), "", "mistyped values"),
     Limit("levels of a generator", counts32(&scenario::SET_LEVELS), "", "evaluations use the seeds above"),
+];
+
+const SUITES: &[Limit] = &[
+    Limit("families", counts(&scenario::SUITE_FAMILIES), "", "memory"),
+    Limit("scenarios of a family", counts(&scenario::SUITE_SCENARIOS), "", "memory"),
+    Limit("levels of a family", counts32(&scenario::SUITE_LEVELS), "", "time"),
+    Limit("episodes in each scenario or level", counts32(&scenario::SUITE_EPISODES), "", "time"),
+    Limit("time limit", reals(&scenario::SUITE_TIME_LIMIT_S), "s", "time"),
 ];
 
 const SCENARIOS: &[Limit] = &[
@@ -144,6 +153,7 @@ const SCENARIOS: &[Limit] = &[
         "no robot or obstacle jumps over another",
     ),
     Limit("waypoints of a patrol", counts(&scenario::WAYPOINTS), "", "memory, time of a step"),
+    Limit("pedestrians", count(scenario::MAX_PEDESTRIANS), "", "time of a step"),
     Limit("key frames of all obstacles", count(scenario::MAX_KEY_FRAMES), "", "memory, time of the checks"),
     Limit("times of key frames", reals(&scenario::KEY_FRAME_TIME_S), "s", "rounding"),
     Limit("radius of a random walk", reals(&scenario::WALK_RADIUS_M), "m", "rounding"),
@@ -221,6 +231,8 @@ const LEVEL_GENERATORS: &[Limit] = &[
         "mistyped values",
     ),
     Limit("radius of a crossed circle", reals(&scenario::LEVEL_CIRCLE_M), "m", "mistyped values"),
+    Limit("noise of starts on a crossed circle", reals(&scenario::LEVEL_NOISE_M), "m", "mistyped values"),
+    Limit("goals of a pedestrian of a level", counts32(&scenario::LEVEL_GOALS), "", "time of a level"),
     Limit(
         "cells of the grid that is searched for paths",
         Max(scenario::MAX_FLOOR_CELLS as u64),

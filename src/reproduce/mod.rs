@@ -43,7 +43,7 @@ mod queue;
 mod quick;
 mod records;
 mod report_contents;
-mod report_files;
+pub(crate) mod report_files;
 mod report_folder;
 mod report_progress;
 mod results;

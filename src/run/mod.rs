@@ -14,6 +14,8 @@
 //! | `train/` | the training loop |
 //! | `metrics.rs` | metrics of episodes and evaluations, and the best policy |
 //! | `evaluate/` | success over rounds of episodes and on the benchmark route; records and traces of episodes; comparison with optimal times |
+//! | `suite/` | tests of drivers and policies in many scenarios, by families |
+//! | `on_all_cores.rs` | work on all cores, with results in a fixed order |
 //! | `background_evaluator.rs` | evaluation during training |
 //! | `final_test.rs` | the test of the best policy after a training |
 //! | `folder/` | run folders: configuration, CSV files |
@@ -52,6 +54,7 @@ pub mod metrics;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod metrics_writer;
 pub mod notes;
+pub mod on_all_cores;
 pub mod output_file;
 pub mod policy_card;
 pub mod preset;
@@ -69,6 +72,8 @@ pub mod settings;
 pub mod shipped;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod signals;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod suite;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod tensorboard;
 #[cfg(not(target_arch = "wasm32"))]

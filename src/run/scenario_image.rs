@@ -12,10 +12,10 @@ use super::RunError;
 use super::image_file::{self, ImageSize};
 use crate::report::DrawError;
 use crate::report::chart::{
-    MapObstacle, MapObstacleKind, MapRobot, MapShape, MapTrack, ScenarioMap, contact_sheet_svg,
+    MapObstacle, MapObstacleKind, MapRobot, MapShape, MapTrack, MapTrajectory, ScenarioMap, contact_sheet_svg,
 };
-use crate::scenario::{Obstacle, Outline, Scenario, Track, pose_at};
-use crate::task::{Arena, ArenaLayout, Clock, Goal, Pose, Scan};
+use crate::scenario::{IndexedScenario, Obstacle, ObstacleMotion, Outline, Scenario, Track};
+use crate::task::{Arena, ArenaLayout, Clock, Goal, Pedestrians, Pose, Scan};
 
 /// The layout seed of the generated obstacles in thumbnails.
 const LAYOUT_SEED: u64 = 1;
@@ -27,18 +27,24 @@ const END_SEGMENTS: u32 = 16;
 #[must_use]
 pub fn map(scenario: &Scenario, layout_seed: u64, clock: u64) -> ScenarioMap {
     let generated = scenario.with_generated_obstacles(layout_seed);
+    map_of(scenario, (&generated).into(), clock)
+}
+
+/// The map of `scenario` in its state `layout`, which has the generated obstacles and the pedestrians.
+fn map_of(scenario: &Scenario, layout: IndexedScenario, clock: u64) -> ScenarioMap {
+    let generated = layout.scenario;
     let segments = generated.walls.iter().flat_map(wayfield_scenario::Wall::segments);
     let walls = segments.map(|segment| MapObstacle {
         kind: MapObstacleKind::Wall,
-        outline: outline(&segment, &generated, 0),
+        outline: outline(&segment, (segment.position_m.x, segment.position_m.y, segment.rotation_rad)),
     });
     let obstacles = generated.obstacles.iter().enumerate().map(|(index, obstacle)| {
-        let kind = match heading(obstacle, &generated, clock) {
+        let kind = match heading(layout, index, clock) {
             Some(heading) => MapObstacleKind::Moving(heading),
             None if index < scenario.obstacles.len() => MapObstacleKind::Obstacle,
             None => MapObstacleKind::Generated,
         };
-        MapObstacle { kind, outline: outline(obstacle, &generated, clock) }
+        MapObstacle { kind, outline: outline(obstacle, layout.pose_at(index, clock)) }
     });
     ScenarioMap {
         title: String::new(),
@@ -108,13 +114,27 @@ pub fn draw(scenario: &Scenario, path: &Path) -> Result<(), RunError> {
 /// # Errors
 /// Drawing fails.
 pub fn frame_svg(world: &mut World, arena: usize) -> Option<Result<String, DrawError>> {
-    let mut arenas = world.query::<(&Arena, &ArenaLayout, &Clock, &Pose, &Goal, &Scan)>();
-    let (_, layout, clock, pose, goal, scan) = arenas.iter(world).find(|(found, ..)| found.0 == arena)?;
+    frame_with_path(world, arena, Vec::new())
+}
+
+/// The same with the robot's path so far: its positions in m.
+///
+/// # Errors
+/// Drawing fails.
+pub fn frame_with_path(
+    world: &mut World,
+    arena: usize,
+    path_m: Vec<(f64, f64)>,
+) -> Option<Result<String, DrawError>> {
+    let mut arenas = world.query::<(&Arena, (&ArenaLayout, &Pedestrians), &Clock, &Pose, &Goal, &Scan)>();
+    let (_, (layout, pedestrians), clock, pose, goal, scan) =
+        arenas.iter(world).find(|(found, ..)| found.0 == arena)?;
     let scenario = &*layout.written;
     let goal = wide(vec2(goal.x_m, goal.y_m));
     let goal = (goal.0, goal.1, f64::from(scenario.task.goal_radius_m));
-    let map =
-        ScenarioMap { goal: Some(goal), tracks: Vec::new(), ..map(scenario, layout.layout_seed, clock.0) };
+    let trajectories = vec![MapTrajectory { points: path_m, ..MapTrajectory::default() }];
+    let map = map_of(scenario, layout.indexed(pedestrians), clock.0);
+    let map = ScenarioMap { goal: Some(goal), tracks: Vec::new(), trajectories, ..map };
     Some(map.frame_svg(&robot(&layout.scenario, pose, scan)))
 }
 
@@ -136,16 +156,22 @@ fn robot(scenario: &Scenario, pose: &Pose, scan: &Scan) -> MapRobot {
 }
 
 /// An obstacle's direction of motion in rad from the x axis; `None` if it stands still.
-fn heading(obstacle: &Obstacle, scenario: &Scenario, clock: u64) -> Option<f64> {
-    let at = |step| pose_at(obstacle, step, scenario.task.control_period_s);
-    let (now, next) = (at(clock), at(clock + 1));
-    let (dx, dy) = (f64::from(next.0) - f64::from(now.0), f64::from(next.1) - f64::from(now.1));
+fn heading(layout: IndexedScenario, obstacle: usize, clock: u64) -> Option<f64> {
+    let start = &layout.scenario.obstacles[obstacle];
+    let (dx, dy) = match (layout.pedestrian(obstacle), &start.motion) {
+        (Some(pedestrian), _) => wide(pedestrian.velocity_m_s),
+        // At the start of an episode: towards its first goal.
+        (None, ObstacleMotion::Pedestrian { goals_m, .. }) => wide(*goals_m.first()? - start.position_m),
+        (None, _) => {
+            let (now, next) = (layout.pose_at(obstacle, clock), layout.pose_at(obstacle, clock + 1));
+            (f64::from(next.0) - f64::from(now.0), f64::from(next.1) - f64::from(now.1))
+        }
+    };
     (dx != 0.0 || dy != 0.0).then(|| dy.atan2(dx))
 }
 
-/// The area an obstacle covers at control step `clock`.
-fn outline(obstacle: &Obstacle, scenario: &Scenario, clock: u64) -> MapShape {
-    let (x, y, rotation) = pose_at(obstacle, clock, scenario.task.control_period_s);
+/// The area an obstacle covers at a pose.
+fn outline(obstacle: &Obstacle, (x, y, rotation): (f32, f32, f32)) -> MapShape {
     let (x, y) = wide(vec2(x, y));
     let (sin, cos) = f64::from(rotation).sin_cos();
     let to_map = |at: DVec2| (x + cos * at.x - sin * at.y, y + sin * at.x + cos * at.y);
@@ -180,7 +206,7 @@ mod tests {
     use std::f64::consts::PI;
 
     use super::*;
-    use crate::scenario::{Enclosure, Generator, ObstacleMotion, RandomShape, Shape, Wall};
+    use crate::scenario::{Enclosure, Generator, RandomShape, Shape, Wall};
 
     fn obstacle(shape: Shape, motion: ObstacleMotion) -> Obstacle {
         Obstacle { shape, position_m: vec2(1.0, 0.0), rotation_rad: std::f32::consts::FRAC_PI_2, motion }

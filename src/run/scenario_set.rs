@@ -31,12 +31,13 @@ pub fn parse(text: &str, path: &Path) -> Result<ScenarioSet, FileError> {
             let field = if entry.generator.is_some() { "generator" } else { "scenario" };
             problems.push(Diagnostic { path: format!("scenarios[{k}].{field}"), message });
         };
-        let wanted = beside(path, entry.file());
-        // An untrusted set must not name a pipe or a device, because reading it might never end.
-        if Path::new(&wanted).exists() && !Path::new(&wanted).is_file() && !shipped::is_scenario(&wanted) {
-            problem("names something that is not a file: give the file of a scenario".into());
-            continue;
-        }
+        let wanted = match named_file(path, entry.file()) {
+            Ok(wanted) => wanted,
+            Err(why) => {
+                problem(why);
+                continue;
+            }
+        };
         match source(entry, &wanted) {
             Ok(source) => {
                 set.members.push(SetMember { name: entry.name(), share: entry.share(), source });
@@ -66,8 +67,18 @@ fn source(entry: &SetEntry, wanted: &str) -> Result<SetSource, String> {
     Ok(levels)
 }
 
-/// The path of a file relative to the folder of the set's file at `set` if it exists there, else `name` itself.
-fn beside(set: &Path, name: &str) -> String {
-    let beside = set.parent().map(|folder| folder.join(name));
-    beside.filter(|path| path.is_file()).map_or_else(|| name.into(), |path| path.display().to_string())
+/// What the file at `from` means by `name`: the file with that path relative to the folder of `from` if there is one, else `name`
+/// itself.
+///
+/// # Errors
+/// It is neither a file nor a shipped name. An untrusted file must not name a pipe or a device, because reading it might never
+/// end.
+pub(super) fn named_file(from: &Path, name: &str) -> Result<String, String> {
+    let beside = from.parent().map(|folder| folder.join(name));
+    let wanted =
+        beside.filter(|path| path.is_file()).map_or_else(|| name.into(), |path| path.display().to_string());
+    if Path::new(&wanted).exists() && !Path::new(&wanted).is_file() && !shipped::is_scenario(&wanted) {
+        return Err("names something that is not a file: give the file of a scenario".into());
+    }
+    Ok(wanted)
 }

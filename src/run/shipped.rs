@@ -38,7 +38,10 @@ const SCENARIOS: &[Shipped] = shipped!(
     "scenarios": "scenario-1", "scenario-2", "empty", "corridor", "doorway", "slalom", "random-field", "u-trap", "crossing",
     "crowd", "hall", "maze"
 );
-const GENERATORS: &[Shipped] = shipped!("scenarios/generators": "clutter", "rooms", "traffic", "mixed");
+const GENERATORS: &[Shipped] = shipped!(
+    "scenarios/generators": "clutter", "rooms", "traffic", "mixed", "pedestrians", "circle-crossing"
+);
+const SUITES: &[Shipped] = shipped!("scenarios/suites": "shipped", "validation");
 const PRESETS: &[Shipped] = shipped!("assets/presets": "fast", "dqn", "per_d3qn", "per_d3qn_tuned");
 
 const EXPERIMENTS: &[Shipped] = shipped!("assets/experiments": "fig8", "fig9", "fig10", "best", "ablation", "conditions", "hard", "transfer");
@@ -116,6 +119,12 @@ pub fn preset_title(name: &str) -> Option<&'static str> {
 /// The text of the shipped scenario `name`.
 pub fn scenario_text(name: &str) -> Option<&'static str> {
     SCENARIOS.iter().find(|file| file.name == name).map(|file| file.text)
+}
+
+/// The text of the shipped suite with the name or project path `wanted`, and its path in the project, unless the user has a file
+/// at that path.
+pub fn suite_text(wanted: &str) -> Option<(&'static str, &'static str)> {
+    find(SUITES, wanted).map(|file| (file.text, file.path))
 }
 
 /// Whether `scenario` is the paper's Scenario I, so that the paper's numbers apply: whether everything but its name and
@@ -234,6 +243,8 @@ mod tests {
     use std::sync::Arc;
 
     use crate::run::evaluate::{Evaluation, Evaluator};
+    use crate::run::settings::Settings;
+    use crate::run::suite::Suite;
     use crate::task::EpisodeSetup;
 
     #[test]
@@ -244,6 +255,11 @@ mod tests {
             }
         }
         assert_eq!(level_generators().count(), GENERATORS.len(), "every level generator is valid");
+        for file in SUITES {
+            if let Err(error) = Suite::load(file.name, &Settings::default(), None) {
+                panic!("{error}");
+            }
+        }
         for file in PRESETS {
             if let Err(error) = preset(file.name) {
                 panic!("{error}");

@@ -15,8 +15,8 @@ use crate::control_step::Reset;
 use crate::scenario::Scenario;
 use crate::task::{
     Actions, Arena, ArenaLayout, ArenaScenario, ArenaState, Clock, CurrentScenario, Episode, ExtraRewards,
-    Goal, ObservationLayout, Observations, PendingReset, Pose, Scan, ScenarioChoice, ScenarioPool,
-    SensorReadings, StepOutcome, StepOutcomes, Streams, TaskFault, Twist, observation,
+    Goal, ObservationLayout, Observations, Pedestrians, PendingReset, Pose, Scan, ScenarioChoice,
+    ScenarioPool, SensorReadings, StepOutcome, StepOutcomes, Streams, TaskFault, Twist, observation,
 };
 
 /// Replaces all arenas by `arenas` new arenas of `scenario` with the random streams of `seed`, and starts an episode in
@@ -44,7 +44,7 @@ pub fn spawn_arenas(world: &mut World, scenario: &Arc<Scenario>, arenas: usize, 
             Twist::default(),
             (Scan::default(), SensorReadings::zeros(extra)),
             Goal::default(),
-            Clock::default(),
+            (Clock::default(), Pedestrians::default()),
             Episode { pending_reset: PendingReset::Full, ..Episode::default() },
             Streams::new(seed, index as u64),
             physics::context(bodies.clone()),
@@ -116,13 +116,14 @@ pub fn snapshot(world: &mut World) -> Vec<ArenaState> {
         &Twist,
         (&Scan, &SensorReadings),
         &Goal,
-        &Clock,
+        (&Clock, &Pedestrians),
         &Episode,
         &Streams,
     )>();
     let mut states: Vec<(usize, ArenaState)> = arenas
         .iter(world)
         .map(|(arena, (layout, scenario), pose, twist, (scan, readings), goal, clock, episode, streams)| {
+            let (clock, pedestrians) = clock;
             let state = ArenaState {
                 pose: *pose,
                 twist: *twist,
@@ -130,6 +131,7 @@ pub fn snapshot(world: &mut World) -> Vec<ArenaState> {
                 readings: readings.as_slice().to_vec(),
                 goal: *goal,
                 clock: *clock,
+                pedestrians: pedestrians.clone(),
                 layout_seed: layout.layout_seed,
                 scenario: scenario.cloned(),
                 episode: episode.clone(),
@@ -157,7 +159,7 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
             &mut Twist,
             (&mut Scan, &mut SensorReadings),
             &mut Goal,
-            &mut Clock,
+            (&mut Clock, &mut Pedestrians),
             &mut Episode,
             &mut Streams,
         ),
@@ -173,7 +175,7 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
             mut twist,
             (mut scan, mut readings),
             mut goal,
-            mut clock,
+            (mut clock, mut pedestrians),
             mut episode,
             mut streams,
         ) = components;
@@ -192,11 +194,12 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
         *readings = SensorReadings::from_saved(&state.readings);
         *goal = state.goal;
         *clock = state.clock;
+        pedestrians.clone_from(&state.pedestrians);
         *episode = state.episode.clone();
         *streams = state.streams.clone();
         robot::place_body(&mut set, &bodies, &pose);
         obstacles::place_generated_obstacles(&layout, &mut bodies, &mut colliders);
-        obstacles::place_bodies(&layout, *clock, &bodies, &mut set, &mut colliders);
+        obstacles::place_bodies(layout.indexed(&pedestrians), *clock, &bodies, &mut set, &mut colliders);
         let row = &mut observations.current[arena.0 * width..][..width];
         observation::encode(encoding, &scan, &pose, &goal, &readings, row);
     }
@@ -206,7 +209,11 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
 /// Replaces the scenario and continues the current episodes in it, with new scans and observations. The number of LIDAR
 /// beams must be the same.
 pub fn change_scenario(world: &mut World, scenario: &Arc<Scenario>) {
-    let states = snapshot(world);
+    let mut states = snapshot(world);
+    let old = world.resource::<CurrentScenario>().0.clone();
+    for state in &mut states {
+        state.pedestrians.0.follow_change(&old, scenario);
+    }
     let (fault, actions) = (world.resource::<TaskFault>().clone(), world.resource::<Actions>().clone());
     spawn_arenas(world, scenario, states.len(), 0);
     world.insert_resource(fault);

@@ -16,7 +16,7 @@ use bevy_rapier2d::rapier::prelude::{Collider, ColliderSet, Shape, TypedShape};
 use super::physics::Bodies;
 use super::ray_cast::polygon_contains;
 use crate::scenario::polygon::{distance_to_segment, sides};
-use crate::scenario::{MotionSpeed, Obstacle, Scenario, pose_at};
+use crate::scenario::{IndexedScenario, MotionSpeed};
 use crate::task::Clock;
 
 /// The gap in m below which bodies touch. Rapier leaves a small gap when it stops a body.
@@ -28,8 +28,8 @@ const MIN_ADVANCE_M: f32 = 0.0001;
 
 /// A step of one arena that rapier has just made.
 pub(super) struct ContactQuery<'a> {
-    /// The scenario with generated obstacles.
-    pub scenario: &'a Scenario,
+    /// The scenario with generated obstacles and pedestrians.
+    pub layout: IndexedScenario<'a>,
     pub colliders: &'a ColliderSet,
     pub bodies: &'a Bodies,
     /// The arena's clock after the step.
@@ -41,13 +41,13 @@ pub(super) struct ContactQuery<'a> {
 impl ContactQuery<'_> {
     /// The fraction of the step, 0 to 1, after which the robot first touches something on the straight line to `to`.
     pub(super) fn first_contact(&self, to: Vec2) -> Option<f32> {
-        self.first_within(to, self.scenario.robot.radius_m + CONTACT_MARGIN_M)
+        self.first_within(to, self.layout.scenario.robot.radius_m + CONTACT_MARGIN_M)
     }
 
     /// Whether a robot that was to go to `to` may rest at `end`, where rapier stopped it: it touches something, penetrates
     /// nothing, has passed through nothing, and has gone no farther than it was to go.
     pub(super) fn is_resting_contact(&self, end: Vec2, to: Vec2) -> bool {
-        let radius_m = self.scenario.robot.radius_m;
+        let radius_m = self.layout.scenario.robot.radius_m;
         let reach_m = radius_m + CONTACT_MARGIN_M;
         let touches = |(position, shape): PlacedShape| distance_m(position, shape, end) <= reach_m;
         let others = self.bodies.not_in_grid().filter_map(|(_, solid)| self.colliders.get(solid));
@@ -65,7 +65,7 @@ impl ContactQuery<'_> {
             let shape = placed(self.colliders.get(handle)?);
             // The scenario's own obstacles come first among the solids; all others are static.
             let is_own = number < self.bodies.obstacles.len();
-            let obstacle = self.scenario.obstacles.get(number).filter(|_| is_own);
+            let obstacle = Some(number).filter(|_| is_own);
             let max_travel_m = step_m + obstacle.map_or(0.0, |o| self.max_travel_m(o));
             self.approach(shape, obstacle, to, reach_m, max_travel_m)
         });
@@ -78,7 +78,7 @@ impl ContactQuery<'_> {
     fn approach(
         &self,
         (position, shape): PlacedShape,
-        obstacle: Option<&Obstacle>,
+        obstacle: Option<usize>,
         to: Vec2,
         reach_m: f32,
         max_travel_m: f32,
@@ -108,23 +108,24 @@ impl ContactQuery<'_> {
     }
 
     /// The longest distance that any point of an obstacle travels in a step, in m.
-    fn max_travel_m(&self, obstacle: &Obstacle) -> f32 {
-        if obstacle.motion.speed() == MotionSpeed::Variable {
+    fn max_travel_m(&self, obstacle: usize) -> f32 {
+        let description = &self.layout.scenario.obstacles[obstacle];
+        if description.motion.speed() == MotionSpeed::Variable {
             // The highest speed of many key frames takes long to find.
             return self.translation_m(obstacle).length() + MIN_ADVANCE_M;
         }
-        let speed_m_s = obstacle.max_speed_m_s();
+        let speed_m_s = description.max_speed_m_s();
         // MIN_ADVANCE_M covers the rounding of the obstacle's coordinates.
         if speed_m_s == 0.0 {
             0.0
         } else {
-            speed_m_s.abs() * self.scenario.task.control_period_s + MIN_ADVANCE_M
+            speed_m_s.abs() * self.layout.scenario.task.control_period_s + MIN_ADVANCE_M
         }
     }
 
-    fn trajectory(&self, obstacle: &Obstacle) -> ObstacleTrajectory {
-        let period_s = self.scenario.task.control_period_s;
-        match obstacle.motion.speed() {
+    fn trajectory(&self, obstacle: usize) -> ObstacleTrajectory {
+        let period_s = self.layout.scenario.task.control_period_s;
+        match self.layout.scenario.obstacles[obstacle].motion.speed() {
             MotionSpeed::AtRest => ObstacleTrajectory::Static,
             MotionSpeed::Revolution { centre_m, speed_rad_s } => {
                 ObstacleTrajectory::Arc { centre: centre_m, angle_rad: speed_rad_s * period_s }
@@ -136,9 +137,12 @@ impl ContactQuery<'_> {
     }
 
     /// The way of an obstacle's origin in this step, in m.
-    fn translation_m(&self, obstacle: &Obstacle) -> Vec2 {
+    fn translation_m(&self, obstacle: usize) -> Vec2 {
+        if let Some(pedestrian) = self.layout.pedestrian(obstacle) {
+            return pedestrian.velocity_m_s * self.layout.scenario.task.control_period_s;
+        }
         let at = |step| {
-            let (x, y, _) = pose_at(obstacle, step, self.scenario.task.control_period_s);
+            let (x, y, _) = self.layout.pose_at(obstacle, step);
             Vec2::new(x, y)
         };
         at(self.clock.0) - at(self.clock.0.saturating_sub(1))

@@ -1,7 +1,7 @@
-//! Obstacles: the pose of a moving obstacle is a function of the arena's clock alone. Generated obstacles are replaced when
-//! an episode begins.
+//! Obstacles: the pose of a moving obstacle is a function of the arena's clock alone, that of a pedestrian depends on the step
+//! before. Generated obstacles are replaced when an episode begins.
 //!
-//! In: the arena's [`Clock`] and [`ArenaLayout`]. Out: the poses of kinematic bodies, which neither drift nor get pushed,
+//! In: the arena's [`Clock`], [`ArenaLayout`] and [`Pedestrians`]. Out: the poses of kinematic bodies, which neither drift nor get pushed,
 //! and the shapes and poses of generated obstacles.
 
 use bevy::prelude::*;
@@ -11,30 +11,48 @@ use bevy_rapier2d::rapier::prelude::RigidBodyHandle;
 
 use super::colliders::shared_shape;
 use super::physics::Bodies;
-use crate::scenario::{Obstacle, Scenario, pose_at};
-use crate::task::{ArenaLayout, Clock, Episode, PendingReset};
+use crate::scenario::{IndexedScenario, pose_at};
+use crate::task::{ArenaLayout, Clock, Episode, Pedestrians, PendingReset, Pose, Twist};
 
-/// `Actuate`: advances the clock, and sets the pose of every moving obstacle after this step.
-pub(super) fn advance(
-    mut arenas: Query<(&mut Clock, &ArenaLayout, &Bodies, &Episode, &mut RapierRigidBodySet)>,
-) {
-    for (mut clock, layout, bodies, episode, mut set) in &mut arenas {
+/// The components of an arena that [`advance`] reads and writes.
+type Advanced = (
+    &'static mut Clock,
+    &'static mut Pedestrians,
+    &'static ArenaLayout,
+    &'static Bodies,
+    &'static Pose,
+    &'static Twist,
+    &'static Episode,
+    &'static mut RapierRigidBodySet,
+);
+
+/// `Actuate`: advances the clock and the pedestrians, and sets the pose of every moving obstacle after this step.
+pub(super) fn advance(mut arenas: Query<Advanced>) {
+    for (mut clock, mut pedestrians, layout, bodies, pose, twist, episode, mut set) in &mut arenas {
         if episode.inactive {
             continue;
         }
         clock.0 += 1;
-        for (body, obstacle) in moving(bodies, &layout.scenario) {
+        if !pedestrians.0.is_empty() {
+            let (sin, cos) = libm::sincosf(pose.heading_rad);
+            let velocity_m_s = Vec2::new(cos, sin) * twist.v_m_s;
+            pedestrians.0.advance(&layout.scenario, (Vec2::new(pose.x_m, pose.y_m), velocity_m_s));
+        }
+        let layout = layout.indexed(&pedestrians);
+        for (body, obstacle) in moving(bodies) {
             if let Some(body) = set.bodies.get_mut(body) {
-                body.set_next_kinematic_position(body_pose(&layout.scenario, obstacle, *clock));
+                body.set_next_kinematic_position(body_pose(layout, obstacle, *clock));
             }
         }
     }
 }
 
-/// `Place`: places the generated obstacles of a new episode. If the clock was set, also places the moving obstacles.
+/// `Place`: places the generated obstacles of a new episode. If the clock was set or there are pedestrians, also places the moving
+/// obstacles.
 pub(super) fn place(
     mut arenas: Query<(
         &Clock,
+        &Pedestrians,
         &ArenaLayout,
         &mut Bodies,
         &Episode,
@@ -42,12 +60,13 @@ pub(super) fn place(
         &mut RapierContextColliders,
     )>,
 ) {
-    for (clock, layout, mut bodies, episode, mut set, mut colliders) in &mut arenas {
-        if episode.pending_reset.begins_episode() {
+    for (clock, pedestrians, layout, mut bodies, episode, mut set, mut colliders) in &mut arenas {
+        let begins = episode.pending_reset.begins_episode();
+        if begins {
             place_generated_obstacles(layout, &mut bodies, &mut colliders);
         }
-        if episode.pending_reset == PendingReset::Full {
-            place_bodies(layout, *clock, &bodies, &mut set, &mut colliders);
+        if episode.pending_reset == PendingReset::Full || begins && !pedestrians.0.is_empty() {
+            place_bodies(layout.indexed(pedestrians), *clock, &bodies, &mut set, &mut colliders);
         }
     }
 }
@@ -70,7 +89,7 @@ pub(super) fn place_generated_obstacles(
         collider.set_enabled(obstacle.is_some());
         if let Some(obstacle) = obstacle {
             collider.set_shape(shared_shape(&obstacle.shape));
-            collider.set_position(body_pose(&layout.scenario, obstacle, Clock(0)));
+            collider.set_position(as_body_pose(pose_at(obstacle, 0, layout.scenario.task.control_period_s)));
             bodies.solids.push(handle);
         }
     }
@@ -79,16 +98,15 @@ pub(super) fn place_generated_obstacles(
 
 /// Places the moving obstacles, and the colliders that the LIDAR senses, at their poses at `clock`.
 pub(super) fn place_bodies(
-    layout: &ArenaLayout,
+    layout: IndexedScenario,
     clock: Clock,
     bodies: &Bodies,
     set: &mut RapierRigidBodySet,
     colliders: &mut RapierContextColliders,
 ) {
-    let scenario = &*layout.scenario;
-    for (body, obstacle) in moving(bodies, scenario) {
+    for (body, obstacle) in moving(bodies) {
         if let Some(body) = set.bodies.get_mut(body) {
-            let pose = body_pose(scenario, obstacle, clock);
+            let pose = body_pose(layout, obstacle, clock);
             body.set_position(pose, true);
             body.set_next_kinematic_position(pose);
         }
@@ -96,16 +114,18 @@ pub(super) fn place_bodies(
     set.propagate_modified_body_positions_to_colliders(colliders);
 }
 
-/// The moving obstacles and their bodies.
-fn moving<'a>(
-    bodies: &'a Bodies,
-    scenario: &'a Scenario,
-) -> impl Iterator<Item = (RigidBodyHandle, &'a Obstacle)> {
-    bodies.obstacles.iter().zip(&scenario.obstacles).filter_map(|(body, obstacle)| Some(((*body)?, obstacle)))
+/// The bodies of the moving obstacles, each with the obstacle's index.
+fn moving(bodies: &Bodies) -> impl Iterator<Item = (RigidBodyHandle, usize)> {
+    bodies.obstacles.iter().enumerate().filter_map(|(index, body)| Some(((*body)?, index)))
 }
 
-fn body_pose(scenario: &Scenario, obstacle: &Obstacle, clock: Clock) -> BodyPose {
-    let (x, y, rotation) = pose_at(obstacle, clock.0, scenario.task.control_period_s);
+/// The pose of the obstacle with index `obstacle`.
+fn body_pose(layout: IndexedScenario, obstacle: usize, clock: Clock) -> BodyPose {
+    as_body_pose(layout.pose_at(obstacle, clock.0))
+}
+
+/// A pose in m and rad as rapier's.
+fn as_body_pose((x, y, rotation): (f32, f32, f32)) -> BodyPose {
     let (sin, cos) = libm::sincosf(rotation);
     BodyPose::from_parts(Vector::new(x, y), Rotation::from_cos_sin_unchecked(cos, sin))
 }

@@ -23,7 +23,7 @@ use super::contact::ContactQuery;
 use super::physics::Bodies;
 use crate::scenario::{Motion, Scenario};
 use crate::task::{
-    Actions, Arena, ArenaLayout, Clock, CommandedMotions, Episode, Pose, Scan, Twist, wrap_angle,
+    Actions, Arena, ArenaLayout, Clock, CommandedMotions, Episode, Pedestrians, Pose, Scan, Twist, wrap_angle,
 };
 
 /// The tolerance for rounding: in m for coordinates, relative for distances.
@@ -139,7 +139,7 @@ type Stepped = (
     &'static Arena,
     &'static ArenaLayout,
     &'static Bodies,
-    &'static Clock,
+    (&'static Clock, &'static Pedestrians),
     &'static Episode,
     &'static RapierContextColliders,
     &'static mut RapierRigidBodySet,
@@ -158,6 +158,7 @@ pub(super) fn read_pose(commands: MotionCommands, mut arenas: Query<Stepped>) {
     for (arena, layout, bodies, clock, episode, colliders, mut set, mut pose, mut twist, mut scan) in
         &mut arenas
     {
+        let (clock, pedestrians) = clock;
         if episode.inactive {
             continue;
         }
@@ -173,8 +174,8 @@ pub(super) fn read_pose(commands: MotionCommands, mut arenas: Query<Stepped>) {
             let deflected =
                 (body.translation() - free).length() > ROUNDING * (1.0 + from.length() + free.length());
             let to = if deflected { free } else { body.translation() };
-            let step =
-                ContactQuery { scenario, colliders: &colliders.colliders, bodies, clock: *clock, from };
+            let (layout, colliders) = (layout.indexed(pedestrians), &colliders.colliders);
+            let step = ContactQuery { layout, colliders, bodies, clock: *clock, from };
             let contact = step.first_contact(to);
             scan.touching = contact.is_some();
             if let Some(fraction) = contact {

@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::{
-    ArenaScenario, Clock, Episode, Goal, ObservationLayout, PendingReset, Pose, Scan, Streams, Twist,
+    ArenaScenario, Clock, Episode, Goal, ObservationLayout, Pedestrians, PendingReset, Pose, Scan, Streams,
+    Twist,
 };
 use crate::random;
 use crate::scenario::Scenario;
@@ -27,6 +28,8 @@ pub struct ArenaState {
     pub goal: Goal,
     /// The obstacles' clock.
     pub clock: Clock,
+    /// The pedestrians.
+    pub pedestrians: Pedestrians,
     /// The seed of the generated obstacles ([`ArenaLayout`](super::ArenaLayout)).
     pub layout_seed: u64,
     /// The member of the scenario pool, if there is one. Checkpoints store it separately.
@@ -55,8 +58,19 @@ impl ArenaState {
     /// # Errors
     /// A noun phrase that names the first invalid part, such as "the robot's pose".
     pub(crate) fn check(&self, scenario: &Scenario, layout: &ObservationLayout) -> Result<(), &'static str> {
-        let Self { pose, twist, scan, readings, goal, clock, layout_seed: _, scenario: _, episode, streams } =
-            self;
+        let Self {
+            pose,
+            twist,
+            scan,
+            readings,
+            goal,
+            clock,
+            pedestrians,
+            layout_seed: _,
+            scenario: _,
+            episode,
+            streams,
+        } = self;
         let beams = scenario.lidar.beams;
         let within = |value: f32, max: f32| value.abs() <= max;
         let is_pose = |pose: &Pose| {
@@ -80,6 +94,7 @@ impl ArenaState {
             ("the sensor readings", readings.len() == layout.extra_width() && are_finite(readings)),
             ("the goal", within(goal.x_m, MAX_COORDINATE_M) && within(goal.y_m, MAX_COORDINATE_M)),
             ("the clock", clock.0 < 1 << 62),
+            ("the pedestrians", pedestrians.0.fits(scenario)),
             ("the episode's counters", *steps <= MAX_EPISODE_STEPS && goals <= steps),
             ("the episode's rewards", rewards.total().is_finite() && are_finite(extra_rewards)),
             ("the potential", potential.total().is_finite()),
@@ -99,10 +114,25 @@ impl ArenaState {
 mod tests {
     use std::collections::VecDeque;
 
+    use bevy::math::Vec2;
+
     use super::*;
+    use crate::scenario::{Crowd, Obstacle, ObstacleMotion, Shape};
 
     /// The part that the check must name, and the change that makes it invalid.
     type Corruption = (&'static str, fn(&mut ArenaState));
+
+    fn with_a_pedestrian() -> Scenario {
+        let motion = ObstacleMotion::Pedestrian {
+            goals_m: vec![Vec2::ONE],
+            speed_m_s: 0.1,
+            loops: true,
+            sees_robot: false,
+        };
+        let (shape, position_m) = (Shape::Circle { radius_m: 0.1 }, Vec2::ZERO);
+        let obstacles = vec![Obstacle { shape, position_m, rotation_rad: 0.0, motion }];
+        Scenario { obstacles, ..Scenario::default() }
+    }
 
     #[test]
     fn an_invalid_state_is_rejected_with_the_name_of_the_invalid_part() {
@@ -122,6 +152,7 @@ mod tests {
             readings: Vec::new(),
             goal: Goal { x_m: 0.5, y_m: 0.5 },
             clock: Clock(1_000),
+            pedestrians: Pedestrians::default(),
             layout_seed: u64::MAX,
             scenario: None,
             episode: Episode { steps: 7, goals: 1, ..Episode::default() },
@@ -141,6 +172,7 @@ mod tests {
             ("the sensor readings", |s| s.readings.push(0.0)),
             ("the goal", |s| s.goal.y_m = f32::NEG_INFINITY),
             ("the clock", |s| s.clock = Clock(u64::MAX)),
+            ("the pedestrians", |s| s.pedestrians = Pedestrians(Crowd::at_start(&with_a_pedestrian()))),
             ("the episode's counters", |s| s.episode.steps = u32::MAX),
             ("the episode's counters", |s| s.episode.goals = 8),
             ("the episode's rewards", |s| s.episode.rewards.attraction = f32::NAN),

@@ -1,14 +1,17 @@
 //! New episodes: their layouts, starts and goals.
 //!
 //! In: each arena's [`PendingReset`], its stream `places`, and the scenario's placement rules. Out: a new [`Pose`] at
-//! rest, a new [`Goal`], and an empty [`Episode`]. Bodies, scans and observations follow in the schedule [`Reset`].
+//! rest, a new [`Goal`], an empty [`Episode`], and the pedestrians at their positions. Bodies, scans and observations follow in the schedule [`Reset`].
 
 use bevy::prelude::*;
 
-use super::{Arena, ArenaLayout, Clock, Episode, Fault, Goal, PendingReset, Pose, Streams, TaskFault, Twist};
+use super::{
+    Arena, ArenaLayout, Clock, Episode, Fault, Goal, Pedestrians, PendingReset, Pose, Streams, TaskFault,
+    Twist,
+};
 use crate::control_step::Reset;
 use crate::random;
-use crate::scenario::{BenchmarkRoute, IndexedScenario, NoFreeSpace, draw_goal, draw_start_and_goal};
+use crate::scenario::{BenchmarkRoute, Crowd, IndexedScenario, NoFreeSpace, draw_goal, draw_start_and_goal};
 
 /// The choice of starts and goals.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
@@ -35,6 +38,7 @@ type ResetData = (
     &'static Arena,
     &'static Clock,
     &'static mut ArenaLayout,
+    &'static mut Pedestrians,
     &'static mut Pose,
     &'static mut Twist,
     &'static mut Goal,
@@ -47,12 +51,15 @@ type StartAndGoalDraw = (Option<Pose>, Goal);
 
 /// `Draw`: a new goal; for a new episode also a new start, and a new layout if the scenario has generators.
 pub(super) fn draw(setup: Res<EpisodeSetup>, mut fault: ResMut<TaskFault>, mut arenas: Query<ResetData>) {
-    for (arena, clock, mut layout, mut pose, mut twist, mut goal, mut episode, mut streams) in &mut arenas {
+    for (arena, clock, mut layout, mut crowd, mut pose, mut twist, mut goal, mut episode, mut streams) in
+        &mut arenas
+    {
         if matches!(episode.pending_reset, PendingReset::None | PendingReset::Refresh) {
             continue;
         }
         if episode.pending_reset.begins_episode() {
             *episode = Episode { pending_reset: episode.pending_reset, ..Episode::default() };
+            crowd.0 = Crowd::at_start(&layout.written);
         }
         let kept_pose = (episode.pending_reset == PendingReset::Goal).then_some(*pose);
         let generates = episode.pending_reset.begins_episode() && !layout.written.generators.is_empty();
@@ -64,7 +71,7 @@ pub(super) fn draw(setup: Res<EpisodeSetup>, mut fault: ResMut<TaskFault>, mut a
             }
             let drawn = match *setup {
                 EpisodeSetup::Route(route) => Ok(ends_of(route)),
-                EpisodeSetup::Random => draw_random(layout.indexed(), clock.0, kept_pose, &mut streams),
+                EpisodeSetup::Random => draw_random(layout.indexed(&crowd), clock.0, kept_pose, &mut streams),
             };
             attempts -= 1;
             if drawn.is_ok() || attempts == 0 {

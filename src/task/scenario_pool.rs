@@ -12,10 +12,11 @@ use serde::{Deserialize, Serialize};
 
 use super::{Arena, ArenaLayout, Clock, Episode, Fault, TaskFault};
 use crate::random::{self, Stream};
-use crate::scenario::{LevelError, LevelGenerator, Scenario, ScenarioSet, SetMember, SetSource, TaskRules};
+use crate::scenario::{
+    FIRST_EVALUATION_LEVEL, LevelError, LevelGenerator, Scenario, ScenarioSet, SetMember, SetSource,
+    TaskRules,
+};
 
-/// The first seed of the levels of evaluations. The levels of a training have smaller ones.
-const FIRST_EVALUATION_LEVEL: u64 = 1_000_000;
 /// The number of seeds of the levels of evaluations.
 const EVALUATION_LEVELS: usize = 1_000_000;
 /// The most levels of a generator that are kept in memory.

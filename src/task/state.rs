@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::reward::{Potential, RewardTerms};
 use crate::random::{self, Stream};
-use crate::scenario::{IndexedScenario, Scenario, SpatialIndex};
+use crate::scenario::{Crowd, IndexedScenario, Scenario, SpatialIndex};
 
 /// The number of an arena: one robot in one enclosure. It is the arena's row in every batch.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,10 +47,14 @@ impl ArenaLayout {
         }
     }
 
-    /// The scenario with the generated obstacles, for questions about clearance.
+    /// The scenario with the generated obstacles and the pedestrians, for questions about poses and clearance.
     #[must_use]
-    pub fn indexed(&self) -> IndexedScenario<'_> {
-        IndexedScenario { scenario: &self.scenario, index: self.index.as_deref() }
+    pub fn indexed<'a>(&'a self, pedestrians: &'a Pedestrians) -> IndexedScenario<'a> {
+        IndexedScenario {
+            scenario: &self.scenario,
+            index: self.index.as_deref(),
+            crowd: Some(&pedestrians.0).filter(|crowd| !crowd.is_empty()),
+        }
     }
 }
 
@@ -132,7 +136,11 @@ pub struct Goal {
     pub y_m: f32,
 }
 
-/// The control steps since the arena was spawned. The poses of moving obstacles are a function of it.
+/// The pedestrians. At the start of an episode they stand at their positions.
+#[derive(Component, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Pedestrians(pub Crowd);
+
+/// The control steps since the arena was spawned. The poses of all moving obstacles but pedestrians are a function of it.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Clock(pub u64);
 

@@ -16,7 +16,7 @@ use bevy::prelude::*;
 use bevy_rapier2d::prelude::{RapierContextColliders, RapierRigidBodySet};
 use wayfield::control_step::ControlStep;
 use wayfield::random::{self, Stream};
-use wayfield::scenario::{Obstacle, ObstacleMotion, Scenario, Shape};
+use wayfield::scenario::{Generator, Obstacle, ObstacleMotion, RandomShape, Scenario, Shape};
 use wayfield::sim::{self, Bodies, lidar};
 use wayfield::simulation::{Simulation, SimulationBuilder};
 use wayfield::task::{
@@ -195,6 +195,21 @@ pub fn moving_obstacles() -> Scenario {
         ],
         ..Scenario::default()
     }
+}
+
+/// The moving obstacles with two pedestrians among them, of whom one sees the robot, and a generated obstacle.
+pub fn pedestrians() -> Scenario {
+    let walker = |position_m, goals_m: Vec<_>, sees_robot| {
+        let motion = ObstacleMotion::Pedestrian { goals_m, speed_m_s: 0.2, loops: true, sees_robot };
+        Obstacle { motion, ..static_obstacle(Shape::Circle { radius_m: 0.1 }, position_m, 0.0) }
+    };
+    let shape = RandomShape::Circle { radius_m: (0.1, 0.1) };
+    let mut scenario = moving_obstacles();
+    scenario.name = "Pedestrians".into();
+    scenario.obstacles.insert(1, walker(vec2(-1.6, 1.6), vec![vec2(1.6, 1.6), vec2(0.0, 1.0)], true));
+    scenario.obstacles.push(walker(vec2(1.6, 1.5), vec![vec2(-1.6, 1.6)], false));
+    scenario.generators = vec![Generator { count: 1, shape, gap_m: 0.3, within: None }];
+    scenario
 }
 
 /// An empty arena of 200 m, with its walls beyond the LIDAR's range.

@@ -37,14 +37,14 @@
 //! | `true_map` | a map of the true scenario |
 //! | `path` | the way along a path: the point to pursue (Coulter 1992) |
 //! | `planned` | the drivers with a map: A* with DWA or pure pursuit |
-//! | `orca` | optimal reciprocal collision avoidance (van den Berg et al. 2011) |
+//! | `orca` | a robot that follows the velocities of [`wayfield_orca`] (van den Berg et al. 2011) |
 
 mod config;
 mod dwa;
 mod field;
 mod free_space;
 mod grid;
-pub mod orca;
+mod orca;
 mod path;
 mod path_search;
 mod percept;

@@ -1,7 +1,7 @@
 //! What a driver perceives before a control step.
 
 use glam::{Vec2, vec2};
-use wayfield_scenario::{Motion, Scenario};
+use wayfield_scenario::{IndexedScenario, Motion};
 
 /// What a driver perceives before a control step. A driver of class A or B gets no [`Truth`].
 #[derive(Clone, Copy, Debug)]
@@ -32,8 +32,8 @@ impl Percept<'_> {
 /// The true state of the scenario.
 #[derive(Clone, Copy, Debug)]
 pub struct Truth<'a> {
-    /// The scenario, with its generated obstacles.
-    pub scenario: &'a Scenario,
+    /// The scenario, with its generated obstacles and its pedestrians.
+    pub layout: IndexedScenario<'a>,
     /// The obstacles' clock, in control steps.
     pub clock: u64,
     /// The robot's pose: x in m, y in m, heading in rad.

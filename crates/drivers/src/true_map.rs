@@ -1,4 +1,5 @@
-//! A map of the true scenario: the clearance of its static parts on a grid, and its moving obstacles as they are.
+//! A map of the true scenario: the clearance of its static parts on a grid, and its moving obstacles as they are. Pedestrians are
+//! expected to keep their velocities.
 
 use glam::Vec2;
 use wayfield_scenario::{
@@ -24,9 +25,30 @@ pub(crate) struct TrueMap {
     reach_m: f32,
     /// The extra costs of the last plan.
     costs: Vec<u16>,
-    moving: Vec<Obstacle>,
+    moving: Vec<Moving>,
     clock: u64,
     pose: Odometry,
+}
+
+/// A moving obstacle, with its index in the scenario.
+struct Moving {
+    index: usize,
+    obstacle: Obstacle,
+    /// Its position in m and its velocity in m/s, if it is a pedestrian.
+    walk: Option<(Vec2, Vec2)>,
+}
+
+impl Moving {
+    /// The pose `steps` control steps of `period_s` after `clock`.
+    fn pose(&self, clock: u64, steps: u64, period_s: f32) -> (f32, f32, f32) {
+        match self.walk {
+            Some((at_m, velocity_m_s)) => {
+                let Vec2 { x, y } = at_m + velocity_m_s * (period_s * steps as f32);
+                (x, y, 0.0)
+            }
+            None => pose_at(&self.obstacle, clock + steps, period_s),
+        }
+    }
 }
 
 impl TrueMap {
@@ -59,7 +81,9 @@ impl TrueMap {
         for obstacle in segments.chain(scenario.obstacles.iter().filter(is_static).cloned()) {
             self.lower(&obstacle);
         }
-        self.moving = scenario.obstacles.iter().filter(|obstacle| !is_static(obstacle)).cloned().collect();
+        let moving = scenario.obstacles.iter().enumerate().filter(|(_, obstacle)| !is_static(obstacle));
+        let moving = moving.map(|(index, obstacle)| Moving { index, obstacle: obstacle.clone(), walk: None });
+        self.moving = moving.collect();
     }
 
     /// Lowers the clearances around a static obstacle.
@@ -86,10 +110,9 @@ impl TrueMap {
 
     /// The distance in m from a point to the nearest moving obstacle after `after_s`.
     fn moving_clearance_m(&self, point_m: Vec2, after_s: f32) -> f32 {
-        let steps = after_s / self.period_s;
-        let clock = self.clock + steps as u64;
-        let distance = |obstacle: &Obstacle| {
-            shape_distance(&obstacle.shape, pose_at(obstacle, clock, self.period_s), point_m)
+        let steps = (after_s / self.period_s) as u64;
+        let distance = |moving: &Moving| {
+            shape_distance(&moving.obstacle.shape, moving.pose(self.clock, steps, self.period_s), point_m)
         };
         self.moving.iter().map(distance).fold(f32::INFINITY, f32::min)
     }
@@ -99,9 +122,13 @@ impl Map for TrueMap {
     fn update(&mut self, percept: &Percept) -> Odometry {
         if let Some(truth) = &percept.truth {
             if self.clearances_m.is_empty() {
-                self.enter(truth.scenario);
+                self.enter(truth.layout.scenario);
             }
             self.clock = truth.clock;
+            for moving in &mut self.moving {
+                let pedestrian = truth.layout.pedestrian(moving.index);
+                moving.walk = pedestrian.map(|walker| (walker.position_m, walker.velocity_m_s));
+            }
             let (x, y, rotation_rad) = truth.pose;
             self.pose = Odometry { translation_m: Vec2::new(x, y), rotation_rad };
         }
@@ -114,8 +141,8 @@ impl Map for TrueMap {
         }
         let cost = |clearance_m: f32| closeness_cost(clearance_m - self.keep_out_m, self.margin_m);
         let mut costs: Vec<u16> = self.clearances_m.iter().map(|clearance| cost(*clearance)).collect();
-        for obstacle in &self.moving {
-            let pose = pose_at(obstacle, self.clock, self.period_s);
+        for moving in &self.moving {
+            let (pose, obstacle) = (moving.pose(self.clock, 0, self.period_s), &moving.obstacle);
             let (origin, radius_m) = (Vec2::new(pose.0, pose.1), obstacle.shape.bounding_radius_m());
             for cell in self.grid.cells_near(origin - radius_m, origin + radius_m, self.reach_m) {
                 let distance_m = shape_distance(&obstacle.shape, pose, self.grid.centre_m(cell));
@@ -167,7 +194,8 @@ mod tests {
         };
         let robot = Robot::of(&scenario);
         let mut map = TrueMap::new(&robot, &PlannerParameters::default());
-        let truth = Truth { scenario: &scenario, clock: 10, pose: (0.0, 0.0, 0.0), goal_m: vec2(1.0, 0.0) };
+        let (layout, goal_m) = ((&scenario).into(), vec2(1.0, 0.0));
+        let truth = Truth { layout, clock: 10, pose: (0.0, 0.0, 0.0), goal_m };
         map.update(&Percept {
             ranges_m: &[],
             goal_distance_m: 1.0,

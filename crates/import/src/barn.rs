@@ -28,6 +28,8 @@ use crate::solid::{Outline, Solid, bounds};
 const RADIUS_M: f64 = 0.075;
 /// Space around the world, in m.
 const MARGIN_M: f64 = 1.0;
+/// What stands before the length of a shortest path in the `about` of an imported world.
+const SHORTEST_PATH: &str = "Shortest path: ";
 /// Largest path file, in bytes.
 const MAX_PATH_BYTES: u64 = 1 << 20;
 
@@ -199,7 +201,7 @@ fn scenario(
     let (start_m, goal_m) = (point(task.start_m - centre), point(task.goal_m - centre));
     let heading_rad = task.heading_rad as f32;
     let length =
-        task.path_length_m.map_or_else(String::new, |length| format!(" Shortest path: {length:.4} m."));
+        task.path_length_m.map_or_else(String::new, |length| format!(" {SHORTEST_PATH}{length:.4} m."));
     let frame = Frame { origin_m: centre, yaw_rad: 0.0 };
     let period_s = f64::from(base.task.control_period_s);
     let scenario = Scenario {
@@ -224,6 +226,14 @@ fn scenario(
         FileError::for_file(path, format!("{label}: {problem}; help: use another robot (--robot)"))
     })?;
     Ok(Imported { scenario, deviation_m: 0.0, path_length_m: task.path_length_m, findings: findings.lines() })
+}
+
+/// The length in m of a shortest path that the `about` of an imported world states.
+#[must_use]
+pub fn stated_path_length_m(about: &str) -> Option<f64> {
+    let (_, rest) = about.split_once(SHORTEST_PATH)?;
+    let length_m: f64 = rest.split_once(" m.")?.0.parse().ok()?;
+    (length_m.is_finite() && length_m > 0.0).then_some(length_m)
 }
 
 /// The robot of the BARN Challenge, a Jackal of Clearpath as a disc: up to 2 m/s, with a LIDAR of 270 degrees. Contact ends an

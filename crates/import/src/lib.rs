@@ -51,6 +51,7 @@ use std::path::Path;
 
 use wayfield_scenario::{FileError, Scenario, to_text};
 
+pub use barn::stated_path_length_m;
 pub use frame::Frame;
 pub use map::Backdrop;
 pub use options::ImportOptions;

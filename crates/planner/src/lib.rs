@@ -45,7 +45,8 @@
 //!
 //! - actuator lag, because search and bounds assume that a motion has its full speed from the start of a step;
 //! - a LIDAR with a field of view below a full turn, because collisions are detected from its ranges;
-//! - polygons, as enclosure or as obstacles.
+//! - polygons, as enclosure or as obstacles;
+//! - pedestrians, whose way depends on others and may depend on the robot.
 
 mod bound;
 mod configuration_space;
@@ -133,7 +134,9 @@ pub fn unsupported_reason(scenario: &Scenario) -> Option<String> {
         let field_of_view = lidar.field_of_view_rad;
         return Some(format!("a limited field of view: lidar.field_of_view_rad is {field_of_view}"));
     }
-    polygon(scenario)
+    let pedestrian = scenario.obstacles.iter().position(|o| o.motion.is_pedestrian());
+    let pedestrian = pedestrian.map(|index| format!("pedestrians: obstacles[{index}] is a pedestrian"));
+    pedestrian.or_else(|| polygon(scenario))
 }
 
 /// The first polygon of `scenario`, as text for a message.

@@ -37,7 +37,7 @@ mod valid_part;
 
 pub(crate) use convex::RoundedArea;
 pub(crate) use grid::{CellGrid, ConnectedRegions};
-pub(crate) use numbers::check_texts;
+pub(crate) use numbers::{check_name, check_texts};
 pub(crate) use obstacles::check_random_shape;
 pub(crate) use reachability::{RegionSite, blocked, sites};
 
@@ -60,7 +60,7 @@ const COLLISION_RANGE: (&str, &str) = ("the collision range", "task.collision_ra
 pub(crate) const TWICE_COLLISION_RANGE: (&str, &str) =
     ("twice the collision range", "task.collision_range_m");
 const SECONDS: &str = " (seconds)";
-const RADIANS: &str = " (radians: a full turn is 6.2832)";
+pub(crate) const RADIANS: &str = " (radians: a full turn is 6.2832)";
 const RADIANS_PER_SECOND: &str = " (radians per second)";
 
 /// All problems of `scenario`: first invalid numbers, then parts that do not fit together. Of the latter, those are found that
@@ -184,7 +184,7 @@ impl Diagnostics {
     }
 
     /// Reports coordinates outside the range of the largest enclosure.
-    fn check_point(&mut self, path: fmt::Arguments<'_>, Vec2 { x, y }: Vec2) {
+    pub(crate) fn check_point(&mut self, path: fmt::Arguments<'_>, Vec2 { x, y }: Vec2) {
         self.check_range(format_args!("{path}[0]"), x, COORDINATE_M, METRES);
         self.check_range(format_args!("{path}[1]"), y, COORDINATE_M, METRES);
     }

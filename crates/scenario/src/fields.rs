@@ -32,6 +32,8 @@ pub enum FieldValue<'a> {
     Pair([&'a mut f32; 2], Quantity),
     /// The seed of random numbers.
     Seed(&'a mut u32),
+    /// A choice between yes and no.
+    Flag(&'a mut bool),
     /// The centre of a revolution, in m. It moves with the obstacle.
     Centre(&'a mut Vec2),
     /// The corners of a path after the obstacle's position, in m. They move with the obstacle.

@@ -5,8 +5,9 @@
 
 use std::f32::consts::PI;
 
-use super::geometry::{is_clear, length};
+use super::geometry::length;
 use super::schema::{Generator, Obstacle, ObstacleMotion, PlacementRule, RandomShape, Scenario, Shape};
+use super::spatial_index::IndexedScenario;
 use glam::{Vec2, vec2};
 use wayfield_random::{Stream, stream, uniform};
 
@@ -71,10 +72,11 @@ fn generated_obstacle(
         Some(region) => (region.min_m, region.max_m),
         None => layout.enclosure.bounds_m(),
     };
+    let space = IndexedScenario::from(layout);
     let position_m = (0..TRIES)
         .map(|_| vec2(uniform(stream, low.x, high.x), uniform(stream, low.y, high.y)))
         .find(|&at| {
-            is_clear(layout, at, 0, away) && kept_free.iter().all(|p| length(p.x - at.x, p.y - at.y) >= away)
+            space.is_clear(at, 0, away) && kept_free.iter().all(|p| length(p.x - at.x, p.y - at.y) >= away)
         })?;
     Some(Obstacle { shape, position_m, rotation_rad, motion: ObstacleMotion::Static })
 }

@@ -3,14 +3,15 @@
 //! In: a [`Scenario`], a point, a step. Out: distances in m, positive in free space. The arithmetic is f32 with `libm`, so
 //! that random placement gives the same result on every platform.
 
-use super::motion::pose_at;
 use super::polygon;
 use super::schema::{Enclosure, Lidar, Obstacle, ObstacleMotion, Scenario, Shape, Wall};
 use super::shape::to_local;
+use super::spatial_index::IndexedScenario;
 use glam::{Vec2, vec2};
+use serde::{Deserialize, Serialize};
 
 /// A part of a scenario that the robot can collide with. Their order is that in which they are searched.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Solid {
     /// The enclosure.
     Enclosure,
@@ -24,9 +25,14 @@ pub enum Solid {
 /// [`clearance`]. Of equally near parts, the first in the order of [`Solid`].
 #[must_use]
 pub fn nearest(scenario: &Scenario, point_m: Vec2, step: u64) -> (Solid, f32) {
-    let period = scenario.task.control_period_s;
+    nearest_of(scenario.into(), point_m, step)
+}
+
+/// [`nearest`] by a test of all parts.
+pub(super) fn nearest_of(space: IndexedScenario, point_m: Vec2, step: u64) -> (Solid, f32) {
+    let scenario = space.scenario;
     let walls = scenario.walls.iter().map(|wall| inner_wall_distance(wall, point_m));
-    let obstacles = scenario.obstacles.iter().map(|o| obstacle_distance(o, point_m, step, period));
+    let obstacles = (0..scenario.obstacles.len()).map(|index| space.obstacle_distance(index, point_m, step));
     let walls = walls.enumerate().map(|(index, distance)| (Solid::Wall(index), distance));
     let obstacles = obstacles.enumerate().map(|(index, distance)| (Solid::Obstacle(index), distance));
     let enclosure = (Solid::Enclosure, enclosure_distance(&scenario.enclosure, point_m));
@@ -41,11 +47,12 @@ pub fn clearance(scenario: &Scenario, point_m: Vec2, step: u64) -> f32 {
 }
 
 /// Whether [`clearance`] is at least `clearance_m`; stops at the first object that is too close.
-pub(super) fn is_clear(scenario: &Scenario, point_m: Vec2, step: u64, clearance_m: f32) -> bool {
-    let period = scenario.task.control_period_s;
+pub(super) fn is_clear(space: IndexedScenario, point_m: Vec2, step: u64, clearance_m: f32) -> bool {
+    let scenario = space.scenario;
     enclosure_distance(&scenario.enclosure, point_m) >= clearance_m
         && scenario.walls.iter().all(|wall| inner_wall_distance(wall, point_m) >= clearance_m)
-        && scenario.obstacles.iter().all(|o| obstacle_distance(o, point_m, step, period) >= clearance_m)
+        && (0..scenario.obstacles.len())
+            .all(|index| space.obstacle_distance(index, point_m, step) >= clearance_m)
 }
 
 /// Distance from a point to the nearest wall of the enclosure, in m; negative outside.
@@ -72,10 +79,6 @@ pub(super) fn wall_segment_distance(from: Vec2, to: Vec2, thickness_m: f32, poin
     let (ux, uy) = if long > 0.0 { (dx / long, dy / long) } else { (1.0, 0.0) };
     let (px, py) = (point.x - (from.x + to.x) / 2.0, point.y - (from.y + to.y) / 2.0);
     box_distance(vec2((px * ux + py * uy).abs() - long / 2.0 - half, (py * ux - px * uy).abs() - half))
-}
-
-pub(super) fn obstacle_distance(obstacle: &Obstacle, point: Vec2, step: u64, control_period_s: f32) -> f32 {
-    shape_distance(&obstacle.shape, pose_at(obstacle, step, control_period_s), point)
 }
 
 /// Signed distance, in m, from a point to the surface of a shape at a pose (x in m, y in m, rotation in rad); negative
@@ -166,7 +169,7 @@ mod tests {
     use std::f32::consts::FRAC_PI_2;
 
     use super::*;
-    use crate::ObstacleMotion;
+    use crate::{ObstacleMotion, pose_at};
 
     fn near(a: f32, b: f32) -> bool {
         (a - b).abs() < 1e-5
@@ -219,7 +222,8 @@ mod tests {
             assert_eq!(nearest(&scenario, point, step).0, expected, "{point:?}");
         }
         assert!(
-            is_clear(&scenario, vec2(0.0, 0.5), 1, 0.299) && !is_clear(&scenario, vec2(0.0, 0.5), 1, 0.301)
+            is_clear((&scenario).into(), vec2(0.0, 0.5), 1, 0.299)
+                && !is_clear((&scenario).into(), vec2(0.0, 0.5), 1, 0.301)
         );
     }
 
@@ -256,14 +260,14 @@ mod tests {
             (vec2(2.0, 3.5), 0.4),
         ] {
             assert!(near(inner_wall_distance(&wall, point), expected), "{point:?}");
-            let by_pieces = wall.segments().map(|piece| obstacle_distance(&piece, point, 0, 0.2));
+            let by_pieces =
+                wall.segments().map(|piece| shape_distance(&piece.shape, pose_at(&piece, 0, 0.2), point));
             assert!(near(by_pieces.fold(f32::INFINITY, f32::min), expected), "{point:?} by its pieces");
         }
         let scenario = Scenario { walls: vec![wall], ..Scenario::default() };
         assert!(near(clearance(&scenario, vec2(1.0, 0.3), 0), 0.2));
-        assert!(
-            is_clear(&scenario, vec2(1.0, 0.3), 0, 0.19) && !is_clear(&scenario, vec2(1.0, 0.3), 0, 0.21)
-        );
+        let space = IndexedScenario::from(&scenario);
+        assert!(space.is_clear(vec2(1.0, 0.3), 0, 0.19) && !space.is_clear(vec2(1.0, 0.3), 0, 0.21));
     }
 
     #[test]

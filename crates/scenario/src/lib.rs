@@ -5,6 +5,7 @@
 //! all other RON files of the project, so that all errors have the same form. Points are [`Vec2`]s of glam, in m.
 
 mod check;
+mod crowd;
 mod explain;
 mod fields;
 mod file_error;
@@ -18,6 +19,7 @@ pub mod limits;
 mod load;
 mod motion;
 mod motion_fields;
+mod nearest_points;
 mod note;
 mod outline;
 mod placement;
@@ -29,6 +31,7 @@ mod setting;
 mod shape;
 mod shape_fields;
 mod spatial_index;
+mod suite;
 mod text;
 mod track;
 mod uniform_grid;
@@ -38,6 +41,7 @@ mod waypoints;
 mod write;
 
 pub use check::{diagnostics, diagnostics_of_known, notes, value_diagnostics};
+pub use crowd::{Crowd, Pedestrian};
 pub use explain::{choose, closest_name, whole_number};
 pub use fields::{Field, FieldValue, Quantity};
 pub use file_error::{Diagnostic, FileError, LocatedDiagnostic, has_field, locate, overlap, utf8};
@@ -55,6 +59,7 @@ pub use load::{
 };
 pub use motion::pose_at;
 pub use motion_fields::MotionKind;
+pub use nearest_points::nearest_points;
 pub use note::{Note, NoteLevel};
 pub use outline::Outline;
 pub use placement::{NoFreeSpace, draw_goal, draw_start, draw_start_and_goal};
@@ -64,6 +69,9 @@ pub use setting::with_setting;
 pub use shape::RoundedBox;
 pub use shape_fields::Sizes;
 pub use spatial_index::{IndexedScenario, SpatialIndex};
+pub use suite::{
+    DEFAULT_SUITE_EPISODES, DEFAULT_SUITE_LEVELS, FIRST_EVALUATION_LEVEL, SuiteFamily, SuiteFile, SuiteScore,
+};
 pub use text::{is_noncharacter, is_unprintable, printable, printable_lines, printable_path, quoted};
 pub use track::{MotionSpeed, Track};
 pub use uniform_grid::UniformGrid;

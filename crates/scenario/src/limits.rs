@@ -30,6 +30,19 @@ pub const SET_SHARE: RangeInclusive<f32> = 0.001..=1000.0;
 /// Number of levels of a generator in a set.
 pub const SET_LEVELS: RangeInclusive<u32> = 1..=1_000_000;
 
+// Suites.
+
+/// Number of families of a suite.
+pub const SUITE_FAMILIES: RangeInclusive<usize> = 1..=64;
+/// Number of scenarios of a family.
+pub const SUITE_SCENARIOS: RangeInclusive<usize> = 1..=10_000;
+/// Number of levels of a family.
+pub const SUITE_LEVELS: RangeInclusive<u32> = 1..=10_000;
+/// Number of episodes in a scenario of a suite.
+pub const SUITE_EPISODES: RangeInclusive<u32> = 1..=10_000;
+/// Time limit of a family, in s.
+pub const SUITE_TIME_LIMIT_S: RangeInclusive<f32> = 0.1..=100_000.0;
+
 // Enclosure and walls.
 
 /// Coordinates of points, in m.
@@ -69,6 +82,8 @@ pub const MAX_ANGULAR_SPEED_RAD_S: f32 = 20.0;
 pub const MAX_STEP_M: f32 = 0.5;
 /// Number of waypoints of a patrol.
 pub const WAYPOINTS: RangeInclusive<usize> = 1..=256;
+/// Most pedestrians.
+pub const MAX_PEDESTRIANS: usize = 200;
 /// Reach of a random walk, in m.
 pub const WALK_RADIUS_M: RangeInclusive<f32> = 0.01..=500.0;
 /// Most key frames of all obstacles together.
@@ -123,6 +138,10 @@ pub const LANE_PAIRS: RangeInclusive<u32> = 0..=10;
 pub const TRAFFIC_SIZE_M: RangeInclusive<f32> = 0.01..=10.0;
 /// Radius of the circle that the obstacles of a level cross, in m.
 pub const LEVEL_CIRCLE_M: RangeInclusive<f32> = 0.1..=50.0;
+/// Largest distance of a start of a level from the circle along x and along y, in m.
+pub const LEVEL_NOISE_M: RangeInclusive<f32> = 0.0..=10.0;
+/// Number of goals of a pedestrian of a level.
+pub const LEVEL_GOALS: RangeInclusive<u32> = 1..=256;
 /// Number of obstacles of a layout.
 pub const LEVEL_COUNT: RangeInclusive<u32> = 0..=200;
 /// Most cells of the grid on which a level is searched for paths.

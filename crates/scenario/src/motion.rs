@@ -23,6 +23,9 @@ use wayfield_random::Stream;
 /// constant speed to a random point of the disc about it; every leg takes the time of the longest possible leg. Key frames:
 /// it is at each frame at its time, and moves in straight lines between them.
 ///
+/// Pedestrian: its position at the start of an episode. [`IndexedScenario::pose_at`](super::IndexedScenario::pose_at) knows where
+/// it is now.
+///
 /// Numbers that [`diagnostics`](super::diagnostics) would reject may give NaN but never a panic.
 #[must_use]
 pub fn pose_at(obstacle: &Obstacle, step: u64, control_period_s: f32) -> (f32, f32, f32) {
@@ -31,7 +34,7 @@ pub fn pose_at(obstacle: &Obstacle, step: u64, control_period_s: f32) -> (f32, f
     // The product of two f32 is exact in f64; only the multiplication by `step` rounds.
     let travelled = |speed: f32| f64::from(speed) * f64::from(control_period_s) * step as f64;
     let (point, rotation) = match &obstacle.motion {
-        ObstacleMotion::Static => (position, rotation),
+        ObstacleMotion::Static | ObstacleMotion::Pedestrian { .. } => (position, rotation),
         ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
             let angle = travelled(*speed_rad_s);
             (rotate_about(position, centre_m.as_dvec2(), angle), rotation + angle)

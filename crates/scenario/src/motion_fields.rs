@@ -17,18 +17,21 @@ pub enum MotionKind {
     BackAndForth,
     /// Between random points.
     RandomWalk,
+    /// To goals, avoiding others.
+    Pedestrian,
     /// Along recorded positions.
     KeyFrames,
 }
 
 impl MotionKind {
     /// All kinds, each with its name and a description for the screen.
-    pub const ALL: [(Self, &'static str, &'static str); 6] = [
+    pub const ALL: [(Self, &'static str, &'static str); 7] = [
         (Self::Static, "Static", "Does not move"),
         (Self::Orbit, "Orbit", "Around a point, rotating with it"),
         (Self::Patrol, "Patrol", "Along a closed path"),
         (Self::BackAndForth, "Back and forth", "Along a path and back"),
         (Self::RandomWalk, "Random walk", "Between random points near its position"),
+        (Self::Pedestrian, "Pedestrian", "To its goals, avoiding other pedestrians"),
         (Self::KeyFrames, "Key frames", "At recorded positions at their times"),
     ];
 }
@@ -43,14 +46,21 @@ impl ObstacleMotion {
             Self::Patrol { .. } => MotionKind::Patrol,
             Self::BackAndForth { .. } => MotionKind::BackAndForth,
             Self::RandomWalk { .. } => MotionKind::RandomWalk,
+            Self::Pedestrian { .. } => MotionKind::Pedestrian,
             Self::KeyFrames { .. } => MotionKind::KeyFrames,
         }
+    }
+
+    /// Whether it is that of a pedestrian, whose pose is no function of the step alone ([`Crowd`](super::Crowd)).
+    #[must_use]
+    pub fn is_pedestrian(&self) -> bool {
+        matches!(self, Self::Pedestrian { .. })
     }
 
     /// The fields, in the order in which they are shown.
     #[must_use]
     pub fn fields_mut(&mut self) -> Vec<Field<'_>> {
-        use FieldValue::{Centre, KeyFrames, Number, Seed, Waypoints};
+        use FieldValue::{Centre, Flag, KeyFrames, Number, Seed, Waypoints};
         let field = |name, label, about, value| Field { names: name, label, about, value };
         match self {
             Self::Static => Vec::new(),
@@ -75,6 +85,16 @@ impl ObstacleMotion {
                     field(&["radius_m"], "Walk radius", "Largest distance from its position", reach),
                     field(&["speed_m_s"], "Speed", "Largest speed", speed),
                     field(&["seed"], "Seed", "Obstacles with the same seed walk alike", Seed(seed)),
+                ]
+            }
+            Self::Pedestrian { goals_m, speed_m_s, loops, sees_robot } => {
+                let speed = Number(speed_m_s, Quantity::Speed);
+                let (repeat, sees) = ("Return to the position and start again", "Avoid the robot, too");
+                vec![
+                    field(&["speed_m_s"], "Speed", "Highest speed", speed),
+                    field(&["loops"], "Repeat", repeat, Flag(loops)),
+                    field(&["sees_robot"], "Sees the robot", sees, Flag(sees_robot)),
+                    field(&["goals_m"], "Goal", "", Waypoints(goals_m)),
                 ]
             }
             Self::KeyFrames { frames, end } => {

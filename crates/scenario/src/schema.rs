@@ -160,7 +160,7 @@ pub enum Shape {
     },
 }
 
-/// The motion of an obstacle, a function of the step count alone.
+/// The motion of an obstacle: a function of the step count alone, except for pedestrians.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum ObstacleMotion {
@@ -201,6 +201,21 @@ pub enum ObstacleMotion {
         #[serde(default)]
         seed: u32,
     },
+    /// A pedestrian, who walks to goals one after another and avoids the other pedestrians, walls and static obstacles by
+    /// ORCA, without rotation; all other moving obstacles are ignored. It does not find its way around walls. At the start
+    /// of every episode it stands at its position. At most 200 obstacles are pedestrians.
+    Pedestrian {
+        /// The goals, 1 to 256.
+        goals_m: Vec<Vec2>,
+        /// Highest speed, 0 to 5 m/s.
+        speed_m_s: f32,
+        /// Whether it returns from the last goal to its position and begins again. Otherwise it stops at the last goal.
+        #[serde(default = "default_loops")]
+        loops: bool,
+        /// Whether it also avoids the robot, by its collision range, and leaves half of the avoidance to it.
+        #[serde(default)]
+        sees_robot: bool,
+    },
     /// Recorded positions, each with its time, and straight lines between them, without rotation. At time 0 it is at its
     /// position; don't repeat that as a frame. The clock of an arena's obstacles runs on from episode to episode of a training,
     /// and episodes of an evaluation begin at a random time: a motion that stops is mostly seen at rest.
@@ -235,6 +250,10 @@ pub enum KeyFrameEnd {
         /// Time at which it is back at its position, later than that of the last frame, up to 100,000 s.
         period_s: f32,
     },
+}
+
+fn default_loops() -> bool {
+    true
 }
 
 /// A generator of random static obstacles. Every episode of every arena has its own, so that a policy learns to cope with

@@ -2,7 +2,9 @@
 //!
 //! In: a [`Scenario`]. Out: a [`SpatialIndex`], which gives the same results as a test of all parts, to the bit.
 
-use super::geometry::{enclosure_distance, is_clear, nearest, obstacle_distance, wall_segment_distance};
+use super::crowd::{Crowd, Pedestrian};
+use super::geometry::{enclosure_distance, is_clear, nearest_of, shape_distance, wall_segment_distance};
+use super::motion::pose_at;
 use super::schema::{ObstacleMotion, Scenario};
 use super::uniform_grid::UniformGrid;
 use super::{Solid, Vec2};
@@ -43,9 +45,7 @@ impl Part {
                 let (from, to) = (wall.corners_m[corner], wall.corners_m[corner + 1]);
                 wall_segment_distance(from, to, wall.thickness_m, point_m)
             }
-            Self::Obstacle(index) => {
-                obstacle_distance(&scenario.obstacles[index], point_m, 0, scenario.task.control_period_s)
-            }
+            Self::Obstacle(index) => IndexedScenario::from(scenario).obstacle_distance(index, point_m, 0),
         }
     }
 
@@ -100,53 +100,76 @@ impl SpatialIndex {
 
     fn moving<'a>(
         &'a self,
-        scenario: &'a Scenario,
+        scenario: IndexedScenario<'a>,
         point_m: Vec2,
         step: u64,
     ) -> impl Iterator<Item = (Solid, f32)> + 'a {
-        let period_s = scenario.task.control_period_s;
-        self.moving.iter().map(move |&index| {
-            let distance_m = obstacle_distance(&scenario.obstacles[index], point_m, step, period_s);
-            (Solid::Obstacle(index), distance_m)
-        })
+        let distance =
+            move |&index| (Solid::Obstacle(index), scenario.obstacle_distance(index, point_m, step));
+        self.moving.iter().map(distance)
     }
 }
 
-/// A scenario, with its spatial index if it has one. A `&Scenario` converts into one without.
+/// A scenario, with its spatial index if it has one, and its pedestrians where they are now. A `&Scenario` converts into one
+/// without an index, and with the pedestrians where an episode begins.
 #[derive(Clone, Copy, Debug)]
 pub struct IndexedScenario<'a> {
     /// The scenario.
     pub scenario: &'a Scenario,
     /// Its index.
     pub index: Option<&'a SpatialIndex>,
+    /// Its pedestrians; `None` if they are where an episode begins.
+    pub crowd: Option<&'a Crowd>,
 }
 
 impl<'a> From<&'a Scenario> for IndexedScenario<'a> {
     fn from(scenario: &'a Scenario) -> Self {
-        Self { scenario, index: None }
+        Self { scenario, index: None, crowd: None }
     }
 }
 
-impl IndexedScenario<'_> {
+impl<'a> IndexedScenario<'a> {
+    /// The pedestrian that is the obstacle with this index; `None` if it is no pedestrian, or where an episode begins.
+    #[must_use]
+    pub fn pedestrian(self, obstacle: usize) -> Option<&'a Pedestrian> {
+        self.crowd.and_then(|crowd| crowd.pedestrian(obstacle))
+    }
+
+    /// The pose of the obstacle with this index at `step`, the current one if it is a pedestrian: x in m, y in m, rotation in
+    /// rad.
+    #[must_use]
+    pub fn pose_at(self, obstacle: usize, step: u64) -> (f32, f32, f32) {
+        let pose = pose_at(&self.scenario.obstacles[obstacle], step, self.scenario.task.control_period_s);
+        match self.pedestrian(obstacle) {
+            Some(Pedestrian { position_m, .. }) => (position_m.x, position_m.y, pose.2),
+            None => pose,
+        }
+    }
+
+    /// The distance in m from `point_m` to the obstacle with this index at `step`; negative inside it.
+    pub(super) fn obstacle_distance(self, obstacle: usize, point_m: Vec2, step: u64) -> f32 {
+        shape_distance(&self.scenario.obstacles[obstacle].shape, self.pose_at(obstacle, step), point_m)
+    }
+
     /// Whether the [`clearance`](super::clearance) of `point_m` at `step` is at least `clearance_m`.
     #[must_use]
     pub fn is_clear(self, point_m: Vec2, step: u64, clearance_m: f32) -> bool {
-        let Some(index) = self.index else { return is_clear(self.scenario, point_m, step, clearance_m) };
+        let Some(index) = self.index else { return is_clear(self, point_m, step, clearance_m) };
         enclosure_distance(&self.scenario.enclosure, point_m) >= clearance_m
             && index.near(self.scenario, point_m, clearance_m).all(|(_, other)| other >= clearance_m)
-            && index.moving(self.scenario, point_m, step).all(|(_, other)| other >= clearance_m)
+            && index.moving(self, point_m, step).all(|(_, other)| other >= clearance_m)
     }
 
     /// [`nearest`](super::nearest): the part that is nearest to `point_m` at `step`, and its distance in m.
     #[must_use]
     pub fn nearest(self, point_m: Vec2, step: u64) -> (Solid, f32) {
-        let Some(index) = self.index else { return nearest(self.scenario, point_m, step) };
+        let Some(index) = self.index else { return nearest_of(self, point_m, step) };
         let nearer = |best: (Solid, f32), other: (Solid, f32)| {
             let is_nearer = other.1 < best.1 || (other.1 == best.1 && other.0 < best.0);
             if is_nearer { other } else { best }
         };
         let enclosure = (Solid::Enclosure, enclosure_distance(&self.scenario.enclosure, point_m));
-        let mut best = index.moving(self.scenario, point_m, step).fold(enclosure, nearer);
+        let mut best = index.moving(self, point_m, step).fold(enclosure, nearer);
         let mut radius_m = index.grid.cell_m();
         loop {
             best = index.near(self.scenario, point_m, radius_m).fold(best, nearer);

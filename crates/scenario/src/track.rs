@@ -25,7 +25,7 @@ pub enum MotionSpeed {
     },
 }
 
-/// The places of an obstacle's origin on its way.
+/// The places of an obstacle's origin on its way. A pedestrian leaves it to avoid others.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Track {
     /// Its position only.
@@ -59,7 +59,8 @@ impl ObstacleMotion {
             Self::Orbit { centre_m, speed_rad_s } => MotionSpeed::Revolution { centre_m, speed_rad_s },
             Self::Patrol { speed_m_s, .. }
             | Self::BackAndForth { speed_m_s, .. }
-            | Self::RandomWalk { speed_m_s, .. } => MotionSpeed::Translation(speed_m_s),
+            | Self::RandomWalk { speed_m_s, .. }
+            | Self::Pedestrian { speed_m_s, .. } => MotionSpeed::Translation(speed_m_s),
             Self::KeyFrames { .. } => MotionSpeed::Variable,
         }
     }
@@ -90,6 +91,7 @@ impl Obstacle {
             ObstacleMotion::Orbit { centre_m, .. } => Track::Circle { centre_m: *centre_m },
             ObstacleMotion::Patrol { waypoints_m, .. } => lines(waypoints_m, true),
             ObstacleMotion::BackAndForth { waypoints_m, .. } => lines(waypoints_m, false),
+            ObstacleMotion::Pedestrian { goals_m, loops, .. } => lines(goals_m, *loops),
             ObstacleMotion::RandomWalk { radius_m, .. } => Track::Disc { radius_m: *radius_m },
             ObstacleMotion::KeyFrames { frames, end } => {
                 let positions_m: Vec<Vec2> = frames.iter().map(|frame| frame.position_m).collect();

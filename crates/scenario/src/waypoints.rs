@@ -10,9 +10,9 @@ impl ObstacleMotion {
     #[must_use]
     pub fn waypoint_mut(&mut self, k: usize) -> Option<&mut Vec2> {
         match self {
-            Self::Patrol { waypoints_m, .. } | Self::BackAndForth { waypoints_m, .. } => {
-                waypoints_m.get_mut(k)
-            }
+            Self::Patrol { waypoints_m, .. }
+            | Self::BackAndForth { waypoints_m, .. }
+            | Self::Pedestrian { goals_m: waypoints_m, .. } => waypoints_m.get_mut(k),
             Self::KeyFrames { frames, .. } => frames.get_mut(k).map(|frame| &mut frame.position_m),
             _ => None,
         }
@@ -22,7 +22,9 @@ impl ObstacleMotion {
     /// place.
     pub fn insert_waypoint(&mut self, k: usize, position_m: Vec2) -> Option<()> {
         match self {
-            Self::Patrol { waypoints_m, .. } | Self::BackAndForth { waypoints_m, .. } => {
+            Self::Patrol { waypoints_m, .. }
+            | Self::BackAndForth { waypoints_m, .. }
+            | Self::Pedestrian { goals_m: waypoints_m, .. } => {
                 (k <= waypoints_m.len()).then(|| waypoints_m.insert(k, position_m))
             }
             Self::KeyFrames { frames, end } => {
@@ -43,7 +45,9 @@ impl ObstacleMotion {
     pub fn remove_waypoint(&mut self, k: usize) -> Option<()> {
         let removable = |count: usize| k < count && count > *WAYPOINTS.start();
         match self {
-            Self::Patrol { waypoints_m, .. } | Self::BackAndForth { waypoints_m, .. } => {
+            Self::Patrol { waypoints_m, .. }
+            | Self::BackAndForth { waypoints_m, .. }
+            | Self::Pedestrian { goals_m: waypoints_m, .. } => {
                 removable(waypoints_m.len()).then(|| waypoints_m.remove(k))?;
             }
             Self::KeyFrames { frames, .. } => {
@@ -76,9 +80,9 @@ impl Obstacle {
     /// patrol and key frames move at `speed_m_s`, others keep their speed.
     pub fn set_path(&mut self, path_m: Vec<Vec2>, speed_m_s: f32) {
         match &mut self.motion {
-            ObstacleMotion::Patrol { waypoints_m, .. } | ObstacleMotion::BackAndForth { waypoints_m, .. } => {
-                *waypoints_m = path_m;
-            }
+            ObstacleMotion::Patrol { waypoints_m, .. }
+            | ObstacleMotion::BackAndForth { waypoints_m, .. }
+            | ObstacleMotion::Pedestrian { goals_m: waypoints_m, .. } => *waypoints_m = path_m,
             ObstacleMotion::KeyFrames { end, .. } => {
                 let is_loop = *end != KeyFrameEnd::Stop;
                 self.motion = ObstacleMotion::key_frames_along(self.position_m, &path_m, speed_m_s, is_loop);
@@ -92,9 +96,9 @@ impl Obstacle {
     #[must_use]
     pub fn mean_speed_m_s(&self) -> Option<f32> {
         let speed_m_s = match self.motion {
-            ObstacleMotion::Patrol { speed_m_s, .. } | ObstacleMotion::BackAndForth { speed_m_s, .. } => {
-                speed_m_s
-            }
+            ObstacleMotion::Patrol { speed_m_s, .. }
+            | ObstacleMotion::BackAndForth { speed_m_s, .. }
+            | ObstacleMotion::Pedestrian { speed_m_s, .. } => speed_m_s,
             ObstacleMotion::KeyFrames { .. } => {
                 let whole = self.legs().reduce(key_frames::Leg::then)?;
                 whole.speed_m_s()? as f32

@@ -12,7 +12,7 @@ use wayfield_scenario::{
 const PERIOD_S: f32 = 0.2;
 
 /// A motion of every kind, for an obstacle at (0.5, 0.5).
-fn motions() -> [ObstacleMotion; 6] {
+fn motions() -> [ObstacleMotion; 7] {
     let waypoints_m = vec![vec2(1.0, 0.5), vec2(1.0, 1.0)];
     [
         ObstacleMotion::Static,
@@ -20,6 +20,12 @@ fn motions() -> [ObstacleMotion; 6] {
         ObstacleMotion::Patrol { waypoints_m: waypoints_m.clone(), speed_m_s: 0.3 },
         ObstacleMotion::BackAndForth { waypoints_m: waypoints_m.clone(), speed_m_s: 0.3 },
         ObstacleMotion::RandomWalk { radius_m: 0.4, speed_m_s: 0.2, seed: 3 },
+        ObstacleMotion::Pedestrian {
+            goals_m: waypoints_m.clone(),
+            speed_m_s: 0.3,
+            loops: false,
+            sees_robot: true,
+        },
         ObstacleMotion::key_frames_along(vec2(0.5, 0.5), &waypoints_m, 0.3, true),
     ]
 }
@@ -104,12 +110,13 @@ fn every_number_above_its_range_is_reported_with_its_field() {
             count += 1;
         }
     }
-    assert_eq!(count, 5 + 6 + 5, "the shapes, the balls that move, and their motions");
+    assert_eq!(count, 5 + 7 + 6, "the shapes, the balls that move, and their motions");
 }
 
 #[test]
 fn an_obstacle_keeps_to_its_track_and_its_speed() {
-    for motion in motions() {
+    // The poses of pedestrians are no function of the step: tests/crowd.rs.
+    for motion in motions().into_iter().filter(|motion| !motion.is_pedestrian()) {
         let o = obstacle(Shape::Circle { radius_m: 0.1 }, motion);
         let at = |step| {
             let (x, y, _) = pose_at(&o, step, PERIOD_S);

@@ -45,9 +45,30 @@ const MIXED: &str =
     clutter: [Scatter(count: (2, 6), shapes: [Circle(radius_m: (0.05, 0.2))])],
     traffic: [Lanes(), CircleCrossing(), RandomCrossing(), RandomWalks()])";
 
+const PEDESTRIANS: &str = "(name: \"Pedestrians\", width_m: (12.0, 12.0), height_m: (12.0, 12.0),
+    traffic: [PedestrianCircle(circle_m: (4.0, 4.0), noise_m: 0.5, loops: false)],
+    route: Fixed(start_m: (0.0, -4.0), heading_rad: 1.5708, goal_m: (0.0, 4.0)))";
+const CROWD: &str =
+    "(name: \"Crowd\", wall_layouts: [Traps()], traffic: [PedestrianCrowd(sees_robot: true)])";
+
 /// One generator of every layout.
-const ALL: [&str; 13] =
-    [AUTOMATON, ACROSS, SCATTER, CELLS, ROOMS, MAZE, CORRIDORS, TRAPS, LANES, CIRCLE, CROSSING, WALKS, MIXED];
+const ALL: [&str; 15] = [
+    AUTOMATON,
+    ACROSS,
+    SCATTER,
+    CELLS,
+    ROOMS,
+    MAZE,
+    CORRIDORS,
+    TRAPS,
+    LANES,
+    CIRCLE,
+    CROSSING,
+    WALKS,
+    MIXED,
+    PEDESTRIANS,
+    CROWD,
+];
 
 #[test]
 fn every_level_is_a_valid_scenario() {
@@ -202,7 +223,19 @@ fn an_invalid_generator_is_reported_with_line_and_fix() {
         ("(name: \"a\", clutter: [Automaton(cell_m: (0.03, 0.1))])", "more than 4000"),
         ("(name: \"a\", wall_layouts: [Rooms(door_m: (0.3, 0.5))])", "write more than gap_m, 0.35 m"),
         ("(name: \"a\", traffic: [Lanes(speed_m_s: (0.1, 4.0))])", "write a number from 0 to 2.5"),
+        (
+            "(name: \"a\", traffic: [PedestrianCrowd(goals: (0, 1))])",
+            "`traffic[0].goals[0]` is 0: write a number from 1",
+        ),
+        (
+            "(name: \"a\", traffic: [PedestrianCircle(noise_m: -1.0)])",
+            "`traffic[0].noise_m` is -1: write a number from 0",
+        ),
         ("(name: \"a\", wall_layouts: [Romms()])", "did you mean `Rooms`"),
+        (
+            "(name: \"a\", route: Fixed(start_m: (0.0, -4.0), heading_rad: 0.0, goal_m: (0.0, 1.0)))",
+            "`route.start_m` is outside the smallest enclosure",
+        ),
         (
             "(name: \"a\", robot: (motions: [(v_m_s: 0.0, w_rad_s: 1.0)]))",
             "`robot.motions` never move the robot",
@@ -211,6 +244,50 @@ fn an_invalid_generator_is_reported_with_line_and_fix() {
         let error = LevelGenerator::parse(text, "yard.ron").expect_err(text).to_string();
         assert!(error.starts_with("yard.ron:1:") && error.contains(expected), "{text}: {error}");
     }
+}
+
+#[test]
+fn pedestrians_start_apart_near_the_circle_and_cross_it() {
+    let generator = generator(PEDESTRIANS);
+    let mut angles_rad = Vec::new();
+    for seed in 0..SEEDS {
+        let level = level(&generator, seed);
+        assert!(level.obstacles.len() >= 3, "{}: {} pedestrians", level.name, level.obstacles.len());
+        let mut ends = vec![(vec2(0.0, -4.0), 0.1), (vec2(0.0, 4.0), 0.1)];
+        for obstacle in &level.obstacles {
+            let (start, radius_m) = (obstacle.position_m, obstacle.shape.bounding_radius_m());
+            let ObstacleMotion::Pedestrian { goals_m, loops: false, .. } = &obstacle.motion else {
+                panic!("a pedestrian who stops")
+            };
+            assert_eq!(goals_m, &[-start]);
+            assert!((start.length() - 4.0).abs() < 0.71, "{start}");
+            let gap_m = |&(end, other_m): &(Vec2, f32)| start.distance(end) - radius_m - other_m;
+            assert!(ends.iter().all(|end| gap_m(end) >= 0.2 - 1e-5), "{}", level.name);
+            ends.extend([(start, radius_m), (-start, radius_m)]);
+            angles_rad.push(start.to_angle());
+        }
+    }
+    for quarter in 0..4 {
+        let low = (f64::from(quarter) - 2.0) * f64::from(TAU) / 4.0;
+        let share = angles_rad.iter().filter(|a| (low..low + 1.5708).contains(&f64::from(**a))).count()
+            as f32
+            / angles_rad.len() as f32;
+        assert!((share - 0.25).abs() < 0.05, "all around: {share} in quarter {quarter}");
+    }
+}
+
+#[test]
+fn pedestrians_of_a_crowd_walk_on_ways_that_are_clear_of_walls() {
+    let generator = generator(CROWD);
+    let mut count = 0;
+    for seed in 0..20 {
+        let level = level(&generator, seed);
+        let found = wayfield_scenario::notes(&level);
+        let crossing = found.iter().find(|note| note.to_string().contains("find a way around"));
+        assert_eq!(crossing, None, "{}", level.name);
+        count += level.obstacles.iter().filter(|obstacle| obstacle.motion.is_pedestrian()).count();
+    }
+    assert!(count > 20, "only {count} pedestrians");
 }
 
 fn range(low: f32, high: f32) -> impl Strategy<Value = (f32, f32)> {
@@ -262,6 +339,16 @@ fn any_traffic() -> impl Strategy<Value = Traffic> {
         (count(), radius(), speed(), range(0.01, 2.0)).prop_map(|(count, radius_m, speed_m_s, reach_m)| {
             Traffic::RandomWalks { count, radius_m, speed_m_s, reach_m }
         }),
+        (count(), radius(), speed(), range(0.1, 5.0), 0.0_f32..2.0, any::<(bool, bool)>()).prop_map(
+            |(count, radius_m, speed_m_s, circle_m, noise_m, (loops, sees_robot))| {
+                Traffic::PedestrianCircle { count, radius_m, speed_m_s, circle_m, noise_m, loops, sees_robot }
+            }
+        ),
+        (count(), radius(), speed(), (1_u32..3, 3_u32..9), any::<bool>()).prop_map(
+            |(count, radius_m, speed_m_s, goals, sees_robot)| {
+                Traffic::PedestrianCrowd { count, radius_m, speed_m_s, goals, sees_robot }
+            }
+        ),
     ]
 }
 
@@ -279,6 +366,11 @@ fn any_generator() -> impl Strategy<Value = LevelGenerator> {
     let route = prop_oneof![
         (0.56_f32..2.0).prop_map(|clearance_m| Route::Random { clearance_m }),
         (2.0_f32..4.0).prop_map(|margin_m| Route::Across { margin_m }),
+        (-4.0_f32..4.0, -4.0_f32..4.0, -4.0_f32..4.0).prop_map(|(x, y, heading_rad)| Route::Fixed {
+            start_m: vec2(x, y),
+            heading_rad,
+            goal_m: vec2(y, x)
+        }),
     ];
     let sizes = (range(1.0, 10.0), range(1.0, 10.0), 0.262_f32..1.0);
     let lists = (vec(any_walls(), 0..3), vec(any_clutter(), 0..3), vec(any_traffic(), 0..3));
@@ -288,6 +380,7 @@ fn any_generator() -> impl Strategy<Value = LevelGenerator> {
             let route = match route {
                 Route::Random { clearance_m } => Route::Random { clearance_m: clearance_m * gap_m },
                 Route::Across { margin_m } => Route::Across { margin_m: margin_m * gap_m },
+                fixed @ Route::Fixed { .. } => fixed,
             };
             let empty = generator("(name: \"Any\")");
             LevelGenerator { width_m, height_m, gap_m, wall_layouts, clutter, traffic, route, ..empty }

@@ -56,7 +56,7 @@ proptest! {
         scenario in world(), points in prop::collection::vec(point(15.0), 40), step in 0_u64..100, seed in 0_u64..9,
     ) {
         let index = SpatialIndex::new(&scenario).expect("there are enough parts");
-        let indexed = IndexedScenario { scenario: &scenario, index: Some(&index) };
+        let indexed = IndexedScenario { index: Some(&index), ..(&scenario).into() };
         for point in points {
             let (part, distance_m) = nearest(&scenario, point, step);
             let found = indexed.nearest(point, step);
@@ -99,7 +99,7 @@ fn ten_thousand_large_obstacles_are_indexed_quickly() {
     let enclosure = Enclosure::Rectangle { width_m: 1000.0, height_m: 1000.0 };
     let scenario = Scenario { enclosure, obstacles: (0..10_000).map(large).collect(), ..Scenario::default() };
     let index = SpatialIndex::new(&scenario).expect("there are enough parts");
-    let indexed = IndexedScenario { scenario: &scenario, index: Some(&index) };
+    let indexed = IndexedScenario { index: Some(&index), ..(&scenario).into() };
     let point = vec2(-480.0, 480.0);
     assert_eq!(indexed.nearest(point, 0), nearest(&scenario, point, 0));
 }

@@ -91,6 +91,15 @@ fn everything() -> Scenario {
                 ..circle(0.0, 0.0)
             },
             Obstacle {
+                motion: ObstacleMotion::Pedestrian {
+                    goals_m: vec![vec2(1.0, 1.0)],
+                    speed_m_s: 0.1,
+                    loops: false,
+                    sees_robot: true,
+                },
+                ..circle(0.0, 0.0)
+            },
+            Obstacle {
                 motion: ObstacleMotion::RandomWalk { radius_m: 0.8, speed_m_s: 0.1, seed: 0 },
                 ..circle(0.0, 0.0)
             },
@@ -556,6 +565,9 @@ fn motion() -> impl Strategy<Value = ObstacleMotion> {
             radius_m,
             speed_m_s,
             seed
+        }),
+        (points(), number(), any::<(bool, bool)>()).prop_map(|(goals_m, speed_m_s, (loops, sees_robot))| {
+            ObstacleMotion::Pedestrian { goals_m, speed_m_s, loops, sees_robot }
         }),
     ]
 }

@@ -35,6 +35,10 @@ pub(super) fn of_kind(scenario: &Scenario, index: usize, kind: MotionKind) -> Ob
             let (waypoints_m, speed_m_s) = waypoints(false);
             ObstacleMotion::BackAndForth { waypoints_m, speed_m_s }
         }
+        MotionKind::Pedestrian => {
+            let (goals_m, speed_m_s) = waypoints(false);
+            ObstacleMotion::Pedestrian { goals_m, speed_m_s, loops: true, sees_robot: false }
+        }
         MotionKind::KeyFrames => {
             let (path_m, speed_m_s) = path(true);
             ObstacleMotion::key_frames_along(obstacle.position_m, &path_m, speed_m_s, true)

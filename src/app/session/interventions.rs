@@ -15,9 +15,9 @@ use crate::app::moves::{
     Movable, MoveContext, MoveRejection, MoveRequest, ObstaclePose, check_move, initial_position,
     with_obstacle_at,
 };
-use crate::scenario::{Scenario, pose_at};
+use crate::scenario::Scenario;
 use crate::sim;
-use crate::task::{Arena, ArenaLayout, Clock, CurrentScenario, Goal, Pose, ScenarioPool};
+use crate::task::{Arena, ArenaLayout, Clock, CurrentScenario, Goal, Pedestrians, Pose, ScenarioPool};
 
 /// A change made to a running training.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -64,13 +64,13 @@ pub fn resolve(world: &mut World, request: &MoveRequest) -> Result<Intervention,
     if matches!(object, Movable::Obstacle(_)) && world.contains_resource::<ScenarioPool>() {
         return Err(MoveRejection::NotMovable);
     }
-    let mut arenas = world.query::<(&Arena, &ArenaLayout, &Clock, &Pose, &Goal)>();
+    let mut arenas = world.query::<(&Arena, (&ArenaLayout, &Pedestrians), &Clock, &Pose, &Goal)>();
     let found = arenas.iter(world).find(|(other, ..)| other.0 == arena);
-    let (_, layout, clock, robot, goal) = found.ok_or(MoveRejection::NotMovable)?;
+    let (_, (layout, pedestrians), clock, robot, goal) = found.ok_or(MoveRejection::NotMovable)?;
+    let indexed = layout.indexed(pedestrians);
     let (scenario, layout) = (&*layout.written, &*layout.scenario);
-    let period_s = layout.task.control_period_s;
     let obstacles: Vec<ObstaclePose> =
-        layout.obstacles.iter().map(|obstacle| pose_at(obstacle, clock.0, period_s)).collect();
+        (0..layout.obstacles.len()).map(|index| indexed.pose_at(index, clock.0)).collect();
     let view = MoveContext {
         scenario,
         layout,

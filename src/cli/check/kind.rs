@@ -2,16 +2,17 @@
 
 use std::path::Path;
 
+use crate::drivers::DriverConfig;
 use crate::reproduce::Experiment;
 use crate::run::RunError;
 use crate::run::folder::RunConfig;
 use crate::run::notes::preset_notes;
 use crate::run::policy_card;
 use crate::run::preset::Preset;
-use crate::run::{scenario_set, shipped};
+use crate::run::{scenario_set, shipped, suite};
 use crate::scenario::{
     Diagnostic, FileError, LevelGenerator, LocatedDiagnostic, Note, NoteLevel, Scenario, ScenarioSetFile,
-    locate, notes, quoted, read_text, resemblance,
+    SuiteFile, locate, notes, quoted, read_text, resemblance,
 };
 
 /// Number of levels that are made to check a level generator.
@@ -26,6 +27,10 @@ pub enum FileKind {
     ScenarioSet,
     /// A level generator.
     LevelGenerator,
+    /// A suite.
+    Suite,
+    /// The parameters of a classical driver.
+    Driver,
     /// A training preset.
     Preset,
     /// An experiment.
@@ -43,6 +48,8 @@ impl FileKind {
             Self::Scenario => "scenario",
             Self::ScenarioSet => "set of scenarios",
             Self::LevelGenerator => "level generator",
+            Self::Suite => "suite",
+            Self::Driver => "driver",
             Self::Preset => "preset",
             Self::Experiment => "experiment",
             Self::RunConfig => "run configuration",
@@ -58,6 +65,8 @@ impl FileKind {
             Self::ScenarioSet,
             Self::RunConfig,
             Self::Experiment,
+            Self::Driver,
+            Self::Suite,
             Self::Preset,
             Self::LevelGenerator,
             Self::Scenario,
@@ -71,6 +80,9 @@ impl FileKind {
             Self::Scenario => resemblance::<Scenario>(text, "Scenario"),
             Self::ScenarioSet => resemblance::<ScenarioSetFile>(text, "ScenarioSet"),
             Self::LevelGenerator => resemblance::<LevelGenerator>(text, "LevelGenerator"),
+            Self::Suite => resemblance::<SuiteFile>(text, "Suite"),
+            Self::Driver if DriverConfig::is_meant_by(text) => usize::MAX,
+            Self::Driver => 0,
             Self::Preset => resemblance::<Preset>(text, "Preset"),
             Self::Experiment => resemblance::<Experiment>(text, "Experiment"),
             Self::RunConfig => resemblance::<RunConfig>(text, "RunConfig"),
@@ -84,10 +96,11 @@ impl FileKind {
             Self::Scenario | Self::LevelGenerator | Self::ScenarioSet => {
                 format!("--train --scenario {file}")
             }
+            Self::Suite => format!("--eval POLICY --suite {file}"),
             Self::Preset => format!("--train --preset {file}"),
             Self::Experiment => format!("--reproduce --experiment {file}"),
             Self::RunConfig => format!("--train {file}"),
-            Self::Policy => format!("--eval {file}"),
+            Self::Policy | Self::Driver => format!("--eval {file}"),
         }
     }
 }
@@ -141,6 +154,8 @@ pub fn check(path: &Path) -> (Option<FileKind>, Result<LocatedNotes, FileError>)
         FileKind::LevelGenerator => check_levels(&text, path).map(|()| Vec::new()),
         FileKind::RunConfig => RunConfig::parse(&text, path).map(|_| Vec::new()),
         FileKind::ScenarioSet => scenario_set::parse(&text, path).map(|_| Vec::new()),
+        FileKind::Suite => suite::load::parse(&text, path).map(|_| Vec::new()),
+        FileKind::Driver => DriverConfig::parse(&text, path).map(|_| Vec::new()),
         FileKind::Scenario | FileKind::Policy => {
             Scenario::parse(&text, path).map(|scenario| notes(&scenario))
         }
@@ -189,6 +204,8 @@ mod tests {
             ("(name: \"a\", scenarios: [(scenario: \"b\")])", FileKind::ScenarioSet),
             ("(name: \"a\", traffic: [Lanes()])", FileKind::LevelGenerator),
             ("(name: \"a\", wall_layouts: [Rooms()], robot: ())", FileKind::LevelGenerator),
+            ("(name: \"a\", families: [(scenarios: [\"b\"])])", FileKind::Suite),
+            ("// Mine.\nDwaCv(dwa: (speed: 2))", FileKind::Driver),
             ("Preset()", FileKind::Preset),
             ("", FileKind::Scenario),
         ] {

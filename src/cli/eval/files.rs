@@ -6,8 +6,10 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use serde::Serialize;
+
 use crate::run::RunError;
-use crate::run::evaluate::{EpisodeRecord, TraceStep};
+use crate::run::evaluate::TraceStep;
 use crate::run::output_file::{check_writable, write_atomic};
 
 /// The files that a test writes.
@@ -98,13 +100,14 @@ fn write<T>(
 
 impl TestFile<'_> {
     /// Adds rows of episodes, with a header at the top of the file.
-    pub fn episodes(
+    pub fn rows(
         &mut self,
-        records: impl Iterator<Item = EpisodeRecord>,
+        records: impl Iterator<Item = impl Serialize>,
         is_first: bool,
     ) -> Result<(), TestEnd> {
         let mut writer = csv::WriterBuilder::new().has_headers(is_first).from_writer(&mut *self.writer);
-        let written = records.into_iter().try_for_each(|record| writer.serialize(record));
+        let mut records = records;
+        let written = records.try_for_each(|record| writer.serialize(record));
         let written = written.map_err(io::Error::from).and_then(|()| writer.flush());
         drop(writer);
         written.map_err(|error| failed(self.path, &error))

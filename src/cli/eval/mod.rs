@@ -2,13 +2,18 @@
 //!
 //! | file | contents |
 //! |---|---|
-//! | `test.rs` | the test itself |
+//! | `test.rs` | the test in one scenario |
+//! | `suite.rs` | the test in a suite |
+//! | `suite_page.rs`, `suite_failures.rs` | its report, with pictures of all failures |
 //! | `report.rs` | the results, as JSON |
 //! | `text.rs` | the results, as text |
 //! | `files.rs` | the files of `--csv` and `--trace` |
 
 mod files;
 mod report;
+mod suite;
+mod suite_failures;
+mod suite_page;
 mod test;
 mod text;
 
@@ -16,6 +21,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::Args;
+use serde::Serialize;
 
 use super::driver::TestDriver;
 use super::output::{print_json, print_stdout};
@@ -23,6 +29,7 @@ use super::shared::SharedArgs;
 use super::values;
 use crate::limits::MAX_EVAL_EPISODES;
 use crate::run::progress::print_stderr;
+use crate::run::shipped::Source;
 use crate::run::signals::{exit_on_signal, stop_on_signal};
 use crate::run::{RunError, policy_card, shipped};
 use crate::scenario::{BenchmarkRoute, Scenario, printable};
@@ -34,9 +41,20 @@ use test::{Named, Test};
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Options of --eval")]
 pub struct EvalArgs {
-    /// Rounds of episodes
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = values::whole::<u32>(1..=10_000), allow_negative_numbers = true)]
-    rounds: u32,
+    /// Test in many scenarios, with results by families: a suite (a RON file, or a shipped one by name: shipped, validation),
+    /// a folder of scenarios, a set of scenarios, or the levels of a level generator that no training uses; --episodes is
+    /// the number in each scenario
+    #[arg(long, value_name = "NAME", conflicts_with = "scenario")]
+    suite: Option<String>,
+
+    /// Write a report of a test in a suite into DIR: the results, and a picture of every failure with the command that
+    /// repeats it in the window. A test that was interrupted goes on there
+    #[arg(long, value_name = "DIR", requires = "suite")]
+    report: Option<PathBuf>,
+
+    /// Rounds of episodes [default: 5]
+    #[arg(long, value_name = "N", value_parser = values::whole::<u32>(1..=10_000), allow_negative_numbers = true)]
+    rounds: Option<u32>,
 
     /// Also drive the scenario's benchmark route, 5 rounds of 5 episodes; the paper's, from (0, 0) to (1.2, 1.2), in
     /// Scenario I and II
@@ -61,20 +79,27 @@ pub struct EvalArgs {
 /// What the first signal prints if the test writes files.
 const STOPPING: &str = "stopping; no file is written";
 
+/// What it prints if the test writes a report.
+const STOPPING_REPORT: &str = "stopping; finished tests are kept";
+
 /// Tests the policies and drivers in the files (or of the shipped names) `paths` and prints the results.
 ///
 /// # Errors
 /// The scenario, a policy, an option or a file is invalid.
 pub fn run(paths: &[PathBuf], args: &EvalArgs, shared: &SharedArgs) -> Result<(), RunError> {
     // Before the first file. Without files, there is nothing to clean up.
-    let has_files = args.csv.is_some() || args.trace.is_some();
-    let stop = has_files.then(|| stop_on_signal(STOPPING));
+    let has_files = args.csv.is_some() || args.trace.is_some() || args.report.is_some();
+    let stopping = if args.report.is_some() { STOPPING_REPORT } else { STOPPING };
+    let stop = has_files.then(|| stop_on_signal(stopping));
     if stop.is_none() {
         exit_on_signal();
     }
     let files = TestFiles::new(args.csv.as_deref(), args.trace.as_deref(), shared.json)?;
     let named = |path: &PathBuf| Ok((path.display().to_string(), TestDriver::load(path)?));
     let policies: Vec<Named> = paths.iter().map(named).collect::<Result<_, RunError>>()?;
+    if let Some(suite) = suite_name(args, shared)? {
+        return suite::run(suite, (paths, &policies), args, shared, (&files, stop));
+    }
     let mut scenario = scenario_for(&policies, shared)?;
     shared.settings().apply_to_scenario(&mut scenario)?;
     let scenario = Arc::new(scenario);
@@ -85,7 +110,7 @@ pub fn run(paths: &[PathBuf], args: &EvalArgs, shared: &SharedArgs) -> Result<()
             print_stderr(&format!("note: {}: {note}", path.display()));
         }
     }
-    let (count, per_round) = episode_counts(args.rounds, shared.episodes.unwrap_or(100))?;
+    let (count, per_round) = episode_counts(args.rounds.unwrap_or(5), shared.episodes.unwrap_or(100))?;
     let (seed, extensions) = (shared.seed(), &shared.extensions);
     let test = Test { scenario, count, per_round, seed, route, args, extensions, stop };
     match files.write(|csv, trace| test.run(&policies, csv, trace)) {
@@ -95,22 +120,38 @@ pub fn run(paths: &[PathBuf], args: &EvalArgs, shared: &SharedArgs) -> Result<()
     }
 }
 
-/// Prints the results: on stdout, unless that is one of the files.
+/// The suite of the test, or the set of scenarios that is given in place of a scenario.
+fn suite_name<'a>(args: &'a EvalArgs, shared: &'a SharedArgs) -> Result<Option<&'a str>, RunError> {
+    match (&args.suite, &shared.scenario) {
+        (None, Some(name)) if matches!(Source::load(name)?, Source::Set(..)) => Ok(Some(name)),
+        (suite, _) => Ok(suite.as_deref()),
+    }
+}
+
+/// Prints the results of a test in one scenario.
 fn print(reports: &[PolicyReport], json: bool, stdout_is_file: bool) -> Result<(), RunError> {
     let Some(comparison) = ComparisonReport::new(reports) else { return Ok(()) };
-    let text = || match reports {
-        [one] => text::list(one),
-        _ => text::table(&comparison),
-    };
-    match (json, reports) {
-        (true, [one]) => print_json(one),
-        (true, _) => print_json(&comparison),
-        (false, _) if stdout_is_file => {
-            print_stderr(text().trim_end());
-            Ok(())
-        }
-        (false, _) => print_stdout(&text()),
+    match reports {
+        [one] => print_results(one, || text::list(one), json, stdout_is_file),
+        _ => print_results(&comparison, || text::table(&comparison), json, stdout_is_file),
     }
+}
+
+/// Prints results as JSON or as text: on stdout, unless that is one of the files.
+fn print_results(
+    report: &impl Serialize,
+    text: impl FnOnce() -> String,
+    json: bool,
+    stdout_is_file: bool,
+) -> Result<(), RunError> {
+    if json {
+        return print_json(report);
+    }
+    if stdout_is_file {
+        print_stderr(text().trim_end());
+        return Ok(());
+    }
+    print_stdout(&text())
 }
 
 /// The scenario's benchmark route.

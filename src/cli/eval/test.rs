@@ -74,7 +74,7 @@ impl Test<'_> {
                 none => none.insert(self.references(&episodes, csv.is_some())?),
             };
             if let Some(csv) = &mut csv {
-                csv.episodes(self.records(&named.0, &episodes, references), reports.is_empty())?;
+                csv.rows(self.records(&named.0, &episodes, references), reports.is_empty())?;
             }
             reports.push(self.report(named, &episodes, references)?);
         }

@@ -3,6 +3,8 @@
 use std::fmt::Write as _;
 
 use super::report::{ComparisonReport, PolicyReport, ROUTE_EPISODES};
+use super::suite::{DriverReport, SuiteReport};
+use crate::run::suite::FamilyResult;
 use crate::scenario::printable;
 
 /// The explanation of the classes.
@@ -102,9 +104,50 @@ pub fn table(comparison: &ComparisonReport) -> String {
     )
 }
 
-/// A column of a table: its title, then a cell per policy.
-fn column(title: &str, policies: &[PolicyReport], cell: impl Fn(&PolicyReport) -> String) -> Vec<String> {
-    std::iter::once(title.into()).chain(policies.iter().map(cell)).collect()
+/// The results of drivers in the families of a suite.
+pub fn suite_table(report: &SuiteReport) -> String {
+    let SuiteReport { suite, episodes, seed, policies, .. } = report;
+    let families = policies.first().map_or(0, |policy| policy.families.len());
+    let rows = (0..families).flat_map(|k| policies.iter().map(move |policy| (policy, &policy.families[k])));
+    let rows: Vec<FamilyRow> =
+        rows.map(|(policy, (name, result))| FamilyRow { policy, name, result }).collect();
+    let mut columns = vec![
+        column("family", &rows, |row| printable(row.name).into_owned()),
+        column("policy", &rows, |row| printable(&row.policy.policy).into_owned()),
+        column("class", &rows, |row| format!("{:?}", row.policy.class)),
+        column("success", &rows, |row| rate_text(row.result.success_rate, row.result.success_interval)),
+        column("collision", &rows, |row| percent(row.result.collision_rate)),
+        column("timeout", &rows, |row| percent(row.result.timeout_rate)),
+        column("worst tenth", &rows, |row| percent(row.result.worst_tenth)),
+        column("mean time", &rows, |row| seconds(row.result.mean_time_s)),
+        column("SPL", &rows, |row| format!("{:.3}", row.result.spl)),
+    ];
+    let number = |value: Option<f64>| value.map_or("-".into(), |value| format!("{value:.3}"));
+    if rows.iter().any(|row| row.result.time_ratio.is_some()) {
+        columns.push(column("time ratio", &rows, |row| number(row.result.time_ratio)));
+    }
+    if rows.iter().any(|row| row.result.barn_score.is_some()) {
+        columns.push(column("BARN score", &rows, |row| number(row.result.barn_score)));
+    }
+    let of_episodes = if policies.len() == 1 { "" } else { "the same " };
+    format!(
+        "{}, {of_episodes}{episodes} episodes, seed {seed} ({BRACKETS})\n\n{}\n{CLASSES}\n\
+         worst tenth: success in the tenth of the family's scenarios (at least one) where it is lowest\n",
+        printable(suite),
+        aligned(&columns)
+    )
+}
+
+/// A row of the table of a suite.
+struct FamilyRow<'a> {
+    policy: &'a DriverReport,
+    name: &'a str,
+    result: &'a FamilyResult,
+}
+
+/// A column of a table: its title, then a cell per row.
+fn column<R>(title: &str, rows: &[R], cell: impl Fn(&R) -> String) -> Vec<String> {
+    std::iter::once(title.into()).chain(rows.iter().map(cell)).collect()
 }
 
 /// The rows of a table whose columns are as wide as their widest cells.
@@ -122,6 +165,10 @@ fn aligned(columns: &[Vec<String>]) -> String {
 /// A rate, 0 to 1, with its 95 % confidence interval, in %: `98.0 % [96.4, 98.9]`.
 fn rate_text(rate: f64, [low, high]: [f64; 2]) -> String {
     format!("{:.1} % [{:.1}, {:.1}]", 100.0 * rate, 100.0 * low, 100.0 * high)
+}
+
+fn percent(rate: f64) -> String {
+    format!("{:.1} %", 100.0 * rate)
 }
 
 fn seconds(time_s: Option<f64>) -> String {

@@ -30,6 +30,8 @@ const MAX_PARALLEL: usize = if cfg!(target_arch = "wasm32") { 50 } else { 512 };
 pub struct EvaluationRun {
     seed: u64,
     count: usize,
+    /// The number of the first episode, from 0.
+    pub(super) first: usize,
     /// The episodes that have ended.
     pub episodes: Vec<EpisodeResult>,
     /// The initial states of the current episodes.
@@ -45,6 +47,7 @@ impl EvaluationRun {
         Self {
             seed,
             count,
+            first: 0,
             episodes: Vec::with_capacity(count),
             initial: Vec::new(),
             ends: Vec::new(),
@@ -161,7 +164,7 @@ impl Evaluator {
 
     /// Starts the next `batch` episodes of `run`, one per arena.
     pub(super) fn begin(&mut self, run: &mut EvaluationRun, batch: usize) {
-        let (seed, first) = (run.seed, run.episodes.len());
+        let (seed, first) = (run.seed, run.first + run.episodes.len());
         let world = self.simulation.world_mut();
         if let Some(pool) = world.get_resource::<ScenarioPool>() {
             let scenarios = pool.evaluation(seed, first + batch);

@@ -14,6 +14,8 @@ mod evaluator;
 mod optimum;
 mod path;
 mod per_episode;
+#[cfg(not(target_arch = "wasm32"))]
+mod picture;
 mod record;
 mod trace;
 
@@ -68,7 +70,7 @@ impl<'a> From<&'a DriverConfig> for Evaluated<'a> {
 }
 
 /// The result of one episode.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EpisodeResult {
     /// The reason why the episode ended.
     pub end: EpisodeEnd,

@@ -2,12 +2,13 @@
 
 use bevy::math::vec2;
 use bevy::prelude::*;
+use serde::{Deserialize, Serialize};
 
-use crate::scenario::Solid;
-use crate::task::{Arena, ArenaLayout, Clock, EpisodeEnd, Pose, Scan};
+use crate::scenario::{IndexedScenario, Solid};
+use crate::task::{Arena, ArenaLayout, Clock, EpisodeEnd, Pedestrians, Pose, Scan};
 
 /// The measures of the path that the robot took in an episode.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PathMeasures {
     /// Length of the path in m: the sum of the straight distances between the robot's positions after consecutive control
     /// steps.
@@ -20,7 +21,13 @@ pub struct PathMeasures {
 }
 
 /// The components of an arena that are measured.
-type Measured = (&'static Arena, &'static ArenaLayout, &'static Pose, &'static Clock, &'static Scan);
+type Measured = (
+    &'static Arena,
+    (&'static ArenaLayout, &'static Pedestrians),
+    &'static Pose,
+    &'static Clock,
+    &'static Scan,
+);
 
 /// Read access to what is measured.
 pub(super) struct PathQuery(QueryState<Measured>);
@@ -32,8 +39,8 @@ impl PathQuery {
 
     /// Calls `each` with the number of every arena, the robot's pose, and its distance from the nearest wall or obstacle.
     pub(super) fn read(&mut self, world: &World, mut each: impl FnMut(usize, &Pose, Clearance)) {
-        for (arena, layout, pose, clock, scan) in self.0.iter(world) {
-            each(arena.0, pose, Clearance::new(layout, pose, *clock, scan));
+        for (arena, (layout, pedestrians), pose, clock, scan) in self.0.iter(world) {
+            each(arena.0, pose, Clearance::new(layout.indexed(pedestrians), pose, *clock, scan));
         }
     }
 }
@@ -46,8 +53,8 @@ pub(super) struct Clearance {
 }
 
 impl Clearance {
-    pub(super) fn new(layout: &ArenaLayout, pose: &Pose, clock: Clock, scan: &Scan) -> Self {
-        let (nearest, distance_m) = layout.indexed().nearest(vec2(pose.x_m, pose.y_m), clock.0);
+    pub(super) fn new(layout: IndexedScenario, pose: &Pose, clock: Clock, scan: &Scan) -> Self {
+        let (nearest, distance_m) = layout.nearest(vec2(pose.x_m, pose.y_m), clock.0);
         let gap_m = (distance_m - layout.scenario.robot.radius_m).max(0.0);
         Self { distance_m: if scan.touching { 0.0 } else { gap_m }, nearest }
     }

@@ -1,13 +1,12 @@
 //! What the planner computes for each episode, on all cores.
 
 use std::borrow::Cow;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::thread::Builder;
 
 use bevy::math::{Vec2, vec2};
 
 use super::EpisodeResult;
 use crate::planner::{self, Resolution, StepBounds};
+use crate::run::on_all_cores;
 use crate::scenario::Scenario;
 
 /// Bounds on the optimal time of each episode, in the order of `episodes`: those of the planner, which knows
@@ -56,27 +55,5 @@ fn per_episode<T: Send>(
         };
         of(&layout, episode)
     };
-    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-    let threads = if threads == 0 { cores() } else { threads }.min(episodes.len());
-    // Some plans take a hundred times as long as others, so threads take episodes one at a time.
-    let next = AtomicUsize::new(0);
-    let work = || {
-        let next_result = || {
-            let index = next.fetch_add(1, Ordering::Relaxed);
-            episodes.get(index).map(|episode| (index, of(episode)))
-        };
-        std::iter::from_fn(next_result).collect::<Vec<_>>()
-    };
-    let mut found: Vec<_> = std::thread::scope(|scope| {
-        // This thread works too, so threads that cannot be started only cost time.
-        let start = |_| Builder::new().spawn_scoped(scope, work).ok();
-        let workers: Vec<_> = (1..threads).filter_map(start).collect();
-        let mut found = work();
-        for worker in workers {
-            found.extend(worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
-        }
-        found
-    });
-    found.sort_by_key(|(index, _)| *index);
-    found.into_iter().map(|(_, result)| result).collect()
+    on_all_cores::map(episodes.len(), threads, || (), |(), index| of(&episodes[index]))
 }

@@ -10,8 +10,8 @@ use super::{EpisodeResult, Evaluated, Evaluator};
 use crate::agent::Decisions;
 use crate::run::RunError;
 use crate::task::{
-    Actions, Arena, ArenaLayout, Clock, EpisodeEnd, EpisodeSetup, Goal, Pose, Scan, SensorReadings,
-    StepOutcome, StepOutcomes, Twist,
+    Actions, Arena, ArenaLayout, Clock, EpisodeEnd, EpisodeSetup, Goal, Pedestrians, Pose, Scan,
+    SensorReadings, StepOutcome, StepOutcomes, Twist,
 };
 
 /// The state of an episode before one of its control steps, and what happened in that step. The last state of an episode has
@@ -75,7 +75,7 @@ fn serialize_end<S: serde::Serializer>(end: &Option<EpisodeEnd>, serializer: S) 
 /// The components of an arena that a trace contains.
 type Traced = (
     &'static Arena,
-    &'static ArenaLayout,
+    (&'static ArenaLayout, &'static Pedestrians),
     &'static Pose,
     &'static Twist,
     &'static Scan,
@@ -141,7 +141,7 @@ impl Evaluator {
 
 /// The state of arena 0, which is `step` control steps into episode `episode`.
 fn state(arenas: &mut QueryState<Traced>, world: &World, episode: usize, step: u32) -> Option<TraceStep> {
-    let (_, layout, pose, twist, scan, readings, goal, clock) =
+    let (_, (layout, pedestrians), pose, twist, scan, readings, goal, clock) =
         arenas.iter(world).find(|(arena, ..)| arena.0 == 0)?;
     Some(TraceStep {
         episode,
@@ -150,7 +150,7 @@ fn state(arenas: &mut QueryState<Traced>, world: &World, episode: usize, step: u
         twist: *twist,
         goal_x_m: goal.x_m,
         goal_y_m: goal.y_m,
-        clearance_m: Clearance::new(layout, pose, *clock, scan).distance_m,
+        clearance_m: Clearance::new(layout.indexed(pedestrians), pose, *clock, scan).distance_m,
         ranges_m: scan.ranges_m.clone(),
         sensors: readings.as_slice().to_vec(),
         q_values: None,

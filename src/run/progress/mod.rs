@@ -4,6 +4,7 @@
 //! elsewhere (a file, a pipe, a CI log), a plain line every few seconds. Nothing goes to stdout, which is for
 //! results. A closed stderr does not stop the run.
 
+mod count;
 mod view;
 
 use std::io::{self, Write};
@@ -11,6 +12,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
 
+pub use count::CountProgress;
 use view::{Rates, View};
 
 use crate::scenario::printable_lines;

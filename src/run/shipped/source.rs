@@ -50,7 +50,11 @@ impl Source {
         }
     }
 
-    fn parse(text: &str, path: &Path) -> Result<Self, FileError> {
+    /// The scenario, level generator or set in the RON text `text`, which is called `path` in messages.
+    ///
+    /// # Errors
+    /// As for [`load`](Self::load).
+    pub fn parse(text: &str, path: &Path) -> Result<Self, FileError> {
         if scenario_set::is_meant_by(text) {
             let set = scenario_set::parse(text, path)?;
             let first = set.members.first().map(|member| member.source.first()).transpose();
@@ -73,7 +77,7 @@ impl Source {
             Self::Set(_, set) => {
                 let names: Vec<&str> = set.members.iter().map(|member| member.name.as_str()).collect();
                 let why = format!(
-                    "is a set of scenarios ({}), which only --train and the app take; help: give one of them",
+                    "is a set of scenarios ({}), but one scenario is needed here; help: give one of them",
                     names.join(", ")
                 );
                 Err(FileError::for_file(Path::new(wanted), why))

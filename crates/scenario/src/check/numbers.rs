@@ -28,17 +28,22 @@ pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
 
 /// Checks the name and the description of a scenario, or of a set of them.
 pub(crate) fn check_texts(name: &str, about: &str, diagnostics: &mut Diagnostics) {
-    let is_too_long = name.chars().count() > MAX_NAME_CHARS;
-    if name.trim().is_empty() || is_too_long || name.contains(['\n', '\r', '\t']) {
-        let message = format!("must have 1 to {MAX_NAME_CHARS} characters on one line");
-        diagnostics.push(format_args!("name"), message);
-    }
-    check_characters("name", name, diagnostics);
+    check_name("name", name, diagnostics);
     check_characters("about", about, diagnostics);
     if about.chars().count() > MAX_ABOUT_CHARS {
         let message = format!("is too long: write at most {MAX_ABOUT_CHARS} characters");
         diagnostics.push(format_args!("about"), message);
     }
+}
+
+/// Checks the name in the field at `path`.
+pub(crate) fn check_name(path: &str, name: &str, diagnostics: &mut Diagnostics) {
+    let is_too_long = name.chars().count() > MAX_NAME_CHARS;
+    if name.trim().is_empty() || is_too_long || name.contains(['\n', '\r', '\t']) {
+        let message = format!("must have 1 to {MAX_NAME_CHARS} characters on one line");
+        diagnostics.push(format_args!("{path}"), message);
+    }
+    check_characters(path, name, diagnostics);
 }
 
 /// Checks that `text` has no characters that a picture of it could not contain.

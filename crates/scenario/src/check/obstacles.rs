@@ -31,6 +31,11 @@ pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     for (k, obstacle) in scenario.obstacles.iter().enumerate().take(MAX_OBSTACLES) {
         check_obstacle(k, obstacle, diagnostics);
     }
+    let pedestrians = scenario.obstacles.iter().filter(|obstacle| obstacle.motion.is_pedestrian()).count();
+    if pedestrians > MAX_PEDESTRIANS {
+        let message = format!("contain {pedestrians} pedestrians: write at most {MAX_PEDESTRIANS}");
+        diagnostics.push(format_args!("obstacles"), message);
+    }
     key_frames::check_total(&scenario.obstacles, diagnostics);
     diagnostics.check_count(format_args!("generators"), scenario.generators.len(), 0..=MAX_GENERATORS);
     for (k, generator) in scenario.generators.iter().enumerate().take(MAX_GENERATORS) {
@@ -79,7 +84,7 @@ fn check_fields(path: Arguments<'_>, fields: Vec<Field<'_>>, diagnostics: &mut D
                 names.iter().zip(values).for_each(|(name, value)| number(name, *value, quantity));
             }
             // Key frames are checked as a whole.
-            FieldValue::Seed(_) | FieldValue::KeyFrames(..) => {}
+            FieldValue::Seed(_) | FieldValue::Flag(_) | FieldValue::KeyFrames(..) => {}
             FieldValue::Centre(centre_m) => diagnostics.check_point(path, *centre_m),
             FieldValue::Waypoints(waypoints_m) => diagnostics.check_points(path, waypoints_m, WAYPOINTS),
             FieldValue::Corners(corners_m) => polygons::check_convex(path, corners_m, diagnostics),

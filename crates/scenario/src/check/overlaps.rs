@@ -76,9 +76,12 @@ fn note(scenario: &Scenario, k: usize, path: &SweptPath<'_>, (id, solid): (Solid
     let round = |x: f32| (100.0 * x).round() / 100.0 + 0.0;
     let at = format!("({:.2}, {:.2})", round(place_m.x), round(place_m.y));
     let crossing = |crosses: &str| {
-        let message = format!(
-            "{crosses} {id} at {at}: moving obstacles pass through everything; change the path, unless that is meant"
-        );
+        let why = if scenario.obstacles[k].motion.is_pedestrian() {
+            "pedestrians don't find a way around; add goals on the way"
+        } else {
+            "moving obstacles pass through everything; change the path, unless that is meant"
+        };
+        let message = format!("{crosses} {id} at {at}: {why}");
         (format!("obstacles[{k}].motion"), message)
     };
     let (path, message) = match scenario.obstacles[k].actual_track() {

@@ -6,7 +6,8 @@ use std::ops::RangeInclusive;
 use super::floor;
 use super::schema::{Clutter, LevelGenerator, Route, Traffic, WallLayout};
 use crate::check::{
-    Diagnostics, METRES, METRES_PER_SECOND, TWICE_COLLISION_RANGE, check_random_shape, check_robot_and_task,
+    Diagnostics, METRES, METRES_PER_SECOND, RADIANS, TWICE_COLLISION_RANGE, check_random_shape,
+    check_robot_and_task,
 };
 use crate::file_error::Diagnostic;
 use crate::limits::*;
@@ -68,6 +69,18 @@ fn check_sizes(generator: &LevelGenerator, diagnostics: &mut Diagnostics) {
                 let message =
                     format!("is {clearance_m}: write at least {least:.4}, {MIN_CLEARANCE_GAPS} times gap_m");
                 diagnostics.push(path, message);
+            }
+        }
+        Route::Fixed { start_m, heading_rad, goal_m } => {
+            diagnostics.check_range(format_args!("route.heading_rad"), heading_rad, ANGLE_RAD, RADIANS);
+            for (name, at) in [("start_m", start_m), ("goal_m", goal_m)] {
+                let path = format_args!("route.{name}");
+                diagnostics.check_point(path, at);
+                if at.x.abs() > width_m.0 / 2.0 || at.y.abs() > height_m.0 / 2.0 {
+                    let message =
+                        "is outside the smallest enclosure: move it, or write a larger width_m or height_m";
+                    diagnostics.push(path, message);
+                }
             }
         }
         Route::Across { margin_m } => {
@@ -171,7 +184,9 @@ fn check_traffic(
     let (Traffic::Lanes { count, radius_m, speed_m_s, .. }
     | Traffic::CircleCrossing { count, radius_m, speed_m_s, .. }
     | Traffic::RandomCrossing { count, radius_m, speed_m_s }
-    | Traffic::RandomWalks { count, radius_m, speed_m_s, .. }) = *traffic;
+    | Traffic::RandomWalks { count, radius_m, speed_m_s, .. }
+    | Traffic::PedestrianCircle { count, radius_m, speed_m_s, .. }
+    | Traffic::PedestrianCrowd { count, radius_m, speed_m_s, .. }) = *traffic;
     check_pair(format_args!("{path}.count"), count, LEVEL_COUNT, "", diagnostics);
     check_pair(format_args!("{path}.radius_m"), radius_m, TRAFFIC_SIZE_M, METRES, diagnostics);
     // An obstacle must not jump over the robot in one control step.
@@ -185,6 +200,13 @@ fn check_traffic(
             check_pair(format_args!("{path}.circle_m"), circle_m, LEVEL_CIRCLE_M, METRES, diagnostics);
         }
         Traffic::RandomCrossing { .. } => {}
+        Traffic::PedestrianCircle { circle_m, noise_m, .. } => {
+            check_pair(format_args!("{path}.circle_m"), circle_m, LEVEL_CIRCLE_M, METRES, diagnostics);
+            diagnostics.check_range(format_args!("{path}.noise_m"), noise_m, LEVEL_NOISE_M, METRES);
+        }
+        Traffic::PedestrianCrowd { goals, .. } => {
+            check_pair(format_args!("{path}.goals"), goals, LEVEL_GOALS, "", diagnostics);
+        }
         Traffic::RandomWalks { reach_m, .. } => {
             check_pair(format_args!("{path}.reach_m"), reach_m, TRAFFIC_SIZE_M, METRES, diagnostics);
         }

@@ -52,7 +52,7 @@ impl Draft {
     pub(super) fn new(generator: &LevelGenerator, stream: &mut Stream, seed: u64) -> Self {
         let (width_m, height_m) = (number(stream, generator.width_m), number(stream, generator.height_m));
         let margin_m = match generator.route {
-            Route::Random { .. } => 0.0,
+            Route::Random { .. } | Route::Fixed { .. } => 0.0,
             Route::Across { margin_m } => margin_m,
         };
         let high = vec2(width_m / 2.0, height_m / 2.0 - margin_m);

@@ -29,7 +29,7 @@ pub(super) fn cell_m(half_gap_m: f32, route: Route) -> f64 {
         Route::Random { clearance_m } => {
             largest.min((f64::from(clearance_m) - half_gap_m) * (std::f64::consts::FRAC_1_SQRT_2 * 0.999))
         }
-        Route::Across { .. } => largest,
+        Route::Across { .. } | Route::Fixed { .. } => largest,
     }
 }
 

@@ -24,6 +24,7 @@ mod draft;
 mod floor;
 mod lanes;
 mod maze;
+mod pedestrians;
 mod rooms;
 mod route;
 mod scatter;

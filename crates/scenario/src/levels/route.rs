@@ -23,11 +23,16 @@ impl Route {
             }
             Self::Across { margin_m } => {
                 let end = vec2(0.0, (height_m - margin_m) / 2.0);
-                let fixed = |position_m, heading_rad| PlacementRule::Fixed { position_m, heading_rad };
-                (fixed(-end, Some(FRAC_PI_2)), fixed(end, None))
+                fixed(-end, FRAC_PI_2, end)
             }
+            Self::Fixed { start_m, heading_rad, goal_m } => fixed(start_m, heading_rad, goal_m),
         }
     }
+}
+
+fn fixed(start_m: Vec2, heading_rad: f32, goal_m: Vec2) -> (PlacementRule, PlacementRule) {
+    let fixed = |position_m, heading_rad| PlacementRule::Fixed { position_m, heading_rad };
+    (fixed(start_m, Some(heading_rad)), fixed(goal_m, None))
 }
 
 /// The level with a benchmark route by its rules for starts and goals.

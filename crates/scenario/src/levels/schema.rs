@@ -3,6 +3,7 @@
 //! In: RON text, through [`LevelGenerator::load`]. Out: plain numbers for the modules of `levels`.
 //! [`level_generator_diagnostics`](super::level_generator_diagnostics) checks them.
 
+use glam::Vec2;
 use serde::{Deserialize, Serialize};
 
 use crate::schema::{Lidar, RandomShape, Robot, TaskRules};
@@ -192,8 +193,8 @@ fn default_cell_m() -> (f32, f32) {
     (0.15, 0.15)
 }
 
-/// A layout of moving obstacles: circles whose paths are clear of walls and static obstacles. They don't give way. Fewer are
-/// placed if no free path is found.
+/// A layout of moving obstacles: circles whose paths are clear of walls and static obstacles. Only pedestrians give way. Fewer
+/// are placed if no free path is found.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Traffic {
@@ -254,6 +255,56 @@ pub enum Traffic {
         #[serde(default = "default_reach_m")]
         reach_m: (f32, f32),
     },
+    /// Pedestrians who start at random near a circle, walk to the opposite points and avoid each other by ORCA, as in CrowdNav.
+    PedestrianCircle {
+        /// Number of pedestrians, 0 to 200.
+        #[serde(default = "default_count")]
+        count: (u32, u32),
+        /// Radius of a pedestrian, 0.01 to 10 m.
+        #[serde(default = "default_radius_m")]
+        radius_m: (f32, f32),
+        /// Highest speed, 0 to 5 m/s.
+        #[serde(default = "default_speed_m_s")]
+        speed_m_s: (f32, f32),
+        /// Radius of the circle, 0.1 to 50 m. Pedestrians who don't fit into the enclosure are omitted.
+        #[serde(default = "default_circle_m")]
+        circle_m: (f32, f32),
+        /// Largest distance of a start from the circle along x and along y, 0 to 10 m.
+        #[serde(default)]
+        noise_m: f32,
+        /// Whether they walk back and begin again. Otherwise they stop at the opposite points.
+        #[serde(default = "default_walk_loops")]
+        loops: bool,
+        /// Whether they also avoid the robot.
+        #[serde(default)]
+        sees_robot: bool,
+    },
+    /// Pedestrians who walk between random points and avoid each other by ORCA.
+    PedestrianCrowd {
+        /// Number of pedestrians, 0 to 200.
+        #[serde(default = "default_count")]
+        count: (u32, u32),
+        /// Radius of a pedestrian, 0.01 to 10 m.
+        #[serde(default = "default_radius_m")]
+        radius_m: (f32, f32),
+        /// Highest speed, 0 to 5 m/s.
+        #[serde(default = "default_speed_m_s")]
+        speed_m_s: (f32, f32),
+        /// Number of goals that each visits before it returns, 1 to 256.
+        #[serde(default = "default_goals")]
+        goals: (u32, u32),
+        /// Whether they also avoid the robot.
+        #[serde(default)]
+        sees_robot: bool,
+    },
+}
+
+fn default_walk_loops() -> bool {
+    true
+}
+
+fn default_goals() -> (u32, u32) {
+    (1, 3)
 }
 
 fn default_pairs() -> (u32, u32) {
@@ -300,6 +351,15 @@ pub enum Route {
         /// Depth of the strips along both sides that are kept free of clutter and traffic, 0.1 to 50 m. Start and goal are in their middle.
         #[serde(default = "default_margin_m")]
         margin_m: f32,
+    },
+    /// The same start and goal in all levels.
+    Fixed {
+        /// Position of the start.
+        start_m: Vec2,
+        /// Heading at the start, -6.3 to 6.3.
+        heading_rad: f32,
+        /// Position of the goal.
+        goal_m: Vec2,
     },
 }
 

@@ -1,4 +1,4 @@
-//! Moving obstacles: circles on paths that are clear of everything static. They don't avoid each other or the robot.
+//! Moving obstacles: circles on paths that are clear of everything static. Only pedestrians avoid each other or the robot.
 
 use std::f32::consts::{PI, TAU};
 
@@ -6,8 +6,9 @@ use glam::{Vec2, vec2};
 use wayfield_random::{Stream, random_u64, uniform};
 
 use super::draft::Draft;
+use super::pedestrians::Behavior;
 use super::schema::Traffic;
-use super::{lanes, number, one_of, whole};
+use super::{lanes, number, one_of, pedestrians, whole};
 use crate::geometry::length;
 use crate::schema::{Obstacle, ObstacleMotion, Shape};
 
@@ -42,18 +43,27 @@ pub(super) fn add(draft: &mut Draft, layouts: &[Traffic], stream: &mut Stream) {
                 add_walk(draft, walker, reach_m, stream);
             }
         }
+        Traffic::PedestrianCircle { count, radius_m, speed_m_s, circle_m, noise_m, loops, sees_robot } => {
+            let who = (whole(stream, count), Walkers { radius_m, speed_m_s }, Behavior { loops, sees_robot });
+            pedestrians::add_circle(draft, who, (circle_m, noise_m), stream);
+        }
+        Traffic::PedestrianCrowd { count, radius_m, speed_m_s, goals, sees_robot } => {
+            let behavior = Behavior { loops: true, sees_robot };
+            let who = (whole(stream, count), Walkers { radius_m, speed_m_s }, behavior);
+            pedestrians::add_crowd(draft, who, goals, stream);
+        }
     }
 }
 
 /// The ranges of the sizes and speeds of moving obstacles.
 #[derive(Clone, Copy)]
-struct Walkers {
+pub(super) struct Walkers {
     radius_m: (f32, f32),
     speed_m_s: (f32, f32),
 }
 
 impl Walkers {
-    fn draw(self, stream: &mut Stream) -> Walker {
+    pub(super) fn draw(self, stream: &mut Stream) -> Walker {
         Walker { radius_m: number(stream, self.radius_m), speed_m_s: number(stream, self.speed_m_s) }
     }
 }

@@ -60,7 +60,7 @@ enum Ways {
 fn ways(obstacle: &Obstacle, closed: bool) -> Ways {
     match obstacle.motion.kind() {
         _ if closed => Ways::Round,
-        MotionKind::KeyFrames => Ways::There,
+        MotionKind::KeyFrames | MotionKind::Pedestrian => Ways::There,
         _ => Ways::Both,
     }
 }

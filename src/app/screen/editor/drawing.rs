@@ -72,13 +72,13 @@ fn draw_paths(canvas: &Canvas, scenario: &Scenario, selected: Selection) {
     }
 }
 
-/// Later positions of a moving obstacle, fading.
+/// Later positions of a moving obstacle, fading. Those of a pedestrian depend on others.
 fn draw_ghosts(canvas: &Canvas, scenario: &Scenario, obstacle: &Obstacle) {
     // Far enough apart that the ghosts do not overlap.
     let spacing_m = 1.3 * Silhouette::from_obstacle(obstacle).reach_m();
     let period_s = scenario.task.control_period_s;
     let steps = spacing_m / (obstacle.origin_speed_m_s() * period_s);
-    if !(steps.is_finite() && steps < 1e6) {
+    if obstacle.motion.is_pedestrian() || !(steps.is_finite() && steps < 1e6) {
         return;
     }
     let steps = steps.ceil().max(1.0) as u64;

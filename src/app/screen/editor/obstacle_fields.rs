@@ -72,6 +72,7 @@ fn described_rows(rows: &mut FieldRows<'_>, fields: Vec<Field<'_>>) {
                 rows.pair(label, about, pair, NumberSpec::of(quantity));
             }
             FieldValue::Seed(seed) => rows.count(label, about, seed, 0..=u32::MAX),
+            FieldValue::Flag(flag) => rows.checkbox(label, about, flag),
             FieldValue::Centre(centre_m) => rows.position(label, about, centre_m),
             FieldValue::Waypoints(waypoints_m) => rows.positions(label, waypoints_m, *WAYPOINTS.start()),
             FieldValue::KeyFrames(frames, end) => {
@@ -121,6 +122,7 @@ fn track_summary(obstacle: &Obstacle) -> Option<String> {
         Track::Lines { .. } if obstacle.motion.kind() == MotionKind::KeyFrames => {
             Some(format!("At most {} m/s", format_metres(speed_m_s)))
         }
+        Track::Lines { .. } if obstacle.motion.is_pedestrian() => None,
         Track::Lines { corners_m, closed } => Some(round_trip(&corners_m, closed, speed_m_s)),
         Track::Point | Track::Disc { .. } => None,
     }

@@ -10,13 +10,16 @@ const BEAM: RGBColor = RGBColor(214, 108, 30);
 const BODY: RGBColor = RGBColor(90, 140, 200);
 
 impl ScenarioMap {
-    /// The scenario with `robot` in place of the start, without title, legend, numbers, tracks and trajectories, as the text
-    /// of an SVG file of 480 x 360 pixels.
+    /// The scenario with `robot` in place of the start, without title, legend and numbers, as the text of an SVG file of
+    /// 480 x 360 pixels.
     ///
     /// # Errors
     /// The drawing library failed. No input is known to cause this.
     pub fn frame_svg(&self, robot: &MapRobot) -> Result<String, DrawError> {
-        self.small_svg(|root, plan| robot.draw(root, plan))
+        self.small_svg(|root, plan| {
+            self.draw_trajectories(root, plan)?;
+            robot.draw(root, plan)
+        })
     }
 }
 

@@ -1,0 +1,51 @@
+//! What is evaluated: a policy, or a classical driver. A driver is its RON text, so that a task for another machine has all of it.
+
+use std::path::Path;
+
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use wayfield::cli::TestDriver;
+use wayfield::scenario::to_ron;
+
+use crate::env_options::{TEXT, is_text};
+use crate::errors::{file_error, run_error};
+use crate::policy::NativePolicy;
+
+/// A policy, or the RON text of a classical driver.
+#[derive(FromPyObject)]
+pub enum Tested<'py> {
+    Policy(PyRef<'py, NativePolicy>),
+    Driver(String),
+}
+
+/// The same, to be returned.
+#[derive(IntoPyObject)]
+pub enum Loaded {
+    Policy(NativePolicy),
+    Driver(String),
+}
+
+/// The policy or the classical driver `wanted`: a shipped name, a file's path, or the RON text of a driver.
+#[pyfunction]
+pub fn load_tested(wanted: &str) -> PyResult<Loaded> {
+    let driver = match is_text(wanted) {
+        true => TestDriver::parse(wanted, Path::new(TEXT)).map_err(run_error),
+        false => TestDriver::load(Path::new(wanted)).map_err(|error| file_error(wanted, error)),
+    };
+    match driver? {
+        TestDriver::Policy(policy) => NativePolicy::try_from(policy).map(Loaded::Policy),
+        TestDriver::Classical(config) => {
+            to_ron(&config).map(Loaded::Driver).map_err(|error| PyRuntimeError::new_err(error.to_string()))
+        }
+    }
+}
+
+impl Tested<'_> {
+    /// The driver for a test.
+    pub fn driver(&self) -> PyResult<TestDriver> {
+        match self {
+            Self::Policy(policy) => Ok(TestDriver::Policy(policy.policy.clone())),
+            Self::Driver(text) => TestDriver::parse(text, Path::new(TEXT)).map_err(run_error),
+        }
+    }
+}

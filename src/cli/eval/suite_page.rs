@@ -1,0 +1,200 @@
+//! The report of a test in a suite: a page with the results of each family and a picture of every failure.
+//!
+//! The folder also holds the finished tests, from which an interrupted test goes on, what drove, and the scenarios of the
+//! failures.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use super::suite::{SuiteReport, Tested};
+use super::suite_failures::{self, Failure, command, failures};
+use crate::report::page::{Item, Page, Section};
+use crate::report::table::{Cell, Column, ColumnKind, Table};
+use crate::reproduce::report_files;
+use crate::run::evaluate::Evaluated;
+use crate::run::lock::Lock;
+use crate::run::output_file::{remove_temporary_files, replace};
+use crate::run::suite::{FamilyResult, TestStore};
+use crate::run::{RunError, provenance};
+use crate::scenario::to_ron;
+
+/// The file with the finished tests.
+const TESTS: &str = "tests.ron";
+/// The folder of what drives.
+const DRIVERS: &str = "drivers";
+
+/// The folder of a report, locked by this process.
+pub struct SuiteFolder {
+    path: PathBuf,
+    /// The tests that were finished in it.
+    pub store: TestStore,
+    _lock: Lock,
+}
+
+impl SuiteFolder {
+    /// Creates the folder at `path`, or goes on in one that an earlier test created.
+    ///
+    /// # Errors
+    /// It holds something else, another process uses it, or it cannot be written.
+    pub fn open(path: &Path) -> Result<Self, RunError> {
+        let unwritable = |error: std::io::Error| RunError::not_writable(path, error);
+        let is_used = fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_some());
+        if is_used && !path.join(TESTS).is_file() {
+            let why =
+                "holds something else than the report of a suite; help: give a new folder with --report";
+            return Err(RunError::invalid_input(path, why));
+        }
+        fs::create_dir_all(path).map_err(unwritable)?;
+        let lock = Lock::acquire(path, &path.join("lock"))?;
+        report_files::prepare(path)?;
+        let store = TestStore::open(&path.join(TESTS))?;
+        Ok(Self { path: path.into(), store, _lock: lock })
+    }
+
+    /// Writes the report, with the pictures and scenarios of all failures. Returns the path of the page.
+    ///
+    /// # Errors
+    /// An episode cannot be drawn, or a file cannot be written.
+    pub fn write(&self, tested: &Tested<'_>, report: &SuiteReport<'_>) -> Result<PathBuf, RunError> {
+        let drivers = self.write_drivers(tested)?;
+        let failures = failures(tested)?;
+        self.write_scenarios(&failures)?;
+        let figure = |failure: &Failure| Item::Figure {
+            name: failure.file.clone(),
+            svg: failure.svg.clone(),
+            caption: format!(
+                "{}. To repeat it: {}",
+                failure.text,
+                command(&self.path, failure, &drivers[failure.driver])
+            ),
+            claim_results: Vec::new(),
+        };
+        let families = report.policies.first().map_or(&[][..], |policy| &policy.families);
+        let section = |(family, (name, _)): (usize, &(String, FamilyResult))| {
+            let own: Vec<&Failure> = failures.iter().filter(|failure| failure.family == family).collect();
+            let table = Item::Table { table: table(report, family), claim_results: Vec::new() };
+            Section {
+                id: format!("family-{}", family + 1),
+                heading: name.clone(),
+                about: match own.len() {
+                    0 => "No episode failed.".into(),
+                    1 => "One episode failed.".into(),
+                    count => format!("{count} episodes failed."),
+                },
+                items: std::iter::once(table).chain(own.into_iter().map(figure)).collect(),
+            }
+        };
+        let page = Page {
+            title: report.suite.into(),
+            lead: vec![LEAD.into()],
+            warning: None,
+            claims: Vec::new(),
+            sections: families.iter().enumerate().map(section).collect(),
+            settings: Vec::new(),
+            provenance: vec![
+                ("wayfield".into(), provenance::VERSION.into()),
+                ("commit".into(), provenance::COMMIT.unwrap_or("unknown").into()),
+                ("seed".into(), report.seed.to_string()),
+                ("physics".into(), report.physics.into()),
+            ],
+        };
+        report_files::write(&self.path, &page)?;
+        Ok(self.path.join("report.html"))
+    }
+
+    /// Writes what drives, so that the commands of the failures need no other file. Returns the paths.
+    fn write_drivers(&self, tested: &Tested<'_>) -> Result<Vec<PathBuf>, RunError> {
+        let folder = made(&self.path.join(DRIVERS))?;
+        let mut paths = Vec::new();
+        for (k, driver) in tested.drivers.iter().enumerate() {
+            let stem = Path::new(&driver.name).file_stem().unwrap_or_default().to_string_lossy();
+            let failed =
+                |error: &dyn std::fmt::Display| RunError::Failed(format!("{}: {error}", driver.name));
+            let (extension, bytes) = match driver.evaluated {
+                Evaluated::Policy(policy) => {
+                    ("safetensors", policy.to_bytes().map_err(|error| failed(&error))?)
+                }
+                Evaluated::Driver(driver) => {
+                    ("ron", to_ron(driver).map_err(|error| failed(&error))?.into_bytes())
+                }
+            };
+            let path = folder.join(format!("{}-{stem}.{extension}", k + 1));
+            replace(&path, |file| file.write_all(&bytes))
+                .map_err(|error| RunError::not_written(&path, error))?;
+            paths.push(path);
+        }
+        Ok(paths)
+    }
+
+    fn write_scenarios(&self, failures: &[Failure]) -> Result<(), RunError> {
+        let folder = made(&self.path.join(suite_failures::FOLDER))?;
+        for failure in failures {
+            let path = folder.join(format!("{}.ron", failure.file));
+            replace(&path, |file| file.write_all(failure.scenario.as_bytes()))
+                .map_err(|error| RunError::not_written(&path, error))?;
+        }
+        Ok(())
+    }
+}
+
+const LEAD: &str = "Every policy and driver drove the same episodes. In the pictures, the line is the robot's path, and the rays are \
+its last scan. The command below a picture opens the window in the same scenario, with the same start and goal, and what drove; \
+moving obstacles begin at their own start there, and sensor noise differs.";
+
+fn made(folder: &Path) -> Result<PathBuf, RunError> {
+    fs::create_dir_all(folder).map_err(|error| RunError::not_written(folder, error))?;
+    remove_temporary_files(folder);
+    Ok(folder.into())
+}
+
+/// The table of a family.
+fn table(report: &SuiteReport<'_>, family: usize) -> Table {
+    let text =
+        |heading: &str| Column { heading: heading.into(), unit: String::new(), kind: ColumnKind::Text };
+    let number = |heading: &str, unit: &str| Column {
+        heading: heading.into(),
+        unit: unit.into(),
+        kind: ColumnKind::Number,
+    };
+    let exact =
+        |value: Option<f64>, digits| value.map_or(Cell::Empty, |value| Cell::Number { value, digits });
+    let percent = |rate: f64| exact(Some(100.0 * rate), 1);
+    let results = || report.policies.iter().map(|policy| (policy, &policy.families[family].1));
+    let rows = results().map(|(policy, result)| {
+        let [low, high] = result.success_interval;
+        vec![
+            Cell::Text(policy.policy.clone()),
+            Cell::Text(format!("{:?}", policy.class)),
+            percent(result.success_rate),
+            Cell::Text(format!("{:.1} to {:.1}", 100.0 * low, 100.0 * high)),
+            percent(result.collision_rate),
+            percent(result.timeout_rate),
+            percent(result.worst_tenth),
+            exact(result.mean_time_s, 2),
+            exact(Some(result.spl), 3),
+            exact(result.time_ratio, 3),
+            exact(result.barn_score, 3),
+        ]
+    });
+    let counts = results().next().map_or((0, 0), |(_, result)| (result.scenarios, result.episodes));
+    Table {
+        name: format!("family-{}", family + 1),
+        title: format!("{} scenarios, {} episodes", counts.0, counts.1),
+        columns: vec![
+            text("Policy"),
+            text("Class"),
+            number("Success", "%"),
+            text("95 % interval"),
+            number("Collision", "%"),
+            number("Timeout", "%"),
+            number("Worst tenth", "%"),
+            number("Mean time", "s"),
+            number("SPL", ""),
+            number("Time ratio", ""),
+            number("BARN score", ""),
+        ],
+        rows: rows.collect(),
+        notes: Vec::new(),
+    }
+}

@@ -1,0 +1,146 @@
+//! The results of a driver in a family.
+
+use serde::Serialize;
+
+use super::{Family, SuiteEpisodes};
+use crate::import::stated_path_length_m;
+use crate::report::rate::rate_interval;
+use crate::run::evaluate::{EpisodeResult, OptimumComparison, period_s, round_to_microsecond, times_s};
+use crate::scenario::{Scenario, SuiteScore};
+use crate::task::EpisodeEnd;
+
+/// The results of a driver in a family.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FamilyResult {
+    /// Number of scenarios.
+    pub scenarios: usize,
+    /// Number of episodes in all of them.
+    pub episodes: usize,
+    /// Share of episodes that succeeded, 0 to 1.
+    pub success_rate: f64,
+    /// The 95 % confidence interval of the success rate (Wilson's), within 0 to 1.
+    pub success_interval: [f64; 2],
+    /// The success rate of each round: that of the first episodes of all scenarios, of the second, and so on.
+    pub rounds: Vec<f64>,
+    /// Share of episodes that ended in a collision, 0 to 1.
+    pub collision_rate: f64,
+    /// Its 95 % confidence interval, within 0 to 1.
+    pub collision_interval: [f64; 2],
+    /// Share of episodes that ended at the time limit, 0 to 1.
+    pub timeout_rate: f64,
+    /// Its 95 % confidence interval, within 0 to 1.
+    pub timeout_interval: [f64; 2],
+    /// Mean simulated time of the successful episodes, in s; `None` if none succeeded.
+    pub mean_time_s: Option<f64>,
+    /// Mean success weighted by path length, 0 to 1.
+    pub spl: f64,
+    /// Mean success rate in the tenth of the scenarios (at least one) where it is lowest, 0 to 1.
+    pub worst_tenth: f64,
+    /// The mean score of the BARN Challenge, 0 to 0.5, if the family has it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub barn_score: Option<f64>,
+    /// Time of the successful episodes divided by that of the planner's paths, where it has found one; `None` if it has found
+    /// none, or was not asked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time_ratio: Option<f64>,
+    /// Number of episodes in that comparison; 0 if the planner was not asked.
+    pub optimum_episodes: usize,
+}
+
+impl FamilyResult {
+    /// The results in `family`, from the episodes in each of its scenarios.
+    #[must_use]
+    pub fn new(family: &Family, of_scenarios: &[SuiteEpisodes]) -> Self {
+        let all = || of_scenarios.iter().flat_map(|of| &of.episodes);
+        let episodes = all().count();
+        let count = |end: EpisodeEnd| all().filter(|episode| episode.end == end).count();
+        let rate = |end| share(count(end), episodes);
+        let interval = |end| rate_interval(count(end), episodes);
+        let times: Vec<f64> = of_scenarios
+            .iter()
+            .flat_map(|of| times_s(&of.episodes, of.scenario.task.control_period_s))
+            .collect();
+        let (time_ratio, optimum_episodes) = time_ratio(of_scenarios);
+        Self {
+            scenarios: of_scenarios.len(),
+            episodes,
+            success_rate: rate(EpisodeEnd::Reached),
+            success_interval: interval(EpisodeEnd::Reached),
+            rounds: rounds(of_scenarios),
+            collision_rate: rate(EpisodeEnd::Collided),
+            collision_interval: interval(EpisodeEnd::Collided),
+            timeout_rate: rate(EpisodeEnd::TimedOut),
+            timeout_interval: interval(EpisodeEnd::TimedOut),
+            mean_time_s: (!times.is_empty()).then(|| mean(&times)),
+            spl: mean_over(of_scenarios, |_, episode, shortest_m| episode.spl(shortest_m).unwrap_or(0.0)),
+            worst_tenth: worst_tenth(of_scenarios),
+            barn_score: family.score.map(|SuiteScore::Barn| mean_over(of_scenarios, barn_score)),
+            time_ratio,
+            optimum_episodes,
+        }
+    }
+}
+
+fn share(count: usize, of: usize) -> f64 {
+    count as f64 / of.max(1) as f64
+}
+
+fn mean(values: &[f64]) -> f64 {
+    round_to_microsecond(values.iter().sum::<f64>() / values.len().max(1) as f64)
+}
+
+/// The mean of `value` over all episodes. It gets the scenario, the episode and the length of the shortest path in m.
+fn mean_over(of_scenarios: &[SuiteEpisodes], value: impl Fn(&Scenario, &EpisodeResult, f64) -> f64) -> f64 {
+    let values = of_scenarios.iter().flat_map(|of| {
+        let episodes = of.episodes.iter().zip(&of.references.shortest_paths_m);
+        episodes.map(|(episode, shortest_m)| value(&of.scenario, episode, *shortest_m))
+    });
+    mean(&values.collect::<Vec<f64>>())
+}
+
+fn success_rate(episodes: &[EpisodeResult]) -> f64 {
+    share(episodes.iter().filter(|episode| episode.succeeded()).count(), episodes.len())
+}
+
+fn rounds(of_scenarios: &[SuiteEpisodes]) -> Vec<f64> {
+    let longest = of_scenarios.iter().map(|of| of.episodes.len()).max().unwrap_or(0);
+    let round = |k: usize| {
+        let episodes: Vec<EpisodeResult> =
+            of_scenarios.iter().filter_map(|of| of.episodes.get(k).copied()).collect();
+        success_rate(&episodes)
+    };
+    (0..longest).map(round).collect()
+}
+
+fn worst_tenth(of_scenarios: &[SuiteEpisodes]) -> f64 {
+    let mut rates: Vec<f64> = of_scenarios.iter().map(|of| success_rate(&of.episodes)).collect();
+    rates.sort_by(f64::total_cmp);
+    rates.truncate(rates.len().div_ceil(10));
+    mean(&rates)
+}
+
+/// The score of the BARN Challenge: D. Perille et al., *Benchmarking metric ground navigation*, SSRR 2020, as in its `run.py`.
+fn barn_score(scenario: &Scenario, episode: &EpisodeResult, shortest_m: f64) -> f64 {
+    let top_speed_m_s = scenario.robot.motions.iter().map(|motion| motion.v_m_s).fold(0.0, f32::max);
+    let length_m = stated_path_length_m(&scenario.about).unwrap_or(shortest_m);
+    let optimal_s = length_m / f64::from(top_speed_m_s);
+    let time_s = f64::from(episode.steps) * period_s(scenario.task.control_period_s);
+    // No shorter path than the goal's radius, and no robot that cannot drive, reaches the division by 0.
+    let score = optimal_s / time_s.clamp(2.0 * optimal_s, 8.0 * optimal_s);
+    if episode.succeeded() && score.is_finite() { score } else { 0.0 }
+}
+
+/// The time of the successful episodes divided by that of the planner's paths, and the number of compared episodes.
+fn time_ratio(of_scenarios: &[SuiteEpisodes]) -> (Option<f64>, usize) {
+    let (mut actual_s, mut planned_s, mut episodes) = (0.0, 0.0, 0);
+    for of in of_scenarios {
+        let bounds = of.references.bounds.as_deref().unwrap_or_default();
+        if let Some(found) = OptimumComparison::from_episodes(&of.episodes, bounds, &of.scenario.task) {
+            let of_planned_s = found.optimum_mean_time_s * found.episodes as f64;
+            actual_s += of_planned_s * found.time_ratio;
+            planned_s += of_planned_s;
+            episodes += found.episodes;
+        }
+    }
+    ((episodes > 0).then(|| actual_s / planned_s), episodes)
+}

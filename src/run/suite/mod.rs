@@ -1,0 +1,173 @@
+//! Suites: tests of drivers and policies in many scenarios and levels, with results by families.
+//!
+//! In: the name of a suite, and drivers. Out: the episodes of each driver in each scenario, and the [`FamilyResult`]s.
+//!
+//! | file | contents |
+//! |---|---|
+//! | `load.rs` | a suite by name: its file, a folder, a set, a level generator, a scenario |
+//! | `test.rs` | the episodes, on all cores |
+//! | `store.rs` | the finished tests of a folder, so that an interrupted one goes on |
+//! | `family_result.rs` | the results of a family |
+
+mod family_result;
+pub mod load;
+mod store;
+mod test;
+
+use std::sync::Arc;
+
+use super::RunError;
+use super::settings::Settings;
+use crate::limits::MAX_EVAL_EPISODES;
+use crate::scenario::{
+    Diagnostic, LevelGenerator, Lidar, Robot, Scenario, SuiteScore, TaskRules, diagnostics,
+};
+
+pub use family_result::FamilyResult;
+pub use store::TestStore;
+pub use test::{References, SuiteDriver, SuiteEpisodes, SuiteTest, episode_setup};
+
+/// Families of scenarios.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Suite {
+    /// Name of the suite.
+    pub name: String,
+    /// The families, at least one.
+    pub families: Vec<Family>,
+}
+
+/// Scenarios of which results are given together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Family {
+    /// Name of the family.
+    pub name: String,
+    /// The scenarios, at least one.
+    pub scenarios: Vec<SuiteScenario>,
+    /// Number of episodes in each scenario.
+    pub episodes: usize,
+    /// Whether they drive the benchmark route of the scenario.
+    pub benchmark_route: bool,
+    /// The score.
+    pub score: Option<SuiteScore>,
+}
+
+/// A scenario of a suite, or a level, which is made when it is needed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SuiteScenario {
+    /// The file or shipped name, as given after `--scenario`.
+    pub name: String,
+    source: ScenarioSource,
+    rules: FamilyRules,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum ScenarioSource {
+    Scenario(Arc<Scenario>),
+    Level(Arc<LevelGenerator>, u64),
+}
+
+/// What a family changes in its scenarios.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct FamilyRules {
+    time_limit_s: Option<f32>,
+    collision_range_m: Option<f32>,
+    settings: Settings,
+}
+
+impl Suite {
+    /// All scenarios, with their families, in the order of the results.
+    pub fn scenarios(&self) -> impl Iterator<Item = (&Family, &SuiteScenario)> {
+        self.families
+            .iter()
+            .flat_map(|family| family.scenarios.iter().map(move |scenario| (family, scenario)))
+    }
+
+    /// The number of episodes that each driver drives.
+    #[must_use]
+    pub fn episodes(&self) -> u64 {
+        let of = |family: &Family| family.episodes as u64 * family.scenarios.len() as u64;
+        self.families.iter().map(of).sum()
+    }
+
+    /// Checks the number of episodes of so many `drivers`.
+    ///
+    /// # Errors
+    /// There are too many.
+    pub fn check_count(&self, drivers: usize) -> Result<(), RunError> {
+        let count = self.episodes().saturating_mul(drivers as u64);
+        if count <= MAX_EVAL_EPISODES {
+            return Ok(());
+        }
+        Err(RunError::InvalidInput(format!(
+            "{drivers} times {} episodes are {count}; help: give at most {MAX_EVAL_EPISODES} in total, with fewer episodes in each \
+             scenario",
+            self.episodes()
+        )))
+    }
+
+    /// The results of a driver by the families' names, from its episodes in each scenario.
+    #[must_use]
+    pub fn results(&self, of_scenarios: &[SuiteEpisodes]) -> Vec<(String, FamilyResult)> {
+        let mut rest = of_scenarios;
+        let families = self.families.iter().map(|family| {
+            let (own, others) = rest.split_at(family.scenarios.len().min(rest.len()));
+            rest = others;
+            (family.name.clone(), FamilyResult::new(family, own))
+        });
+        families.collect()
+    }
+}
+
+impl SuiteScenario {
+    /// The scenario, with the changes of the suite.
+    ///
+    /// # Errors
+    /// The generator has no such level, or the scenario does not allow the changes.
+    pub fn scenario(&self) -> Result<Arc<Scenario>, RunError> {
+        let invalid = |why: String| RunError::InvalidInput(format!("{}: {why}", self.name));
+        let mut scenario = match &self.source {
+            ScenarioSource::Scenario(scenario) => scenario.clone(),
+            ScenarioSource::Level(generator, seed) => {
+                Arc::new(generator.level(*seed).map_err(|error| invalid(error.to_string()))?)
+            }
+        };
+        if self.rules != FamilyRules::default() {
+            let scenario = Arc::make_mut(&mut scenario);
+            if let Some(problem) = self.rules.apply(scenario)?.first() {
+                return Err(invalid(format!("{problem}; help: change the family's rules")));
+            }
+        }
+        Ok(scenario)
+    }
+
+    /// Robot, LIDAR and rules, without the changes of the suite. They decide whether a policy can drive in it.
+    #[must_use]
+    pub fn task(&self) -> (&Robot, &Lidar, &TaskRules) {
+        match &self.source {
+            ScenarioSource::Scenario(scenario) => (&scenario.robot, &scenario.lidar, &scenario.task),
+            ScenarioSource::Level(generator, _) => (&generator.robot, &generator.lidar, &generator.task),
+        }
+    }
+}
+
+impl FamilyRules {
+    /// Changes `scenario`. Returns the problems of the result.
+    fn apply(&self, scenario: &mut Scenario) -> Result<Vec<Diagnostic>, RunError> {
+        let task = &mut scenario.task;
+        if let Some(limit_s) = self.time_limit_s {
+            // The limits of files keep the steps within u32.
+            task.max_episode_steps = (limit_s / task.control_period_s).round().max(1.0) as u32;
+        }
+        if let Some(range_m) = self.collision_range_m {
+            task.collision_range_m = range_m;
+        }
+        if self.time_limit_s.is_some() || self.collision_range_m.is_some() {
+            let problems = diagnostics(scenario);
+            if !problems.is_empty() {
+                return Ok(problems);
+            }
+        }
+        self.settings.apply_to_scenario(scenario)?;
+        Ok(Vec::new())
+    }
+}

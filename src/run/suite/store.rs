@@ -1,0 +1,128 @@
+//! The finished tests of a suite, in a file, so that an interrupted one goes on where it stopped.
+//!
+//! Each line is one test, as RON: a line that is not whole, because the process was killed, is ignored and its test is repeated.
+//! A test is known by everything that its result depends on, so that any other test of the same folder can use it.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use serde::{Deserialize, Serialize};
+
+use super::test::References;
+use crate::policy::card::RawJson;
+use crate::run::RunError;
+use crate::run::evaluate::{EpisodeResult, Evaluated};
+use crate::run::output_file::replace;
+use crate::run::provenance::{COMMIT, VERSION, scenario_json};
+use crate::scenario::Scenario;
+
+/// The finished tests of a folder.
+#[derive(Debug)]
+pub struct TestStore {
+    path: PathBuf,
+    finished: BTreeMap<String, StoredTest>,
+    file: Mutex<File>,
+}
+
+/// The result of a test.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StoredTest {
+    /// The episodes.
+    pub episodes: Vec<EpisodeResult>,
+    /// What the planner knows about them.
+    pub references: References,
+}
+
+impl TestStore {
+    /// The tests in the file at `path`, which is created if it does not exist.
+    ///
+    /// # Errors
+    /// The file cannot be read or written.
+    pub fn open(path: &Path) -> Result<Self, RunError> {
+        let unwritable = |error: std::io::Error| RunError::not_written(path, error);
+        let bytes = if path.exists() { fs::read(path).map_err(unwritable)? } else { Vec::new() };
+        let text = String::from_utf8_lossy(&bytes);
+        let whole: Vec<(&str, (String, StoredTest))> =
+            text.lines().filter_map(|line| Some((line, ron::from_str(line).ok()?))).collect();
+        replace(path, |file| whole.iter().try_for_each(|(line, _)| writeln!(file, "{line}")))
+            .map_err(unwritable)?;
+        let file = File::options().append(true).open(path).map_err(unwritable)?;
+        let finished = whole.into_iter().map(|(_, test)| test).collect();
+        Ok(Self { path: path.into(), finished, file: Mutex::new(file) })
+    }
+
+    /// The result of the test `key`, if it was finished before.
+    #[must_use]
+    pub fn get(&self, key: &str) -> Option<&StoredTest> {
+        self.finished.get(key)
+    }
+
+    /// Adds the result of the test `key`.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn add(&self, key: &str, test: &StoredTest) -> Result<(), RunError> {
+        let unwritable = |error: &dyn std::fmt::Display| RunError::not_written(&self.path, error);
+        let line = ron::to_string(&(key, test)).map_err(|error| unwritable(&error))? + "\n";
+        let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
+        file.write_all(line.as_bytes()).and_then(|()| file.flush()).map_err(|error| unwritable(&error))
+    }
+}
+
+/// What the result of a test depends on: the program, what drives, the scenario, and the `options` of the test.
+///
+/// # Errors
+/// None that is known: all of them can be written as JSON.
+pub fn key(evaluated: Evaluated<'_>, scenario: &Scenario, options: &str) -> Result<String, RunError> {
+    let failed = |error: serde_json::Error| RunError::Failed(error.to_string());
+    let driver = match evaluated {
+        Evaluated::Policy(policy) => format!("policy {}", policy.weights_crc32c()),
+        Evaluated::Driver(driver) => {
+            let json = serde_json::to_string(driver).and_then(RawJson::new).map_err(failed)?;
+            format!("{} {}", driver.name(), json.crc32c())
+        }
+    };
+    let (name, crc) = (&scenario.name, scenario_json(scenario).map_err(failed)?.crc32c());
+    Ok(format!("{VERSION} {}; {driver}; {name} {crc}; {options}", COMMIT.unwrap_or("")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::evaluate::PathMeasures;
+    use crate::scenario::Solid;
+    use crate::task::{Clock, EpisodeEnd, Goal, Pose};
+
+    #[test]
+    fn finished_tests_are_read_back_to_the_bit_and_a_torn_line_is_dropped() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("tests.ron");
+        let episode = EpisodeResult {
+            end: EpisodeEnd::Collided,
+            steps: 17,
+            start: Pose { x_m: 0.1, y_m: -1.0 / 3.0, heading_rad: 2.5 },
+            goal: Goal { x_m: 1.0, y_m: 2.0 },
+            clock: Clock(99_999),
+            layout_seed: u64::MAX,
+            path: Some(PathMeasures {
+                length_m: 0.1 + 0.2,
+                min_clearance_m: 1e-7,
+                hit: Some(Solid::Wall(3)),
+            }),
+        };
+        let references = References { shortest_paths_m: vec![2.0_f64.sqrt()], bounds: None };
+        let test = StoredTest { episodes: vec![episode], references };
+        let store = TestStore::open(&path).expect("a new file");
+        store.add("a", &test).expect("written");
+        store.add("b", &test).expect("written");
+        let text = fs::read_to_string(&path).expect("text");
+        fs::write(&path, &text[..text.len() - 9]).expect("written");
+        let store = TestStore::open(&path).expect("the file");
+        assert_eq!((store.get("a"), store.get("b")), (Some(&test), None));
+        store.add("b", &test).expect("written");
+        assert_eq!(TestStore::open(&path).expect("the file").get("b"), Some(&test));
+    }
+}

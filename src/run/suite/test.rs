@@ -1,0 +1,205 @@
+//! The test of drivers in a suite, on all cores.
+
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, OnceLock};
+
+use serde::{Deserialize, Serialize};
+
+use super::store::{self, StoredTest, TestStore};
+use super::{Family, Suite, SuiteScenario};
+use crate::planner::StepBounds;
+use crate::run::evaluate::{self, EpisodeResult, Evaluated, Evaluator};
+use crate::run::{RunError, on_all_cores};
+use crate::scenario::Scenario;
+use crate::simulation::Extensions;
+use crate::task::EpisodeSetup;
+
+/// A driver or policy under test.
+#[derive(Clone, Debug)]
+pub struct SuiteDriver<'a> {
+    /// Its file or shipped name.
+    pub name: String,
+    /// What drives.
+    pub evaluated: Evaluated<'a>,
+}
+
+/// A test of drivers, which all drive the same episodes. Each scenario has its own: episode j of a scenario depends only on the
+/// driver, the scenario, the seed and j.
+pub struct SuiteTest<'a> {
+    /// The suite.
+    pub suite: &'a Suite,
+    /// The seed of the episodes' starts and goals.
+    pub seed: u64,
+    /// Whether the planner finds bounds on the optimal time of each episode.
+    pub optimum: bool,
+    /// The plugins that policies were trained with.
+    pub extensions: &'a Extensions,
+    /// The number of threads (0: one per core). It changes no result.
+    pub threads: usize,
+    /// Set from outside to stop the test.
+    pub stop: Option<&'a AtomicBool>,
+    /// Where finished tests are kept, and taken from.
+    pub store: Option<&'a TestStore>,
+    /// Is told the number of tested pairs of a driver and a scenario, and the number of all.
+    pub progress: &'a (dyn Fn(usize, usize) + Sync),
+}
+
+/// The episodes of a driver in a scenario.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SuiteEpisodes {
+    /// The scenario.
+    pub scenario: Arc<Scenario>,
+    /// The episodes.
+    pub episodes: Vec<EpisodeResult>,
+    /// What the planner knows about them, which is the same for all drivers.
+    pub references: Arc<References>,
+}
+
+/// What the planner knows about the episodes in a scenario.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct References {
+    /// The length of the shortest path of each episode, in m.
+    pub shortest_paths_m: Vec<f64>,
+    /// The bounds on its optimal time, if wanted.
+    pub bounds: Option<Vec<StepBounds>>,
+}
+
+/// The simulation of the scenario that a thread has worked in last.
+struct Kept {
+    index: usize,
+    scenario: Arc<Scenario>,
+    /// Made when it is needed.
+    evaluator: Option<Evaluator>,
+}
+
+/// The choice of starts and goals in `scenario`, which belongs to `family`.
+#[must_use]
+pub fn episode_setup(family: &Family, scenario: &Scenario) -> EpisodeSetup {
+    let route = scenario.benchmark_route.filter(|_| family.benchmark_route);
+    route.map_or(EpisodeSetup::Random, EpisodeSetup::Route)
+}
+
+impl SuiteTest<'_> {
+    /// Tests `drivers`. Returns the episodes of each driver in each scenario ([`Suite::scenarios`]).
+    ///
+    /// # Errors
+    /// A driver is a policy that does not fit a scenario, a level cannot be made, a scenario has no free space for a start, or
+    /// the test was stopped.
+    pub fn run(&self, drivers: &[SuiteDriver<'_>]) -> Result<Vec<Vec<SuiteEpisodes>>, RunError> {
+        let scenarios: Vec<(&Family, &SuiteScenario)> = self.suite.scenarios().collect();
+        let references: Vec<OnceLock<Arc<References>>> = scenarios.iter().map(|_| OnceLock::new()).collect();
+        let (done, failed) = (AtomicUsize::new(0), AtomicBool::new(false));
+        let count = scenarios.len() * drivers.len();
+        let results = on_all_cores::map(
+            count,
+            self.threads,
+            || None,
+            |kept: &mut Option<Kept>, job| {
+                // By scenarios first, so that a thread can keep its simulation.
+                let (index, driver) = (job / drivers.len(), job % drivers.len());
+                if failed.load(Ordering::Relaxed) {
+                    return Ok(None);
+                }
+                let (family, scenario) = scenarios[index];
+                let result = kept_of(kept, index, scenario)
+                    .and_then(|kept| self.tested(kept, family, &drivers[driver], &references[index]));
+                failed.fetch_or(result.is_err(), Ordering::Relaxed);
+                (self.progress)(done.fetch_add(1, Ordering::Relaxed) + 1, count);
+                result.map(Some)
+            },
+        );
+        let mut found: Vec<Vec<SuiteEpisodes>> = drivers.iter().map(|_| Vec::new()).collect();
+        for (job, result) in results.into_iter().enumerate() {
+            found[job % drivers.len()].extend(result?);
+        }
+        Ok(found)
+    }
+
+    /// The episodes of `driver` in the scenario of `kept`: those of an earlier, equal test, or new ones.
+    fn tested(
+        &self,
+        kept: &mut Kept,
+        family: &Family,
+        driver: &SuiteDriver<'_>,
+        references: &OnceLock<Arc<References>>,
+    ) -> Result<SuiteEpisodes, RunError> {
+        let Some(store) = self.store else { return self.episodes(kept, family, driver, references) };
+        let Family { episodes, benchmark_route, .. } = family;
+        let options = format!(
+            "seed {}, {episodes} episodes, route {benchmark_route}, optimum {}",
+            self.seed, self.optimum
+        );
+        let key = store::key(driver.evaluated, &kept.scenario, &options)?;
+        if let Some(StoredTest { episodes, references }) = store.get(&key).cloned() {
+            let scenario = kept.scenario.clone();
+            return Ok(SuiteEpisodes { scenario, episodes, references: Arc::new(references) });
+        }
+        let found = self.episodes(kept, family, driver, references)?;
+        let test = StoredTest { episodes: found.episodes.clone(), references: (*found.references).clone() };
+        store.add(&key, &test)?;
+        Ok(found)
+    }
+
+    /// New episodes of `driver` in the scenario of `kept`.
+    fn episodes(
+        &self,
+        kept: &mut Kept,
+        family: &Family,
+        driver: &SuiteDriver<'_>,
+        references: &OnceLock<Arc<References>>,
+    ) -> Result<SuiteEpisodes, RunError> {
+        let Kept { scenario, evaluator, .. } = kept;
+        let evaluator = evaluator.get_or_insert_with(|| {
+            Evaluator::with_extensions(scenario, family.episodes, self.extensions).measuring_paths()
+        });
+        let setup = episode_setup(family, scenario);
+        let mut run = evaluator.start(driver.evaluated, self.seed, family.episodes, setup)?;
+        while !evaluator.step(&mut run)? {
+            self.check_signals()?;
+        }
+        let references = references.get_or_init(|| Arc::new(self.plan(scenario, &run.episodes)));
+        Ok(SuiteEpisodes {
+            scenario: scenario.clone(),
+            episodes: run.episodes,
+            references: references.clone(),
+        })
+    }
+
+    fn plan(&self, scenario: &Scenario, episodes: &[EpisodeResult]) -> References {
+        References {
+            shortest_paths_m: evaluate::shortest_paths_m(scenario, episodes, 1),
+            bounds: self.optimum.then(|| evaluate::bounds(scenario, episodes, 1)),
+        }
+    }
+
+    /// Checks that the test has not been stopped.
+    ///
+    /// # Errors
+    /// It has.
+    pub fn check_signals(&self) -> Result<(), RunError> {
+        match self.stop {
+            Some(stop) if stop.load(Ordering::Relaxed) => {
+                let rest = if self.store.is_some() {
+                    "the same command goes on from here"
+                } else {
+                    "no file was written"
+                };
+                Err(RunError::Stopped(format!("stopped before the end of the test; {rest}")))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The simulation of scenario `index`: the one that is kept, or a new one.
+fn kept_of<'k>(
+    kept: &'k mut Option<Kept>,
+    index: usize,
+    scenario: &SuiteScenario,
+) -> Result<&'k mut Kept, RunError> {
+    let scenario = match kept.take() {
+        Some(old) if old.index == index => return Ok(kept.insert(old)),
+        _ => scenario.scenario()?,
+    };
+    Ok(kept.insert(Kept { index, scenario, evaluator: None }))
+}

@@ -1,0 +1,351 @@
+//! Tests of `--eval` in suites, sets and folders of scenarios: results by families, the same on any number of cores, and clear
+//! errors.
+
+mod cli_support;
+
+use std::collections::BTreeMap;
+
+use cli_support::{SCENARIO_1, SCENARIO_2, Workspace, noisy, with_short_episodes};
+use serde_json::Value;
+
+const GENERATOR: &str = r#"(
+    name: "Clutter",
+    clutter: [Scatter(count: (2, 6), shapes: [Circle(radius_m: (0.1, 0.2))])],
+    task: (max_episode_steps: 60),
+)"#;
+
+/// Two BARN worlds without obstacles in the way. The second does not state its shortest path.
+const BARN: &str = r#"{"radius_m": 0.075, "start_m": [-2.25, 3.0], "heading_rad": 1.57, "goal_m": [-2.25, 13.0],
+    "goal_radius_m": 1.0, "time_limit_s": 100, "worlds": [
+    {"world": 0, "circles_m": [[-0.075, 0.075], [-4.5, 8.0]], "metric_path_length_m": 12.5},
+    {"world": 1, "circles_m": [[-0.075, 0.075], [-4.5, 8.0]], "metric_path_length_m": 3.0}]}"#;
+
+const SUITE: &str = r#"(
+    name: "Four families",
+    families: [
+        (name: "still", scenarios: ["one.ron", "maze"], episodes: 4, time_limit_s: 12.0),
+        (name: "moving", scenarios: ["two.ron"], episodes: 6),
+        (name: "levels", generator: "clutter.ron", levels: 12),
+        (name: "BARN", scenarios: ["barn"], episodes: 1, score: Barn),
+    ],
+)"#;
+
+fn workspace() -> Workspace {
+    let workspace = Workspace::new();
+    workspace.write("one.ron", with_short_episodes(SCENARIO_1));
+    workspace.write("two.ron", noisy(SCENARIO_2));
+    workspace.write("clutter.ron", GENERATOR);
+    workspace.write("barn.json", BARN);
+    workspace.run_ok("--import barn.json --out barn");
+    workspace.write("suite.ron", SUITE);
+    workspace
+}
+
+/// The rows of `episodes.csv`.
+fn rows(workspace: &Workspace) -> Vec<BTreeMap<String, String>> {
+    csv::Reader::from_path(workspace.path("episodes.csv"))
+        .unwrap()
+        .deserialize()
+        .map(Result::unwrap)
+        .collect()
+}
+
+fn number(row: &BTreeMap<String, String>, column: &str) -> f64 {
+    row[column].parse().unwrap_or_else(|_| panic!("`{column}` is no number in {row:?}"))
+}
+
+#[test]
+fn the_results_of_a_family_are_those_of_its_episodes() {
+    let workspace = workspace();
+    let report = workspace.run_ok("--eval dwa --suite suite.ron --csv episodes.csv --json").json();
+    assert_eq!(
+        (&report["policy"], &report["class"], &report["suite"]),
+        (&"dwa".into(), &"A".into(), &"Four families".into())
+    );
+    let rows = rows(&workspace);
+    assert_eq!(rows.len(), 2 * 4 + 6 + 12 + 2);
+    assert_eq!(report["episodes"], rows.len());
+    for (family, scenarios) in [("still", 2), ("moving", 1), ("levels", 12), ("BARN", 2)] {
+        let result = &report["families"][family];
+        let of: Vec<_> = rows.iter().filter(|row| row["family"] == family).collect();
+        let share = |outcome: &str| {
+            of.iter().filter(|row| row["outcome"] == outcome).count() as f64 / of.len() as f64
+        };
+        assert_eq!(result["scenarios"], scenarios, "{result}");
+        assert_eq!(result["episodes"], of.len());
+        for (rate, outcome) in [("success", "success"), ("collision", "collision"), ("timeout", "timeout")] {
+            assert_eq!(result[format!("{rate}_rate")], share(outcome), "{family}: {rate}");
+        }
+        let mut by_scenario = BTreeMap::<&str, Vec<bool>>::new();
+        for row in &of {
+            by_scenario.entry(&row["scenario"]).or_default().push(row["outcome"] == "success");
+        }
+        assert_eq!(by_scenario.len(), scenarios);
+        let mut rates: Vec<f64> = by_scenario
+            .values()
+            .map(|of| of.iter().filter(|success| **success).count() as f64 / of.len() as f64)
+            .collect();
+        rates.sort_by(f64::total_cmp);
+        let worst = &rates[..scenarios.div_ceil(10)];
+        let mean = worst.iter().sum::<f64>() / worst.len() as f64;
+        assert!((result["worst_tenth"].as_f64().unwrap() - mean).abs() < 1e-6, "{family}: {result}");
+        let spl = of.iter().map(|row| number(row, "spl")).sum::<f64>() / of.len() as f64;
+        assert!((result["spl"].as_f64().unwrap() - spl).abs() < 2e-6, "{family}: {result}");
+        assert_eq!(result["barn_score"] == Value::Null, family != "BARN");
+    }
+    let still_s = rows.iter().filter(|row| row["family"] == "still").map(|row| number(row, "time_s"));
+    assert!(still_s.fold(0.0, f64::max) <= 12.0, "the family's time limit holds");
+    assert!(rows.iter().any(|row| row["scenario"] == "clutter.ron:1000011"), "the last level");
+}
+
+#[test]
+fn barns_score_compares_the_time_with_that_of_the_stated_path_at_top_speed() {
+    let workspace = workspace();
+    let report = workspace.run_ok("--eval astar --suite barn --episodes 1 --csv episodes.csv --json").json();
+    assert_eq!(report["families"]["barn"]["success_rate"], 1.0, "nothing is in the way: {report}");
+    workspace.write(
+        "barn.ron",
+        "(name: \"B\", families: [(name: \"b\", scenarios: [\"barn\"], episodes: 1, score: Barn)])",
+    );
+    let report = workspace.run_ok("--eval astar --suite barn.ron --json").json();
+    let rows = rows(&workspace);
+    // At 2 m/s: 6.25 s and 1.5 s.
+    let scores = rows
+        .iter()
+        .zip([6.25, 1.5])
+        .map(|(row, optimal_s)| optimal_s / number(row, "time_s").clamp(2.0 * optimal_s, 8.0 * optimal_s));
+    let mean = scores.sum::<f64>() / 2.0;
+    assert!(
+        (report["families"]["b"]["barn_score"].as_f64().unwrap() - mean).abs() < 1e-6,
+        "{report}, not {mean}"
+    );
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn the_number_of_cores_does_not_change_the_results_of_a_suite() {
+    let workspace = workspace();
+    let eval = "--eval dwa scenario-2 --suite set.ron --json --csv";
+    let set = r#"(name: "Set", scenarios: [(scenario: "one.ron"), (scenario: "two.ron"), (generator: "clutter.ron")])"#;
+    workspace.write("set.ron", set);
+    let all = workspace.run_ok(&format!("{eval} all.csv --episodes 3"));
+    workspace.run_on_one_core(&format!("{eval} one.csv --episodes 3"));
+    assert_eq!(workspace.text("all.csv"), workspace.text("one.csv"));
+    let policies = all.json();
+    let names: Vec<&str> =
+        policies["policies"].as_array().unwrap().iter().map(|of| of["policy"].as_str().unwrap()).collect();
+    assert_eq!(names, ["dwa", "scenario-2"]);
+}
+
+#[test]
+fn a_set_is_a_suite_and_its_episodes_are_those_of_each_scenario() {
+    let workspace = workspace();
+    workspace.write(
+        "set.ron",
+        r#"(name: "Set", scenarios: [(scenario: "one.ron"), (name: "moving", scenario: "two.ron")])"#,
+    );
+    let of_set = workspace.run_ok("--eval field --scenario set.ron --episodes 20 --seed 3 --json").json();
+    let again = workspace.run_ok("--eval field --suite set.ron --episodes 20 --seed 3 --json").json();
+    assert_eq!(of_set, again);
+    for (family, file) in [("one", "one.ron"), ("moving", "two.ron")] {
+        let alone = workspace
+            .run_ok(&format!("--eval field --scenario {file} --rounds 1 --episodes 20 --seed 3 --json"))
+            .json();
+        for key in ["success_rate", "success_interval", "collision_rate", "timeout_rate", "mean_time_s"] {
+            assert_eq!(of_set["families"][family][key], alone[key], "{family}: {key}");
+        }
+    }
+    let table = workspace.run_ok("--eval field dwa --scenario set.ron --episodes 2").stdout;
+    for row in ["\none     field   A ", "\none     dwa     A ", "\nmoving  field   A "] {
+        assert!(table.contains(row), "{table}");
+    }
+    workspace.run_ok("--draw sheet.svg --scenario set.ron");
+    let sheet = workspace.text("sheet.svg");
+    assert!(["Set", "one", "moving"].iter().all(|name| sheet.contains(&format!("\n{name}\n"))), "{sheet}");
+}
+
+#[test]
+fn the_optimum_and_the_benchmark_route_can_be_part_of_a_suite() {
+    let workspace = workspace();
+    workspace.write(
+        "route.ron",
+        r#"(name: "R", families: [(name: "route", scenarios: ["scenario-1"], episodes: 2, benchmark_route: true)])"#,
+    );
+    let report = workspace
+        .run_ok("--eval scenario-1 --suite route.ron --optimum --csv episodes.csv --report report --json")
+        .json();
+    let route = &report["families"]["route"];
+    assert_eq!(route["optimum_episodes"], 2, "{report}");
+    assert!((1.0..1.3).contains(&route["time_ratio"].as_f64().unwrap()), "{report}");
+    for row in rows(&workspace) {
+        assert_eq!(
+            (number(&row, "goal_x_m"), number(&row, "start_x_m")),
+            (1.2, 0.0),
+            "the paper's route: {row:?}"
+        );
+    }
+}
+
+#[test]
+fn check_knows_suites_and_drivers() {
+    let workspace = workspace();
+    workspace.write("dwa.ron", "// Faster.\nDwa(speed: 2.0)");
+    let checked = workspace.run_ok("--check suite.ron dwa.ron").stdout;
+    assert_eq!(checked, "suite.ron: ok (suite)\ndwa.ron: ok (driver)\n");
+    workspace.write("bad.ron", "Dwa(speed: -2.0)");
+    let done = workspace.run("--check bad.ron");
+    assert_eq!(done.status, Some(2));
+    assert!(done.stderr.starts_with("bad.ron:1:"), "{}", done.stderr);
+    assert!(done.stderr.contains("in this driver"), "{}", done.stderr);
+}
+
+#[test]
+fn an_invalid_suite_is_rejected_with_line_and_fix() {
+    let workspace = workspace();
+    workspace.write("bare.ron", "(name: \"Bare\")");
+    let suite = |family: &str| format!("(\n    name: \"Bad\",\n    families: [\n        {family}\n    ],\n)");
+    for (family, part) in [
+        (
+            "(name: \"a\", scenarios: [\"maze\", \"missing.ron\"])",
+            "bad.ron:4:41: `families[0].scenarios[1]` can't be used: missing.ron: ",
+        ),
+        (
+            "(name: \"a\", scenarios: [\"clutter\"])",
+            "it is a level generator; help: write `generator: \"clutter\"`",
+        ),
+        (
+            "(name: \"a\", generator: \"maze\")",
+            "bad.ron:4:32: `families[0].generator` can't be used: it is no level generator",
+        ),
+        (
+            "(name: \"a\")",
+            "bad.ron:4:9: `families[0]` must have scenarios: write either `scenarios: [\"FILE\", ...]`",
+        ),
+        (
+            "(name: \"a\", scenarios: [\"maze\"], levels: 3)",
+            "`families[0].levels` belongs to a generator: remove it",
+        ),
+        (
+            "(name: \"a\", scenarios: [\"maze\"], episodes: 0)",
+            "`families[0].episodes` is 0: write a number from 1 to",
+        ),
+        (
+            "(name: \"a\", scenarios: [\"maze\"], time_limit_s: 0)",
+            "`families[0].time_limit_s` is 0: write a number from 0.1",
+        ),
+        (
+            "(name: \"a\", scenarios: [\"maze\"], collision_range_m: 0.05)",
+            "bad.ron:4:9: `families[0]` can't be used: maze: ",
+        ),
+        (
+            "(name: \"a\", scenarios: [\"barn.json\"])",
+            "bad.ron:4:33: `families[0].scenarios[0]` can't be used: ",
+        ),
+        (
+            "(name: \"a\", scenarios: [\"bare.ron\"], benchmark_route: true)",
+            "bare.ron has no benchmark route; help: ",
+        ),
+    ] {
+        workspace.write("bad.ron", suite(family));
+        for command in ["--check bad.ron", "--eval dwa --suite bad.ron --csv episodes.csv"] {
+            let done = workspace.run(command);
+            assert_eq!(done.status, Some(2), "{command}: {}", done.stderr);
+            assert!(done.stderr.contains(part), "{command}: no `{part}` in {}", done.stderr);
+        }
+    }
+    assert!(!workspace.path("episodes.csv").exists());
+}
+
+#[test]
+fn what_a_suite_does_not_take_is_refused_with_a_fix() {
+    let workspace = workspace();
+    std::fs::create_dir(workspace.path("empty")).unwrap();
+    for (arguments, part) in [
+        ("--eval dwa --suite suite.ron --trace t.jsonl", "--trace is for a test in one scenario"),
+        ("--eval dwa --suite suite.ron --rounds 2", "--rounds is for a test in one scenario"),
+        ("--eval dwa --suite suite.ron --scenario maze", "cannot be used with"),
+        (
+            "--eval dwa --scenario suite.ron",
+            "suite.ron: is a suite, not a scenario; help: --eval POLICY --suite suite.ron",
+        ),
+        ("--eval dwa --suite empty", "empty: this folder has no .ron file; help: "),
+        ("--eval dwa --suite mzae", "did you mean `maze`?"),
+        ("--eval scenario-1 --suite suite.ron", "but scenario"),
+        ("--eval dwa --suite suite.ron --episodes 1000000", "help: give at most 1000000 in total"),
+    ] {
+        let done = workspace.run(arguments);
+        assert_eq!((done.status, done.stdout.as_str()), (Some(2), ""), "{arguments}: {}", done.stderr);
+        assert!(done.stderr.contains(part), "{arguments}: no `{part}` in {}", done.stderr);
+    }
+}
+
+/// A suite in which the driver that turns towards the goal alone fails often, in still scenarios.
+const HARD: &str = r#"(
+    name: "Hard",
+    families: [
+        (name: "u-trap", scenarios: ["u-trap"], episodes: 4, time_limit_s: 20),
+        (name: "levels", generator: "clutter.ron", levels: 5),
+        (name: "field", scenarios: ["random-field"], episodes: 4, time_limit_s: 20),
+    ],
+)"#;
+
+#[test]
+fn a_report_shows_every_failure_and_its_scenario_has_the_same_start_and_goal() {
+    let workspace = workspace();
+    workspace.write("hard.ron", HARD);
+    workspace.run_ok("--eval field dwa --suite hard.ron --report report --csv episodes.csv --json");
+    let page = workspace.text("report/report.html");
+    let failed: Vec<_> = rows(&workspace).into_iter().filter(|row| row["outcome"] != "success").collect();
+    assert!(failed.len() > 2, "some fail");
+    let files = std::fs::read_dir(workspace.path("report/failures")).unwrap().count();
+    assert_eq!(files, failed.len());
+    for row in &failed {
+        let (policy, scenario, episode) = (&row["policy"], &row["scenario"], &row["episode"]);
+        let caption = format!("{policy} in {scenario}, episode {episode}: {} after ", row["outcome"]);
+        assert_eq!(page.matches(&caption).count(), 1, "{caption}");
+        let number = (1..=failed.len()).find(|number| {
+            workspace.text(&format!("report/failures/failure-{number:04}.ron")).contains(&caption)
+        });
+        let file = format!("report/failures/failure-{:04}.ron", number.expect("its scenario"));
+        assert!(page.contains(&format!("wayfield --scenario {file} --open report/drivers/")), "{file}");
+        workspace
+            .run_ok(&format!("--eval {policy} --scenario {file} --rounds 1 --episodes 1 --csv again.csv"));
+        let again: Vec<BTreeMap<String, String>> = csv::Reader::from_path(workspace.path("again.csv"))
+            .unwrap()
+            .deserialize()
+            .map(Result::unwrap)
+            .collect();
+        for column in ["start_x_m", "start_y_m", "start_heading_rad", "goal_x_m", "goal_y_m"] {
+            assert_eq!(again[0][column], row[column], "{file}: {column}");
+        }
+        // Nothing moves in these scenarios, and nothing is noisy.
+        assert_eq!((&again[0]["outcome"], &again[0]["steps"]), (&row["outcome"], &row["steps"]), "{file}");
+    }
+}
+
+#[test]
+fn an_interrupted_test_goes_on_with_the_same_results() {
+    let workspace = workspace();
+    let eval = "--eval field dwa --suite suite.ron --json";
+    let whole = workspace.run_ok(eval).stdout;
+    assert_eq!(workspace.run_ok(&format!("{eval} --report report")).stdout, whole);
+    let tests = workspace.text("report/tests.ron");
+    assert_eq!(tests.lines().count(), 2 * 17, "a line for each driver and scenario");
+    // As if killed while the twelfth line was written.
+    let kept: Vec<&str> = tests.lines().take(12).collect();
+    workspace.write("report/tests.ron", &kept.join("\n")[..kept.join("\n").len() - 20]);
+    assert_eq!(workspace.run_ok(&format!("{eval} --report report")).stdout, whole);
+    assert_eq!(workspace.text("report/tests.ron").lines().count(), 2 * 17);
+    // Finished tests are used, and only those of the same seed.
+    workspace.run_ok(&format!("{eval} --report report --seed 1"));
+    assert_eq!(workspace.text("report/tests.ron").lines().count(), 4 * 17);
+    std::fs::create_dir(workspace.path("used")).unwrap();
+    workspace.write("used/notes.txt", "mine");
+    let done = workspace.run(&format!("{eval} --report used"));
+    assert_eq!(done.status, Some(2), "{}", done.stderr);
+    assert!(
+        done.stderr.contains("used: holds something else than the report of a suite; help: "),
+        "{}",
+        done.stderr
+    );
+}
