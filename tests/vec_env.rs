@@ -167,6 +167,22 @@ fn a_commanded_motion_drives_like_the_action_with_that_motion() {
 }
 
 #[test]
+fn a_commanded_motion_of_a_car_keeps_its_least_turning_radius() {
+    let mut car = shipped::scenario("empty").expect("shipped");
+    let motion = |v_m_s, w_rad_s| Motion { v_m_s, w_rad_s };
+    car.robot.min_turning_radius_m = Some(0.5);
+    car.robot.motions = vec![motion(0.2, 0.4), motion(0.2, -0.4), motion(0.2, 0.0)];
+    let mut env = VecEnv::new(&car, VecEnvConfig::default()).expect("a valid scenario");
+    let mut after = |command: Motion| {
+        env.reset(6).expect("free space");
+        bits(env.step_motions(&[command]).expect("a valid step").observations)
+    };
+    assert_eq!(after(motion(0.1, 0.4)), after(motion(0.1, 0.2)), "0.1 m/s in a circle of 0.5 m");
+    assert_eq!(after(motion(0.0, 0.4)), after(motion(0.0, 0.0)), "it can't turn on the spot");
+    assert_ne!(after(motion(0.2, 0.4)), after(motion(0.2, 0.2)));
+}
+
+#[test]
 fn an_invalid_action_is_an_error_that_names_it() {
     let mut env = env(2, TaskMode::Episodic);
     let error = env.step(&[0]).expect_err("one action for two environments");

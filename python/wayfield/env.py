@@ -18,7 +18,8 @@ class NavigationEnv(gymnasium.Env):
     3.5 m and the number of beams. ``"raw"``: in m and rad.
 
     **Action**: ``"discrete"``, the index of one of the robot's motions (``motions``), or ``"continuous"``, float32, (2,): speed
-    in m/s and turning rate in rad/s, limited to the action space.
+    in m/s and turning rate in rad/s, limited to the action space, and to what the robot's
+    least turning radius allows.
 
     **Reward**: the sum of the terms in ``info``: ``reward_goal``, ``reward_collision``, ``reward_attraction`` and
     ``reward_repulsion``. ``info`` also has ``is_success`` and ``collision``.

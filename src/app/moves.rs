@@ -107,16 +107,14 @@ pub fn check_move(arena: &MoveContext<'_>, object: Movable, to_m: Vec2) -> Resul
     if !(to_m.x.is_finite() && to_m.y.is_finite() && enclosure_m > 0.0) {
         return Err(MoveRejection::OutsideWalls);
     }
-    let collision_range_m = arena.layout.task.collision_range_m;
+    let keep_out_m = arena.layout.keep_out_m();
     match object {
         Movable::Goal if obstacle_gap(arena, to_m) <= 0.0 => Err(MoveRejection::InsideObstacle),
         Movable::Goal if inner_wall_gap(arena, to_m) <= 0.0 => Err(MoveRejection::InsideWall),
-        Movable::Robot if enclosure_m.min(inner_wall_gap(arena, to_m)) <= collision_range_m => {
+        Movable::Robot if enclosure_m.min(inner_wall_gap(arena, to_m)) <= keep_out_m => {
             Err(MoveRejection::TooCloseToWall)
         }
-        Movable::Robot if obstacle_gap(arena, to_m) <= collision_range_m => {
-            Err(MoveRejection::TooCloseToObstacle)
-        }
+        Movable::Robot if obstacle_gap(arena, to_m) <= keep_out_m => Err(MoveRejection::TooCloseToObstacle),
         Movable::Goal | Movable::Robot => Ok(()),
         Movable::Obstacle(index) => check_obstacle(arena, index, to_m),
     }
@@ -140,7 +138,7 @@ fn check_obstacle(arena: &MoveContext<'_>, index: usize, to_m: Vec2) -> Result<(
         return Err(MoveRejection::NotMovable);
     };
     let gap_to = |point_m| shape_distance(&obstacle.shape, (to_m.x, to_m.y, pose.2), point_m);
-    if gap_to(arena.robot_m) <= arena.layout.task.collision_range_m {
+    if gap_to(arena.robot_m) <= arena.layout.keep_out_m() {
         return Err(MoveRejection::TooCloseToRobot);
     }
     if gap_to(arena.goal_m) <= 0.0 {

@@ -206,7 +206,7 @@ fn sample(
         let pose = Pose { x_m, y_m, heading_rad: inputs.heading_rad };
         scan_from(&pose, &mut scan);
         // From outside or inside a wall the beams may see far, so the floor is checked separately.
-        let free = scan.nearest_m >= scenario.task.collision_range_m && is_floor(scenario, vec2(x_m, y_m));
+        let free = scan.nearest_m >= scenario.sure_collision_m() && is_floor(scenario, vec2(x_m, y_m));
         let potential = sources.reward.potential(pose.distance_m(goal), scan.nearest_m).total();
         potentials.push(if free { potential } else { f32::NAN });
         if inputs.value {

@@ -11,7 +11,8 @@ use crate::task::{Actions, CommandedMotions};
 pub enum Commands<'a> {
     /// Indices into the robot's motions.
     Actions(&'a [usize]),
-    /// Speeds and turning rates, which are limited to those between 0 and the extremes of the robot's motions.
+    /// Speeds and turning rates, which are limited to those between 0 and the extremes of the robot's motions; then turning
+    /// rates are limited to what the robot's least turning radius allows at that speed.
     Motions(&'a [Motion]),
 }
 

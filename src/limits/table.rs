@@ -164,6 +164,7 @@ const SCENARIOS: &[Limit] = &[
     Limit("positions of a `OneOf` rule", counts(&scenario::POSITIONS), "", "time of the checks"),
     Limit("radius of the robot", reals(&scenario::ROBOT_RADIUS_M), "m", "mistyped values"),
     Limit("motions of the robot", counts(&scenario::MOTIONS), "", "size of the network's output"),
+    Limit("least turning radius", reals(&scenario::TURNING_RADIUS_M), "m", "mistyped values"),
     Limit("actuator lag", reals(&scenario::ACTUATOR_LAG_S), "s", "mistyped values"),
     Limit("LIDAR beams", counts(&scenario::BEAMS), "", "memory, time of a step"),
     Limit("field of view", reals(&scenario::FIELD_OF_VIEW_RAD), "rad", "a full turn"),

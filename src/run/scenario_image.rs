@@ -14,7 +14,7 @@ use crate::report::DrawError;
 use crate::report::chart::{
     MapObstacle, MapObstacleKind, MapRobot, MapShape, MapTrack, MapTrajectory, ScenarioMap, contact_sheet_svg,
 };
-use crate::scenario::{IndexedScenario, Obstacle, ObstacleMotion, Outline, Scenario, Track};
+use crate::scenario::{IndexedScenario, Obstacle, ObstacleMotion, Outline, Scenario, Shape, Track};
 use crate::task::{Arena, ArenaLayout, Clock, Goal, Pedestrians, Pose, Scan};
 
 /// The layout seed of the generated obstacles in thumbnails.
@@ -36,7 +36,7 @@ fn map_of(scenario: &Scenario, layout: IndexedScenario, clock: u64) -> ScenarioM
     let segments = generated.walls.iter().flat_map(wayfield_scenario::Wall::segments);
     let walls = segments.map(|segment| MapObstacle {
         kind: MapObstacleKind::Wall,
-        outline: outline(&segment, (segment.position_m.x, segment.position_m.y, segment.rotation_rad)),
+        outline: outline(&segment.shape, (segment.position_m.x, segment.position_m.y, segment.rotation_rad)),
     });
     let obstacles = generated.obstacles.iter().enumerate().map(|(index, obstacle)| {
         let kind = match heading(layout, index, clock) {
@@ -44,7 +44,7 @@ fn map_of(scenario: &Scenario, layout: IndexedScenario, clock: u64) -> ScenarioM
             None if index < scenario.obstacles.len() => MapObstacleKind::Obstacle,
             None => MapObstacleKind::Generated,
         };
-        MapObstacle { kind, outline: outline(obstacle, layout.pose_at(index, clock)) }
+        MapObstacle { kind, outline: outline(&obstacle.shape, layout.pose_at(index, clock)) }
     });
     ScenarioMap {
         title: String::new(),
@@ -149,7 +149,8 @@ fn robot(scenario: &Scenario, pose: &Pose, scan: &Scan) -> MapRobot {
     });
     MapRobot {
         pose: (x, y, f64::from(pose.heading_rad)),
-        radius: f64::from(scenario.robot.radius_m),
+        nose: f64::from(scenario.robot.inner_radius_m()),
+        body: outline(&scenario.robot.body(), (pose.x_m, pose.y_m, pose.heading_rad)),
         lidar: (lidar_x, lidar_y),
         beam_ends: beam_ends.collect(),
     }
@@ -170,12 +171,12 @@ fn heading(layout: IndexedScenario, obstacle: usize, clock: u64) -> Option<f64> 
     (dx != 0.0 || dy != 0.0).then(|| dy.atan2(dx))
 }
 
-/// The area an obstacle covers at a pose.
-fn outline(obstacle: &Obstacle, (x, y, rotation): (f32, f32, f32)) -> MapShape {
+/// The area that a shape covers at a pose (x in m, y in m, rotation in rad).
+fn outline(shape: &Shape, (x, y, rotation): (f32, f32, f32)) -> MapShape {
     let (x, y) = wide(vec2(x, y));
     let (sin, cos) = f64::from(rotation).sin_cos();
     let to_map = |at: DVec2| (x + cos * at.x - sin * at.y, y + sin * at.x + cos * at.y);
-    match obstacle.shape.outline(END_SEGMENTS) {
+    match shape.outline(END_SEGMENTS) {
         Outline::Circle(radius) => MapShape::Disc(x, y, radius),
         Outline::Polygon(corners) => MapShape::Polygon(corners.into_iter().map(to_map).collect()),
     }
@@ -206,7 +207,7 @@ mod tests {
     use std::f64::consts::PI;
 
     use super::*;
-    use crate::scenario::{Enclosure, Generator, RandomShape, Shape, Wall};
+    use crate::scenario::{Enclosure, Generator, RandomShape, Wall};
 
     fn obstacle(shape: Shape, motion: ObstacleMotion) -> Obstacle {
         Obstacle { shape, position_m: vec2(1.0, 0.0), rotation_rad: std::f32::consts::FRAC_PI_2, motion }

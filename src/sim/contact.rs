@@ -13,6 +13,7 @@ use bevy::prelude::*;
 use bevy_rapier2d::rapier::math::Pose as BodyPose;
 use bevy_rapier2d::rapier::prelude::{Collider, ColliderSet, Shape, TypedShape};
 
+use super::footprint::Sweep;
 use super::physics::Bodies;
 use super::ray_cast::polygon_contains;
 use crate::scenario::polygon::{distance_to_segment, sides};
@@ -24,7 +25,7 @@ const CONTACT_MARGIN_M: f32 = 0.0005;
 /// The penetration in m that is tolerated where rapier stops a robot.
 const MAX_PENETRATION_M: f32 = 0.001;
 /// The smallest advance in m: the resolution of the moment of contact.
-const MIN_ADVANCE_M: f32 = 0.0001;
+pub(super) const MIN_ADVANCE_M: f32 = 0.0001;
 
 /// A step of one arena that rapier has just made.
 pub(super) struct ContactQuery<'a> {
@@ -36,15 +37,25 @@ pub(super) struct ContactQuery<'a> {
     pub clock: Clock,
     /// The robot's centre before the step, in m.
     pub from: Vec2,
+    /// The robot's heading before the step, and its change in the step, in rad.
+    pub heading_rad: f32,
+    pub turn_rad: f32,
 }
 
 impl ContactQuery<'_> {
     /// The fraction of the step, 0 to 1, after which the robot first touches something on the straight line to `to`.
     pub(super) fn first_contact(&self, to: Vec2) -> Option<f32> {
-        self.first_within(to, self.layout.scenario.robot.radius_m + CONTACT_MARGIN_M)
+        let Some(footprint) = &self.bodies.footprint else {
+            return self.first_within(to, self.layout.scenario.robot.radius_m + CONTACT_MARGIN_M);
+        };
+        let Self { from, heading_rad, turn_rad, .. } = *self;
+        let sweep = Sweep { from, to, heading_rad, turn_rad };
+        self.first(to, footprint.reach_m + CONTACT_MARGIN_M, |shape, obstacle, max_travel_m| {
+            footprint.approach(sweep, shape, &self.trajectory_of(obstacle), CONTACT_MARGIN_M, max_travel_m)
+        })
     }
 
-    /// Whether a robot that was to go to `to` may rest at `end`, where rapier stopped it: it touches something, penetrates
+    /// Whether a disc that was to go to `to` may rest at `end`, where rapier stopped it: it touches something, penetrates
     /// nothing, has passed through nothing, and has gone no farther than it was to go.
     pub(super) fn is_resting_contact(&self, end: Vec2, to: Vec2) -> bool {
         let radius_m = self.layout.scenario.robot.radius_m;
@@ -58,16 +69,36 @@ impl ContactQuery<'_> {
 
     /// The fraction of the step after which something first comes within `reach_m` of the robot's centre.
     fn first_within(&self, to: Vec2, reach_m: f32) -> Option<f32> {
+        self.first(to, reach_m, |shape, obstacle, max_travel_m| {
+            self.approach(shape, obstacle, to, reach_m, max_travel_m)
+        })
+    }
+
+    /// The smallest fraction of the step that `approach` returns for a shape that comes within `reach_m` of the robot's centre,
+    /// or others near it. `approach` gets the obstacle of a shape that may move, and the largest distance that it and the
+    /// robot's centre together cover.
+    #[inline]
+    fn first(
+        &self,
+        to: Vec2,
+        reach_m: f32,
+        approach: impl Fn(PlacedShape, Option<usize>, f32) -> Option<f32>,
+    ) -> Option<f32> {
         let step_m = (to - self.from).length();
+        let approach = |shape: PlacedShape, obstacle: Option<usize>, max_travel_m: f32| {
+            let (position, of) = shape;
+            let is_near = distance_m(position, of, to) - reach_m <= max_travel_m;
+            if is_near { approach(shape, obstacle, max_travel_m) } else { None }
+        };
         let still = self.still_near(to, reach_m + step_m);
-        let still = still.filter_map(|shape| self.approach(shape, None, to, reach_m, step_m));
+        let still = still.filter_map(|shape| approach(shape, None, step_m));
         let others = self.bodies.not_in_grid().filter_map(|(number, handle)| {
             let shape = placed(self.colliders.get(handle)?);
             // The scenario's own obstacles come first among the solids; all others are static.
             let is_own = number < self.bodies.obstacles.len();
             let obstacle = Some(number).filter(|_| is_own);
             let max_travel_m = step_m + obstacle.map_or(0.0, |o| self.max_travel_m(o));
-            self.approach(shape, obstacle, to, reach_m, max_travel_m)
+            approach(shape, obstacle, max_travel_m)
         });
         others.chain(still).reduce(f32::min)
     }
@@ -83,10 +114,7 @@ impl ContactQuery<'_> {
         reach_m: f32,
         max_travel_m: f32,
     ) -> Option<f32> {
-        if distance_m(position, shape, to) - reach_m > max_travel_m {
-            return None;
-        }
-        let trajectory = obstacle.map_or(ObstacleTrajectory::Static, |o| self.trajectory(o));
+        let trajectory = self.trajectory_of(obstacle);
         let mut fraction = 0.0;
         loop {
             let at = trajectory.in_obstacle_frame(self.from.lerp(to, fraction), 1.0 - fraction);
@@ -123,6 +151,11 @@ impl ContactQuery<'_> {
         }
     }
 
+    #[inline]
+    fn trajectory_of(&self, obstacle: Option<usize>) -> ObstacleTrajectory {
+        obstacle.map_or(ObstacleTrajectory::Static, |obstacle| self.trajectory(obstacle))
+    }
+
     fn trajectory(&self, obstacle: usize) -> ObstacleTrajectory {
         let period_s = self.layout.scenario.task.control_period_s;
         match self.layout.scenario.obstacles[obstacle].motion.speed() {
@@ -150,7 +183,7 @@ impl ContactQuery<'_> {
 }
 
 /// The motion of an obstacle in this step, at constant speed.
-enum ObstacleTrajectory {
+pub(super) enum ObstacleTrajectory {
     Static,
     /// A translation by this vector, in m.
     Straight(Vec2),
@@ -164,7 +197,7 @@ enum ObstacleTrajectory {
 impl ObstacleTrajectory {
     /// The position relative to the obstacle of a point that is at `at` when the fraction `left` of the step remains. It
     /// is expressed as a position next to the obstacle at the end of the step.
-    fn in_obstacle_frame(&self, at: Vec2, left: f32) -> Vec2 {
+    pub(super) fn in_obstacle_frame(&self, at: Vec2, left: f32) -> Vec2 {
         match *self {
             Self::Static => at,
             Self::Straight(translation) => at + translation * left,
@@ -177,7 +210,7 @@ impl ObstacleTrajectory {
 }
 
 /// A shape and its position.
-type PlacedShape<'a> = (&'a BodyPose, &'a dyn Shape);
+pub(super) type PlacedShape<'a> = (&'a BodyPose, &'a dyn Shape);
 
 fn placed(solid: &Collider) -> PlacedShape<'_> {
     (solid.position(), solid.shape())

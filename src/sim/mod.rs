@@ -9,6 +9,7 @@
 //! | `colliders.rs` | the rapier shapes of obstacles and of the enclosure |
 //! | `robot.rs` | the differential drive and its actuator lag |
 //! | `contact.rs` | the moment in a step at which the robot first touches something |
+//! | `footprint.rs` | the same for a robot that is not a disc |
 //! | `obstacles.rs` | moving obstacles as a function of the clock, and generated obstacles |
 //! | `lidar.rs` | scans with noise, dropout and latency |
 //! | `ray_cast.rs` | exact ranges along the beams |
@@ -18,6 +19,7 @@
 mod arena;
 mod colliders;
 mod contact;
+mod footprint;
 pub mod lidar;
 mod obstacles;
 mod physics;

@@ -17,16 +17,17 @@ use bevy_rapier2d::prelude::{
     RapierConfiguration, RapierContextColliders, RapierContextJoints, RapierContextSimulation,
     RapierRigidBodySet,
 };
-use bevy_rapier2d::rapier::dynamics::{LockedAxes, RigidBodyBuilder};
+use bevy_rapier2d::rapier::dynamics::{LockedAxes, MassProperties, RigidBodyBuilder};
 use bevy_rapier2d::rapier::math::Pose as BodyPose;
 use bevy_rapier2d::rapier::prelude::{
     ColliderBuilder, ColliderHandle, PhysicsPipeline, RigidBody, RigidBodyHandle, SharedShape,
 };
 
 use super::colliders::{enclosure_colliders, shared_shape};
+use super::footprint::Footprint;
 use super::still_shapes::StillShapes;
 use crate::control_step::{ControlSet, ControlStep};
-use crate::scenario::{Obstacle, ObstacleMotion, Scenario, Wall, pose_at};
+use crate::scenario::{Obstacle, ObstacleMotion, Robot, Scenario, Wall, pose_at};
 use crate::task::ArenaLayout;
 
 /// The prediction distance of rapier's soft CCD, in m. With it, most bodies stop at a surface instead of inside it;
@@ -48,6 +49,8 @@ pub struct Bodies {
     /// Everything that beams and the robot can hit: the obstacles in the scenario's order, then the walls, then the
     /// generated obstacles.
     pub solids: Vec<ColliderHandle>,
+    /// The footprint of a robot that is not a disc.
+    pub(super) footprint: Option<Footprint>,
     /// The still solids in a grid, if there are many.
     pub(super) still: Option<Arc<StillShapes>>,
     /// The numbers in `solids` of those that are not in the grid.
@@ -214,17 +217,16 @@ fn make_bodies(
     let placeholder = || still(SharedShape::ball(1.0), (0.0, 0.0, 0.0));
     let reserved = scenario.max_obstacles() - own.len();
     let generated = (0..reserved).map(|_| colliders.insert(placeholder())).collect();
-    let robot = bodies.insert(robot_body());
-    let disc = ColliderBuilder::ball(scenario.robot.radius_m).friction(0.0);
-    colliders.insert_with_parent(disc, robot, bodies);
+    let robot = bodies.insert(robot_body(&scenario.robot));
+    colliders.insert_with_parent(robot_collider(&scenario.robot), robot, bodies);
     for (index, obstacle) in own.iter().enumerate().filter(|(_, obstacle)| is_moving(obstacle)) {
         let pose = body_pose(pose_at(obstacle, 0, period_s));
         let body = bodies.insert(RigidBodyBuilder::kinematic_position_based().pose(pose));
         let shape = ColliderBuilder::new(shared_shape(&obstacle.shape));
         (obstacles[index], solids[index]) = (Some(body), colliders.insert_with_parent(shape, body, bodies));
     }
-    let scenario = scenario.clone();
-    Bodies { scenario, robot, obstacles, generated, solids, still: None, not_in_grid: Vec::new() }
+    let (scenario, footprint) = (scenario.clone(), Footprint::of(&scenario.robot));
+    Bodies { scenario, robot, obstacles, generated, solids, footprint, still: None, not_in_grid: Vec::new() }
 }
 
 fn is_moving(obstacle: &Obstacle) -> bool {
@@ -236,11 +238,21 @@ fn still(shape: SharedShape, pose: (f32, f32, f32)) -> ColliderBuilder {
     ColliderBuilder::new(shape).position(body_pose(pose))
 }
 
+/// The robot's collider. Rapier stops a disc; any other shape is a sensor, which `footprint.rs` stops. The centre of mass is
+/// the robot's origin.
+fn robot_collider(robot: &Robot) -> ColliderBuilder {
+    let Some(shape) = &robot.shape else { return ColliderBuilder::ball(robot.radius_m).friction(0.0) };
+    let shape = shared_shape(shape);
+    let own = shape.mass_properties(1.0);
+    let about_origin = MassProperties::new(Vec2::ZERO, own.mass(), own.principal_inertia());
+    ColliderBuilder::new(shape).sensor(true).mass_properties(about_origin)
+}
+
 /// The robot's body at the origin: it does not turn in a contact, and never sleeps.
-fn robot_body() -> RigidBody {
+fn robot_body(robot: &Robot) -> RigidBody {
     let mut body = RigidBodyBuilder::dynamic()
         .locked_axes(LockedAxes::ROTATION_LOCKED)
-        .soft_ccd_prediction(LOOK_AHEAD_M)
+        .soft_ccd_prediction(if robot.shape.is_none() { LOOK_AHEAD_M } else { 0.0 })
         .sleeping(false)
         .build();
     let activation = body.activation_mut();

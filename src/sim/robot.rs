@@ -12,12 +12,13 @@
 //! after the step is exact.
 //!
 //! The body is a disc with locked rotation, which only the wheels turn, never a contact. The heading is integrated here,
-//! with `libm`, so that its bits are the same on every platform.
+//! with `libm`, so that its bits are the same on every platform. A body of another shape (`footprint.rs`) stops and stops
+//! turning where it first touches something.
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::*;
-use bevy_rapier2d::rapier::math::Pose as BodyPose;
+use bevy_rapier2d::rapier::math::{Pose as BodyPose, Rotation};
 
 use super::contact::ContactQuery;
 use super::physics::Bodies;
@@ -95,11 +96,12 @@ pub(super) struct MotionCommands<'w> {
 }
 
 impl MotionCommands<'_> {
-    /// The motion that is commanded in `arena`, whose scenario is `scenario`.
-    fn motion<'a>(&'a self, arena: &Arena, scenario: &'a Scenario) -> &'a Motion {
+    /// The motion that is commanded in `arena`, whose scenario is `scenario`. A motion that the caller sets is limited to what
+    /// the robot's least turning radius allows.
+    fn motion(&self, arena: &Arena, scenario: &Scenario) -> Motion {
         match &self.motions {
-            Some(motions) => &motions.0[arena.0],
-            None => &scenario.robot.motions[self.actions.0[arena.0]],
+            Some(motions) => scenario.robot.steerable(motions.0[arena.0]),
+            None => scenario.robot.motions[self.actions.0[arena.0]],
         }
     }
 }
@@ -126,7 +128,7 @@ pub(super) fn actuate(commands: MotionCommands, mut arenas: Query<Actuated>) {
             continue;
         }
         let scenario = &*layout.scenario;
-        let (motion, _) = ActuatorLag::of(scenario).step(twist, commands.motion(arena, scenario));
+        let (motion, _) = ActuatorLag::of(scenario).step(twist, &commands.motion(arena, scenario));
         let velocity = chord_velocity(pose.heading_rad, &motion, scenario.task.control_period_s);
         if let Some(body) = set.bodies.get_mut(bodies.robot) {
             body.set_linvel(velocity, true);
@@ -165,7 +167,7 @@ pub(super) fn read_pose(commands: MotionCommands, mut arenas: Query<Stepped>) {
         if let Some(body) = set.bodies.get_mut(bodies.robot) {
             let scenario = &*layout.scenario;
             let period_s = scenario.task.control_period_s;
-            let (motion, after) = ActuatorLag::of(scenario).step(&twist, commands.motion(arena, scenario));
+            let (motion, after) = ActuatorLag::of(scenario).step(&twist, &commands.motion(arena, scenario));
             *twist = after;
             let from = Vec2::new(pose.x_m, pose.y_m);
             let velocity = chord_velocity(pose.heading_rad, &motion, period_s);
@@ -175,11 +177,20 @@ pub(super) fn read_pose(commands: MotionCommands, mut arenas: Query<Stepped>) {
                 (body.translation() - free).length() > ROUNDING * (1.0 + from.length() + free.length());
             let to = if deflected { free } else { body.translation() };
             let (layout, colliders) = (layout.indexed(pedestrians), &colliders.colliders);
-            let step = ContactQuery { layout, colliders, bodies, clock: *clock, from };
+            let step = ContactQuery {
+                layout,
+                colliders,
+                bodies,
+                clock: *clock,
+                from,
+                heading_rad: pose.heading_rad,
+                turn_rad: motion.w_rad_s * period_s,
+            };
             let contact = step.first_contact(to);
             scan.touching = contact.is_some();
+            let is_disc = bodies.footprint.is_none();
             if let Some(fraction) = contact {
-                if !step.is_resting_contact(body.translation(), to) {
+                if !is_disc || !step.is_resting_contact(body.translation(), to) {
                     body.set_translation(from.lerp(to, fraction), true);
                 }
                 body.set_linvel(Vec2::ZERO, true);
@@ -188,11 +199,15 @@ pub(super) fn read_pose(commands: MotionCommands, mut arenas: Query<Stepped>) {
                 body.set_linvel(velocity, true);
             }
             let position = body.translation();
+            let turning_s = if is_disc { period_s } else { period_s * contact.unwrap_or(1.0) };
             *pose = Pose {
                 x_m: position.x,
                 y_m: position.y,
-                heading_rad: integrate_heading(pose.heading_rad, &motion, period_s),
+                heading_rad: integrate_heading(pose.heading_rad, &motion, turning_s),
             };
+            if !is_disc {
+                body.set_rotation(Rotation::from_angle(pose.heading_rad), true);
+            }
         }
     }
 }
@@ -210,7 +225,11 @@ pub(super) fn place(mut arenas: Query<(&Bodies, &Pose, &Episode, &mut RapierRigi
 /// Moves the robot's body to `pose`, at rest.
 pub(super) fn place_body(set: &mut RapierRigidBodySet, bodies: &Bodies, pose: &Pose) {
     if let Some(body) = set.bodies.get_mut(bodies.robot) {
-        body.set_position(BodyPose::translation(pose.x_m, pose.y_m), true);
+        let mut position = BodyPose::translation(pose.x_m, pose.y_m);
+        if bodies.footprint.is_some() {
+            position.rotation = Rotation::from_angle(pose.heading_rad);
+        }
+        body.set_position(position, true);
         body.set_linvel(Vec2::ZERO, true);
     }
 }

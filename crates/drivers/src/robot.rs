@@ -16,8 +16,8 @@ pub struct Robot {
     pub actuator_lag_s: f32,
     /// Simulated time per control step, in s.
     pub control_period_s: f32,
-    /// The distance in m that the robot's centre must keep from every surface: its radius or the collision range, whichever is
-    /// larger.
+    /// The distance in m that the robot's centre must keep from every surface: the collision range, or the reach of a body that
+    /// is not a disc, whichever is larger.
     pub keep_out_m: f32,
     /// The goal is reached when the robot's centre is closer to it than this, in m.
     pub goal_radius_m: f32,
@@ -42,7 +42,7 @@ impl Robot {
             motions: robot.motions.clone(),
             actuator_lag_s: robot.actuator_lag_s,
             control_period_s: task.control_period_s,
-            keep_out_m: robot.radius_m.max(task.collision_range_m),
+            keep_out_m: scenario.keep_out_m().max(robot.radius_m),
             goal_radius_m: task.goal_radius_m,
             beams: (0..lidar.beams).map(beam).collect(),
             max_range_m: lidar.max_range_m,

@@ -243,7 +243,7 @@ fn robot(task: &Task) -> Scenario {
     let turns = [1.5, 0.75, 0.0, -0.75, -1.5];
     let motions = speeds.iter().flat_map(|&v_m_s| turns.map(|w_rad_s| Motion { v_m_s, w_rad_s })).collect();
     Scenario {
-        robot: Robot { radius_m: 0.3, motions, actuator_lag_s: 0.0 },
+        robot: Robot { radius_m: 0.3, motions, ..Robot::default() },
         lidar: Lidar { beams: 72, field_of_view_rad: 4.7124, max_range_m: 5.0, ..Lidar::default() },
         task: TaskRules {
             collision_range_m: 0.301,

@@ -31,9 +31,8 @@ pub struct Source {
 /// The margins of the robot of `base` in cells of `cell_m`.
 pub fn margins(base: &Scenario, cell_m: f64) -> Margins {
     let usual = |rule: &PlacementRule| rule.clearance_m().map_or(0.0, f64::from);
-    let clearance_m =
-        usual(&base.starts).max(usual(&base.goals)).max(1.1 * f64::from(base.task.collision_range_m));
-    Margins { collision: f64::from(base.task.collision_range_m) / cell_m, clearance: clearance_m / cell_m }
+    let clearance_m = usual(&base.starts).max(usual(&base.goals)).max(1.1 * f64::from(base.keep_out_m()));
+    Margins { collision: f64::from(base.keep_out_m()) / cell_m, clearance: clearance_m / cell_m }
 }
 
 /// The scenario with the robot, the LIDAR and the rules of `base` in these surroundings. `size_m` is that of its enclosure.

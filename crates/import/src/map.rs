@@ -165,7 +165,7 @@ impl Map {
         format!(
             "the robot fits nowhere on this map: it needs {:.2} m of free cells to each side; help: check the resolution, the \
              thresholds and `negate`, or use a smaller robot (--robot)",
-            base.task.collision_range_m
+            base.keep_out_m()
         )
     }
 

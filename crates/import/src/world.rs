@@ -113,10 +113,10 @@ pub fn import(
     findings: &Findings,
 ) -> Result<Imported, FileError> {
     let fail = |message: String| FileError::for_file(path, message);
-    let raster = Raster::new(solids, f64::from(base.task.collision_range_m)).map_err(fail)?;
+    let raster = Raster::new(solids, f64::from(base.keep_out_m())).map_err(fail)?;
     let margins = draft::margins(base, raster.cell_m);
     let no_floor = || {
-        let needed_m = base.task.collision_range_m;
+        let needed_m = base.keep_out_m();
         fail(format!(
             "the robot fits nowhere in this world: it needs {needed_m:.2} m to each side; help: use a smaller robot (--robot)"
         ))

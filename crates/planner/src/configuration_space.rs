@@ -56,7 +56,7 @@ impl MotionPrimitive {
     }
 }
 
-/// An obstacle inflated by the collision range: a rectangle with rounded corners. Circles and capsules are special cases.
+/// An obstacle inflated by the distance that the robot keeps: a rectangle with rounded corners. Circles and capsules are special cases.
 pub(super) struct InflatedObstacle {
     pub(super) x: f64,
     pub(super) y: f64,
@@ -104,7 +104,7 @@ pub(super) struct ConfigurationSpace<'a> {
     /// Half the width and height, in m, of the rectangle in which the robot's centre must stay.
     half_width: f64,
     half_height: f64,
-    /// The collision range with its margin, in m.
+    /// The distance that the robot's centre keeps from surfaces, in m.
     inflation: f64,
     static_obstacles: Vec<InflatedObstacle>,
     moving_obstacles: Vec<&'a Obstacle>,
@@ -115,9 +115,9 @@ pub(super) struct ConfigurationSpace<'a> {
 }
 
 impl<'a> ConfigurationSpace<'a> {
-    /// The configuration space of `scenario` after `clock` steps, with `margin_m` added to the collision range.
-    pub(super) fn new(scenario: &'a Scenario, clock: u64, margin_m: f64) -> Self {
-        let inflation = (f64::from(scenario.task.collision_range_m) + margin_m).max(0.0);
+    /// The configuration space of `scenario` after `clock` steps, in which the robot's centre keeps `keep_out_m` from surfaces.
+    pub(super) fn new(scenario: &'a Scenario, clock: u64, keep_out_m: f64) -> Self {
+        let inflation = keep_out_m.max(0.0);
         let (_, Vec2 { x: half_width, y: half_height }) = scenario.enclosure.bounds_m();
         let period_s = scenario.task.control_period_s;
         let motions = scenario.robot.motions.iter();

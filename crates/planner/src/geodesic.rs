@@ -76,7 +76,7 @@ pub(super) struct Geodesic {
 impl Geodesic {
     pub(super) fn new(scenario: &Scenario, start: (f64, f64), goal_region: &GoalRegion, stride: f64) -> Self {
         let goal = (goal_region.x, goal_region.y);
-        let range = f64::from(scenario.task.collision_range_m) - MARGIN_M;
+        let range = f64::from(scenario.sure_collision_m()) - MARGIN_M;
         let mut geodesic = Self { goal, occluders: Vec::new(), corners: Vec::new() };
         if range <= stride / 2.0 {
             return geodesic;

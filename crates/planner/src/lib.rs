@@ -32,7 +32,8 @@
 //! A state is the robot's pose after a control step, in f64, computed by the simulation's formula for arcs. A step is
 //! allowed if the robot is then at least `collision_range_m` from every wall and every obstacle; moving obstacles have
 //! their poses after the same step ([`wayfield_scenario::pose_at`]). The goal is reached by an allowed step that ends
-//! within `goal_radius_m` of it. A plan keeps a margin of [`MARGIN_M`] to both limits, so that it is also valid in the
+//! within `goal_radius_m` of it. For a robot that is not a disc, a plan keeps the circle around its body free
+//! ([`Scenario::keep_out_m`]), and the bounds only the circle inside it ([`Scenario::sure_collision_m`]). A plan keeps a margin of [`MARGIN_M`] to both limits, so that it is also valid in the
 //! simulation's f32 arithmetic. The lower bound relaxes both limits by the same margin.
 //!
 //! A plan's length is an upper bound on the optimum. The search merges the states in a grid cell, which can make a plan
@@ -199,7 +200,7 @@ fn shortest_plan(
     resolution: Resolution,
     bound: &LowerBound,
 ) -> Option<TimedPath> {
-    let mut space = ConfigurationSpace::new(scenario, clock, MARGIN_M);
+    let mut space = ConfigurationSpace::new(scenario, clock, f64::from(scenario.keep_out_m()) + MARGIN_M);
     let goal_region = GoalRegion::new(scenario, goal, -MARGIN_M);
     let lower_steps = search_lower_bound(scenario, start, goal, clock, bound, 64, u32::MAX);
     let mut best = None;

@@ -194,7 +194,8 @@ pub(super) fn search_lower_bound(
     max_states: usize,
     stop_at: u32,
 ) -> u32 {
-    let mut space = ConfigurationSpace::new(scenario, clock, -MARGIN_M);
+    let mut space =
+        ConfigurationSpace::new(scenario, clock, f64::from(scenario.sure_collision_m()) - MARGIN_M);
     let goal_region = GoalRegion::new(scenario, goal, MARGIN_M);
     let mut nodes = vec![(State::new(start), 0)];
     let mut queue = Queue::default();

@@ -219,6 +219,11 @@ impl SerializeStruct for Record {
         self.fields.push((key, Value::from_serde(value)?));
         Ok(())
     }
+    /// A field that other formats leave out is `None`, so that an old text may have it.
+    fn skip_field(&mut self, key: &'static str) -> Result<(), Unsupported> {
+        self.fields.push((key, Value::Null));
+        Ok(())
+    }
     fn end(self) -> Result<Value, Unsupported> {
         Ok(Value::Record(self))
     }

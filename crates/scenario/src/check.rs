@@ -36,6 +36,7 @@ mod turning;
 mod valid_part;
 
 pub(crate) use convex::RoundedArea;
+pub use convex::convex_distance;
 pub(crate) use grid::{CellGrid, ConnectedRegions};
 pub(crate) use numbers::{check_name, check_texts};
 pub(crate) use obstacles::check_random_shape;
@@ -48,7 +49,7 @@ use self::valid_part::ValidPart;
 use super::file_error::{Diagnostic, overlap};
 use super::limits::COORDINATE_M;
 use super::note::{Note, NoteLevel};
-use super::schema::Scenario;
+use super::schema::{Robot, Scenario, TaskRules};
 use glam::Vec2;
 
 pub(crate) const METRES: &str = " (metres)";
@@ -57,8 +58,9 @@ pub(crate) const METRES_PER_SECOND: &str = " (metres per second)";
 const ROBOT_RADIUS: (&str, &str) = ("the robot's radius", "robot.radius_m");
 const GOAL_RADIUS: (&str, &str) = ("the goal radius", "task.goal_radius_m");
 const COLLISION_RANGE: (&str, &str) = ("the collision range", "task.collision_range_m");
-pub(crate) const TWICE_COLLISION_RANGE: (&str, &str) =
-    ("twice the collision range", "task.collision_range_m");
+const TWICE_COLLISION_RANGE: (&str, &str) = ("twice the collision range", "task.collision_range_m");
+const ROBOT_REACH: (&str, &str) = ("the reach of the robot's shape", "robot.shape");
+const TWICE_ROBOT_REACH: (&str, &str) = ("twice the reach of the robot's shape", "robot.shape");
 const SECONDS: &str = " (seconds)";
 pub(crate) const RADIANS: &str = " (radians: a full turn is 6.2832)";
 const RADIANS_PER_SECOND: &str = " (radians per second)";
@@ -211,6 +213,28 @@ impl Diagnostics {
         }
     }
 
+    /// Reports a distance from surfaces that leaves no space for the robot of `scenario`.
+    fn check_clearance(&mut self, path: fmt::Arguments<'_>, clearance_m: f32, scenario: &Scenario) {
+        self.check_above(path, clearance_m, scenario.task.collision_range_m, COLLISION_RANGE);
+        if scenario.robot.shape.is_some() {
+            self.check_above(path, clearance_m, scenario.robot.reach_m(), ROBOT_REACH);
+        }
+    }
+
+    /// Reports a gap that the robot does not fit through.
+    pub(crate) fn check_gap(
+        &mut self,
+        path: fmt::Arguments<'_>,
+        gap_m: f32,
+        robot: &Robot,
+        task: &TaskRules,
+    ) {
+        self.check_above(path, gap_m, 2.0 * task.collision_range_m, TWICE_COLLISION_RANGE);
+        if robot.shape.is_some() {
+            self.check_above(path, gap_m, 2.0 * robot.reach_m(), TWICE_ROBOT_REACH);
+        }
+    }
+
     /// Reports `value` if it is not greater than `bound`, whose words and path are `(what, bound_path)`. Nothing is reported about a
     /// field that was reported before, or because of one that is out of range.
     pub(crate) fn check_above(
@@ -230,7 +254,7 @@ impl Diagnostics {
 }
 
 /// `most` rounded down to three decimals, or to three digits if it is small, so that the printed number is allowed.
-fn rounded_down(most: f32) -> String {
+pub(crate) fn rounded_down(most: f32) -> String {
     let most = f64::from(most);
     let places = if most > 0.0 { (-libm::log10(most).floor()).clamp(0.0, 9.0) as usize + 2 } else { 3 };
     let places = places.max(3);

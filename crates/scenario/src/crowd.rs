@@ -74,7 +74,7 @@ impl Crowd {
     /// Advances the pedestrians of `scenario` by one control step. `robot` is where the robot is, and its velocity.
     pub fn advance(&mut self, scenario: &Scenario, (robot_m, robot_m_s): (Vec2, Vec2)) {
         let discs: Vec<Disc> = self.0.iter().map(|pedestrian| pedestrian.disc(scenario)).collect();
-        let radius_m = scenario.robot.radius_m.max(scenario.task.collision_range_m) + MARGIN_M;
+        let radius_m = scenario.robot.radius_m.max(scenario.keep_out_m()) + MARGIN_M;
         let robot = Disc { at_m: robot_m, velocity_m_s: robot_m_s, radius_m };
         for (own, pedestrian) in self.0.iter_mut().enumerate() {
             let others = discs.iter().enumerate().filter(|(other, _)| *other != own).map(|(_, disc)| *disc);

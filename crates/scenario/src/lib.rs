@@ -9,6 +9,7 @@ mod crowd;
 mod explain;
 mod fields;
 mod file_error;
+mod footprint;
 mod generate;
 mod geometry;
 #[cfg(not(target_arch = "wasm32"))]
@@ -31,6 +32,7 @@ mod setting;
 mod shape;
 mod shape_fields;
 mod spatial_index;
+mod steering;
 mod suite;
 mod text;
 mod track;
@@ -40,7 +42,7 @@ pub mod virtual_files;
 mod waypoints;
 mod write;
 
-pub use check::{diagnostics, diagnostics_of_known, notes, value_diagnostics};
+pub use check::{convex_distance, diagnostics, diagnostics_of_known, notes, value_diagnostics};
 pub use crowd::{Crowd, Pedestrian};
 pub use explain::{choose, closest_name, whole_number};
 pub use fields::{Field, FieldValue, Quantity};

@@ -153,6 +153,8 @@ pub const MAX_FLOOR_CELLS: u32 = 1 << 24;
 pub const ROBOT_RADIUS_M: RangeInclusive<f32> = 0.01..=10.0;
 /// Number of motions of the robot.
 pub const MOTIONS: RangeInclusive<usize> = 1..=64;
+/// Least turning radius of the robot, in m.
+pub const TURNING_RADIUS_M: RangeInclusive<f32> = 0.001..=100.0;
 /// Time constant of the drive, in s.
 pub const ACTUATOR_LAG_S: RangeInclusive<f32> = 0.0..=10.0;
 /// Number of LIDAR beams.

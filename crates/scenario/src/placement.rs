@@ -140,7 +140,7 @@ pub(super) fn free_points<'a>(
     let space = scenario.into();
     let scenario = space.scenario;
     let named = rule.positions_m();
-    let clearance_m = rule.clearance_m().unwrap_or(scenario.task.collision_range_m);
+    let clearance_m = rule.clearance_m().unwrap_or(scenario.keep_out_m());
     let (low, high) = match rule.region() {
         Some(Region { min_m, max_m }) => (min_m, max_m),
         None => scenario.enclosure.bounds_m(),

@@ -129,7 +129,7 @@ pub struct Obstacle {
     pub motion: ObstacleMotion,
 }
 
-/// The shape of an obstacle, in its own frame. Sizes are 0.001 to 1,000 m.
+/// The shape of an obstacle or of a robot, in its own frame. Sizes are 0.001 to 1,000 m.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Shape {
@@ -147,8 +147,8 @@ pub enum Shape {
     },
     /// A convex polygon. Build a concave shape from several obstacles.
     Polygon {
-        /// The 3 to 32 corners in order, clockwise or counterclockwise, in its own frame; `position_m` is the position of its
-        /// (0, 0).
+        /// The 3 to 32 corners in order, clockwise or counterclockwise, in its own frame; an obstacle's `position_m` is the
+        /// position of its (0, 0).
         corners_m: Vec<Vec2>,
     },
     /// A capsule: a rectangle with semicircular ends.
@@ -267,7 +267,7 @@ pub struct Generator {
     pub shape: RandomShape,
     /// Smallest gap between the obstacle's bounding circle and walls, other obstacles (moving ones at step 0), the ends of
     /// the benchmark route, and positions named by the rules for starts and goals. Must be more than twice the collision
-    /// range, so that the robot fits through.
+    /// range and twice the reach of the robot's `shape`, so that the robot fits through.
     #[serde(default = "default_gap_m")]
     pub gap_m: f32,
     /// Region for their positions; the whole enclosure if omitted.
@@ -307,12 +307,20 @@ pub struct Region {
     pub max_m: Vec2,
 }
 
-/// The robot: a disc with a differential drive.
+/// The robot: a body with a differential drive. Its origin is the middle between its wheels, about which it turns.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Robot {
-    /// Radius, 0.01 to 10 m.
+    /// Radius of a robot that is a disc, 0.01 to 10 m. Omit it for a robot with a `shape`.
     pub radius_m: f32,
+    /// Shape of a robot that is not a disc, in its own frame: x points ahead, y to the left. `Rectangle`, `Polygon` or
+    /// `Capsule`. The origin must be at least 0.01 m inside, and no point farther than 10 m from it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shape: Option<Shape>,
+    /// Least turning radius of a robot that steers like a car, 0.001 to 100 m: for each motion, |v / w| must be at least this.
+    /// None by default: the robot turns on the spot, too.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub min_turning_radius_m: Option<f32>,
     /// The 1 to 64 motions; action k of the policy selects motion k.
     pub motions: Vec<Motion>,
     /// Time constant of the drive, 0 to 10 s. The actual (v, w) follows the commanded motion with a first-order lag,
@@ -326,7 +334,13 @@ impl Default for Robot {
     /// the lag (here none).
     fn default() -> Self {
         let motions = [1.5, 0.75, 0.0, -0.75, -1.5].map(|w_rad_s| Motion { v_m_s: 0.15, w_rad_s });
-        Self { radius_m: 0.1, motions: motions.into(), actuator_lag_s: 0.0 }
+        Self {
+            radius_m: 0.1,
+            shape: None,
+            min_turning_radius_m: None,
+            motions: motions.into(),
+            actuator_lag_s: 0.0,
+        }
     }
 }
 
@@ -340,7 +354,7 @@ pub struct Motion {
     pub w_rad_s: f32,
 }
 
-/// The LIDAR at the robot's centre, with beams at equal angles over its field of view.
+/// The LIDAR at the robot's origin, with beams at equal angles over its field of view.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Lidar {
@@ -396,7 +410,8 @@ pub struct TaskRules {
     /// The paper's l_a, 0.001 to 100 m: a goal is reached when the robot's centre is closer than this.
     pub goal_radius_m: f32,
     /// The paper's l_c, 0.01 to 100 m: a collision is a smallest beam range below this, measured from the robot's centre, or
-    /// contact of the robot's body. Must be more than the robot's radius and less than the LIDAR's maximum range.
+    /// contact of the robot's body. Must be less than the LIDAR's maximum range and more than the radius of a disc. With a
+    /// `shape`, it may be smaller than the body: where the body reaches farther, contact alone counts.
     pub collision_range_m: f32,
     /// Steps after which an episode is truncated, 1 to 1,000,000.
     pub max_episode_steps: u32,
@@ -426,7 +441,8 @@ impl Default for TaskRules {
 pub enum PlacementRule {
     /// A random position, uniform over the space that is clear of walls and of obstacles at that moment.
     Random {
-        /// Smallest distance to any surface, 0 to 1,000 m. Must be more than the collision range.
+        /// Smallest distance to any surface, 0 to 1,000 m. Must be more than the collision range and the reach of the robot's
+        /// `shape`.
         #[serde(default = "default_clearance_m")]
         clearance_m: f32,
     },
@@ -436,7 +452,8 @@ pub enum PlacementRule {
         min_m: Vec2,
         /// Upper right corner.
         max_m: Vec2,
-        /// Smallest distance to any surface, 0 to 1,000 m. Must be more than the collision range.
+        /// Smallest distance to any surface, 0 to 1,000 m. Must be more than the collision range and the reach of the robot's
+        /// `shape`.
         #[serde(default = "default_clearance_m")]
         clearance_m: f32,
     },

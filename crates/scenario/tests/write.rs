@@ -126,6 +126,8 @@ fn everything() -> Scenario {
         ],
         robot: Robot {
             radius_m: 0.12,
+            shape: Some(Shape::Rectangle { width_m: 0.25, height_m: 0.2 }),
+            min_turning_radius_m: Some(0.5),
             motions: vec![Motion { v_m_s: 0.2, w_rad_s: 0.0 }, Motion { v_m_s: 0.0, w_rad_s: -1.0 }],
             actuator_lag_s: 0.5,
         },
@@ -242,6 +244,8 @@ const EVERYTHING: &str = r#"(
 
     robot: (
         radius_m: 0.12,
+        shape: Rectangle(width_m: 0.25, height_m: 0.2),
+        min_turning_radius_m: 0.5,
         motions: [
             (v_m_s: 0.2, w_rad_s: 0.0),
             (v_m_s: 0.0, w_rad_s: -1.0),
@@ -610,11 +614,15 @@ fn robot() -> impl Strategy<Value = Robot> {
     let motion = pair().prop_map(|(v_m_s, w_rad_s)| Motion { v_m_s, w_rad_s });
     prop_oneof![
         Just(Robot::default()),
-        (number(), vec(motion, 0..4), number()).prop_map(|(radius_m, motions, actuator_lag_s)| Robot {
-            radius_m,
-            motions,
-            actuator_lag_s
-        }),
+        (number(), option::of(shape()), option::of(number()), vec(motion, 0..4), number()).prop_map(
+            |(radius_m, shape, min_turning_radius_m, motions, actuator_lag_s)| Robot {
+                radius_m,
+                shape,
+                min_turning_radius_m,
+                motions,
+                actuator_lag_s
+            }
+        ),
     ]
 }
 

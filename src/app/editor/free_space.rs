@@ -21,7 +21,7 @@ pub(super) fn nearest(scenario: &Scenario, wanted_m: Vec2, radius_m: f32, snap: 
     let ends = scenario.benchmark_route.iter().flat_map(|route| [route.start_m, route.goal_m]);
     let rules = [&scenario.starts, &scenario.goals].into_iter().flat_map(PlacementRule::positions_m);
     let reserved: Vec<Vec2> = ends.chain(rules.copied()).collect();
-    let apart_m = radius_m + scenario.task.collision_range_m + MARGIN_M;
+    let apart_m = radius_m + scenario.keep_out_m() + MARGIN_M;
     let is_free = |at: &Vec2| {
         clearance(scenario, *at, 0) >= radius_m
             && reserved.iter().all(|&place| distance(place, *at) >= apart_m)

@@ -11,7 +11,7 @@ use crate::scenario::{Region, Scenario, enclosure_distance, polygon};
 /// overlap.
 pub(super) fn pick(scenario: &Scenario, selected: Selection, point_m: Vec2, slack_m: f32) -> Selection {
     let mark_radius_m = |of: Selection| match of {
-        Selection::Starts | Selection::BenchmarkStart => scenario.robot.radius_m,
+        Selection::Starts | Selection::BenchmarkStart => scenario.robot.reach_m(),
         _ => scenario.task.goal_radius_m,
     };
     // The centre of a mark goes first: a mark inside a solid item could not be picked otherwise.

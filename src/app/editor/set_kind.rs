@@ -89,7 +89,7 @@ fn free_place(scenario: &Scenario, role: PlacementRole, clearance_m: f32, snap: 
         PlacementRole::Starts => route.start_m,
         PlacementRole::Goals => route.goal_m,
     });
-    if let Some(end) = end.filter(|&end| clearance(scenario, end, 0) >= scenario.task.collision_range_m) {
+    if let Some(end) = end.filter(|&end| clearance(scenario, end, 0) >= scenario.keep_out_m()) {
         return end;
     }
     free_space::nearest(scenario, centre_of(scenario), clearance_m, snap)

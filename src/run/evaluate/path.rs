@@ -54,8 +54,13 @@ pub(super) struct Clearance {
 
 impl Clearance {
     pub(super) fn new(layout: IndexedScenario, pose: &Pose, clock: Clock, scan: &Scan) -> Self {
-        let (nearest, distance_m) = layout.nearest(vec2(pose.x_m, pose.y_m), clock.0);
-        let gap_m = (distance_m - layout.scenario.robot.radius_m).max(0.0);
+        let robot = &layout.scenario.robot;
+        let (nearest, gap_m) = if robot.shape.is_some() {
+            layout.nearest_to_body((pose.x_m, pose.y_m, pose.heading_rad), clock.0)
+        } else {
+            let (nearest, distance_m) = layout.nearest(vec2(pose.x_m, pose.y_m), clock.0);
+            (nearest, (distance_m - robot.radius_m).max(0.0))
+        };
         Self { distance_m: if scan.touching { 0.0 } else { gap_m }, nearest }
     }
 }

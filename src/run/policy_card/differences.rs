@@ -8,7 +8,7 @@ use super::{angles_rad, parse_scenario, printable, scenario_name, write};
 use crate::policy::Policy;
 use crate::policy::card::Action;
 use crate::run::RunError;
-use crate::scenario::{Scenario, field_names};
+use crate::scenario::{Robot, Scenario, field_names};
 
 /// The maximum number of differences in a warning.
 const MAX_LISTED: usize = 12;
@@ -110,6 +110,10 @@ fn differences(trained: &Scenario, here: &Scenario) -> Vec<String> {
             differ(setting, &format!("{card} {unit}"), &format!("{here} {unit}"));
         }
     }
+    if trained.robot.shape != here.robot.shape {
+        let [card, here] = [trained, here].map(|scenario| body(&scenario.robot));
+        differ("robot shape", &card, &here);
+    }
     if angles_rad(&trained.lidar) != angles_rad(&here.lidar) {
         let [card, here] = [trained, here].map(|scenario| scenario.lidar.field_of_view_rad);
         differ("LIDAR field of view", &format!("{card} rad"), &format!("{here} rad"));
@@ -132,6 +136,11 @@ fn settings(scenario: &Scenario) -> [(&'static str, f32, &'static str); 9] {
         ("goal radius", task.goal_radius_m, "m"),
         ("collision range", task.collision_range_m, "m"),
     ]
+}
+
+/// The shape of a robot, as in a scenario's file.
+fn body(robot: &Robot) -> String {
+    robot.shape.as_ref().map_or_else(|| "a disc".into(), |shape| ron::to_string(shape).unwrap_or_default())
 }
 
 fn motion(action: &Action) -> String {

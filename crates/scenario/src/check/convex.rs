@@ -42,13 +42,8 @@ impl RoundedArea {
 
     /// Whether the two areas have a point in common.
     pub(crate) fn overlaps(&self, other: &Self) -> bool {
-        let apart = |corners: &[Vec2], point: Vec2| -signed_distance(corners, point);
-        let nearest = |one: &[Vec2], another: &[Vec2]| {
-            another.iter().map(|&point| apart(one, point)).fold(f32::INFINITY, f32::min)
-        };
         let (one, another) = (&self.corners_m, &other.corners_m);
-        let distance = nearest(one, another).min(nearest(another, one));
-        distance < self.radius_m + other.radius_m || cross(one, another)
+        corner_distance(one, another) < self.radius_m + other.radius_m || cross(one, another)
     }
 
     /// The point nearest to `point` on the sides of the polygon, without the radius.
@@ -65,6 +60,21 @@ impl RoundedArea {
     pub(super) fn corner_count(&self) -> usize {
         self.corners_m.len()
     }
+}
+
+/// The distance between two convex polygons, segments or points, in m; 0 where they overlap.
+#[must_use]
+pub fn convex_distance(one: &[Vec2], another: &[Vec2]) -> f32 {
+    let distance = corner_distance(one, another);
+    if distance > 0.0 && cross(one, another) { 0.0 } else { distance.max(0.0) }
+}
+
+/// The least distance from a corner of one polygon to the other, in m; negative if a corner is inside.
+fn corner_distance(one: &[Vec2], another: &[Vec2]) -> f32 {
+    let nearest = |corners: &[Vec2], points: &[Vec2]| {
+        points.iter().map(|&point| -signed_distance(corners, point)).fold(f32::INFINITY, f32::min)
+    };
+    nearest(one, another).min(nearest(another, one))
 }
 
 /// Whether a side of one polygon crosses or touches a side of the other.

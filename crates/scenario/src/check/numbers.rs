@@ -9,6 +9,7 @@ use super::{Diagnostics, METRES, METRES_PER_SECOND, RADIANS, RADIANS_PER_SECOND,
 use super::{obstacles, polygons, speeds};
 use crate::limits::*;
 use crate::schema::*;
+use crate::steering;
 use crate::text::{code_point, is_noncharacter};
 
 pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
@@ -88,6 +89,9 @@ fn check_extent(path: Arguments<'_>, enclosure: &Enclosure, diagnostics: &mut Di
 
 fn check_robot(robot: &Robot, diagnostics: &mut Diagnostics) {
     diagnostics.check_range(format_args!("robot.radius_m"), robot.radius_m, ROBOT_RADIUS_M, METRES);
+    if let Some(shape) = &robot.shape {
+        check_robot_shape(robot, shape, diagnostics);
+    }
     diagnostics.check_count(format_args!("robot.motions"), robot.motions.len(), MOTIONS);
     for (k, motion) in robot.motions.iter().enumerate().take(*MOTIONS.end()) {
         let path = format_args!("robot.motions[{k}].v_m_s");
@@ -96,8 +100,42 @@ fn check_robot(robot: &Robot, diagnostics: &mut Diagnostics) {
         let range = -MAX_ANGULAR_SPEED_RAD_S..=MAX_ANGULAR_SPEED_RAD_S;
         diagnostics.check_range(path, motion.w_rad_s, range, RADIANS_PER_SECOND);
     }
+    if let Some(radius_m) = robot.min_turning_radius_m {
+        let path = format_args!("robot.min_turning_radius_m");
+        diagnostics.check_range(path, radius_m, TURNING_RADIUS_M, METRES);
+        if TURNING_RADIUS_M.contains(&radius_m) {
+            steering::check(robot, radius_m, diagnostics);
+        }
+    }
     let path = format_args!("robot.actuator_lag_s");
     diagnostics.check_range(path, robot.actuator_lag_s, ACTUATOR_LAG_S, SECONDS);
+}
+
+/// Checks the body of a robot that is not a disc. Its origin, where the LIDAR is, must be inside.
+fn check_robot_shape(robot: &Robot, shape: &Shape, diagnostics: &mut Diagnostics) {
+    let path = format_args!("robot.shape");
+    if let Shape::Circle { radius_m } = shape {
+        return diagnostics.push(path, format!("is a circle: write `radius_m: {radius_m}` instead"));
+    }
+    let before = diagnostics.found.len();
+    obstacles::check_fields(path, shape.clone().fields_mut(), diagnostics);
+    if diagnostics.found.len() > before {
+        return;
+    }
+    let (inner_m, reach_m) = (robot.inner_radius_m(), robot.reach_m());
+    let (least, most) = (ROBOT_RADIUS_M.start(), ROBOT_RADIUS_M.end());
+    if inner_m < *least {
+        let message = format!(
+            "does not extend {least} m around its origin, where the LIDAR is: make it wider, or move its corners"
+        );
+        diagnostics.push(path, message);
+    } else if reach_m > *most {
+        diagnostics.push(path, format!("reaches {reach_m:.3} m from its origin: make it at most {most} m"));
+    }
+    if robot.radius_m != Robot::default().radius_m {
+        diagnostics
+            .push(format_args!("robot.radius_m"), "has no effect on a robot with a `shape`: remove it");
+    }
 }
 
 fn check_lidar(lidar: &Lidar, diagnostics: &mut Diagnostics) {
@@ -134,7 +172,9 @@ fn check_task(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     );
     diagnostics.check_range(goal_distance, min_goal_distance_m, GOAL_DISTANCE_M, METRES);
 
-    diagnostics.check_above(collision_range, collision_range_m, scenario.robot.radius_m, ROBOT_RADIUS);
+    if scenario.robot.shape.is_none() {
+        diagnostics.check_above(collision_range, collision_range_m, scenario.robot.radius_m, ROBOT_RADIUS);
+    }
     let lidar_range = format_args!("lidar.max_range_m");
     diagnostics.check_above(lidar_range, scenario.lidar.max_range_m, collision_range_m, COLLISION_RANGE);
     diagnostics.check_above(goal_distance, min_goal_distance_m, goal_radius_m, GOAL_RADIUS);
@@ -179,7 +219,7 @@ fn check_benchmark_route(route: &BenchmarkRoute, diagnostics: &mut Diagnostics) 
 fn check_clearance(name: &str, clearance_m: f32, scenario: &Scenario, diagnostics: &mut Diagnostics) {
     let path = format_args!("{name}.clearance_m");
     diagnostics.check_range(path, clearance_m, CLEARANCE_M, METRES);
-    diagnostics.check_above(path, clearance_m, scenario.task.collision_range_m, COLLISION_RANGE);
+    diagnostics.check_clearance(path, clearance_m, scenario);
 }
 
 /// Checks the two corners of a rectangle: `min` must be below and to the left of `max`.

@@ -3,10 +3,7 @@
 use std::fmt::Arguments;
 
 use super::numbers::check_region;
-use super::{
-    Diagnostics, METRES, METRES_PER_SECOND, RADIANS, RADIANS_PER_SECOND, TWICE_COLLISION_RANGE, key_frames,
-    polygons,
-};
+use super::{Diagnostics, METRES, METRES_PER_SECOND, RADIANS, RADIANS_PER_SECOND, key_frames, polygons};
 use crate::fields::{Field, FieldValue, Quantity};
 use crate::limits::*;
 use crate::schema::*;
@@ -39,7 +36,7 @@ pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     key_frames::check_total(&scenario.obstacles, diagnostics);
     diagnostics.check_count(format_args!("generators"), scenario.generators.len(), 0..=MAX_GENERATORS);
     for (k, generator) in scenario.generators.iter().enumerate().take(MAX_GENERATORS) {
-        check_generator(k, generator, scenario.task.collision_range_m, diagnostics);
+        check_generator(k, generator, scenario, diagnostics);
     }
     let asked: u64 = scenario.generators.iter().map(|generator| u64::from(generator.count)).sum();
     if asked > MAX_GENERATED_OBSTACLES
@@ -67,7 +64,7 @@ fn check_obstacle(k: usize, obstacle: &Obstacle, diagnostics: &mut Diagnostics) 
 }
 
 /// Checks the fields of the shape or the motion at `path`.
-fn check_fields(path: Arguments<'_>, fields: Vec<Field<'_>>, diagnostics: &mut Diagnostics) {
+pub(super) fn check_fields(path: Arguments<'_>, fields: Vec<Field<'_>>, diagnostics: &mut Diagnostics) {
     for Field { names, value, .. } in fields {
         let mut number = |name: &str, value: f32, quantity: Quantity| {
             let unit = match quantity {
@@ -92,12 +89,12 @@ fn check_fields(path: Arguments<'_>, fields: Vec<Field<'_>>, diagnostics: &mut D
     }
 }
 
-fn check_generator(k: usize, generator: &Generator, collision_range_m: f32, diagnostics: &mut Diagnostics) {
+fn check_generator(k: usize, generator: &Generator, scenario: &Scenario, diagnostics: &mut Diagnostics) {
     diagnostics.check_range(format_args!("generators[{k}].count"), generator.count, GENERATOR_COUNT, "");
     check_random_shape(format_args!("generators[{k}].shape"), &generator.shape, diagnostics);
     let path = format_args!("generators[{k}].gap_m");
     diagnostics.check_range(path, generator.gap_m, CLEARANCE_M, METRES);
-    diagnostics.check_above(path, generator.gap_m, 2.0 * collision_range_m, TWICE_COLLISION_RANGE);
+    diagnostics.check_gap(path, generator.gap_m, &scenario.robot, &scenario.task);
     if let Some(Region { min_m, max_m }) = generator.within {
         check_region(format_args!("generators[{k}].within"), min_m, max_m, diagnostics);
     }

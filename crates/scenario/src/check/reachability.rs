@@ -1,7 +1,7 @@
 //! The check that the robot can reach every possible goal from every possible start.
 //!
-//! In: the part of a scenario with valid numbers. The robot's centre must keep the collision range from everything; the
-//! space that remains is divided into a fine grid. A cell counts as free if it could contain a free point, so that only
+//! In: the part of a scenario with valid numbers. The robot's centre must keep the collision range from everything, or
+//! the robot's inner radius if that is more; the space that remains is divided into a fine grid. A cell counts as free if it could contain a free point, so that only
 //! goals that are certainly out of reach are reported. Moving and generated obstacles are ignored: the former don't block
 //! a passage for ever, the latter leave gaps.
 
@@ -23,10 +23,10 @@ pub(crate) struct RegionSite {
 
 pub(super) fn check(valid: &ValidPart, diagnostics: &mut Diagnostics) {
     let scenario = &valid.scenario;
-    if !valid.has("enclosure") || !valid.has("task.collision_range_m") {
+    if !valid.has("enclosure") || !valid.has_keep_out() {
         return;
     }
-    let room = f64::from(scenario.task.collision_range_m);
+    let room = f64::from(scenario.sure_collision_m());
     let (low, high) = scenario.enclosure.bounds_m();
     let Some(grid) = CellGrid::over(low.as_dvec2(), high.as_dvec2(), room) else { return };
     let half = grid.half_diagonal_m();
@@ -81,10 +81,10 @@ fn check_rules(
 }
 
 fn required_gap(scenario: &Scenario) -> String {
-    format!(
-        "the robot needs a gap of more than {:.2} m, twice the collision range",
-        2.0 * scenario.task.collision_range_m
-    )
+    let gap_m = 2.0 * scenario.sure_collision_m();
+    let is_range = scenario.sure_collision_m() <= scenario.task.collision_range_m;
+    let what = if is_range { "twice the collision range" } else { "the width of its shape" };
+    format!("the robot needs a gap of more than {gap_m:.2} m, {what}")
 }
 
 /// The regions that contain positions of `rule`.

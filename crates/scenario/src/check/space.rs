@@ -27,10 +27,10 @@ pub(super) fn check(valid: &ValidPart, diagnostics: &mut Diagnostics) {
     }
     let scenario = &valid.scenario;
     check_regions(scenario, diagnostics);
-    if valid.has("task.collision_range_m") {
+    if valid.has_keep_out() {
         check_named_positions(valid, diagnostics);
     }
-    if valid.has("task") {
+    if valid.has("task") && valid.has("robot.shape") {
         if let Some(route) = &scenario.benchmark_route {
             check_benchmark_route(valid, route, diagnostics);
         }
@@ -142,14 +142,14 @@ fn check_benchmark_route(valid: &ValidPart, route: &BenchmarkRoute, diagnostics:
     );
 }
 
-/// Reports a position to which what is `near` is closer than the collision range. `near` is named as in the whole scenario.
+/// Reports a position at which the robot may collide with what is `near`. `near` is named as in the whole scenario.
 fn check_clearance(
     path: std::fmt::Arguments<'_>,
     (near, clear): (Solid, f32),
     valid: &ValidPart,
     diagnostics: &mut Diagnostics,
 ) {
-    let least = valid.scenario.task.collision_range_m;
+    let least = valid.scenario.keep_out_m();
     if clear < least {
         let place = match (near, clear < 0.0) {
             (Solid::Enclosure, true) => "outside the enclosure".into(),

@@ -27,7 +27,7 @@ pub(super) fn check(scenario: &Scenario, notes: &mut Vec<Note>) {
         // Forwards and backwards it turns in any space.
         return;
     }
-    let needed_m = radius_m + scenario.task.collision_range_m;
+    let needed_m = radius_m + scenario.keep_out_m();
     let widest_m = widest_disc_m(scenario, needed_m);
     if widest_m < needed_m {
         warn(format!(

@@ -56,6 +56,9 @@ impl ValidPart {
         if is_invalid("robot.motions") {
             scenario.robot.motions = default.robot.motions;
         }
+        if is_invalid("robot.shape") {
+            scenario.robot.shape = None;
+        }
         let collision_range_m = scenario.task.collision_range_m;
         if is_invalid("task") {
             scenario.task = default.task;
@@ -69,6 +72,11 @@ impl ValidPart {
     /// Whether the part of the scenario at `path` is valid.
     pub(super) fn has(&self, path: &str) -> bool {
         !touches(&self.invalid, path)
+    }
+
+    /// Whether the distance that the robot keeps from surfaces is valid.
+    pub(super) fn has_keep_out(&self) -> bool {
+        self.has("task.collision_range_m") && self.has("robot.shape")
     }
 
     /// The path of an element of a list in the whole scenario.

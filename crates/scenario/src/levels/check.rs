@@ -6,8 +6,7 @@ use std::ops::RangeInclusive;
 use super::floor;
 use super::schema::{Clutter, LevelGenerator, Route, Traffic, WallLayout};
 use crate::check::{
-    Diagnostics, METRES, METRES_PER_SECOND, RADIANS, TWICE_COLLISION_RANGE, check_random_shape,
-    check_robot_and_task,
+    Diagnostics, METRES, METRES_PER_SECOND, RADIANS, check_random_shape, check_robot_and_task,
 };
 use crate::file_error::Diagnostic;
 use crate::limits::*;
@@ -59,7 +58,7 @@ fn check_sizes(generator: &LevelGenerator, diagnostics: &mut Diagnostics) {
     check_pair(format_args!("height_m"), height_m, LEVEL_SIDE_M, METRES, diagnostics);
     let path = format_args!("gap_m");
     diagnostics.check_range(path, gap_m, LEVEL_GAP_M, METRES);
-    diagnostics.check_above(path, gap_m, 2.0 * generator.task.collision_range_m, TWICE_COLLISION_RANGE);
+    diagnostics.check_gap(path, gap_m, &generator.robot, &generator.task);
     match generator.route {
         Route::Random { clearance_m } => {
             let path = format_args!("route.clearance_m");

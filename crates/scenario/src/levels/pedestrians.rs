@@ -98,7 +98,7 @@ fn random_goals(draft: &Draft, start: Vec2, radius_m: f32, count: u32, stream: &
 fn ends_of_robot(draft: &Draft) -> Vec<End> {
     let rules = [&draft.scenario.starts, &draft.scenario.goals];
     let ends = rules.into_iter().flat_map(PlacementRule::positions_m);
-    ends.map(|&end| (end, draft.scenario.robot.radius_m)).collect()
+    ends.map(|&end| (end, draft.scenario.robot.reach_m())).collect()
 }
 
 fn is_spaced(start: Vec2, radius_m: f32, taken: &[End]) -> bool {

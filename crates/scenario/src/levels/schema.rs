@@ -27,7 +27,8 @@ pub struct LevelGenerator {
     #[serde(default = "default_side_m")]
     pub height_m: (f32, f32),
     /// The passages that connect all starts and goals are at least this wide, and scattered obstacles are at least this far
-    /// apart, 0.02 to 50 m. Must be more than twice the collision range, so that the robot fits through.
+    /// apart, 0.02 to 50 m. Must be more than twice the collision range and twice the reach of the robot's `shape`, so that the robot
+    /// fits through.
     #[serde(default = "default_gap_m")]
     pub gap_m: f32,
     /// Layouts of inner walls, at most 16.

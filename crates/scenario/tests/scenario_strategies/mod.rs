@@ -175,13 +175,19 @@ impl ValueRange {
 
     /// A world with all that there can be.
     pub fn scenario(self) -> BoxedStrategy<Scenario> {
+        // The expected values of physics tests are those of discs.
+        let is_plausible = matches!(self, Self::Plausible);
+        let shape = if is_plausible { Just(None).boxed() } else { option::of(self.shape()).boxed() };
         let robot = (
             self.within(0.05, 0.12),
+            shape,
             vec((self.within(-1.0, 1.0), self.within(-3.0, 3.0)), 1..6),
             self.within(0.0, 1.0),
         )
-            .prop_map(|(radius_m, motions, actuator_lag_s)| Robot {
+            .prop_map(|(radius_m, shape, motions, actuator_lag_s)| Robot {
                 radius_m,
+                shape,
+                min_turning_radius_m: None,
                 motions: motions.into_iter().map(|(v_m_s, w_rad_s)| Motion { v_m_s, w_rad_s }).collect(),
                 actuator_lag_s,
             });

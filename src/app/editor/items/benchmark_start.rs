@@ -20,7 +20,7 @@ impl Editable for BenchmarkStartItem {
     }
 
     fn body(&self, scenario: &Scenario) -> Body {
-        let radius_m = scenario.task.collision_range_m.max(scenario.robot.radius_m);
+        let radius_m = scenario.keep_out_m().max(scenario.robot.reach_m());
         Body::Marks {
             positions_m: scenario.benchmark_route.iter().map(|route| route.start_m).collect(),
             radius_m,

@@ -17,7 +17,7 @@ pub(super) struct RuleItem(pub PlacementRole);
 impl RuleItem {
     fn mark_radius_m(&self, scenario: &Scenario) -> f32 {
         match self.0 {
-            PlacementRole::Starts => scenario.robot.radius_m,
+            PlacementRole::Starts => scenario.robot.reach_m(),
             PlacementRole::Goals => scenario.task.goal_radius_m,
         }
     }

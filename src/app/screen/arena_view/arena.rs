@@ -83,7 +83,7 @@ pub fn draw_robot(canvas: &Canvas, scenario: &Scenario, pose: Pose, color: Color
     let (painter, palette) = (&canvas.painter, &canvas.palette);
     let Pose { x_m, y_m, heading_rad } = pose;
     let centre = canvas.to_screen([x_m, y_m]);
-    let body = canvas.transform.to_screen_length(scenario.robot.radius_m);
+    let body = canvas.transform.to_screen_length(scenario.robot.inner_radius_m());
     if !canvas.compact {
         let collision_range = canvas.transform.to_screen_length(scenario.task.collision_range_m);
         painter.circle_stroke(
@@ -95,8 +95,14 @@ pub fn draw_robot(canvas: &Canvas, scenario: &Scenario, pose: Pose, color: Color
     let min_radius = if canvas.compact { 4.0 } else { 6.0 };
     let radius = body.max(min_radius);
     let halo = if canvas.compact { 1.0 } else { 1.5 };
-    painter.circle_filled(centre, radius + halo, palette.floor);
-    painter.circle_filled(centre, radius, color);
+    if let Some(shape) = &scenario.robot.shape {
+        let outline = Silhouette::Obstacle { shape: shape.clone(), pose: (x_m, y_m, heading_rad) };
+        silhouette::draw(canvas, &outline, color, Stroke::new(halo, palette.floor));
+    }
+    if scenario.robot.shape.is_none() || body < min_radius {
+        painter.circle_filled(centre, radius + halo, palette.floor);
+        painter.circle_filled(centre, radius, color);
+    }
     let along = screen_direction(heading_rad) * radius;
     let across = along.rot90();
     // An arrow with a notch is not convex: draw two halves, and a line over their seam.

@@ -35,7 +35,7 @@ pub fn draw(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene) -> Option<
     let (painter, palette) = (&canvas.painter, &canvas.palette);
     let (ranges, max_m) = (&arena.ranges_m, scenario.lidar.max_range_m);
     let from = canvas.to_screen([arena.scan_pose.x_m, arena.scan_pose.y_m]);
-    let body = canvas.transform.to_screen_length(scenario.robot.radius_m);
+    let body = canvas.transform.to_screen_length(scenario.robot.inner_radius_m());
     let towards = |beam: usize| -> Vec2 {
         screen_direction(arena.scan_pose.heading_rad + scenario.lidar.beam_angle_rad(beam) as f32)
     };
@@ -76,7 +76,7 @@ pub fn draw(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene) -> Option<
 /// beams.
 fn draw_field_of_view(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene, from: Pos2) {
     let half = scenario.lidar.field_of_view_rad / 2.0;
-    let body = canvas.transform.to_screen_length(scenario.robot.radius_m);
+    let body = canvas.transform.to_screen_length(scenario.robot.inner_radius_m());
     let (heading, max_reach) =
         (arena.scan_pose.heading_rad, canvas.transform.to_screen_length(scenario.lidar.max_range_m));
     let ends =

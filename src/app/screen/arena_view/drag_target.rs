@@ -19,7 +19,7 @@ pub fn hit_test(transform: &ViewTransform, arena: &ArenaScene, at: Pos2) -> Opti
     let slack_m = 3.0 / transform.scale;
     let distance_to = |px: f32, py: f32| (px - x).hypot(py - y);
     let min_radius_m = 10.0 / transform.scale;
-    if distance_to(arena.pose.x_m, arena.pose.y_m) <= (scenario.robot.radius_m + slack_m).max(min_radius_m) {
+    if distance_to(arena.pose.x_m, arena.pose.y_m) <= (scenario.robot.reach_m() + slack_m).max(min_radius_m) {
         return Some(Movable::Robot);
     }
     if distance_to(arena.goal.x_m, arena.goal.y_m)
@@ -52,7 +52,10 @@ pub fn silhouette(arena: &ArenaScene, object: Movable, to_m: Option<[f32; 2]>) -
     let at_m = to_m.or_else(|| centre_of(object, arena))?;
     match object {
         Movable::Goal => Some(Silhouette::Disc { at_m, radius_m: scenario.task.goal_radius_m }),
-        Movable::Robot => Some(Silhouette::Disc { at_m, radius_m: scenario.robot.radius_m }),
+        Movable::Robot => {
+            let pose = (at_m[0], at_m[1], arena.pose.heading_rad);
+            Some(Silhouette::Obstacle { shape: scenario.robot.body(), pose })
+        }
         Movable::Obstacle(index) => {
             let (obstacle, pose) = (scenario.obstacles.get(index)?, arena.obstacles.get(index)?);
             Some(Silhouette::Obstacle { shape: obstacle.shape.clone(), pose: (at_m[0], at_m[1], pose.2) })

@@ -66,7 +66,7 @@ pub fn draw(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene, avoid: &[R
     {
         return;
     }
-    let body = canvas.transform.to_screen_length(scenario.robot.radius_m).max(6.0);
+    let body = canvas.transform.to_screen_length(scenario.robot.reach_m()).max(6.0);
     let card = card_rect(canvas, scenario, arena, size, body, avoid, id);
     leader(canvas, card, robot, body);
     canvas.card_background(card);

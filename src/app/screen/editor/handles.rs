@@ -81,7 +81,7 @@ fn rotation_handle(transform: &ViewTransform, editor: &Editor, handle: &Handle) 
     let centre = transform.to_screen(centre_m.into());
     let reach_m = match editor.selection().body(editor.scenario()) {
         Body::Obstacle(obstacle) => Silhouette::from_obstacle(&obstacle).reach_m(),
-        _ => editor.scenario().robot.radius_m,
+        _ => editor.scenario().robot.reach_m(),
     };
     let distance = transform.to_screen_length(reach_m).max(8.0) + ROTATION_HANDLE;
     centre + (at - centre).normalized() * distance

@@ -60,7 +60,7 @@ fn path_button_ui(ui: &mut Ui, editor: &mut Editor, has_path: bool) {
 }
 
 /// Shows the fields of a shape or a motion.
-fn described_rows(rows: &mut FieldRows<'_>, fields: Vec<Field<'_>>) {
+pub(super) fn described_rows(rows: &mut FieldRows<'_>, fields: Vec<Field<'_>>) {
     for Field { names, label, about, value } in fields {
         match value {
             FieldValue::Number(number, quantity) => {

@@ -2,21 +2,55 @@
 
 use egui::Ui;
 
-use super::controls::button_row_ui;
+use super::controls::{button_row_ui, choice_ui};
 use super::fields::FieldRows;
 use super::number::NumberSpec;
+use super::obstacle_fields::described_rows;
 use crate::app::editor::Editor;
-use crate::scenario::Motion;
 use crate::scenario::limits::*;
+use crate::scenario::{Motion, Robot, Shape};
 
 /// A full turn, exactly as in the schema's default.
 const FULL_TURN_RAD: f32 = std::f32::consts::TAU;
+
+/// The shapes of a robot: the name of the [template](Shape::templates), the text and the tooltip of each.
+const SHAPES: [(&str, &str, &str); 4] = [
+    ("Circle", "Disc", "Turns in place without touching anything new"),
+    ("Box", "Box", "A rectangle around the origin"),
+    ("Capsule", "Capsule", "A rectangle with round ends"),
+    ("Hexagon", "Polygon", "Any convex polygon around the origin"),
+];
+
+/// The template that stands for the shape of a robot.
+fn shape_name(shape: Option<&Shape>) -> &'static str {
+    match shape {
+        None | Some(Shape::Circle { .. }) => "Circle",
+        Some(Shape::Rectangle { .. }) => "Box",
+        Some(Shape::Capsule { .. }) => "Capsule",
+        Some(Shape::Polygon { .. }) => "Hexagon",
+    }
+}
 
 /// Shows the fields of the robot.
 pub fn robot_ui(ui: &mut Ui, editor: &mut Editor) {
     let mut robot = editor.scenario().robot.clone();
     let mut rows = FieldRows::new(ui);
-    rows.number("Radius", "", &mut robot.radius_m, NumberSpec::length(ROBOT_RADIUS_M));
+    let kind = choice_ui(rows.ui, "Shape", shape_name(robot.shape.as_ref()), &SHAPES);
+    match &mut robot.shape {
+        None => rows.number("Radius", "", &mut robot.radius_m, NumberSpec::length(ROBOT_RADIUS_M)),
+        Some(shape) => described_rows(&mut rows, shape.fields_mut()),
+    }
+    if let Some(kind) = kind {
+        let template = Shape::templates().into_iter().find(|(name, _)| *name == kind);
+        robot.shape = template.map(|(_, shape)| shape).filter(Shape::has_orientation);
+        robot.radius_m = Robot::default().radius_m;
+        rows.mark_changed("shape");
+    }
+    let mut turning_radius_m = robot.min_turning_radius_m.unwrap_or(0.0);
+    let tip = "Least turning radius of a robot that steers like a car; 0 if it can turn on the spot";
+    let radius = NumberSpec::length(0.0..=*TURNING_RADIUS_M.end());
+    rows.number("Min. turning radius", tip, &mut turning_radius_m, radius);
+    robot.min_turning_radius_m = (turning_radius_m != 0.0).then_some(turning_radius_m);
     let tip = "Time constant with which the robot follows its motion commands";
     rows.number("Actuator lag", tip, &mut robot.actuator_lag_s, NumberSpec::seconds(ACTUATOR_LAG_S));
     let units = [NumberSpec::VELOCITY, NumberSpec::ANGULAR_VELOCITY];
@@ -60,7 +94,7 @@ pub fn task_ui(ui: &mut Ui, editor: &mut Editor) {
     let mut rows = FieldRows::new(ui);
     let tip = "The goal is reached within this distance";
     rows.number("Goal radius", tip, &mut task.goal_radius_m, NumberSpec::length(GOAL_RADIUS_M));
-    let tip = "An obstacle within this distance of the robot's centre is a collision; must exceed its radius";
+    let tip = "An obstacle within this distance of the robot's centre is a collision; must exceed the radius of a disc";
     rows.number("Collision range", tip, &mut task.collision_range_m, NumberSpec::length(COLLISION_RANGE_M));
     let tip = "Smallest distance from the robot to a new goal";
     let distance = NumberSpec::length(GOAL_DISTANCE_M);

@@ -123,6 +123,20 @@ impl FloorPlan {
         if corners.iter().all(inside) { area(root, corners, colour.filled()) } else { Ok(()) }
     }
 
+    /// Draws a filled shape with an edge, cut off at the plan's edges.
+    pub(super) fn draw_shape(
+        &self,
+        root: &Canvas,
+        shape: &MapShape,
+        fill: ShapeStyle,
+        edge: RGBColor,
+    ) -> DrawResult {
+        match shape {
+            MapShape::Disc(x, y, radius) => self.draw_disc(root, (*x, *y, *radius), fill, edge),
+            MapShape::Polygon(corners) => self.draw_polygon(root, corners, fill, edge),
+        }
+    }
+
     /// Draws a filled polygon with an edge, cut off at the plan's edges.
     pub(super) fn draw_polygon(
         &self,

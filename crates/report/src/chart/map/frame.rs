@@ -33,8 +33,8 @@ impl MapRobot {
         for end in plan.pixels(&self.beam_ends) {
             line(root, vec![from, end], BEAM.mix(0.45).stroke_width(HAIRLINE))?;
         }
-        plan.draw_disc(root, (x, y, self.radius), BODY.filled(), INK)?;
-        let nose = (x + self.radius * heading.cos(), y + self.radius * heading.sin());
+        plan.draw_shape(root, &self.body, BODY.filled(), INK)?;
+        let nose = (x + self.nose * heading.cos(), y + self.nose * heading.sin());
         line(root, vec![plan.pixel((x, y)), plan.pixel(nose)], INK.stroke_width(STROKE))
     }
 }

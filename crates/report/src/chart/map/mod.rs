@@ -123,12 +123,7 @@ impl ScenarioMap {
         draw_tracks(plan, root, &self.tracks)?;
         for obstacle in &self.obstacles {
             let (fill, edge) = obstacle_colours(obstacle.kind);
-            match &obstacle.outline {
-                MapShape::Disc(x, y, radius) => {
-                    plan.draw_disc(root, (*x, *y, *radius), fill.filled(), edge)?;
-                }
-                MapShape::Polygon(corners) => plan.draw_polygon(root, corners, fill.filled(), edge)?,
-            }
+            plan.draw_shape(root, &obstacle.outline, fill.filled(), edge)?;
             if let MapObstacleKind::Moving(heading) = obstacle.kind {
                 plan.draw_arrow(root, &obstacle.outline, heading, edge)?;
             }

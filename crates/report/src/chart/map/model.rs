@@ -62,12 +62,14 @@ pub enum MapTrack {
 }
 
 /// A robot in a frame of a simulation.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct MapRobot {
     /// The pose: x and y in m, heading in rad, anticlockwise from the x axis.
     pub pose: (f64, f64, f64),
-    /// The radius of its body, in m.
-    pub radius: f64,
+    /// The area that its body covers.
+    pub body: MapShape,
+    /// The length of the line that shows its heading, in m.
+    pub nose: f64,
     /// The position of the LIDAR during the scan: x and y in m.
     pub lidar: (f64, f64),
     /// The end of each beam: x and y in m.

@@ -1,0 +1,41 @@
+//! Car-like steering: the motions that a least turning radius allows.
+
+use super::check::Diagnostics;
+use super::check::rounded_down;
+use super::limits::{MAX_ANGULAR_SPEED_RAD_S, MAX_SPEED_M_S, MOTIONS};
+use super::schema::{Motion, Robot};
+
+/// Factor of tolerance for the rounding of a motion at the limit.
+const SLACK: f32 = 1.0 + 1e-5;
+
+impl Robot {
+    /// The motion with its turning rate limited to what the least turning radius allows at its speed.
+    #[must_use]
+    pub fn steerable(&self, motion: Motion) -> Motion {
+        let Some(radius_m) = self.min_turning_radius_m else { return motion };
+        let most_rad_s = motion.v_m_s.abs() / radius_m;
+        Motion { w_rad_s: motion.w_rad_s.clamp(-most_rad_s, most_rad_s), ..motion }
+    }
+}
+
+/// Reports each motion of a robot that turns more tightly than `radius_m`, its least turning radius.
+pub(super) fn check(robot: &Robot, radius_m: f32, diagnostics: &mut Diagnostics) {
+    for (k, Motion { v_m_s, w_rad_s }) in robot.motions.iter().enumerate().take(*MOTIONS.end()) {
+        let (speed_m_s, turn_rad_s) = (v_m_s.abs(), w_rad_s.abs());
+        let is_in_range = speed_m_s <= MAX_SPEED_M_S && turn_rad_s <= MAX_ANGULAR_SPEED_RAD_S;
+        if !is_in_range || turn_rad_s * radius_m <= speed_m_s * SLACK {
+            continue;
+        }
+        let path = format_args!("robot.motions[{k}]");
+        let least = format!("the robot's least turning radius is {radius_m} m");
+        diagnostics.push(path, if speed_m_s == 0.0 {
+            format!("turns on the spot, but {least}: write a w_rad_s of 0 or a larger v_m_s, or remove min_turning_radius_m")
+        } else {
+            format!(
+                "turns with a radius of {:.3} m, but {least}: write a w_rad_s of at most {} either way, or a larger v_m_s",
+                speed_m_s / turn_rad_s,
+                rounded_down(speed_m_s / radius_m)
+            )
+        });
+    }
+}
