@@ -122,3 +122,60 @@ fn an_expert_says_where_it_was_trained() {
         assert_eq!(notice.contains("It was not trained in Maze"), is_new_here, "{notice}");
     }
 }
+
+#[test]
+fn a_classical_driver_drives_next_to_the_policy_with_its_class_and_the_map_that_it_builds() {
+    let start = StartOptions { scenario: "empty".into(), paused: true, ..StartOptions::default() };
+    let mut app = HeadlessApp::new(start);
+    frame(&mut app);
+    app.command(Command::OpenDriver("grid-dwa"));
+    for _ in 0..8 {
+        app.command(Command::Step);
+        frame(&mut app);
+    }
+    assert_eq!(app.shown().1.mode, SessionMode::Compare);
+    let (name, class) = ("A* and DWA on its own map", "Class B: builds a map");
+    assert_eq!(driver(&app, 1), (name.into(), class.into()));
+    let [policy, classical] = &app.shown().0.arenas[..] else { panic!("two arenas") };
+    assert_eq!(policy.goal, classical.goal);
+    assert_eq!(policy.plan, None);
+    let plan = classical.plan.as_ref().expect("the driver plans");
+    let [first, .., last] = &plan.path_m[..] else { panic!("a path: {plan:?}") };
+    let goal = &classical.goal;
+    assert!((last.x - goal.x_m).hypot(last.y - goal.y_m) < 2.0 * plan.cell_m, "to {last}");
+    assert!((first.x - classical.pose.x_m).hypot(first.y - classical.pose.y_m) < 1.0, "from {first}");
+    assert!(!plan.occupied_m.is_empty());
+    let (min, max) = classical.scenario.enclosure.bounds_m();
+    for at in &plan.occupied_m {
+        let to_wall = (*at - min).min(max - *at).min_element().abs();
+        assert!(to_wall < plan.cell_m, "{at} is {to_wall} m from the walls of an empty room");
+    }
+    app.command(Command::OpenDriver("orca"));
+    frame(&mut app);
+    assert_eq!(driver(&app, 1), ("ORCA".into(), "Class C: knows everything".into()));
+    app.command(Command::OpenExpert);
+    frame(&mut app);
+    assert!(driver(&app, 1).0.ends_with(" expert"), "a policy takes the place of the driver");
+}
+
+#[test]
+fn a_classical_drivers_file_is_opened_like_a_policy() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let path = folder.path().join("careful.ron");
+    std::fs::write(&path, "Dwa(margin: 11.0)").expect("a writable folder");
+    let mut app = HeadlessApp::new(StartOptions { paused: true, ..StartOptions::default() });
+    app.frame(Duration::from_millis(10));
+    app.command(Command::Open(path.clone()));
+    app.frame(Duration::from_millis(10));
+    let error = &app.error_notices()[0];
+    assert!(error.contains("careful.ron:1:13: ") && error.contains("give 0 to 10"), "{error}");
+    assert_eq!(app.shown().1.mode, SessionMode::Train);
+    std::fs::write(&path, "Dwa(margin: 0.5)").expect("a writable folder");
+    app.command(Command::Open(path));
+    app.frame(Duration::from_millis(10));
+    assert_eq!(app.shown().1.mode, SessionMode::Compare);
+    assert_eq!(driver(&app, 1), ("DWA, careful.ron".into(), "Class A: sees what a policy sees".into()));
+    app.command(Command::Open("astar".into()));
+    app.frame(Duration::from_millis(10));
+    assert_eq!(driver(&app, 1).0, "A* and pure pursuit", "a driver is also opened by its name");
+}

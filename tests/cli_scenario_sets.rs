@@ -125,6 +125,35 @@ fn a_setting_changes_every_scenario_of_a_set_but_no_levels() {
     assert!(!workspace.path("refused").exists());
 }
 
+#[test]
+fn a_preset_names_its_scenarios_and_a_flag_names_others() {
+    let workspace = workspace();
+    workspace.write("mine/preset.ron", "(based_on: \"../fast.ron\", scenario: \"../set.ron\")");
+    workspace.write("other.ron", "(based_on: \"mine/preset.ron\")");
+    workspace.run_ok("--check mine/preset.ron other.ron");
+    let train = "--train --seed 5 --steps 1 --preset";
+    workspace.run_ok(&format!("{train} mine/preset.ron --out own"));
+    workspace.run_ok(&format!("{train} other.ron --out inherited"));
+    workspace.run_ok(&format!("{train} other.ron --scenario two.ron --out given"));
+    let scenario = |run: &str| workspace.json(&format!("{run}/summary.json"))["scenario"].clone();
+    assert_eq!([scenario("own"), scenario("inherited")], ["Three worlds", "Three worlds"]);
+    assert_eq!(scenario("given"), "Scenario II");
+    let config = workspace.text("own/config.ron");
+    assert!(config.contains("scenario_from: \"mine/../set.ron\""), "{config}");
+
+    workspace.write("bad.ron", "(\n    based_on: \"fast\",\n    scenario: \"no-such.ron\",\n)");
+    let done = workspace.run("--check bad.ron");
+    let text = format!("{}{}", done.stdout, done.stderr);
+    assert!(
+        done.status == Some(2) && text.contains("bad.ron:3:15: `scenario` cannot be used: no-such.ron: "),
+        "{text}"
+    );
+    let done = workspace.run("--train --preset bad.ron --out refused");
+    let problem = "bad.ron: its `scenario` cannot be used: no-such.ron: no such file";
+    assert!(done.status == Some(2) && done.stderr.contains(problem), "{}", done.stderr);
+    workspace.run_ok(&format!("{train} bad.ron --scenario two.ron --out overridden"));
+}
+
 /// Asserts that `--train` and `--check` reject `set` with each of `parts` in the message, and write nothing.
 fn assert_rejected(workspace: &Workspace, set: &str, parts: &[&str]) {
     workspace.write("bad.ron", set);

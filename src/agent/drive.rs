@@ -6,7 +6,7 @@
 use bevy::prelude::*;
 
 use super::{ActionSource, ActionSources};
-use crate::drivers::{Driver, DriverClass, DriverConfig, Odometry, Percept, Robot, Truth};
+use crate::drivers::{Driver, DriverClass, DriverConfig, DriverPlan, Odometry, Percept, Robot, Truth};
 use crate::scenario::Motion;
 use crate::task::{
     Actions, Arena, ArenaLayout, Clock, Episode, EstimatedPose, Goal, Pedestrians, Pose, Scan, Twist,
@@ -27,6 +27,16 @@ impl DriverSource {
     pub fn new(config: &DriverConfig) -> Self {
         Self { config: config.clone(), driver: None, last_pose: Pose::default() }
     }
+
+    /// What it plans with, in the arena's frame; `None` before the first step, or if it plans no path.
+    #[must_use]
+    pub fn plan(&self) -> Option<DriverPlan> {
+        self.driver.as_ref()?.plan(tuple(&self.last_pose))
+    }
+}
+
+fn tuple(pose: &Pose) -> (f32, f32, f32) {
+    (pose.x_m, pose.y_m, pose.heading_rad)
 }
 
 /// The components of an arena that a driver perceives.
@@ -60,7 +70,6 @@ pub(super) fn drive(
             source.last_pose = *estimate;
         }
         let (clock, pedestrians) = clock;
-        let tuple = |pose: &Pose| (pose.x_m, pose.y_m, pose.heading_rad);
         let truth = Truth {
             layout: layout.indexed(pedestrians),
             clock: clock.0,

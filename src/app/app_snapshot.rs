@@ -96,8 +96,10 @@ pub struct AppSnapshot {
     pub pace: Pace,
     /// What drives the robots.
     pub mode: SessionMode,
-    /// The scenario's file or shipped name, as in `scenarios`.
+    /// The file or shipped name of the scenario or of the set of scenarios, as in `scenarios`.
     pub scenario_from: String,
+    /// Whether it is a set of scenarios, or a level generator.
+    pub is_set: bool,
     /// The preset's file or shipped name, as in `presets`.
     pub preset_from: String,
     /// Whether the scenario differs from its file: an object was moved, or an edit was not saved.
@@ -136,6 +138,8 @@ pub struct AppSnapshot {
     pub frames_per_s: f64,
     /// Name of the opened policy, if there is one to compare with.
     pub opened_policy: Option<String>,
+    /// Name of the classical driver that the user has chosen to compare with in place of that policy.
+    pub opened_driver: Option<String>,
     /// Notices, oldest first.
     pub notices: Vec<Notice>,
     /// Whether a new training would discard an unsaved one that is worth keeping.

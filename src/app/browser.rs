@@ -127,13 +127,19 @@ fn scenario_file_name(name: &str) -> PathBuf {
     format!("{}.ron", stem.trim_matches('-')).into()
 }
 
-/// Makes the address a link that starts the same training. A scenario of the user's own is embedded. A preset of the user's
-/// own cannot be linked, nor a training that started from a policy.
+/// Makes the address a link that starts the same training. A scenario of the user's own is embedded. A preset or a set of the
+/// user's own cannot be linked, nor a training that started from a policy.
 fn update_share_link(config: &RunConfig) {
     let RunConfig { scenario_from, preset_from, seed, scenario, transfer, .. } = config;
-    let as_shipped = shipped::is_scenario(scenario_from)
-        && shipped::scenario(scenario_from).is_ok_and(|shipped| shipped == *scenario);
-    let embedded = if as_shipped { None } else { to_ron(scenario).ok() };
+    let is_set = config.scenario_set.is_some();
+    let as_shipped = match is_set {
+        true => shipped::is_level_generator(scenario_from),
+        false => {
+            shipped::is_scenario(scenario_from)
+                && shipped::scenario(scenario_from).is_ok_and(|shipped| shipped == *scenario)
+        }
+    };
+    let embedded = if as_shipped || is_set { None } else { to_ron(scenario).ok() };
     if shipped::is_preset(preset_from) && transfer.is_none() && (as_shipped || embedded.is_some()) {
         page::set_share_link(scenario_from, preset_from, &seed.to_string(), embedded);
     } else {

@@ -46,7 +46,8 @@ pub enum SessionMode {
     Test,
     /// The user drives in one arena, and the current or the best policy in another, to the same goals.
     Drive,
-    /// The current or the best policy and the opened one drive side by side, to the same goals.
+    /// The current or the best policy and a second driver drive side by side, to the same goals: the opened policy, or a
+    /// classical driver.
     Compare,
 }
 
@@ -105,6 +106,8 @@ pub enum Command {
     OpenDialog,
     /// Opens a shipped policy that can drive here, to compare with.
     OpenExpert,
+    /// Lets the classical driver of this name drive next to the current policy.
+    OpenDriver(&'static str),
     /// Opens the best policy of the training so far, to compare with.
     OpenBest,
     /// Opens a policy file, a run folder, a checkpoint, a scenario or a preset.

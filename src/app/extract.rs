@@ -16,12 +16,14 @@ use super::session::{
     ActiveMode, Autosave, Evaluations, Journal, Notices, OpenedFiles, Pacer, QuitQuestion, ScenarioSource,
     Throughput, Trails, TrainingRun, comparison,
 };
-use crate::agent::{ActiveLearner, Decisions};
+use crate::agent::{ActionSource, ActionSources, ActiveLearner, Decisions};
+use crate::drivers::DriverPlan;
 use crate::run::preset::Budget;
 use crate::run::shipped;
 use crate::scenario::IndexedScenario;
 use crate::task::{
-    Actions, Arena, ArenaLayout, Clock, CurrentScenario, Episode, Goal, Pedestrians, Pose, Scan, wrap_angle,
+    Actions, Arena, ArenaLayout, ArenaScenario, Clock, CurrentScenario, Episode, Goal, Pedestrians, Pose,
+    Scan, ScenarioPool, wrap_angle,
 };
 
 /// The snapshot that the screen draws next.
@@ -45,6 +47,7 @@ type ArenaComponents = (
     (&'static Clock, &'static Pedestrians),
     &'static Scan,
     &'static Episode,
+    Option<&'static ArenaScenario>,
 );
 
 /// The resources of the session that are shown.
@@ -71,6 +74,8 @@ pub(super) struct WorldView<'w, 's> {
     scenario: Res<'w, CurrentScenario>,
     decisions: Res<'w, Decisions>,
     actions: Res<'w, Actions>,
+    sources: Res<'w, ActionSources>,
+    pool: Option<Res<'w, ScenarioPool>>,
     trails: Res<'w, Trails>,
     arenas: Query<'w, 's, ArenaComponents>,
 }
@@ -105,7 +110,7 @@ fn arena_scenes(session: &SessionView, world: &WorldView, view_state: &CurrentVi
     let mode = session.mode.mode();
     let motions = world.scenario.0.robot.motions.len();
     let no_trails = ArenaTrails::default();
-    let arena_scene = |(arena, layout, pose, goal, clock, scan, episode): (
+    let arena_scene = |(arena, layout, pose, goal, clock, scan, episode, member): (
         &Arena,
         &ArenaLayout,
         &Pose,
@@ -113,6 +118,7 @@ fn arena_scenes(session: &SessionView, world: &WorldView, view_state: &CurrentVi
         (&Clock, &Pedestrians),
         &Scan,
         &Episode,
+        Option<&ArenaScenario>,
     )| {
         let (clock, pedestrians) = clock;
         let k = arena.0;
@@ -121,6 +127,8 @@ fn arena_scenes(session: &SessionView, world: &WorldView, view_state: &CurrentVi
         let is_large = view_state.0.followed == k || mode != SessionMode::Train;
         ArenaScene {
             scenario: layout.scenario.clone(),
+            written: layout.written.clone(),
+            set_member: world.pool.as_ref().zip(member).map(|(pool, member)| pool.title(member.choice)),
             pose: trails.previous_pose.map_or(*pose, |before| interpolate(&before, pose, part)),
             goal: *goal,
             obstacles: obstacles(layout.indexed(pedestrians), *clock, part),
@@ -130,6 +138,7 @@ fn arena_scenes(session: &SessionView, world: &WorldView, view_state: &CurrentVi
             action: world.actions.0.get(k).copied().unwrap_or(0),
             explored: world.decisions.explored.get(k).copied().unwrap_or(false),
             q_values: if q_values.iter().all(|q| q.is_finite()) { q_values.to_vec() } else { Vec::new() },
+            plan: if mode == SessionMode::Compare { plan(world.sources.arenas.get(k)) } else { None },
             path_m: trails.path_m.clone(),
             trails: if is_large && view_state.0.overlays.trails {
                 trails.finished.iter().cloned().collect()
@@ -141,6 +150,14 @@ fn arena_scenes(session: &SessionView, world: &WorldView, view_state: &CurrentVi
         }
     };
     shown.into_iter().map(arena_scene).collect()
+}
+
+/// What a classical driver plans with.
+fn plan(source: Option<&ActionSource>) -> Option<DriverPlan> {
+    match source {
+        Some(ActionSource::Driver(driver)) => driver.plan(),
+        _ => None,
+    }
 }
 
 /// The pose at the fraction `part` of the way between two poses. The heading turns the short way.
@@ -171,9 +188,17 @@ fn obstacles(layout: IndexedScenario, clock: Clock, part: f32) -> Vec<(f32, f32,
 }
 
 fn shipped_choices() -> (Vec<Choice>, Vec<Choice>) {
-    let scenarios = shipped::scenarios()
-        .map(|(name, scenario)| Choice { from: name.into(), title: scenario.name, about: scenario.about })
-        .collect();
+    let scenarios = shipped::scenarios().map(|(name, scenario)| Choice {
+        from: name.into(),
+        title: scenario.name,
+        about: scenario.about,
+    });
+    let levels = shipped::level_generators().map(|(name, levels)| Choice {
+        from: name.into(),
+        title: levels.name,
+        about: levels.about,
+    });
+    let scenarios = scenarios.chain(levels).collect();
     let presets = shipped::presets()
         .map(|(name, preset)| Choice {
             from: name.into(),
@@ -194,8 +219,9 @@ fn app_snapshot(session: &SessionView, scenarios: Vec<Choice>, presets: Vec<Choi
         pace: session.pacer.pace,
         mode: session.mode.mode(),
         scenario_modified: session.source.is_modified(config),
-        is_paper_scenario_1: shipped::is_paper_scenario_1(&config.scenario),
+        is_paper_scenario_1: config.is_paper_scenario_1(),
         scenario_from: config.scenario_from.clone(),
+        is_set: config.scenario_set.is_some(),
         preset_from: config.preset_from.clone(),
         scenarios: [scenarios, session.opened.scenarios.clone()].concat(),
         presets: [presets, session.opened.presets.clone()].concat(),
@@ -219,13 +245,14 @@ fn app_snapshot(session: &SessionView, scenarios: Vec<Choice>, presets: Vec<Choi
         simulated_s: session.journal.steps as f64 * period_s,
         frames_per_s: rates.frames_per_s,
         opened_policy: session.opened.policy.as_ref().map(|(name, _)| name.clone()),
+        opened_driver: session.opened.driver.as_ref().map(|(name, _)| name.clone()),
         notices: session.notices.list(),
         restart_loses_training: session.run.would_lose_training(learner.env_steps()),
         last_session: session.autosave.last_session(),
         unsaved_edits: session.backup.offer(),
         quit_question: session.quit_question.0,
         expert: comparison::expert(config).map(|expert| ExpertChoice {
-            is_new_here: expert.trained_in != config.scenario.name,
+            is_new_here: expert.trained_in != config.scenario_title(),
             name: comparison::expert_name(expert),
         }),
         tested: session.run.tested,

@@ -90,7 +90,7 @@ pub enum MoveRejection {
     /// An obstacle would cover the start or a goal of the benchmark route.
     #[error("Blocks the benchmark route")]
     BlocksBenchmarkRoute,
-    /// There is no such arena or obstacle, or the obstacle is generated for each episode.
+    /// There is no such arena or obstacle, or the obstacle is generated for each episode, or it belongs to a set of scenarios.
     #[error("This object cannot be moved")]
     NotMovable,
     /// The scenario would become invalid for another reason: the diagnostic.

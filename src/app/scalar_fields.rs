@@ -18,8 +18,7 @@ use crate::learning::QNetwork;
 use crate::scenario::{Scenario, enclosure_distance, inner_wall_distance};
 use crate::sim::Probe;
 use crate::task::{
-    Arena, Clock, CurrentScenario, Goal, ObservationLayout, Pose, RewardConfig, Scan, SensorReadings,
-    observation,
+    Arena, ArenaLayout, Clock, Goal, ObservationLayout, Pose, RewardConfig, Scan, SensorReadings, observation,
 };
 
 /// Number of grid points along the longer side.
@@ -103,7 +102,6 @@ pub(super) struct FieldSources<'w, 's> {
     view_state: Res<'w, CurrentViewState>,
     mode: Res<'w, ActiveMode>,
     opened: Res<'w, OpenedFiles>,
-    scenario: Res<'w, CurrentScenario>,
     reward: Res<'w, RewardConfig>,
     layout: Res<'w, ObservationLayout>,
     learner: Res<'w, ActiveLearner>,
@@ -111,7 +109,14 @@ pub(super) struct FieldSources<'w, 's> {
     arenas: Query<
         'w,
         's,
-        (&'static Arena, &'static Pose, &'static Goal, &'static Clock, &'static SensorReadings),
+        (
+            &'static Arena,
+            &'static ArenaLayout,
+            &'static Pose,
+            &'static Goal,
+            &'static Clock,
+            &'static SensorReadings,
+        ),
     >,
 }
 
@@ -127,12 +132,12 @@ impl FieldSources<'_, '_> {
     fn inputs(&self) -> Option<(FieldInputs, &SensorReadings)> {
         let index = self.view_state.0.followed;
         let followed = self.arenas.iter().find(|(arena, ..)| arena.0 == index);
-        let (arena, pose, goal, clock, readings) = followed.or_else(|| self.arenas.iter().next())?;
+        let (arena, layout, pose, goal, clock, readings) = followed.or_else(|| self.arenas.iter().next())?;
         let overlays = self.view_state.0.overlays;
         let inputs = FieldInputs {
             potential: overlays.potential,
             value: overlays.value,
-            scenario: self.scenario.0.clone(),
+            scenario: layout.written.clone(),
             mode: self.mode.mode(),
             arena: arena.0,
             goal: *goal,

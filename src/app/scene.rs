@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 
+use crate::drivers::DriverPlan;
 use crate::scenario::Scenario;
 use crate::task::{Goal, Pose};
 
@@ -66,7 +67,7 @@ impl Score {
 pub enum DriverLabel {
     /// The network in training, exploring.
     Learner,
-    /// A greedy policy.
+    /// A greedy policy, or a classical driver.
     Policy {
         /// Its name.
         name: String,
@@ -82,6 +83,10 @@ pub enum DriverLabel {
 pub struct ArenaScene {
     /// The scenario as it is laid out in this arena, with generated obstacles.
     pub scenario: Arc<Scenario>,
+    /// The same without generated obstacles.
+    pub written: Arc<Scenario>,
+    /// The name of the scenario of a set that the episode is in, with the seed of a level; `None` without a set.
+    pub set_member: Option<String>,
     /// Pose of the robot, interpolated between the last two control steps.
     pub pose: Pose,
     /// The current goal.
@@ -100,6 +105,8 @@ pub struct ArenaScene {
     pub explored: bool,
     /// Q-values of the last decision, one per motion; empty if no network decided.
     pub q_values: Vec<f32>,
+    /// What a classical driver plans with, if it plans a path.
+    pub plan: Option<DriverPlan>,
     /// Path towards the current goal, oldest point first, in m.
     pub path_m: Vec<[f32; 2]>,
     /// Earlier paths, oldest first.
@@ -128,7 +135,7 @@ pub struct ScalarField {
 /// Everything visible in the arenas.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
-    /// The scenario, without generated obstacles.
+    /// The scenario of the training, without generated obstacles; of a set, the first.
     pub scenario: Arc<Scenario>,
     /// The arenas by index: at least one, at most the first 100.
     pub arenas: Vec<ArenaScene>,

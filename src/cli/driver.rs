@@ -7,26 +7,8 @@ use crate::drivers::DriverConfig;
 use crate::policy::Policy;
 use crate::run::evaluate::Evaluated;
 use crate::run::{RunError, shipped};
-use crate::scenario::{FileError, Scenario, parse_checked, path_exists, read_text};
+use crate::scenario::{Scenario, path_exists, read_text};
 use crate::simulation::Extensions;
-
-/// The names with which the text of a driver begins.
-const METHODS: [&str; 7] = ["Field", "Dwa", "DwaCv", "GridDwa", "AstarDwa", "Astar", "Orca"];
-
-/// The driver in `text`, the contents of the file at `path`.
-///
-/// # Errors
-/// The text is not a driver, or a parameter is out of range.
-pub fn parse(text: &str, path: &Path) -> Result<DriverConfig, FileError> {
-    let check = DriverConfig::diagnostics;
-    parse_checked(text, path, |driver, _| check(driver), check)
-}
-
-/// How much a RON text looks like a driver: as much as possible if it begins with the name of one, else not at all.
-pub fn resemblance(text: &str) -> usize {
-    let begins_with = |name: &&str| crate::scenario::resemblance::<Scenario>(text, name) == usize::MAX;
-    if METHODS.iter().any(begins_with) { usize::MAX } else { 0 }
-}
 
 /// A policy or a classical driver.
 pub enum TestDriver {
@@ -70,7 +52,7 @@ impl TestDriver {
     /// # Errors
     /// It is not a driver, or a parameter is out of range.
     pub fn parse(text: &str, path: &Path) -> Result<Self, RunError> {
-        Ok(Self::Classical(parse(text, path)?))
+        Ok(Self::Classical(DriverConfig::parse(text, path)?))
     }
 
     /// Its policy.
@@ -108,9 +90,9 @@ mod tests {
         for name in DriverConfig::NAMES {
             let driver = DriverConfig::shipped(name).expect("shipped");
             let text = to_ron(&driver).expect("RON");
-            assert_eq!(resemblance(&text), usize::MAX, "{text}");
-            assert_eq!(parse(&text, Path::new("driver.ron")), Ok(driver));
+            assert!(DriverConfig::is_meant_by(&text), "{text}");
+            assert_eq!(DriverConfig::parse(&text, "driver.ron"), Ok(driver));
         }
-        assert_eq!(resemblance("(name: \"Dwa\")"), 0);
+        assert!(!DriverConfig::is_meant_by("(name: \"Dwa\")"));
     }
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::values;
+use crate::run::folder::DEFAULT_SCENARIO;
 use crate::run::settings::{Setting, Settings};
 use crate::simulation::Extensions;
 
@@ -13,8 +14,8 @@ use crate::simulation::Extensions;
 #[command(next_help_heading = "Options of several modes")]
 pub struct SharedArgs {
     /// The scenario: a RON file, or a shipped one by name (scenario-1, scenario-2, empty, corridor, doorway,
-    /// slalom, random-field, u-trap, crossing, crowd, hall, maze); with --train, --eval and --draw also a set of scenarios
-    /// [default: scenario-1; with --eval the one that the policy was trained in]
+    /// slalom, random-field, u-trap, crossing, crowd, hall, maze); with --train, --eval, --draw and in the app also a set of scenarios
+    /// or a level generator [default: the preset's, else scenario-1; with --eval the one that the policy was trained in]
     #[arg(long, value_name = "FILE")]
     pub scenario: Option<String>,
 
@@ -62,7 +63,7 @@ pub struct SharedArgs {
 impl SharedArgs {
     /// The scenario's file or shipped name.
     pub fn scenario(&self) -> &str {
-        self.scenario.as_deref().unwrap_or("scenario-1")
+        self.scenario.as_deref().unwrap_or(DEFAULT_SCENARIO)
     }
 
     /// The preset's file or shipped name.

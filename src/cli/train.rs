@@ -102,7 +102,10 @@ fn new_run(
     let settings = shared.settings();
     let (config, init) = match again {
         Some(path) => earlier_run(path, &args, &shared)?,
-        None => (RunConfig::resolve(shared.scenario(), shared.preset(), shared.seed())?, args.init.clone()),
+        None => {
+            let scenario = shared.scenario.as_deref();
+            (RunConfig::resolve_default(scenario, shared.preset(), shared.seed())?, args.init.clone())
+        }
     };
     let config = config.with_settings(&settings)?.with_extensions(&shared.extensions);
     if !settings.is_empty() {

@@ -26,7 +26,7 @@ use crate::scenario::read_text;
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Options of the app")]
 pub struct WindowArgs {
-    /// Open a policy, a run folder, a scenario or a preset
+    /// Open a policy, a run folder, a scenario, a preset or a classical driver
     #[arg(long, value_name = "PATH")]
     open: Option<PathBuf>,
 
@@ -82,9 +82,13 @@ pub fn run(args: WindowArgs, shared: SharedArgs, save_every: Option<Duration>) -
     let size = shared.size.map(window_size).transpose()?;
     let defaults = StartOptions::default();
     let autosave = AutosaveOptions::in_data_folder(save_every.unwrap_or(AUTOSAVE_INTERVAL));
+    let preset = shared.preset.unwrap_or(defaults.preset);
     let start = StartOptions {
-        scenario: shared.scenario.unwrap_or(defaults.scenario),
-        preset: shared.preset.unwrap_or(defaults.preset),
+        scenario: match shared.scenario {
+            Some(scenario) => scenario,
+            None => shipped::preset(&preset)?.scenario.unwrap_or(defaults.scenario),
+        },
+        preset,
         settings: Settings(shared.set),
         seed: shared.seed.unwrap_or(defaults.seed),
         pace: args.pace.unwrap_or(defaults.pace),
@@ -117,7 +121,7 @@ fn check_start_files(start: &StartOptions, screenshot: bool) -> Result<(), RunEr
         let why = "this is the configuration of a run; help: open the run's folder with --open";
         return Err(RunError::invalid_input(scenario, why));
     }
-    match shipped::scenario(&start.scenario) {
+    match shipped::scenario_or_set(&start.scenario) {
         Err(error) if Path::new(&start.scenario).is_file() && !screenshot => {
             print_stderr(&error.to_string());
         }

@@ -3,13 +3,51 @@
 //! The field names are the columns of `episodes.csv` and `evaluations.csv` and the keys of `summary.json`.
 //! Only `wall_s` differs between two runs with the same seed.
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::final_test::FinalTest;
 use super::provenance::Provenance;
 use crate::report::run_figure::{EpisodePoint, EvaluationPoint};
-use crate::scenario::read_text;
+use crate::scenario::{column_name, read_text};
 use crate::task::EpisodeEnd;
+
+/// A row with further columns in a run over a set of scenarios. They come after the fields of the row.
+pub trait SetColumns: Sized {
+    /// A value of these columns.
+    type Value: Serialize;
+
+    /// The names of the columns, for a set of the `scenarios` with these names; none without scenarios.
+    fn set_columns(scenarios: &[String]) -> Vec<String>;
+
+    /// The values of the columns.
+    fn set_values(&self, scenarios: &[String]) -> Vec<Self::Value>;
+
+    /// Sets the values from those that `value` returns for the names of columns.
+    fn read_set_values<'v>(&mut self, scenarios: &[String], value: impl Fn(&str) -> Option<&'v str>);
+}
+
+/// The rows in `csv`, the contents of a CSV file with a header; of a run over a set of the `scenarios` with these names, with the
+/// set's columns.
+///
+/// # Errors
+/// A row cannot be parsed as `Row`.
+pub fn parse_rows<Row: DeserializeOwned + SetColumns>(
+    csv: &[u8],
+    scenarios: &[String],
+) -> csv::Result<Vec<Row>> {
+    let mut reader = csv::Reader::from_reader(csv);
+    let header = reader.headers()?.clone();
+    let mut rows = Vec::new();
+    for record in reader.records() {
+        let record = record?;
+        let mut row: Row = record.deserialize(Some(&header))?;
+        let value = |name: &str| record.get(header.iter().position(|column| column == name)?);
+        row.read_set_values(scenarios, value);
+        rows.push(row);
+    }
+    Ok(rows)
+}
 
 /// A row of `episodes.csv`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -72,6 +110,22 @@ impl EpisodeRow {
     }
 }
 
+impl SetColumns for EpisodeRow {
+    type Value = Option<String>;
+
+    fn set_columns(scenarios: &[String]) -> Vec<String> {
+        if scenarios.is_empty() { Vec::new() } else { vec!["scenario".into()] }
+    }
+
+    fn set_values(&self, scenarios: &[String]) -> Vec<Option<String>> {
+        if scenarios.is_empty() { Vec::new() } else { vec![self.scenario.clone()] }
+    }
+
+    fn read_set_values<'v>(&mut self, scenarios: &[String], value: impl Fn(&str) -> Option<&'v str>) {
+        self.scenario = value("scenario").map(String::from).filter(|name| scenarios.contains(name));
+    }
+}
+
 /// A row of `evaluations.csv`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EvaluationRow {
@@ -106,6 +160,29 @@ impl EvaluationRow {
         let &Self { env_steps, success_rate, mean_time_s, mean_cost_s, .. } = self;
         EvaluationPoint { env_steps, success_rate, mean_time_s, mean_cost_s }
     }
+}
+
+impl SetColumns for EvaluationRow {
+    type Value = Option<f64>;
+
+    fn set_columns(scenarios: &[String]) -> Vec<String> {
+        scenarios.iter().map(|name| rate_column(name)).collect()
+    }
+
+    fn set_values(&self, scenarios: &[String]) -> Vec<Option<f64>> {
+        let rate = |name: &String| self.scenario_success_rates.iter().find(|(other, _)| other == name);
+        scenarios.iter().map(|name| Some(rate(name)?.1)).collect()
+    }
+
+    fn read_set_values<'v>(&mut self, scenarios: &[String], value: impl Fn(&str) -> Option<&'v str>) {
+        let rate = |name: &String| Some((name.clone(), value(&rate_column(name))?.parse().ok()?));
+        self.scenario_success_rates = scenarios.iter().filter_map(rate).collect();
+    }
+}
+
+/// The column of the success rate in the scenario `name` of a set.
+fn rate_column(name: &str) -> String {
+    format!("success_rate_{}", column_name(name))
 }
 
 /// The first evaluation that reached a given success rate.

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use super::RunError;
 use super::checkpoint::TrainerState;
 use super::folder::{RunConfig, RunFolder};
-use super::metric_rows::{EpisodeRow, EvaluationRow};
+use super::metric_rows::{EpisodeRow, EvaluationRow, SetColumns};
 use super::run_image;
 use super::tensorboard::{EventWriter, cut_back};
 use super::write_points::write_point;
@@ -52,10 +52,8 @@ impl MetricsWriter {
         let reward_columns: Vec<String> =
             config.reward_terms.iter().map(|term| format!("reward_{}", column_name(term))).collect();
         let scenarios: Vec<String> = config.member_names().map(String::from).collect();
-        let scenario_column = config.scenario_set.iter().map(|_| "scenario".into());
-        let episode_columns: Vec<String> = scenario_column.chain(reward_columns.clone()).collect();
-        let rate_columns: Vec<String> =
-            scenarios.iter().map(|name| format!("success_rate_{}", column_name(name))).collect();
+        let episode_columns = [EpisodeRow::set_columns(&scenarios), reward_columns.clone()].concat();
+        let rate_columns = EvaluationRow::set_columns(&scenarios);
         let is_kept = |tag: &str, step: u64| {
             let latest =
                 if tag.starts_with(EVALUATION_TAGS) { trainer_state.evaluated_at } else { Some(env_steps) };
@@ -83,7 +81,7 @@ impl MetricsWriter {
     /// # Errors
     /// The row cannot be written.
     pub fn episode(&mut self, row: &EpisodeRow) -> Result<(), RunError> {
-        let scenario = row.scenario.as_slice();
+        let scenario = row.set_values(&self.scenarios);
         self.episodes
             .serialize((row, scenario, &row.extra_rewards))
             .map_err(|error| self.failed(EPISODES, error))?;
@@ -113,8 +111,7 @@ impl MetricsWriter {
     /// # Errors
     /// The row cannot be written.
     pub fn evaluation(&mut self, row: &EvaluationRow) -> Result<(), RunError> {
-        let rate = |name: &String| row.scenario_success_rates.iter().find(|(other, _)| other == name);
-        let rates: Vec<Option<f64>> = self.scenarios.iter().map(|name| Some(rate(name)?.1)).collect();
+        let rates = row.set_values(&self.scenarios);
         self.evaluations.serialize((row, &rates)).map_err(|error| self.failed(EVALUATIONS, error))?;
         for (name, rate) in &row.scenario_success_rates {
             self.scalars(row.env_steps, &[(&format!("{EVALUATION_TAGS}success_rate/{name}"), Some(*rate))])?;

@@ -1,4 +1,4 @@
-//! Training presets: all settings of a training run except the scenario and the seed.
+//! Training presets: all settings of a training run except the scenario, of which a preset may name a default, and the seed.
 //!
 //! In: a RON file, shipped in `assets/presets/` or written by the user. Out: a checked [`Preset`].
 
@@ -14,7 +14,7 @@ use crate::policy::range::{ConfigError, within};
 use crate::scenario::{Diagnostic, FileError, LocatedDiagnostic, read_text};
 use crate::task::{Encoding, RewardConfig};
 
-/// A training preset: all settings of a training run except the scenario and the seed.
+/// A training preset: all settings of a training run except the scenario, of which it may name a default, and the seed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Preset {
@@ -38,6 +38,10 @@ pub struct Preset {
     pub reward: RewardConfig,
     /// The algorithm and its hyperparameters.
     pub learning: LearningConfig,
+    /// The scenario, the level generator or the set of scenarios of a training for which `--scenario` names no other: a file,
+    /// relative to this one, or a shipped name, such as `"clutter"`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scenario: Option<String>,
 }
 
 /// The length of a run.
@@ -83,6 +87,7 @@ impl Default for Preset {
             observation: Encoding::default(),
             reward: RewardConfig::default(),
             learning: LearningConfig::default(),
+            scenario: None,
         }
     }
 }

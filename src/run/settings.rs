@@ -147,13 +147,13 @@ impl Setting {
             *scenario = with_setting(scenario, rest, &self.value)?;
             return Ok(());
         }
-        let fields: Vec<_> = field_names::<Preset>().iter().copied().chain(["scenario"]).collect();
+        let fields = field_names::<Preset>();
         if !fields.contains(&first.split('[').next().unwrap_or_default())
             && let Some(longer) = paths::longer(&self.path, preset.as_deref(), scenario.as_deref())
         {
             return Err(format!("`{}` is not the whole path: did you mean {longer}?", self.path));
         }
-        check_name(&self.path, "a preset", &fields)?;
+        check_name(&self.path, "a preset", fields)?;
         let Some(preset) = preset else {
             return Err(
                 "there is no preset here, only a scenario; help: a field of the scenario starts with `scenario.`".into(),

@@ -85,6 +85,11 @@ pub fn is_scenario(name: &str) -> bool {
     SCENARIOS.iter().any(|file| file.name == name)
 }
 
+/// Whether `name` is a shipped level generator.
+pub fn is_level_generator(name: &str) -> bool {
+    GENERATORS.iter().any(|file| file.name == name)
+}
+
 /// Whether `name` is a shipped preset.
 pub fn is_preset(name: &str) -> bool {
     PRESETS.iter().any(|file| file.name == name)

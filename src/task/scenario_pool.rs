@@ -87,6 +87,16 @@ impl ScenarioPool {
         self.0.get(member).map_or("?", |member| &member.name)
     }
 
+    /// The name of a scenario's member; of a level, with its seed.
+    #[must_use]
+    pub fn title(&self, choice: ScenarioChoice) -> String {
+        let name = self.name(choice.member as usize);
+        match self.0.get(choice.member as usize).map(|member| &member.source) {
+            Some(PoolSource::Levels(..)) => format!("{name}, level {}", choice.level),
+            _ => name.into(),
+        }
+    }
+
     /// The rules of the task in all scenarios of a member; the default ones if there is no such member.
     #[must_use]
     pub fn rules(&self, member: usize) -> TaskRules {

@@ -16,7 +16,7 @@ use wayfield::scenario::{
     Enclosure, Motion, Obstacle, ObstacleMotion, PlacementRule, Ranged, Scenario, Shape,
 };
 
-use super::{Window, click, release_event, sent_commands, settle, window, window_with_size};
+use super::{Window, click, press, release_event, sent_commands, settle, window, window_with_size};
 use crate::screen_fixture::{self, ScreenFixture};
 
 /// A window with the editor on the fixture's scenario: four circles of radius 0.15 m in a square of 4 m.
@@ -752,4 +752,25 @@ fn a_static_obstacle_can_be_given_a_path() {
     let motion = edited_scenario(&mut window).obstacles[0].motion.clone();
     assert_eq!(motion, ObstacleMotion::Patrol { waypoints_m: vec![vec2(0.6, 1.6)], speed_m_s: 0.1.into() });
     assert!(window.query_by_label("Redraw path").is_some());
+}
+
+#[test]
+fn in_a_training_over_a_set_a_copy_of_the_shown_scenario_can_be_edited() {
+    let mut window = window(ScreenFixture::default());
+    let ScreenFixture { scene, status, .. } = window.state_mut();
+    status.is_set = true;
+    scene.arenas.iter_mut().for_each(|arena| arena.set_member = Some("Clutter, level 17".into()));
+    settle(&mut window);
+    assert!(window.query_by_label("Save scenario…").is_none(), "the app does not write sets");
+    press(&mut window, Key::E);
+    assert!(window.query_by_label_contains("A set of scenarios cannot be edited here").is_some());
+    assert!(window.state().view_state.editor.is_none());
+    click(&mut window, "Cancel");
+    assert!(window.query_by_label_contains("A set of scenarios cannot be edited here").is_none());
+    press(&mut window, Key::E);
+    click(&mut window, "Edit a copy of Clutter, level 17");
+    let editor = window.state().view_state.editor.as_ref().expect("the editor is open");
+    assert_eq!(**editor.scenario(), *window.state().scene.arenas[0].written);
+    assert_eq!(editor.file(), None, "the copy is a file of its own once it is saved");
+    assert!(window.query_by_label_contains("Restart to train in this one").is_some());
 }

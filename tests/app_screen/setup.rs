@@ -243,6 +243,19 @@ fn an_expert_can_be_opened_by_its_button_and_by_compare() {
 }
 
 #[test]
+fn a_classical_driver_is_chosen_from_a_menu_that_names_the_classes() {
+    let mut window = window(ScreenFixture::default());
+    for (title, name) in [("Potential field", "field"), ("ORCA", "orca")] {
+        assert_eq!(click(&mut window, "Watch a classical driver"), []);
+        assert!(window.query_by_label("Class B: builds a map").is_some());
+        assert_eq!(click(&mut window, title), [Command::OpenDriver(name)]);
+    }
+    window.state_mut().status.opened_driver = Some("ORCA".into());
+    settle(&mut window);
+    assert_eq!(click(&mut window, "Compare"), [Command::SetMode(SessionMode::Compare)]);
+}
+
+#[test]
 fn the_best_policy_can_be_tested_and_compared() {
     let mut window = window(ScreenFixture::default());
     assert!(window.query_by_label("Best policy").is_none(), "not while training");

@@ -90,6 +90,7 @@ impl ScreenFixture {
             arena.obstacles = layout.obstacles.iter().map(at).collect();
             arena.ranges_m = vec![0.4 * scenario.lidar.max_range_m; scenario.lidar.beams];
             arena.scenario = Arc::new(layout);
+            arena.written = Arc::new(scenario.clone());
         }
         self.scene.scenario = Arc::new(scenario);
         self
@@ -234,6 +235,8 @@ fn arena(n: usize, layout: &Arc<Scenario>) -> ArenaScene {
     let ends = [TrailEnd::Reached, TrailEnd::Collided, TrailEnd::Reached, TrailEnd::TimedOut];
     ArenaScene {
         scenario: layout.clone(),
+        written: layout.clone(),
+        set_member: None,
         pose,
         goal: Goal { x_m: 1.2 * (turn + 0.8).cos(), y_m: 1.2 * (turn + 0.8).sin() },
         obstacles: RING_M.iter().map(|&Vec2 { x, y }| (x, y, 0.0)).collect(),
@@ -243,6 +246,7 @@ fn arena(n: usize, layout: &Arc<Scenario>) -> ArenaScene {
         action: n % 5,
         explored: n == 3,
         q_values: vec![31.0, 44.5, 52.0, 38.0, 12.5],
+        plan: None,
         path_m,
         trails: ends.into_iter().enumerate().map(trail).collect(),
         score: Score { reached: 96, collided: 41, timed_out: 3, reached_steps: 4_210 },
@@ -283,6 +287,7 @@ fn status() -> AppSnapshot {
         pace: Pace::Times(20.0),
         mode: SessionMode::Train,
         scenario_from: "scenario-1".into(),
+        is_set: false,
         preset_from: "fast".into(),
         scenario_modified: false,
         is_paper_scenario_1: true,
@@ -313,6 +318,7 @@ fn status() -> AppSnapshot {
         simulated_s: 7_812.0,
         frames_per_s: 60.0,
         opened_policy: None,
+        opened_driver: None,
         notices: Vec::new(),
         restart_loses_training: false,
         last_session: None,

@@ -149,6 +149,20 @@ test('one click compares an expert with the current policy', async () => {
     await closeWithoutErrors(page);
 });
 
+test('a classical driver is compared with the current policy in the levels of a generator', async () => {
+    const page = await open(app.browser, `${app.address}?scenario=clutter&seed=3`, { options: TALL });
+    const before = await until(page, (now) => now.env_steps > 0);
+    assert.equal(before.scenario, 'clutter');
+    await page.waitForFunction(() => new URLSearchParams(location.search).get('scenario') === 'clutter', null, { timeout: 20_000 });
+    await click(page, 'Watch a classical driver');
+    await click(page, 'A* and DWA on its own map');
+    const now = await until(page, (now) => now.mode === 'Compare');
+    assert.match(now.notice, /Class B: builds a map/);
+    await page.waitForTimeout(4000);
+    await picture(page, 'driver');
+    await closeWithoutErrors(page);
+});
+
 test('an invalid scenario is reported with line and column; a valid one starts a training that can be shared by link', async () => {
     const page = await open(app.browser, app.address, { options: TALL });
     const before = await until(page, (now) => now.env_steps > 0);

@@ -1,8 +1,10 @@
 //! The parameters of the drivers, as RON.
 
+use std::path::Path;
+
 use serde::{Deserialize, Serialize};
 use wayfield_policy::range::{within, within_above_zero};
-use wayfield_scenario::Diagnostic;
+use wayfield_scenario::{Diagnostic, FileError, parse_checked, resemblance};
 
 use crate::Driver;
 use crate::dwa::{DwaDriver, TrackingDwaDriver};
@@ -22,6 +24,18 @@ pub enum DriverClass {
     B,
     /// The true scenario and pose.
     C,
+}
+
+impl DriverClass {
+    /// What a driver of this class may perceive, in a few words.
+    #[must_use]
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::A => "Class A: sees what a policy sees",
+            Self::B => "Class B: builds a map",
+            Self::C => "Class C: knows everything",
+        }
+    }
 }
 
 /// A classical driver with its parameters. Lengths that are not in m are in units of the keep-out distance: the robot's radius or
@@ -228,6 +242,21 @@ impl DriverConfig {
         all.into_iter().find(|driver| driver.name() == name)
     }
 
+    /// The checked driver in `text`, the contents of the file at `path`.
+    ///
+    /// # Errors
+    /// The text is not a driver, or a value is out of range; the message lists all problems.
+    pub fn parse(text: &str, path: impl AsRef<Path>) -> Result<Self, FileError> {
+        parse_checked(text, path, |driver, _| Self::diagnostics(driver), Self::diagnostics)
+    }
+
+    /// Whether the text of a RON file is meant as a driver: whether the name of a variant begins it.
+    #[must_use]
+    pub fn is_meant_by(text: &str) -> bool {
+        let variants = ["Field", "Dwa", "DwaCv", "GridDwa", "AstarDwa", "Astar", "Orca"];
+        variants.into_iter().any(|name| resemblance::<Self>(text, name) > 0)
+    }
+
     /// Its name, one of [`DriverConfig::NAMES`].
     #[must_use]
     pub fn name(&self) -> &'static str {
@@ -375,6 +404,21 @@ mod tests {
             assert_eq!((driver.name(), driver.diagnostics()), (name, Vec::new()));
         }
         assert_eq!(DriverConfig::shipped("policy"), None);
+    }
+
+    #[test]
+    fn a_file_is_meant_as_a_driver_if_it_begins_with_the_name_of_one() {
+        for (text, expected) in [
+            ("DwaCv(min_scans: 5)", true),
+            ("// for the hall\nField()", true),
+            ("(name: \"Dwa\", obstacles: [])", false),
+            ("Scenario(name: \"a\")", false),
+            ("Dwarf()", false),
+        ] {
+            assert_eq!(DriverConfig::is_meant_by(text), expected, "{text}");
+        }
+        let error = DriverConfig::parse("Field(repulsion: -1.0)", "field.ron").unwrap_err().to_string();
+        assert!(error.starts_with("field.ron:1:18: ") && error.contains("give 0 to 1000"), "{error}");
     }
 
     #[test]

@@ -54,6 +54,8 @@ mod rolling_map;
 mod tracks;
 mod true_map;
 
+use glam::Vec2;
+
 pub use config::{
     AstarParameters, DriverClass, DriverConfig, DwaParameters, FieldParameters, OrcaParameters,
     PlannerParameters, TrackingParameters,
@@ -67,4 +69,25 @@ pub trait Driver: Send + Sync {
     ///
     /// It depends on the percepts of the episode alone: not on time, threads or chance.
     fn act(&mut self, percept: &Percept) -> usize;
+
+    /// What it plans with; `None` if it plans no path.
+    ///
+    /// `pose` is the robot's pose at the last decision, in the frame of the result (x in m, y in m, heading in rad).
+    fn plan(&self, pose: (f32, f32, f32)) -> Option<DriverPlan> {
+        let _ = pose;
+        None
+    }
+}
+
+/// The path that a driver has planned, and the map that it has built, to be displayed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DriverPlan {
+    /// The path to the goal, in m; empty if there is none.
+    pub path_m: Vec<Vec2>,
+    /// The centres of the occupied cells of the map that it builds, in m; empty if it builds none.
+    pub occupied_m: Vec<Vec2>,
+    /// Side of a cell, in m.
+    pub cell_m: f32,
+    /// Rotation of the cells, counterclockwise, in rad.
+    pub rotation_rad: f32,
 }

@@ -1,14 +1,14 @@
 //! The drivers with a map: a path by A*, and a way of steering along it.
 
-use glam::Vec2;
+use glam::{Vec2, vec2};
 
-use crate::Driver;
 use crate::config::{DwaParameters, PlannerParameters};
 use crate::dwa::Dwa;
 use crate::path::{point_ahead, pursue};
 use crate::path_search::TOO_CLOSE;
 use crate::percept::{Odometry, Percept};
 use crate::robot::Robot;
+use crate::{Driver, DriverPlan};
 
 /// The largest extra cost of a cell within the margin.
 const MARGIN_COST: f32 = 8.0;
@@ -26,6 +26,11 @@ pub(crate) trait Map {
 
     /// The clearance in m of a point in the robot's frame after some seconds. Things beyond `reach_m` may be left out.
     fn clearance(&self, reach_m: f32) -> impl Fn(Vec2, f32) -> f32;
+
+    /// The centres of the occupied cells of a map that was built from scans, and the side of a cell, in m.
+    fn built(&self) -> (Vec<Vec2>, f32) {
+        (Vec::new(), 0.0)
+    }
 }
 
 /// The extra cost of a cell whose centre is `distance_m` beyond the keep-out distance of the nearest surface.
@@ -57,6 +62,8 @@ pub(crate) struct Planned<M> {
     reach_m: f32,
     lookahead_m: f32,
     replan_steps: u32,
+    /// The robot's pose in the map's frame.
+    pose: Odometry,
     path: Vec<Vec2>,
     /// Control steps since the last plan.
     age: u32,
@@ -77,6 +84,7 @@ impl<M: Map> Planned<M> {
             lookahead_m: lookahead * robot.keep_out_m,
             replan_steps: *replan_steps,
             robot,
+            pose: Odometry::default(),
             path: Vec::new(),
             age: 0,
         }
@@ -86,6 +94,7 @@ impl<M: Map> Planned<M> {
 impl<M: Map + Send + Sync> Driver for Planned<M> {
     fn act(&mut self, percept: &Percept) -> usize {
         let pose = self.map.update(percept);
+        self.pose = pose;
         let (at_m, goal_m) = (pose.translation_m, pose.to_outer(percept.goal_m()));
         if self.path.is_empty() || self.age >= self.replan_steps {
             self.path = self.map.plan(at_m, goal_m);
@@ -103,5 +112,18 @@ impl<M: Map + Send + Sync> Driver for Planned<M> {
             }
             None => pursue(&self.robot, target_m),
         }
+    }
+
+    fn plan(&self, (x_m, y_m, heading_rad): (f32, f32, f32)) -> Option<DriverPlan> {
+        let robot = Odometry { translation_m: vec2(x_m, y_m), rotation_rad: heading_rad };
+        let moved =
+            |points: &[Vec2]| points.iter().map(|at| robot.to_outer(self.pose.to_inner(*at))).collect();
+        let (occupied_m, cell_m) = self.map.built();
+        Some(DriverPlan {
+            path_m: moved(&self.path),
+            occupied_m: moved(&occupied_m),
+            cell_m,
+            rotation_rad: heading_rad - self.pose.rotation_rad,
+        })
     }
 }

@@ -171,6 +171,10 @@ impl Map for RollingMap {
             squared.fold(f32::INFINITY, f32::min).sqrt()
         }
     }
+
+    fn built(&self) -> (Vec<Vec2>, f32) {
+        (self.occupied().map(|at| (at.as_vec2() + 0.5) * self.cell_m).collect(), self.cell_m)
+    }
 }
 
 #[cfg(test)]

@@ -198,12 +198,6 @@ impl ScenarioSet {
         Self { name: name.clone(), members: vec![SetMember { name, share: 1.0, source }] }
     }
 
-    /// Whether it has only the levels of one generator.
-    #[must_use]
-    pub fn is_of_levels(&self) -> bool {
-        matches!(self.members.as_slice(), [SetMember { source: SetSource::Levels { .. }, .. }])
-    }
-
     /// All problems of the set and of its scenarios.
     #[must_use]
     pub fn diagnostics(&self) -> Vec<Diagnostic> {

@@ -1,7 +1,7 @@
 //! The learning curves over env steps.
 
 use super::series::{DownsampledSeries, MovingAverage};
-use crate::run::metric_rows::EpisodeRow;
+use crate::run::metric_rows::{EpisodeRow, EvaluationRow};
 
 /// The learning curves over env steps. Moving averages are over
 /// [`MOVING_AVERAGE_EPISODES`](super::MOVING_AVERAGE_EPISODES) episodes.
@@ -12,6 +12,8 @@ pub struct LearningCurves {
     pub success: MovingAverage,
     /// Success rate of the greedy policy in each evaluation, 0 to 1.
     pub evaluated: DownsampledSeries,
+    /// The same in each scenario of a set, by name; empty without a set.
+    pub evaluated_in: Vec<(String, DownsampledSeries)>,
     /// Return of each episode.
     pub returns: DownsampledSeries,
     /// Moving average of the return.
@@ -53,7 +55,18 @@ pub struct EarlierCurves {
 }
 
 impl LearningCurves {
-    /// Adds a finished episode to all curves but `evaluated`.
+    /// Adds an evaluation.
+    pub(super) fn push_evaluation(&mut self, row: &EvaluationRow) {
+        let x = row.env_steps as f64;
+        self.evaluated.push(x, row.success_rate);
+        for (name, series) in &mut self.evaluated_in {
+            if let Some((_, rate)) = row.scenario_success_rates.iter().find(|(other, _)| other == name) {
+                series.push(x, *rate);
+            }
+        }
+    }
+
+    /// Adds a finished episode to all curves but those of evaluations.
     pub(super) fn push_episode(&mut self, row: &EpisodeRow) {
         let x = row.env_steps as f64;
         let goals = f64::from(row.goals);

@@ -49,20 +49,22 @@ impl History {
     /// the CSV.
     #[must_use]
     pub fn new() -> Self {
+        Self::of_set(&[])
+    }
+
+    /// An empty history of a training over a set of the `scenarios` with these names.
+    #[must_use]
+    pub fn of_set(scenarios: &[String]) -> Self {
+        let evaluated_in = scenarios.iter().map(|name| (name.clone(), DownsampledSeries::default()));
         Self {
-            curves: LearningCurves::default(),
+            curves: LearningCurves { evaluated_in: evaluated_in.collect(), ..LearningCurves::default() },
             annotations: Vec::new(),
             earlier: None,
             range: None,
             episodes: 0,
-            rows: Spool::new(),
-            evaluations: Spool::new(),
+            rows: Spool::new(scenarios),
+            evaluations: Spool::new(scenarios),
         }
-    }
-
-    /// Removes everything, before a new training starts.
-    pub fn clear(&mut self) {
-        *self = Self::new();
     }
 
     /// The curves to keep in the background while a training continues with the policy of this one.
@@ -97,7 +99,7 @@ impl History {
 
     /// Adds an evaluation.
     pub fn push_evaluation(&mut self, row: &EvaluationRow) {
-        self.curves.evaluated.push(row.env_steps as f64, row.success_rate);
+        self.curves.push_evaluation(row);
         self.evaluations.push(row);
         self.extend_to(row.env_steps, row.episodes <= 1);
     }

@@ -14,30 +14,34 @@ use serde::de::DeserializeOwned;
 #[cfg(target_arch = "wasm32")]
 use self::memory::File;
 use crate::run::folder::header;
+use crate::run::metric_rows::SetColumns;
 
 /// Rows in a temporary file. The first write error is kept and returned when the rows are read; adding rows
 /// never fails.
 pub struct Spool<Row> {
     file: Result<csv::Writer<File>, String>,
+    /// The names of the scenarios of the run's set; none without a set.
+    scenarios: Vec<String>,
     row: PhantomData<fn() -> Row>,
 }
 
-impl<Row: Serialize + DeserializeOwned + Default> Spool<Row> {
-    /// An empty spool.
+impl<Row: Serialize + DeserializeOwned + Default + SetColumns> Spool<Row> {
+    /// An empty spool of a run over a set of the `scenarios` with these names; without a set, there are none.
     #[must_use]
-    pub fn new() -> Self {
+    pub fn new(scenarios: &[String]) -> Self {
         let open = || -> io::Result<_> {
             let mut file = temporary()?;
-            file.write_all(header::<Row>()?.as_bytes())?;
+            file.write_all(header::<Row>(&Row::set_columns(scenarios))?.as_bytes())?;
             Ok(csv::WriterBuilder::new().has_headers(false).from_writer(file))
         };
-        Self { file: open().map_err(|error| error.to_string()), row: PhantomData }
+        let file = open().map_err(|error| error.to_string());
+        Self { file, scenarios: scenarios.to_vec(), row: PhantomData }
     }
 
     /// Adds a row.
     pub fn push(&mut self, row: &Row) {
         if let Ok(writer) = &mut self.file
-            && let Err(error) = writer.serialize(row)
+            && let Err(error) = writer.serialize((row, row.set_values(&self.scenarios)))
         {
             self.file = Err(error.to_string());
         }

@@ -112,7 +112,7 @@ fn the_axis_starts_at_0_or_at_the_first_row_of_a_resumed_run() {
     history.push_episode(&row(1, 0));
     history.push_episode(&row(7, 0));
     assert_eq!(history.range(), Some((0, 70)));
-    history.clear();
+    history = History::new();
     history.push_episode(&row(500, 0));
     history.push_evaluation(&EvaluationRow { env_steps: 6000, episodes: 600, ..Default::default() });
     assert_eq!(history.range(), Some((5000, 6000)));
@@ -126,7 +126,7 @@ fn the_curves_before_a_transfer_stay_in_the_background() {
     }
     history.push_evaluation(&EvaluationRow { env_steps: 3000, success_rate: 0.5, ..Default::default() });
     let (earlier, curves) = (history.to_earlier(), history.curves().clone());
-    history.clear();
+    history = History::new();
     assert!(history.earlier().is_none());
     history.set_earlier(earlier);
     assert_eq!(history.range(), Some((0, 3000)), "the axis shows all of them at once");
@@ -184,7 +184,7 @@ fn the_csv_equals_that_of_a_headless_run() {
         std::fs::read(&exported).expect("reads the file"),
         std::fs::read(&expected).expect("reads the file")
     );
-    history.clear();
+    history = History::new();
     history.write_csv(&exported).expect("writes the file");
     assert_eq!(std::fs::read_to_string(&exported).expect("reads the file"), header);
 }

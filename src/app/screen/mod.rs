@@ -75,6 +75,7 @@ pub fn screen_ui(
         arena_view::welcome::welcome_ui(ui, middle, view, commands);
     }
     offers::offers_ui(ui, middle, view.status, view_state.editor.as_deref(), commands);
+    editor::set_question::set_question_ui(ui, middle, view, view_state, commands);
     editor::confirm_exit::confirm_exit_ui(ui, middle, view.status, view_state, commands);
     quit_question::quit_question_ui(ui, middle, view.status, commands);
     notices::notices_ui(ui, middle, &view.status.notices, commands);
@@ -93,11 +94,19 @@ pub fn request_close(view_state: &mut ViewState, commands: &mut Vec<Command>) {
 /// Opens the editor if that was requested since the last frame.
 fn open_requested_editor(view: &ScreenInput<'_>, view_state: &mut ViewState, commands: &mut Vec<Command>) {
     let Some(source) = view_state.open_editor.take() else { return };
-    if view_state.editor.is_none() {
-        editor::confirm_exit::enter_editor(view, view_state, commands);
-    }
-    if let EditorSource::Draft { from, scenario, in_file } = source {
-        view_state.editor = Some(Box::new(Editor::with_changes(scenario, from, in_file)));
+    match source {
+        EditorSource::RunningScenario if view_state.editor.is_none() => {
+            editor::confirm_exit::enter_editor(view, view_state, commands);
+        }
+        EditorSource::RunningScenario => {}
+        EditorSource::Draft { from, scenario, in_file } => {
+            let editor = Editor::with_changes(scenario, from, in_file);
+            if view_state.editor.is_some() {
+                view_state.editor = Some(Box::new(editor));
+            } else {
+                editor::confirm_exit::show_editor(editor, view.status, view_state, commands);
+            }
+        }
     }
 }
 

@@ -1,6 +1,7 @@
-//! The second policy, which drives next to the current one: an expert, the best one so far, or one that the user opens.
+//! The second driver, which drives next to the current policy: an expert, the best policy so far, a policy that the user opens,
+//! or a classical driver.
 //!
-//! In: a command. Out: [`OpenedFiles::policy`], and the mode Compare.
+//! In: a command. Out: [`OpenedFiles::policy`] or [`OpenedFiles::driver`], and the mode Compare.
 
 use bevy::prelude::World;
 
@@ -11,6 +12,7 @@ use super::session_policy;
 use super::training_run::TrainingRun;
 use crate::app::app_snapshot::Severity;
 use crate::app::commands::{PolicySource, SessionMode};
+use crate::drivers::DriverConfig;
 use crate::policy::Policy;
 use crate::run::folder::RunConfig;
 use crate::run::shipped::ShippedPolicy;
@@ -27,14 +29,39 @@ pub(super) fn open_expert(world: &mut World) -> Result<(), RunError> {
                    observations";
         return Err(RunError::InvalidInput(why.into()));
     };
-    let (name, here) = (expert_name(expert), &config.scenario.name);
-    let text = if expert.trained_in == *here {
+    let (name, here) = (expert_name(expert), config.scenario_title());
+    let text = if expert.trained_in == here {
         format!("The {name} drives next to the current policy")
     } else {
         format!("The {name} drives next to the current policy. It was not trained in {here}")
     };
     notify(world, NoticeTopic::General, Severity::Info, text);
     compare_with(world, (name, expert.policy.clone()))
+}
+
+/// Lets the classical driver `name`, with its default parameters, drive next to the current policy. Returns a confirmation.
+///
+/// # Errors
+/// There is no such driver.
+pub(super) fn open_driver(world: &mut World, name: &str) -> Result<String, RunError> {
+    let unknown = || RunError::InvalidInput(format!("{name}: no such driver"));
+    let driver = DriverConfig::shipped(name).ok_or_else(unknown)?;
+    compare_with_driver(world, driver.title().into(), driver)
+}
+
+/// Lets `driver` drive next to the current policy. Returns a confirmation.
+///
+/// # Errors
+/// The current policy cannot drive.
+pub(super) fn compare_with_driver(
+    world: &mut World,
+    name: String,
+    driver: DriverConfig,
+) -> Result<String, RunError> {
+    let text = format!("{name} drives next to the current policy. {}", driver.class().about());
+    world.resource_mut::<OpenedFiles>().driver = Some((name, driver));
+    compare(world)?;
+    Ok(text)
 }
 
 /// Lets the best policy of the training so far drive next to the current one.
@@ -63,7 +90,7 @@ pub(crate) fn expert_name(expert: &ShippedPolicy) -> String {
 
 /// Where `policy` comes from, as seen from the training of `config`; empty if its card does not say.
 pub(super) fn origin(config: &RunConfig, policy: &Policy) -> String {
-    let here = config.scenario.name.as_str();
+    let here = config.scenario_title();
     match policy_card::scenario_name(policy) {
         Some(there) if there == here => format!("Trained in {there}"),
         Some(there) => format!("Trained in {there}, new here"),
@@ -75,7 +102,10 @@ pub(super) fn origin(config: &RunConfig, policy: &Policy) -> String {
 /// other `mode`, removes the warning.
 pub(super) fn warn_in_comparison(world: &mut World, mode: SessionMode) {
     world.resource_mut::<Notices>().remove(&NoticeTopic::Comparison);
-    let Some((name, policy)) = &world.resource::<OpenedFiles>().policy else { return };
+    let OpenedFiles { policy: Some((name, policy)), driver: None, .. } = world.resource::<OpenedFiles>()
+    else {
+        return;
+    };
     if mode != SessionMode::Compare {
         return;
     }
@@ -88,7 +118,13 @@ pub(super) fn warn_in_comparison(world: &mut World, mode: SessionMode) {
 
 /// Lets `policy` drive next to the current policy.
 pub(super) fn compare_with(world: &mut World, policy: (String, Policy)) -> Result<(), RunError> {
-    world.resource_mut::<OpenedFiles>().policy = Some(policy);
+    let opened = &mut *world.resource_mut::<OpenedFiles>();
+    (opened.policy, opened.driver) = (Some(policy), None);
+    compare(world)
+}
+
+/// Starts the comparison with the second driver.
+fn compare(world: &mut World) -> Result<(), RunError> {
     if world.resource::<ActiveMode>().mode() == SessionMode::Compare {
         return restart_demo(world);
     }

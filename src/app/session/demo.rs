@@ -12,7 +12,7 @@ use super::open::{OpenedFiles, check_can_drive};
 use super::session_policy;
 use super::trails::Trails;
 use super::training_run::TrainingRun;
-use crate::agent::{ActionSelection, ActionSource, ActionSources, ActiveLearner, Decisions};
+use crate::agent::{ActionSelection, ActionSource, ActionSources, ActiveLearner, Decisions, DriverSource};
 use crate::app::commands::{Pace, PolicySource, SessionMode};
 use crate::app::scene::DriverLabel;
 use crate::learning::QNetwork;
@@ -21,7 +21,7 @@ use crate::report::format::{number, percent};
 use crate::run::{RunError, evaluate};
 use crate::scenario::Motion;
 use crate::sim;
-use crate::task::{Arena, CurrentScenario, Episode, EpisodeEnded, TaskMode};
+use crate::task::{Arena, CurrentScenario, Episode, EpisodeEnded, ScenarioPool, TaskMode};
 
 /// Control steps between two rounds, so that the user sees how a round ended.
 const PAUSE_BETWEEN_ROUNDS: u32 = 4;
@@ -79,17 +79,26 @@ pub(super) fn drivers(
             let ahead = straightest_motion(&config.scenario.robot.motions);
             vec![(DriverLabel::User, ActionSource::Manual(ahead)), tested(world)?]
         }
-        SessionMode::Compare => {
-            let Some((name, policy)) = &world.resource::<OpenedFiles>().policy else {
-                return Err(RunError::InvalidInput(
-                    "No policy to compare with\nhelp: open a policy file first".into(),
-                ));
-            };
-            check_can_drive(config, name, policy)?;
-            let label = DriverLabel::Policy { name: name.clone(), origin: origin(config, policy) };
-            vec![tested(world)?, (label, ActionSource::Policy(network(policy)?))]
-        }
+        SessionMode::Compare => vec![tested(world)?, second(world)?],
     })
+}
+
+/// The second driver of a comparison: the classical driver that the user has chosen, or else the opened policy.
+fn second(world: &World) -> Result<(DriverLabel, ActionSource), RunError> {
+    let opened = world.resource::<OpenedFiles>();
+    if let Some((name, driver)) = &opened.driver {
+        let label = DriverLabel::Policy { name: name.clone(), origin: driver.class().about().into() };
+        return Ok((label, ActionSource::Driver(DriverSource::new(driver))));
+    }
+    let Some((name, policy)) = &opened.policy else {
+        return Err(RunError::InvalidInput(
+            "Nothing to compare with\nhelp: open a policy file, or choose a classical driver".into(),
+        ));
+    };
+    let config = &world.resource::<TrainingRun>().config;
+    check_can_drive(config, name, policy)?;
+    let label = DriverLabel::Policy { name: name.clone(), origin: origin(config, policy) };
+    Ok((label, ActionSource::Policy(network(policy)?)))
 }
 
 /// The policy that is tested: the best one so far if the user has chosen it, or else the current one.
@@ -126,9 +135,15 @@ pub(super) fn advance_rounds(world: &mut World) {
     }
 }
 
-/// Puts every arena at the start of `round`, which has the same start and goal in all arenas.
+/// Puts every arena at the start of `round`, which has the same start and goal in all arenas. With a set of scenarios, it is in the
+/// scenario that an evaluation would have.
 fn begin_round(world: &mut World, round: u64) {
     let seed = world.resource::<TrainingRun>().config.seed;
+    let has_rounds = world.resource::<ActiveMode>().mode() != SessionMode::Test;
+    if let Some(pool) = world.get_resource::<ScenarioPool>().filter(|_| has_rounds) {
+        let scenario = pool.evaluation(seed, round as usize + 1).pop().unwrap_or_default();
+        sim::assign_scenarios(world, |_| scenario);
+    }
     sim::reset_arenas(world, |_| Some(evaluate::episode_streams(seed, round)));
     let mut trails = world.resource_mut::<Trails>();
     for arena in 0..trails.0.len() {

@@ -112,7 +112,7 @@ impl Evaluations {
 }
 
 fn evaluator(config: &RunConfig, scenario: &Arc<Scenario>) -> BackgroundEvaluator {
-    BackgroundEvaluator::new(scenario, metrics::evaluation_episodes(config), &config.extensions)
+    BackgroundEvaluator::new(scenario, metrics::evaluation_episodes(config), &config.simulation_plugins())
 }
 
 /// Whether the preset asks for an evaluation now.

@@ -66,6 +66,10 @@ fn try_execute(world: &mut World, command: Command) -> Result<(), RunError> {
         Command::Steer(motion) => steer(world, motion),
         Command::OpenExpert => comparison::open_expert(world)?,
         Command::OpenBest => comparison::open_best(world)?,
+        Command::OpenDriver(name) => {
+            let text = comparison::open_driver(world, name)?;
+            notify(world, NoticeTopic::General, Severity::Info, text);
+        }
         Command::Open(path) => open::open_or_notify(world, &path),
         Command::Save(what, path) => save_to(world, what, &path)?,
         Command::ApplyScenario { scenario, from, restart } => {

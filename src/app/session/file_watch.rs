@@ -17,6 +17,7 @@ use super::training_run::TrainingRun;
 use super::{open, start_training};
 use crate::agent::ActiveLearner;
 use crate::app::app_snapshot::Severity;
+use crate::drivers::DriverConfig;
 use crate::run::RunError;
 use crate::run::preset::Preset;
 use crate::run::shipped;
@@ -169,7 +170,7 @@ fn retry(world: &mut World, path: &Path) {
 
 /// Starts a training in the scenario file `name`, with the current preset and seed.
 fn start_there(world: &mut World, name: String) {
-    let started = shipped::scenario(&name)
+    let started = shipped::scenario_or_set(&name)
         .map_err(RunError::from)
         .and_then(|scenario| start_training::start_in_scenario(world, scenario, name.clone()));
     let (severity, text) = match started {
@@ -188,9 +189,15 @@ pub(super) fn retry_when_fixed(world: &mut World, from: &str, action: RetryActio
     is_broken
 }
 
-/// Checks that the file at `path` is a valid scenario or a valid preset.
+/// Checks that the file at `path` is valid: a scenario, a level generator, a set of scenarios, a preset or a classical driver.
 fn check_usable(path: &Path) -> Result<(), FileError> {
     let text = read_text(path)?;
+    if DriverConfig::is_meant_by(&text) {
+        return DriverConfig::parse(&text, path).map(drop);
+    }
+    if open::is_set(&text) {
+        return shipped::scenario_or_set(&path.display().to_string()).map(drop);
+    }
     match Scenario::parse(&text, path) {
         Err(_) if open::is_preset(&text) => Preset::parse(&text, path).map(drop),
         found => found.map(drop),

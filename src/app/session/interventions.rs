@@ -17,7 +17,7 @@ use crate::app::moves::{
 };
 use crate::scenario::Scenario;
 use crate::sim;
-use crate::task::{Arena, ArenaLayout, Clock, CurrentScenario, Goal, Pedestrians, Pose};
+use crate::task::{Arena, ArenaLayout, Clock, CurrentScenario, Goal, Pedestrians, Pose, ScenarioPool};
 
 /// A change made to a running training.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -61,6 +61,9 @@ impl Intervention {
 /// The reason why the object cannot be moved there.
 pub fn resolve(world: &mut World, request: &MoveRequest) -> Result<Intervention, MoveRejection> {
     let &MoveRequest { arena, object, to_m } = request;
+    if matches!(object, Movable::Obstacle(_)) && world.contains_resource::<ScenarioPool>() {
+        return Err(MoveRejection::NotMovable);
+    }
     let mut arenas = world.query::<(&Arena, (&ArenaLayout, &Pedestrians), &Clock, &Pose, &Goal)>();
     let found = arenas.iter(world).find(|(other, ..)| other.0 == arena);
     let (_, (layout, pedestrians), clock, robot, goal) = found.ok_or(MoveRejection::NotMovable)?;

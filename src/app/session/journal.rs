@@ -106,6 +106,15 @@ impl Journal {
             return Err(format!("the preset of the run is invalid: {found}"));
         }
         check_scenario(scenario).map_err(|why| format!("the scenario of the run is invalid: {why}"))?;
+        if self.config.scenario_set.is_some() {
+            let found = self.config.diagnostics().into_iter().next();
+            found.map_or(Ok(()), |found| {
+                Err(format!("the set of scenarios of the run is invalid: {found}"))
+            })?;
+            if self.scenario_changes().next().is_some() {
+                return Err("a training over a set of scenarios has no changes of its scenario".into());
+            }
+        }
         for JournalEntry { after_steps, intervention } in &self.entries {
             match intervention {
                 Intervention::Move { to_m, .. } => {
@@ -164,7 +173,7 @@ impl Journal {
             &self.config.preset,
             self.config.seed,
             learner,
-            &self.config.extensions,
+            &self.config.simulation_plugins(),
         );
         let mut entries = self.entries.iter().peekable();
         for step in 0..=self.steps {

@@ -1,32 +1,36 @@
-//! Files opened in the app: a run or its checkpoint, a policy, a scenario, a preset.
+//! Files opened in the app: a run or its checkpoint, a policy, a scenario, a preset, a classical driver.
 //!
-//! In: a path. Out: a training that resumes or starts, or a second policy to compare with; otherwise a notice with the
+//! In: a path. Out: a training that resumes or starts, or a second driver to compare with; otherwise a notice with the
 //! error.
 
 use std::path::{Path, PathBuf};
 
 use bevy::prelude::*;
 
-use super::comparison::compare_with;
+use super::comparison::{compare_with, compare_with_driver, open_driver};
 use super::notices::{NoticeTopic, notify};
 use super::start_training;
 use super::training_run::TrainingRun;
 use crate::agent::ActiveLearner;
 use crate::app::app_snapshot::{Choice, Severity};
+use crate::drivers::DriverConfig;
 use crate::policy::Policy;
 use crate::run::folder::{RunConfig, RunFolder};
 use crate::run::preset::Preset;
-use crate::run::{RunError, evaluate, policy_card, shipped};
-use crate::scenario::{Scenario, path_exists, read_text, resemblance, utf8};
+use crate::run::{RunError, evaluate, policy_card, scenario_set, shipped};
+use crate::scenario::{LevelGenerator, Scenario, path_exists, read_text, resemblance, utf8};
 
 /// The kinds of files that can be opened.
-const OPENABLE: &str = "a policy (.safetensors), a scenario or preset (.ron), or a run folder";
+const OPENABLE: &str =
+    "a policy (.safetensors), a scenario, a preset or a classical driver (.ron), or a run folder";
 
 /// The files that the user has opened. A new training keeps them.
 #[derive(Resource, Default)]
 pub struct OpenedFiles {
     /// A second policy to compare with, and its name.
     pub policy: Option<(String, Policy)>,
+    /// A classical driver to compare with in place of that policy, and its name.
+    pub driver: Option<(String, DriverConfig)>,
     /// The user's own scenarios.
     pub scenarios: Vec<Choice>,
     /// The user's own presets.
@@ -72,7 +76,8 @@ fn confirm_by_repeating(world: &mut World, path: &Path) -> Result<(), RunError> 
     )))
 }
 
-/// Opens a run's folder or its checkpoint, a policy, a scenario or a preset. Returns a confirmation for the user.
+/// Opens a run's folder or its checkpoint, a policy, a scenario, a preset or a classical driver. Returns a confirmation for the
+/// user.
 fn open(world: &mut World, path: &Path) -> Result<String, RunError> {
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
     if path.is_dir() {
@@ -96,6 +101,7 @@ fn open(world: &mut World, path: &Path) -> Result<String, RunError> {
             Ok(text)
         }
         Some("ron") => open_ron(world, path),
+        None if !path_exists(path) && DriverConfig::shipped(&name).is_some() => open_driver(world, &name),
         _ => Err(RunError::invalid_input(path, format!("cannot be opened\nhelp: open {OPENABLE}"))),
     }
 }
@@ -103,6 +109,11 @@ fn open(world: &mut World, path: &Path) -> Result<String, RunError> {
 /// Whether the text of a file that is not a valid scenario is meant as a preset.
 pub(super) fn is_preset(text: &str) -> bool {
     resemblance::<Preset>(text, "Preset") > resemblance::<Scenario>(text, "Scenario")
+}
+
+/// Whether the text of a file is meant as a set of scenarios, or as a level generator, which is the set of its levels.
+pub(super) fn is_set(text: &str) -> bool {
+    scenario_set::is_meant_by(text) || LevelGenerator::is_meant_by(text)
 }
 
 /// Resumes the run in `folder`, which the user opened by `path`.
@@ -113,12 +124,24 @@ fn resume(world: &mut World, path: &Path, folder: &Path) -> Result<String, RunEr
     Ok(format!("Resumed the run {name}"))
 }
 
-/// Opens a scenario or a preset, and starts a training with it.
+/// Opens a scenario or a preset, and starts a training with it; or a classical driver.
 fn open_ron(world: &mut World, path: &Path) -> Result<String, RunError> {
     let from = utf8(path)?.to_owned();
     let text = read_text(path)?;
+    if DriverConfig::is_meant_by(&text) {
+        let driver = DriverConfig::parse(&text, path)?;
+        let file = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+        return compare_with_driver(world, format!("{}, {file}", driver.title()), driver);
+    }
     let RunConfig { scenario_from, preset_from, seed, .. } = &world.resource::<TrainingRun>().config;
     let (scenario_from, preset_from, seed) = (scenario_from.clone(), preset_from.clone(), *seed);
+    if is_set(&text) {
+        shipped::scenario_or_set(&from)?;
+        confirm_by_repeating(world, path)?;
+        start_training::start_training(world, &from, &preset_from, seed)?;
+        let config = &world.resource::<TrainingRun>().config;
+        return Ok(format!("Training started in the scenarios of {}", config.scenario_title()));
+    }
     match Scenario::parse(&text, path) {
         Ok(scenario) => {
             confirm_by_repeating(world, path)?;
@@ -127,8 +150,10 @@ fn open_ron(world: &mut World, path: &Path) -> Result<String, RunError> {
         }
         Err(error) => {
             let is_preset = is_preset(&text);
-            Preset::parse(&text, path).map_err(|as_preset| if is_preset { as_preset } else { error })?;
+            let preset =
+                Preset::parse(&text, path).map_err(|as_preset| if is_preset { as_preset } else { error })?;
             confirm_by_repeating(world, path)?;
+            let scenario_from = preset.scenario.unwrap_or(scenario_from);
             start_training::start_training(world, &scenario_from, &from, seed)?;
             let preset = world.resource::<TrainingRun>().config.preset_name();
             Ok(format!("Training started with the preset {preset}"))
@@ -152,18 +177,22 @@ pub(super) fn check_can_drive(config: &RunConfig, name: &str, policy: &Policy) -
     Ok(())
 }
 
-/// Lists the current scenario and preset among the user's own, if they are not shipped.
+/// Lists the current scenario or set of scenarios, and the current preset, among the user's own, if they are not shipped.
 pub(super) fn list_user_files(world: &mut World) {
-    let RunConfig { scenario_from, preset_from, scenario, preset, .. } =
-        &world.resource::<TrainingRun>().config;
-    let scenario = (!shipped::is_scenario(scenario_from)).then(|| Choice {
+    let config = &world.resource::<TrainingRun>().config;
+    let RunConfig { scenario_from, preset_from, scenario, preset, .. } = config;
+    let is_shipped = shipped::is_scenario(scenario_from) || shipped::is_level_generator(scenario_from);
+    let scenario = (!is_shipped).then(|| Choice {
         from: scenario_from.clone(),
-        title: scenario.name.clone(),
-        about: scenario.about.clone(),
+        title: config.scenario_title().into(),
+        about: match &config.scenario_set {
+            Some(_) => format!("Scenarios: {}", config.member_names().collect::<Vec<_>>().join(", ")),
+            None => scenario.about.clone(),
+        },
     });
     let preset = (!shipped::is_preset(preset_from)).then(|| Choice {
         from: preset_from.clone(),
-        title: world.resource::<TrainingRun>().config.preset_name(),
+        title: config.preset_name(),
         about: preset.about.clone(),
     });
     let opened = world.resource_mut::<OpenedFiles>().into_inner();

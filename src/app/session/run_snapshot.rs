@@ -22,6 +22,7 @@ use crate::run::checkpoint::{self, TrainerState};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::run::folder::RunFolder;
 use crate::run::folder::{RunConfig, header};
+use crate::run::metric_rows::SetColumns;
 use crate::run::{RunError, metrics, shipped};
 use crate::scenario::to_ron;
 
@@ -52,7 +53,7 @@ impl RunSnapshot {
             let failed = |error: io::Error| RunError::Failed(error.to_string());
             let history = &mut world.resource_mut::<TrainingHistory>().0;
             let episodes = history.episodes_csv_from(known_bytes).map_err(failed)?;
-            let evaluations = csv(&world.resource::<Evaluations>().rows).map_err(failed)?;
+            let evaluations = csv(&world.resource::<Evaluations>().rows, &run.config).map_err(failed)?;
             let wall_s = run.wall_s();
             let state = &mut run.trainer_state;
             state.episodes_bytes = known_bytes + episodes.len() as u64;
@@ -76,7 +77,7 @@ impl RunSnapshot {
     /// The run as a session that has just been saved.
     pub(super) fn describe(&self) -> LastSession {
         LastSession {
-            scenario: self.config.scenario.name.clone(),
+            scenario: self.config.scenario_title().into(),
             preset: shipped::preset_title(&self.config.preset_from)
                 .map_or_else(|| self.config.preset_name(), Into::into),
             seed: self.config.seed,
@@ -131,11 +132,13 @@ impl RunSnapshot {
 
 const EPISODES: &str = "episodes.csv";
 
-/// The rows as CSV, with a header.
-fn csv<Row: Serialize + Default>(rows: &[Row]) -> io::Result<Vec<u8>> {
-    let mut bytes = header::<Row>()?.into_bytes();
+/// The rows of the run of `config` as CSV, with a header.
+fn csv<Row: Serialize + Default + SetColumns>(rows: &[Row], config: &RunConfig) -> io::Result<Vec<u8>> {
+    let scenarios: Vec<String> = config.member_names().map(String::from).collect();
+    let mut bytes = header::<Row>(&Row::set_columns(&scenarios))?.into_bytes();
     let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(&mut bytes);
-    rows.iter().try_for_each(|row| writer.serialize(row)).map_err(io::Error::other)?;
+    let mut write = |row: &Row| writer.serialize((row, row.set_values(&scenarios)));
+    rows.iter().try_for_each(&mut write).map_err(io::Error::other)?;
     writer.flush()?;
     drop(writer);
     Ok(bytes)

@@ -24,7 +24,7 @@ use crate::app::history::write_figure;
 use crate::report::run_figure::RunFigure;
 use crate::run::metric_rows::EvaluationRow;
 use crate::run::output_file::write_atomic;
-use crate::run::{RunError, metrics, shipped};
+use crate::run::{RunError, metrics};
 
 impl TrainingRun {
     /// The suggested name of the file.
@@ -57,6 +57,11 @@ pub(super) fn save(world: &mut World, what: SaveKind, path: &Path) -> Result<(),
         }
         SaveKind::Scenario => {
             let config = &world.resource::<TrainingRun>().config;
+            if let Some(set) = &config.scenario_set {
+                let why =
+                    "a set of scenarios is a text file that the app does not write\nhelp: copy its file";
+                return Err(RunError::InvalidInput(format!("{}: {why}", set.name)));
+            }
             let (scenario, based_on) = (Arc::new(config.scenario.clone()), config.scenario_from.clone());
             editor_files::save_scenario(world, &scenario, &based_on, path)
         }
@@ -73,7 +78,7 @@ pub(super) fn save(world: &mut World, what: SaveKind, path: &Path) -> Result<(),
 fn figure(world: &mut World) -> RunFigure {
     let run = world.resource::<TrainingRun>();
     let best = world.resource::<Evaluations>().best(&run.trainer_state).map(EvaluationRow::point);
-    let is_paper_scenario_1 = shipped::is_paper_scenario_1(&run.config.scenario);
+    let is_paper_scenario_1 = run.config.is_paper_scenario_1();
     let title = run.config.description();
     world.resource_mut::<TrainingHistory>().0.figure(title, best, is_paper_scenario_1)
 }

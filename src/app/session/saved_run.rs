@@ -32,6 +32,8 @@ use crate::run::folder::INITIAL_POLICY_FILE;
 use crate::run::folder::{RunConfig, RunFolder};
 use crate::run::metric_rows::{EpisodeRow, EvaluationRow};
 #[cfg(target_arch = "wasm32")]
+use crate::run::metric_rows::{SetColumns, parse_rows};
+#[cfg(target_arch = "wasm32")]
 use crate::scenario::parse_ron_with_limit;
 use crate::simulation::Extensions;
 
@@ -55,15 +57,15 @@ impl SavedRun {
     /// The folder has no run, or an invalid one.
     pub(super) fn from_folder(path: &Path, extensions: &Extensions) -> Result<Self, RunError> {
         let (folder, config) = RunFolder::open(path)?;
-        config.check_no_set()?;
         let config = config.resume_with_extensions(extensions, path)?;
+        let scenarios: Vec<String> = config.member_names().map(String::from).collect();
         let LoadedCheckpoint { trainer_state, learner, skipped } = checkpoint::load(&folder, &config)?;
         let journal = Journal::load(&folder, &config, &learner)?;
         Ok(Self {
             // A missing initial policy prevents a replay, not resuming.
             initial_policy: journal::initial_policy(&folder, &journal.config).ok().flatten(),
-            episodes: folder.rows("episodes.csv")?,
-            evaluations: folder.rows("evaluations.csv")?,
+            episodes: folder.rows_of_set("episodes.csv", &scenarios)?,
+            evaluations: folder.rows_of_set("evaluations.csv", &scenarios)?,
             config,
             trainer_state,
             learner,
@@ -93,15 +95,15 @@ impl SavedRun {
         let problem = config.diagnostics().first().map(ToString::to_string);
         let problem = problem.map_or_else(|| config.check_memory(), Err);
         problem.map_err(|why| RunError::invalid_input(Path::new(RunFolder::CONFIG_FILE), why))?;
-        config.check_no_set()?;
         let config = config.resume_with_extensions(extensions, Path::new(RunFolder::CONFIG_FILE))?;
+        let scenarios: Vec<String> = config.member_names().map(String::from).collect();
         let (trainer_state, learner) = checkpoint::read_from(&bytes(checkpoint::LATEST)?[..], &config)
             .map_err(|why| RunError::invalid_input(Path::new(checkpoint::LATEST), why))?;
         let journal = Journal::parse(Some(text(JOURNAL)?), Path::new(JOURNAL), &config, &learner)?;
         let initial_policy = files.get(INITIAL_POLICY_FILE).and_then(|bytes| Policy::from_bytes(bytes).ok());
         Ok(Self {
-            episodes: rows("episodes.csv", bytes("episodes.csv")?)?,
-            evaluations: rows("evaluations.csv", bytes("evaluations.csv")?)?,
+            episodes: rows("episodes.csv", bytes("episodes.csv")?, &scenarios)?,
+            evaluations: rows("evaluations.csv", bytes("evaluations.csv")?, &scenarios)?,
             initial_policy: initial_policy.filter(|_| journal.config.transfer.is_some()),
             config,
             trainer_state,
@@ -148,9 +150,12 @@ impl SavedRun {
     }
 }
 
-/// The rows of a CSV file.
+/// The rows of a CSV file, with the columns of a set of the `scenarios` with these names.
 #[cfg(target_arch = "wasm32")]
-fn rows<Row: DeserializeOwned>(name: &str, bytes: &[u8]) -> Result<Vec<Row>, RunError> {
-    let rows: Result<Vec<Row>, _> = csv::Reader::from_reader(bytes).deserialize().collect();
-    rows.map_err(|error| RunError::invalid_input(Path::new(name), error))
+fn rows<Row: DeserializeOwned + SetColumns>(
+    name: &str,
+    bytes: &[u8],
+    scenarios: &[String],
+) -> Result<Vec<Row>, RunError> {
+    parse_rows(bytes, scenarios).map_err(|error| RunError::invalid_input(Path::new(name), error))
 }

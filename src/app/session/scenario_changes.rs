@@ -43,7 +43,7 @@ pub(super) fn apply_edited(
         return Err(RunError::InvalidInput(format!("{}: {found}", scenario.name)));
     }
     if restart {
-        return start_training::start_in_scenario(world, scenario.clone(), from);
+        return start_training::start_in_scenario(world, (scenario.clone(), None), from);
     }
     switch_scenario(world, scenario)?;
     world.resource_mut::<ScenarioSource>().loaded = load_source(&from).unwrap_or_else(|| scenario.clone());
@@ -76,8 +76,15 @@ fn switch_scenario(world: &mut World, scenario: &Scenario) -> Result<(), RunErro
 /// Checks that the training of `config` can continue in `scenario`.
 ///
 /// # Errors
-/// The network has other numbers of beams or motions, or the scenario needs too much memory.
+/// The training is over a set of scenarios, the network has other numbers of beams or motions, or the scenario needs too much
+/// memory.
 pub(super) fn check_can_switch(config: &RunConfig, scenario: &Scenario) -> Result<(), RunError> {
+    if let Some(set) = &config.scenario_set {
+        return Err(RunError::InvalidInput(format!(
+            "{}: a training over this set of scenarios cannot continue in another scenario\nhelp: start a new training there",
+            set.name
+        )));
+    }
     let shape = |scenario: &Scenario| (scenario.lidar.beams, scenario.robot.motions.len());
     let ((beams, motions), here) = (shape(scenario), shape(&config.scenario));
     if (beams, motions) == here {

@@ -21,7 +21,7 @@ pub(super) fn policy(world: &World, source: PolicySource) -> Result<(String, Pol
     let run = world.resource::<TrainingRun>();
     let origin = |env_steps: u64| {
         let steps = number(env_steps as f64, 0);
-        format!("{}, {steps} steps, seed {}", run.config.scenario.name, run.config.seed)
+        format!("{}, {steps} steps, seed {}", run.config.scenario_title(), run.config.seed)
     };
     let missing = |why: &str| RunError::InvalidInput(why.into());
     match source {

@@ -27,14 +27,16 @@ use super::training_run::TrainingRun;
 use crate::agent::ActiveLearner;
 use crate::app::app_snapshot::Severity;
 use crate::app::commands::PolicySource;
+use crate::app::history::History;
 use crate::learning::Learner;
 use crate::policy::Policy;
 use crate::run::checkpoint::TrainerState;
 use crate::run::folder::{RunConfig, Transfer};
 use crate::run::settings::Settings;
 use crate::run::{RunError, policy_card, shipped, training_setup};
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, ScenarioSet};
 use crate::simulation::Extensions;
+use crate::task::ScenarioPool;
 
 /// A training that is ready to start.
 pub(super) struct PreparedTraining {
@@ -50,7 +52,6 @@ pub(super) fn scenario_topic(scenario: &str, is_broken: bool) -> NoticeTopic {
 }
 
 fn prepare(config: RunConfig, initial_policy: Option<Policy>) -> Result<PreparedTraining, RunError> {
-    config.check_no_set()?;
     let learner = training_setup::create_learner(&config, initial_policy.as_ref())?;
     Ok(PreparedTraining { config, initial_policy, learner, trainer_state: TrainerState::default() })
 }
@@ -67,8 +68,6 @@ pub(super) fn prepare_new(
     extensions: &Extensions,
 ) -> Result<PreparedTraining, RunError> {
     let mut config = RunConfig::resolve(scenario, preset, seed)?.with_extensions(extensions);
-    // The app trains in one scenario: of a level generator, in level 0.
-    config.scenario_set = config.scenario_set.filter(|set| !set.is_of_levels());
     settings.apply_to_preset(&mut config.preset)?;
     prepare(config, None)
 }
@@ -77,14 +76,23 @@ pub(super) fn prepare_new(
 pub(super) fn insert_run(world: &mut World, prepared: PreparedTraining) {
     let PreparedTraining { config, initial_policy, learner, trainer_state } = prepared;
     let scenario = Arc::new(config.scenario.clone());
+    match &config.scenario_set {
+        Some(set) => world.insert_resource(ScenarioPool::new(set)),
+        None => drop(world.remove_resource::<ScenarioPool>()),
+    }
     training_setup::start_training(world, &scenario, &config.preset, config.seed, learner);
     world.resource_mut::<Trails>().restart(config.preset.arenas);
-    world.resource_mut::<TrainingHistory>().0.clear();
+    let scenarios: Vec<String> = config.member_names().map(String::from).collect();
+    world.resource_mut::<TrainingHistory>().0 = History::of_set(&scenarios);
     world.insert_resource(Evaluations::new(&config, &scenario));
     world.insert_resource(Journal::new(config.clone()));
     world.insert_resource(ScenarioSource::new(&config));
     #[cfg(not(target_arch = "wasm32"))]
-    world.insert_resource(FileWatches::new(&config.scenario_from));
+    world.insert_resource(match &config.scenario_set {
+        // Its scenarios come from several files.
+        Some(_) => FileWatches::default(),
+        None => FileWatches::new(&config.scenario_from),
+    });
     world.insert_resource(ActiveMode::Train);
     world.insert_resource(TrainingRun::new(config, initial_policy, trainer_state));
 }
@@ -135,13 +143,18 @@ pub(super) fn start_training(
     Ok(())
 }
 
-/// Starts a training from random weights in `scenario`, which comes from `from`, with the current preset and seed.
+/// Starts a training from random weights in `scenario`, or over the set that it is the first scenario of, with the current preset
+/// and seed. It comes from `from`.
 ///
 /// # Errors
 /// The preset does not fit the scenario.
-pub(super) fn start_in_scenario(world: &mut World, scenario: Scenario, from: String) -> Result<(), RunError> {
+pub(super) fn start_in_scenario(
+    world: &mut World,
+    scenario: (Scenario, Option<ScenarioSet>),
+    from: String,
+) -> Result<(), RunError> {
     let mut config = world.resource::<TrainingRun>().config.clone();
-    config.scenario = scenario;
+    (config.scenario, config.scenario_set) = scenario;
     config.scenario_from = from;
     config.transfer = None;
     let prepared = prepare(config, None)?;
@@ -163,7 +176,7 @@ pub(super) fn transfer_config(
 ) -> Result<RunConfig, RunError> {
     let mut config = world.resource::<TrainingRun>().config.clone();
     if scenario != config.scenario_from {
-        config.scenario = shipped::scenario(scenario)?;
+        (config.scenario, config.scenario_set) = shipped::scenario_or_set(scenario)?;
         config.scenario_from = scenario.into();
     }
     if preset != config.preset_from {

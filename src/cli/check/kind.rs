@@ -2,17 +2,17 @@
 
 use std::path::Path;
 
-use crate::cli::driver;
+use crate::drivers::DriverConfig;
 use crate::reproduce::Experiment;
 use crate::run::RunError;
 use crate::run::folder::RunConfig;
 use crate::run::notes::preset_notes;
 use crate::run::policy_card;
 use crate::run::preset::Preset;
-use crate::run::{scenario_set, suite};
+use crate::run::{scenario_set, shipped, suite};
 use crate::scenario::{
-    FileError, LevelGenerator, LocatedDiagnostic, Note, NoteLevel, Scenario, ScenarioSetFile, SuiteFile,
-    locate, notes, quoted, read_text, resemblance,
+    Diagnostic, FileError, LevelGenerator, LocatedDiagnostic, Note, NoteLevel, Scenario, ScenarioSetFile,
+    SuiteFile, locate, notes, quoted, read_text, resemblance,
 };
 
 /// Number of levels that are made to check a level generator.
@@ -81,7 +81,8 @@ impl FileKind {
             Self::ScenarioSet => resemblance::<ScenarioSetFile>(text, "ScenarioSet"),
             Self::LevelGenerator => resemblance::<LevelGenerator>(text, "LevelGenerator"),
             Self::Suite => resemblance::<SuiteFile>(text, "Suite"),
-            Self::Driver => driver::resemblance(text),
+            Self::Driver if DriverConfig::is_meant_by(text) => usize::MAX,
+            Self::Driver => 0,
             Self::Preset => resemblance::<Preset>(text, "Preset"),
             Self::Experiment => resemblance::<Experiment>(text, "Experiment"),
             Self::RunConfig => resemblance::<RunConfig>(text, "RunConfig"),
@@ -148,18 +149,28 @@ pub fn check(path: &Path) -> (Option<FileKind>, Result<LocatedNotes, FileError>)
     };
     let kind = FileKind::of_text(&text);
     let found = match kind {
-        FileKind::Preset => Preset::parse(&text, path).map(|preset| preset_notes(&preset, None, false)),
+        FileKind::Preset => check_preset(&text, path).map(|preset| preset_notes(&preset, None, false)),
         FileKind::Experiment => Experiment::check(&text, path),
         FileKind::LevelGenerator => check_levels(&text, path).map(|()| Vec::new()),
         FileKind::RunConfig => RunConfig::parse(&text, path).map(|_| Vec::new()),
         FileKind::ScenarioSet => scenario_set::parse(&text, path).map(|_| Vec::new()),
         FileKind::Suite => suite::load::parse(&text, path).map(|_| Vec::new()),
-        FileKind::Driver => driver::parse(&text, path).map(|_| Vec::new()),
+        FileKind::Driver => DriverConfig::parse(&text, path).map(|_| Vec::new()),
         FileKind::Scenario | FileKind::Policy => {
             Scenario::parse(&text, path).map(|scenario| notes(&scenario))
         }
     };
     (Some(kind), found.map(|notes| located(kind, &text, path, &notes)))
+}
+
+/// Checks a preset, and the scenario that it names.
+fn check_preset(text: &str, path: &Path) -> Result<Preset, FileError> {
+    let preset = Preset::parse(text, path)?;
+    let Some(Err(error)) = preset.scenario.as_deref().map(shipped::scenario_or_set) else {
+        return Ok(preset);
+    };
+    let diagnostic = Diagnostic { path: "scenario".into(), message: format!("cannot be used: {error}") };
+    Err(FileError::from_located(path, Preset::locate(text, path, [diagnostic].iter())))
 }
 
 /// Checks a level generator, and that it has a few levels.

@@ -71,6 +71,25 @@ impl RunConfig {
         Ok(Self { scenario_set, ..config })
     }
 
+    /// The same in the scenario that the preset names, unless `scenario_from` is given; in Scenario I if there is neither.
+    ///
+    /// # Errors
+    /// As [`resolve`](Self::resolve).
+    pub fn resolve_default(
+        scenario_from: Option<&str>,
+        preset_from: &str,
+        seed: u64,
+    ) -> Result<Self, FileError> {
+        if let Some(scenario) = scenario_from {
+            return Self::resolve(scenario, preset_from, seed);
+        }
+        match shipped::preset(preset_from)?.scenario {
+            Some(scenario) => Self::resolve(&scenario, preset_from, seed)
+                .map_err(|error| FileError::for_file(Path::new(preset_from), of_preset(&error))),
+            None => Self::resolve(DEFAULT_SCENARIO, preset_from, seed),
+        }
+    }
+
     /// The configuration of a run that starts from random weights, with a scenario and a preset that come from the files
     /// or shipped names given with them.
     #[must_use]
@@ -89,7 +108,8 @@ impl RunConfig {
             extensions: Extensions::default(),
             scenario_set: None,
             scenario,
-            preset,
+            // The scenario that it names was a default.
+            preset: Preset { scenario: None, ..preset },
         }
     }
 
@@ -224,6 +244,12 @@ impl RunConfig {
         self.scenario_set.as_ref().map_or(&self.scenario.name, |set| &set.name)
     }
 
+    /// Whether the run is in the paper's Scenario I, so that the paper's numbers apply.
+    #[must_use]
+    pub fn is_paper_scenario_1(&self) -> bool {
+        self.scenario_set.is_none() && shipped::is_paper_scenario_1(&self.scenario)
+    }
+
     /// The names of the set's members; empty without a set.
     pub fn member_names(&self) -> impl Iterator<Item = &str> {
         self.scenario_set.iter().flat_map(|set| &set.members).map(|member| member.name.as_str())
@@ -251,20 +277,6 @@ impl RunConfig {
         self.preset.check_memory(&self.scenario, &layout)
     }
 
-    /// Checks that all episodes have the same scenario, as in the app.
-    ///
-    /// # Errors
-    /// The run has a set of scenarios.
-    pub fn check_no_set(&self) -> Result<(), RunError> {
-        match &self.scenario_set {
-            Some(set) => Err(RunError::InvalidInput(format!(
-                "{}: the app cannot show a training over a set of scenarios; help: use --train, or open one of its scenarios",
-                set.name
-            ))),
-            None => Ok(()),
-        }
-    }
-
     /// A name for the run's folder: `<scenario>-<preset>-<seed>`.
     #[must_use]
     pub fn run_name(&self) -> String {
@@ -282,6 +294,14 @@ impl RunConfig {
     pub fn preset_name(&self) -> String {
         file_stem(&self.preset_from)
     }
+}
+
+/// The scenario of a training for which neither the user nor the preset names one.
+pub const DEFAULT_SCENARIO: &str = "scenario-1";
+
+/// The problem of a scenario that a preset names.
+fn of_preset(error: &FileError) -> String {
+    format!("its `scenario` cannot be used: {error}")
 }
 
 /// The name of the file `path` without folder and extension, as part of another file's name: without characters that can't

@@ -8,6 +8,7 @@ use serde::de::DeserializeOwned;
 
 use super::RunFolder;
 use crate::run::RunError;
+use crate::run::metric_rows::{SetColumns, parse_rows};
 use crate::run::write_points::write_point;
 
 impl RunFolder {
@@ -16,12 +17,31 @@ impl RunFolder {
     /// # Errors
     /// The file cannot be read, or a row cannot be parsed as `Row`.
     pub fn rows<Row: DeserializeOwned>(&self, name: &str) -> Result<Vec<Row>, RunError> {
-        let path = self.path.join(name);
-        let bytes = fs::read(&path).map_err(|error| RunError::failed(&path, error))?;
-        let end = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |last| last + 1);
+        let lines = self.complete_lines(name)?;
         let rows: Result<Vec<Row>, csv::Error> =
-            csv::Reader::from_reader(&bytes[..end]).into_deserialize().collect();
-        rows.map_err(|error| RunError::failed(&path, error))
+            csv::Reader::from_reader(&lines[..]).into_deserialize().collect();
+        rows.map_err(|error| RunError::failed(&self.path.join(name), error))
+    }
+
+    /// The same with the columns of a set of the `scenarios` with these names.
+    ///
+    /// # Errors
+    /// As [`rows`](Self::rows).
+    pub fn rows_of_set<Row: DeserializeOwned + SetColumns>(
+        &self,
+        name: &str,
+        scenarios: &[String],
+    ) -> Result<Vec<Row>, RunError> {
+        let rows = parse_rows(&self.complete_lines(name)?, scenarios);
+        rows.map_err(|error| RunError::failed(&self.path.join(name), error))
+    }
+
+    /// The file `name` up to its last line break.
+    fn complete_lines(&self, name: &str) -> Result<Vec<u8>, RunError> {
+        let path = self.path.join(name);
+        let mut bytes = fs::read(&path).map_err(|error| RunError::failed(&path, error))?;
+        bytes.truncate(bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |last| last + 1));
+        Ok(bytes)
     }
 
     /// A writer that appends rows to the CSV file `name` after truncating it to `bytes` bytes. A new file
@@ -47,9 +67,7 @@ impl RunFolder {
             write_point("CSV: truncated");
             file.seek(SeekFrom::End(0))?;
             if bytes == 0 {
-                let header = header::<Row>()?;
-                let extra: String = extra_columns.iter().map(|column| format!(",{column}")).collect();
-                file.write_all(format!("{}{extra}\n", header.trim_end()).as_bytes())?;
+                file.write_all(header::<Row>(extra_columns)?.as_bytes())?;
             }
             Ok(file)
         };
@@ -58,14 +76,15 @@ impl RunFolder {
     }
 }
 
-/// The header line of a CSV file with rows of type `Row`, including the line break.
+/// The header line of a CSV file with rows of type `Row`, followed by `extra_columns`, including the line break.
 ///
 /// # Errors
 /// `Row` cannot be serialized.
-pub fn header<Row: Serialize + Default>() -> io::Result<String> {
+pub fn header<Row: Serialize + Default>(extra_columns: &[String]) -> io::Result<String> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.serialize(Row::default()).map_err(io::Error::other)?;
     let bytes = writer.into_inner().map_err(|error| io::Error::other(error.to_string()))?;
     let line = bytes.split_inclusive(|&byte| byte == b'\n').next().unwrap_or_default();
-    Ok(String::from_utf8_lossy(line).into_owned())
+    let extra: String = extra_columns.iter().map(|column| format!(",{column}")).collect();
+    Ok(format!("{}{extra}\n", String::from_utf8_lossy(line).trim_end()))
 }

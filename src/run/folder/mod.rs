@@ -32,7 +32,7 @@ use super::write_points::write_point;
 use crate::limits::MAX_CONFIG_BYTES;
 use crate::scenario::to_ron;
 
-pub use config::{PAPER_TRANSFER_EPSILON, RunConfig, Transfer};
+pub use config::{DEFAULT_SCENARIO, PAPER_TRANSFER_EPSILON, RunConfig, Transfer};
 pub use csv_file::header;
 
 /// The name of the initial policy's file.

@@ -33,6 +33,12 @@ pub(super) fn read(text: &str, path: &Path, chain: &[PathBuf]) -> Result<Preset,
         Err(_) => preset.value_diagnostics(),
     };
     let parsed = parse_checked(text, path, check_known, check);
+    let with_scenario = |preset: Preset| match &preset.scenario {
+        Some(name) if has_field(text, "scenario") => {
+            Preset { scenario: Some(scenario_of(name, path)), ..preset }
+        }
+        _ => preset,
+    };
     match (parsed, base.into_inner()) {
         (Err(own), Some(Err(of_base))) => Err(own.and(of_base)),
         (Ok(_), Some(Err(of_base))) => Err(of_base),
@@ -40,9 +46,9 @@ pub(super) fn read(text: &str, path: &Path, chain: &[PathBuf]) -> Result<Preset,
             let base = to_ron(&base).map_err(|error| FileError::for_file(path, error.to_string()))?;
             // Both texts are presets, so this one is.
             let preset: Preset = parse_ron(&overlay(&base, text), path)?;
-            Ok(Preset { based_on: None, ..preset })
+            Ok(with_scenario(Preset { based_on: None, ..preset }))
         }
-        (parsed, _) => parsed,
+        (parsed, _) => parsed.map(with_scenario),
     }
 }
 
@@ -109,6 +115,12 @@ fn base_text(name: &str, path: &Path) -> Result<Option<(PathBuf, String)>, FileE
         return Ok(Some((file, text)));
     }
     Ok(shipped::preset_text(name).map(|(from, text)| (from.into(), text.to_owned())))
+}
+
+/// The scenario `name` of the preset at `path`: the file of this name, relative to the preset, or else the name itself.
+fn scenario_of(name: &str, path: &Path) -> String {
+    let file = file_of(name, path);
+    if path_exists(&file) { file.display().to_string() } else { name.into() }
 }
 
 /// The file of this name, relative to the preset at `path`.

@@ -146,6 +146,6 @@ fn is_complete(folder: &Path, learner: &Learner) -> bool {
 
 /// Whether `episodes.csv` in `folder` has a row.
 fn has_rows(folder: &Path) -> bool {
-    let header = || header::<EpisodeRow>().map_or(0, |line| line.len() as u64);
+    let header = || header::<EpisodeRow>(&[]).map_or(0, |line| line.len() as u64);
     std::fs::metadata(folder.join("episodes.csv")).is_ok_and(|file| file.len() > header())
 }

@@ -3,14 +3,14 @@
 //! In: the scene. Out: a cell with a small view of each arena; a click on one follows that arena and leaves
 //! the grid.
 
-use egui::{Align2, Color32, CursorIcon, Rect, Sense, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
+use egui::{Align2, Color32, CursorIcon, FontId, Rect, Sense, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
 
 use super::canvas::Canvas;
 use super::single_arena::set_arena_name;
 use super::transform::{ArenaBounds, ViewTransform};
 use super::{arena, beams, floor, trajectories};
 use crate::app::scene::{ArenaScene, Scene, Score};
-use crate::app::screen::theme::Palette;
+use crate::app::screen::theme::{Palette, SMALL};
 use crate::app::view_state::{ViewCamera, ViewState};
 
 const MARGIN: Vec2 = vec2(5.0, 5.0);
@@ -49,13 +49,14 @@ pub(super) fn arena_grid_ui(ui: &Ui, rect: Rect, scene: &Scene, view_state: &mut
             view_state.followed = index;
             view_state.grid = false;
         }
-        draw_cell(ui, cell, scene, arena, index, view_state, response.hovered());
+        draw_cell(ui, cell, arena, index, view_state, response.hovered());
         let Score { reached, collided, timed_out, .. } = arena.score;
         if !response.hovered() {
             continue;
         }
+        let member = arena.set_member.as_ref().map_or(String::new(), |member| format!(", in {member}"));
         response.on_hover_text(format!(
-            "Arena {}: {}, {}, {timed_out} timed out. Click to follow it",
+            "Arena {}{member}: {}, {}, {timed_out} timed out. Click to follow it",
             index + 1,
             counted(reached, "goal reached", "goals reached"),
             counted(collided, "collision", "collisions")
@@ -64,17 +65,9 @@ pub(super) fn arena_grid_ui(ui: &Ui, rect: Rect, scene: &Scene, view_state: &mut
 }
 
 /// Draws a small view of an arena, with a caption if the cell is large enough.
-fn draw_cell(
-    ui: &Ui,
-    cell: Rect,
-    scene: &Scene,
-    arena: &ArenaScene,
-    index: usize,
-    view_state: &ViewState,
-    hovered: bool,
-) {
+fn draw_cell(ui: &Ui, cell: Rect, arena: &ArenaScene, index: usize, view_state: &ViewState, hovered: bool) {
     let (palette, painter, scenario) =
-        (Palette::from_ui(ui), ui.painter_at(cell.expand(1.5)), &*scene.scenario);
+        (Palette::from_ui(ui), ui.painter_at(cell.expand(1.5)), &*arena.written);
     painter.rect_filled(cell, 4.0, palette.panel);
     let caption = if cell.width().min(cell.height()) >= 90.0 { 18.0 } else { 0.0 };
     let view = Rect::from_min_max(pos2(cell.left(), cell.top() + caption), cell.max);
@@ -109,15 +102,24 @@ fn draw_cell(
     }
 }
 
-/// Draws the number of the arena on the left, its goals reached and its collisions on the right.
+/// Draws the number of the arena on the left, with the scenario of a set if that fits, its goals reached and its collisions on the
+/// right.
 fn draw_caption(canvas: &Canvas, cell: Rect, y: f32, arena: &ArenaScene, index: usize, color: Color32) {
     let (left, right) = (cell.left() + 7.0, cell.right() - 7.0);
-    canvas.small_text(pos2(left, y), Align2::LEFT_CENTER, &(index + 1).to_string(), color);
+    let number = canvas.small_text(pos2(left, y), Align2::LEFT_CENTER, &(index + 1).to_string(), color);
     let collisions = arena.score.collided.to_string();
     let right = canvas.small_text(pos2(right, y), Align2::RIGHT_CENTER, &collisions, canvas.palette.error);
     let reached = arena.score.reached.to_string();
     let at = pos2(right.left() - 8.0, y);
-    canvas.small_text(at, Align2::RIGHT_CENTER, &reached, canvas.palette.success);
+    let right = canvas.small_text(at, Align2::RIGHT_CENTER, &reached, canvas.palette.success);
+    if let Some(member) = &arena.set_member {
+        let font = FontId::proportional(SMALL);
+        let galley = canvas.painter.layout_no_wrap(member.clone(), font, canvas.palette.weak_text);
+        let corner = pos2(number.right() + 8.0, y - galley.size().y / 2.0);
+        if corner.x + galley.size().x < right.left() - 8.0 {
+            canvas.painter.galley(corner, galley, canvas.palette.weak_text);
+        }
+    }
 }
 
 #[cfg(test)]

@@ -32,12 +32,11 @@ pub fn update(
     drag: &mut Option<ActiveDrag>,
     commands: &mut Vec<Command>,
 ) -> Option<ActiveDrag> {
-    let scene = input.scene;
-    let arena = scene.arenas.get(index)?;
+    let arena = input.scene.arenas.get(index)?;
     if response.is_pointer_button_down_on() && ui.input(|state| state.pointer.any_pressed()) {
         let pressed = ui.input(|state| state.pointer.press_origin());
         *drag = pressed.and_then(|at| {
-            let object = hit_test(transform, scene, arena, at)?;
+            let object = hit_test(transform, arena, at)?;
             let (centre, grabbed) = (centre_of(object, arena)?, transform.to_world(at));
             let offset_m = [centre[0] - grabbed[0], centre[1] - grabbed[1]];
             Some(ActiveDrag { arena: index, object, to_m: centre, rejection: None, offset_m })
@@ -52,7 +51,7 @@ pub fn update(
     let pointer = response.interact_pointer_pos().filter(|_| response.dragged())?;
     let at = transform.to_world(pointer);
     active.to_m = [at[0] + active.offset_m[0], at[1] + active.offset_m[1]];
-    active.rejection = check_move(&move_context(scene, arena), active.object, active.to_m.into()).err();
+    active.rejection = check_move(&move_context(arena), active.object, active.to_m.into()).err();
     // Unless paused, the robot would drive away from a resting pointer, and a reached goal would be replaced:
     // send a command in every frame.
     let drifts = !input.status.paused && !matches!(active.object, Movable::Obstacle(_));

@@ -7,14 +7,14 @@ use egui::Pos2;
 use super::silhouette::Silhouette;
 use super::transform::ViewTransform;
 use crate::app::moves::{Movable, MoveContext};
-use crate::app::scene::{ArenaScene, Scene};
+use crate::app::scene::ArenaScene;
 use crate::scenario::shape_distance;
 
 /// The object under the pointer, with some tolerance for small ones: the robot first, then the goal, then the
-/// obstacles. Generated obstacles are not among them, because they are not in the scenario's file.
+/// obstacles. Generated obstacles are not among them, because they are not in the scenario's file, nor those of a set's scenarios.
 #[must_use]
-pub fn hit_test(transform: &ViewTransform, scene: &Scene, arena: &ArenaScene, at: Pos2) -> Option<Movable> {
-    let scenario = &*scene.scenario;
+pub fn hit_test(transform: &ViewTransform, arena: &ArenaScene, at: Pos2) -> Option<Movable> {
+    let scenario = &*arena.written;
     let [x, y] = transform.to_world(at);
     let slack_m = 3.0 / transform.scale;
     let distance_to = |px: f32, py: f32| (px - x).hypot(py - y);
@@ -26,6 +26,9 @@ pub fn hit_test(transform: &ViewTransform, scene: &Scene, arena: &ArenaScene, at
         <= (scenario.task.goal_radius_m + slack_m).max(min_radius_m)
     {
         return Some(Movable::Goal);
+    }
+    if arena.set_member.is_some() {
+        return None;
     }
     let obstacles = scenario.obstacles.iter().zip(&arena.obstacles);
     let distances = obstacles.map(|(o, &pose)| shape_distance(&o.shape, pose, vec2(x, y)));
@@ -61,9 +64,9 @@ pub fn silhouette(arena: &ArenaScene, object: Movable, to_m: Option<[f32; 2]>) -
 }
 
 /// The parts of `arena` that decide where an object may go.
-pub fn move_context<'a>(scene: &'a Scene, arena: &'a ArenaScene) -> MoveContext<'a> {
+pub fn move_context(arena: &ArenaScene) -> MoveContext<'_> {
     MoveContext {
-        scenario: &scene.scenario,
+        scenario: &arena.written,
         layout: &arena.scenario,
         obstacles: &arena.obstacles,
         robot_m: vec2(arena.pose.x_m, arena.pose.y_m),
@@ -79,7 +82,7 @@ mod tests {
 
     use super::super::transform::ArenaBounds;
     use super::*;
-    use crate::app::scene::{DriverLabel, Score};
+    use crate::app::scene::{DriverLabel, Scene, Score};
     use crate::app::view_state::ViewCamera;
     use crate::scenario::{Obstacle, ObstacleMotion, Scenario, Shape, Wall};
     use crate::task::{Goal, Pose};
@@ -99,6 +102,8 @@ mod tests {
         let pose = Pose { x_m: 0.0, y_m: 0.0, heading_rad: 0.0 };
         let arena = ArenaScene {
             scenario: scenario.clone(),
+            written: scenario.clone(),
+            set_member: None,
             pose,
             goal: Goal { x_m: -1.0, y_m: 0.0 },
             obstacles: vec![(1.0, 1.0, quarter_turn)],
@@ -108,6 +113,7 @@ mod tests {
             action: 0,
             explored: false,
             q_values: vec![],
+            plan: None,
             path_m: vec![],
             trails: vec![],
             score: Score::default(),
@@ -134,7 +140,7 @@ mod tests {
             ([0.3, 0.3], None),
         ] {
             assert_eq!(
-                hit_test(&transform, &scene, &scene.arenas[0], transform.to_screen(point)),
+                hit_test(&transform, &scene.arenas[0], transform.to_screen(point)),
                 expected,
                 "{point:?}"
             );
@@ -145,8 +151,11 @@ mod tests {
     fn a_generated_obstacle_cannot_be_dragged() {
         let (transform, mut scene) = scene();
         let at = transform.to_screen([1.0, 1.0]);
-        assert_eq!(hit_test(&transform, &scene, &scene.arenas[0], at), Some(Movable::Obstacle(0)));
-        scene.scenario = Arc::new(Scenario::default());
-        assert_eq!(hit_test(&transform, &scene, &scene.arenas[0], at), None);
+        assert_eq!(hit_test(&transform, &scene.arenas[0], at), Some(Movable::Obstacle(0)));
+        scene.arenas[0].set_member = Some("Crossing".into());
+        assert_eq!(hit_test(&transform, &scene.arenas[0], at), None, "nor one of a set's scenario");
+        scene.arenas[0].set_member = None;
+        scene.arenas[0].written = Arc::new(Scenario::default());
+        assert_eq!(hit_test(&transform, &scene.arenas[0], at), None);
     }
 }

@@ -14,6 +14,7 @@
 //! | `silhouette.rs`, `polygon.rs` | outlines of objects; filling and growing polygons |
 //! | `obstacle_paths.rs` | the paths of moving obstacles |
 //! | `trajectories.rs` | the robot's current path and past paths |
+//! | `driver_plan.rs` | the map and the planned path of a classical driver |
 //! | `beams.rs` | LIDAR beams |
 //! | `q_card.rs`, `q_card_position.rs`, `motion_arrow.rs` | the Q-values next to the robot |
 //! | `field_view.rs`, `field_image.rs`, `color_bar.rs` | the potential and the state value as colours and arrows |
@@ -31,6 +32,7 @@ pub mod canvas;
 mod color_bar;
 mod drag;
 mod drag_target;
+mod driver_plan;
 mod field_image;
 mod field_view;
 pub mod floor;
@@ -50,6 +52,7 @@ pub mod welcome;
 
 use egui::{FontId, Rect, Stroke, Ui, vec2};
 
+use self::canvas::Canvas;
 use self::single_arena::{MARGIN, is_pair, single_arena};
 use self::transform::{ArenaBounds, ViewTransform};
 use crate::app::commands::Command;
@@ -83,14 +86,27 @@ pub fn arenas_ui(
         let index = view_state.followed;
         let canvas = single_arena(ui, rect, view, index, view_state, commands);
         if scene.arenas.len() > 1 {
-            let words = format!("Arena {} of {}", index + 1, scene.arenas.len());
-            let at = rect.min + vec2(14.0, 16.0);
-            let font = FontId::proportional(SMALL);
-            let galley = canvas.painter.layout_no_wrap(words, font, canvas.palette.weak_text);
-            let corner = at - vec2(0.0, galley.size().y / 2.0);
-            canvas.strip_background(Rect::from_min_size(corner, galley.size()).expand2(vec2(6.0, 3.0)));
-            canvas.painter.galley(corner, galley, canvas.palette.weak_text);
+            draw_arena_label(&canvas, rect, arena_words(scene, index));
         }
+    }
+}
+
+/// Draws `words` about an arena in the upper left corner of `rect`.
+fn draw_arena_label(canvas: &Canvas, rect: Rect, words: String) {
+    let at = rect.min + vec2(14.0, 16.0);
+    let font = FontId::proportional(SMALL);
+    let galley = canvas.painter.layout_no_wrap(words, font, canvas.palette.weak_text);
+    let corner = at - vec2(0.0, galley.size().y / 2.0);
+    canvas.strip_background(Rect::from_min_size(corner, galley.size()).expand2(vec2(6.0, 3.0)));
+    canvas.painter.galley(corner, galley, canvas.palette.weak_text);
+}
+
+/// The number of arena `index`, and the scenario of a set that it is in.
+fn arena_words(scene: &Scene, index: usize) -> String {
+    let words = format!("Arena {} of {}", index + 1, scene.arenas.len());
+    match scene.arenas.get(index).and_then(|arena| arena.set_member.as_ref()) {
+        Some(member) => format!("{words} · {member}"),
+        None => words,
     }
 }
 
@@ -131,11 +147,14 @@ fn with_score(
 ) {
     let (header, below) = part.split_top_bottom_at_y(part.top() + score::HEIGHT);
     let below = below.shrink2(vec2(1.0, 0.0));
-    single_arena(ui, below, view, index, view_state, commands);
+    let canvas = single_arena(ui, below, view, index, view_state, commands);
     if let Some(arena) = view.scene.arenas.get(index) {
         // As wide as the arena at zoom 1.
-        let bounds = ArenaBounds::from_enclosure(&view.scene.scenario.enclosure);
+        let bounds = ArenaBounds::from_enclosure(&arena.written.enclosure);
         let fit = ViewTransform::new(below, MARGIN, ViewCamera::default(), bounds);
         score::draw(ui, ui.id().with(("score", index)), header, fit.bounds_rect().width(), arena);
+        if let Some(member) = &arena.set_member {
+            draw_arena_label(&canvas, below, member.clone());
+        }
     }
 }

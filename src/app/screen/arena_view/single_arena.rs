@@ -8,8 +8,8 @@ use super::canvas::Canvas;
 use super::field_view::{self, FieldKind};
 use super::transform::{ArenaBounds, ViewTransform};
 use super::{
-    arena, beams, color_bar, drag, drag_target, floor, legend, obstacle_paths, q_card, silhouette,
-    trajectories,
+    arena, beams, color_bar, drag, drag_target, driver_plan, floor, legend, obstacle_paths, q_card,
+    silhouette, trajectories,
 };
 use crate::app::commands::Command;
 use crate::app::interaction::ActiveDrag;
@@ -18,6 +18,7 @@ use crate::app::scene::{ArenaScene, Scene};
 use crate::app::screen::input::ScreenInput;
 use crate::app::screen::theme::Palette;
 use crate::app::view_state::{Overlays, ViewState};
+use crate::scenario::Scenario;
 
 /// Space around the walls for the legend and the colour bar, in points.
 pub const MARGIN: Vec2 = vec2(18.0, 34.0);
@@ -25,6 +26,11 @@ pub const MARGIN: Vec2 = vec2(18.0, 34.0);
 /// Whether the scene has two arenas with different drivers, which are shown side by side.
 pub fn is_pair(scene: &Scene) -> bool {
     matches!(&scene.arenas[..], [a, b] if a.driver != b.driver)
+}
+
+/// The scenario of arena `index`, without generated obstacles.
+pub(super) fn written(scene: &Scene, index: usize) -> &Scenario {
+    scene.arenas.get(index).map_or(&scene.scenario, |arena| &arena.written)
 }
 
 /// Draws arena `index` in `rect` and handles the pointer over it.
@@ -45,7 +51,7 @@ pub fn single_arena(
         rect,
         MARGIN,
         view_state.camera,
-        ArenaBounds::from_enclosure(&scene.scenario.enclosure),
+        ArenaBounds::from_enclosure(&written(scene, index).enclosure),
     );
     let active =
         drag::update(ui, &response, &transform, view, index, &mut view_state.interaction.drag, commands);
@@ -55,9 +61,7 @@ pub fn single_arena(
     let hovered = response.hover_pos().filter(|_| response.contains_pointer());
     let object = match (&active, hovered, scene.arenas.get(index)) {
         (Some(active), _, _) => Some(active.object),
-        (None, Some(at), Some(arena)) if !response.dragged() => {
-            drag_target::hit_test(&transform, scene, arena, at)
-        }
+        (None, Some(at), Some(arena)) if !response.dragged() => drag_target::hit_test(&transform, arena, at),
         _ => None,
     };
     steer_camera(ui, &response, &mut transform, &mut view_state.camera, object.is_none());
@@ -66,7 +70,7 @@ pub fn single_arena(
     if let Some(arena) = scene.arenas.get(index) {
         draw_arena(ui, &canvas, scene, index, arena, view_state, id);
         draw_drag_feedback(ui, &response, &canvas, arena, object, active.as_ref());
-        name_objects(ui, id, &canvas, scene, arena);
+        name_objects(ui, id, &canvas, arena);
     }
     canvas
 }
@@ -80,7 +84,7 @@ fn draw_arena(
     view_state: &ViewState,
     id: Id,
 ) {
-    let (scenario, overlays, dark) = (&*scene.scenario, &view_state.overlays, ui.visuals().dark_mode);
+    let (scenario, overlays, dark) = (&*arena.written, &view_state.overlays, ui.visuals().dark_mode);
     let followed = index == view_state.followed;
     let value = scene.value.as_deref().filter(|_| followed && overlays.value);
     let potential = scene.potential.as_deref().filter(|_| followed && overlays.potential);
@@ -95,6 +99,9 @@ fn draw_arena(
     }
     trajectories::draw(canvas, arena, overlays);
     arena::draw_solids(canvas, &arena.scenario, &arena.obstacles);
+    if let Some(plan) = arena.plan.as_ref().filter(|_| overlays.path) {
+        driver_plan::draw(canvas, plan);
+    }
     arena::draw_goal(canvas, scenario, [arena.goal.x_m, arena.goal.y_m]);
     let beams = overlays.beams && !arena.inactive;
     let label = beams.then(|| beams::draw(canvas, scenario, arena)).flatten();
@@ -163,8 +170,9 @@ fn draw_drag_feedback(
 }
 
 /// Adds the objects that can be dragged to the accessibility tree, if egui builds one.
-fn name_objects(ui: &Ui, view: Id, canvas: &Canvas, scene: &Scene, arena: &ArenaScene) {
-    let obstacles = (0..scene.scenario.obstacles.len()).map(Movable::Obstacle);
+fn name_objects(ui: &Ui, view: Id, canvas: &Canvas, arena: &ArenaScene) {
+    let movable = if arena.set_member.is_some() { 0 } else { arena.written.obstacles.len() };
+    let obstacles = (0..movable).map(Movable::Obstacle);
     for object in [Movable::Robot, Movable::Goal].into_iter().chain(obstacles) {
         name_object(ui, view.with(object), || {
             let outline = drag_target::silhouette(arena, object, None)?;

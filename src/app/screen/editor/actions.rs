@@ -89,6 +89,9 @@ pub fn continue_blocker(input: &ScreenInput<'_>, editor: &Editor) -> Option<Stri
     if let Some(reason) = restart_blocker(editor) {
         return Some(reason.into());
     }
+    if input.status.is_set {
+        return Some("The training is over a set of scenarios. Restart to train in this one.".into());
+    }
     let (edited, running) = (&**editor.scenario(), &*input.scene.scenario);
     let network = |scenario: &Scenario| (scenario.lidar.beams, scenario.robot.motions.len());
     if network(edited) != network(running) {

@@ -16,14 +16,30 @@ use crate::app::view_state::ViewState;
 
 /// Opens the editor on the running scenario. If a newer version was saved to its file but not applied yet, opens that
 /// one: otherwise the next save would overwrite it with the old one.
+///
+/// A set of scenarios cannot be edited: asks whether to edit a copy of one of its scenarios.
 pub fn enter_editor(view: &ScreenInput<'_>, view_state: &mut ViewState, commands: &mut Vec<Command>) {
     let (scene, status) = (view.scene, view.status);
+    if status.is_set {
+        view_state.interaction.set_question = true;
+        return;
+    }
     let newer = status.saved_scenario.as_ref().filter(|(path, scenario)| {
         status.scenario_modified && *path == status.scenario_from && *scenario != scene.scenario
     });
     let (scenario, saved) =
         newer.map_or((&scene.scenario, !status.scenario_modified), |(_, scenario)| (scenario, true));
     let editor = Editor::open(scenario.clone(), status.scenario_from.clone(), saved);
+    show_editor(editor, status, view_state, commands);
+}
+
+/// Shows `editor` in place of the arenas, and pauses the simulation.
+pub fn show_editor(
+    editor: Editor,
+    status: &AppSnapshot,
+    view_state: &mut ViewState,
+    commands: &mut Vec<Command>,
+) {
     view_state.editor = Some(Box::new(editor));
     view_state.interaction.editor =
         EditorInteraction { resume_on_exit: !status.paused, ..EditorInteraction::default() };

@@ -5,7 +5,7 @@
 //!
 //! | file | duty |
 //! |---|---|
-//! | `confirm_exit.rs` | entering and leaving the editor |
+//! | `confirm_exit.rs`, `set_question.rs` | entering and leaving the editor; the question in a training over a set |
 //! | `framing.rs` | the part of the plane that the canvas shows |
 //! | `pointer.rs`, `cursor.rs`, `shortcuts.rs` | pointer, cursor icon and keyboard on the canvas |
 //! | `drawing.rs`, `outlines.rs`, `marks.rs`, `draft.rs` | drawing: the scenario, outlines of items, starts and goals, an unfinished wall or path |
@@ -43,6 +43,7 @@ mod pointer;
 mod problem_note;
 mod robot_fields;
 mod scenario_panel;
+pub mod set_question;
 pub mod shortcuts;
 
 use egui::{EventFilter, Sense, Ui, Vec2, WidgetInfo, WidgetType, vec2};

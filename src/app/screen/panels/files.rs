@@ -3,23 +3,24 @@
 //! In: the session state. Out: commands.
 
 use egui::containers::menu::MenuButton;
-use egui::{Button, Ui, vec2};
+use egui::{Atom, Button, Ui, vec2};
 
 use crate::app::app_snapshot::{AppSnapshot, BestSoFar};
 use crate::app::commands::{Command, SaveKind};
 use crate::app::screen::key_bindings::{Shortcut, with_key_hint};
 use crate::app::screen::numbers::{format_count, format_percent};
 use crate::app::screen::widgets::buttons::wide_button_ui;
-use crate::app::screen::widgets::text::section_title_ui;
+use crate::app::screen::widgets::text::{section_title_ui, weak_text};
+use crate::drivers::DriverConfig;
 
 /// The height of the buttons, in points.
 const HEIGHT: f32 = 26.0;
 
-const OPEN_HELP: &str = "Open a policy to compare with, a saved run to resume, a scenario or a preset";
+const OPEN_HELP: &str =
+    "Open a policy or a classical driver to compare with, a saved run to resume, a scenario or a preset";
 
 /// The tooltip without a disk, where no run can be opened.
-const OPEN_HELP_WITHOUT_DISK: &str =
-    "Open a policy to compare with, a scenario or a preset. The file stays on your machine";
+const OPEN_HELP_WITHOUT_DISK: &str = "Open a policy or a classical driver to compare with, a scenario or a preset. The file stays on your machine";
 
 const SAVE_POLICY: &str = "Save policy…";
 
@@ -27,6 +28,7 @@ const SAVE_POLICY: &str = "Save policy…";
 pub(super) fn files_ui(ui: &mut Ui, status: &AppSnapshot, commands: &mut Vec<Command>) {
     section_title_ui(ui, "Files");
     expert_button_ui(ui, status, commands);
+    driver_menu_ui(ui, commands);
     let open = if status.has_disk { OPEN_HELP } else { OPEN_HELP_WITHOUT_DISK };
     let run = "Save the whole run, so that it can be resumed";
     let scenario = "Save the scenario, including objects you moved";
@@ -41,7 +43,16 @@ pub(super) fn files_ui(ui: &mut Ui, status: &AppSnapshot, commands: &mut Vec<Com
         if status.has_disk {
             button_ui(ui, width, "Save run…", run, Command::SaveDialog(SaveKind::Run), commands);
         }
-        button_ui(ui, width, "Save scenario…", scenario, Command::SaveDialog(SaveKind::Scenario), commands);
+        if !status.is_set {
+            button_ui(
+                ui,
+                width,
+                "Save scenario…",
+                scenario,
+                Command::SaveDialog(SaveKind::Scenario),
+                commands,
+            );
+        }
     });
 }
 
@@ -57,6 +68,26 @@ fn expert_button_ui(ui: &mut Ui, status: &AppSnapshot, commands: &mut Vec<Comman
     if wide_button_ui(ui, &text, HEIGHT).on_hover_text(about).clicked() {
         commands.push(Command::OpenExpert);
     }
+}
+
+/// Draws the menu of the classical drivers, by class.
+fn driver_menu_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
+    let text = (Atom::grow(), "Watch a classical driver", Atom::grow());
+    let button = Button::new(text).min_size(vec2(ui.available_width(), HEIGHT));
+    let (response, _) = MenuButton::from_button(button).ui(ui, |ui| {
+        let mut class = None;
+        for (name, driver) in
+            DriverConfig::NAMES.iter().filter_map(|name| Some((name, DriverConfig::shipped(name)?)))
+        {
+            if class.replace(driver.class()) != Some(driver.class()) {
+                ui.label(weak_text(driver.class().about()));
+            }
+            if ui.button(driver.title()).clicked() {
+                commands.push(Command::OpenDriver(name));
+            }
+        }
+    });
+    response.on_hover_text("Compare the current policy with a classical driver, on the same goals");
 }
 
 fn button_ui(

@@ -12,7 +12,7 @@ use crate::app::view_state::ViewState;
 const MODES: [SessionMode; 4] =
     [SessionMode::Train, SessionMode::Test, SessionMode::Drive, SessionMode::Compare];
 
-/// Draws the choice of mode at its natural width or `width` points wide. If there is no second policy, Compare
+/// Draws the choice of mode at its natural width or `width` points wide. If there is no second driver, Compare
 /// opens one first.
 pub(super) fn mode_switch_ui(
     ui: &mut Ui,
@@ -21,14 +21,14 @@ pub(super) fn mode_switch_ui(
     width: Option<f32>,
     commands: &mut Vec<Command>,
 ) {
-    let opened_policy = view.status.opened_policy.as_deref();
+    let opened = view.status.opened_driver.as_deref().or(view.status.opened_policy.as_deref());
     let expert = view.status.expert.as_ref().map(|expert| expert.name.as_str());
     let current = MODES.iter().position(|mode| *mode == view.status.mode);
     let editing = view_state.editor.is_some();
     let selected = if editing { Some(MODES.len()) } else { current };
-    let segments = segments(opened_policy, expert);
+    let segments = segments(opened, expert);
     let Some(clicked) = segments::segments_ui(ui, "mode", &segments, selected, width) else { return };
-    let command = MODES.get(clicked).map(|mode| match (*mode, opened_policy, expert) {
+    let command = MODES.get(clicked).map(|mode| match (*mode, opened, expert) {
         (SessionMode::Compare, None, Some(_)) => Command::OpenExpert,
         (SessionMode::Compare, None, None) => Command::OpenDialog,
         (mode, ..) => Command::SetMode(mode),
@@ -44,8 +44,8 @@ pub(super) fn mode_switch_ui(
     }
 }
 
-fn segments(opened_policy: Option<&str>, expert: Option<&str>) -> [Segment; 5] {
-    let compare = match (opened_policy, expert) {
+fn segments(opened: Option<&str>, expert: Option<&str>) -> [Segment; 5] {
+    let compare = match (opened, expert) {
         (Some(name), _) => format!("Compare the current policy with {name}, on the same goals"),
         (None, Some(expert)) => format!("Compare the current policy with the {expert}, or with one you open"),
         (None, None) => "Open a second policy to compare with the current one".into(),

@@ -25,9 +25,9 @@ pub enum TraceStyle {
 #[derive(Clone, Copy)]
 pub struct Trace<'a> {
     /// The line's name in the legend.
-    pub name: &'static str,
+    pub name: &'a str,
     /// A shorter name, for narrow cards.
-    pub short_name: &'static str,
+    pub short_name: &'a str,
     /// The line's values.
     pub series: &'a DownsampledSeries,
     /// The line's colour.

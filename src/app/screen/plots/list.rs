@@ -24,18 +24,21 @@ pub struct PlotContext {
     pub has_disk: bool,
 }
 
-/// The cards that are always shown.
+/// The cards that are always shown; of a training over a set, with the success in each of its scenarios.
 #[must_use]
-pub fn main_cards(history: &History, palette: Palette, context: PlotContext) -> [Card<'_>; 3] {
+pub fn main_cards(history: &History, palette: Palette, context: PlotContext) -> Vec<Card<'_>> {
     let curves = history.curves();
     let mut cards =
-        [success(curves, palette, context), returns(curves, palette, context), goals(curves, palette)];
+        vec![success(curves, palette, context), returns(curves, palette, context), goals(curves, palette)];
     if let Some(earlier) = history.earlier() {
         let behind = [&earlier.evaluated, &earlier.return_mean, &earlier.goal_mean];
         for (card, series) in cards.iter_mut().zip(behind) {
             let (color, style) = (palette.accent.gamma_multiply(EARLIER_OPACITY), TraceStyle::Earlier);
             card.traces.push(Trace { name: "before transfer", short_name: "before", series, color, style });
         }
+    }
+    if curves.evaluated_in.len() > 1 {
+        cards.insert(1, success_by_scenario(curves, palette));
     }
     cards
 }
@@ -68,6 +71,32 @@ fn success(curves: &LearningCurves, palette: Palette, context: PlotContext) -> C
         reference: context.is_paper_scenario_1.then_some(PAPER_SUCCESS_RATE),
         ring: context.best.map(|(env_steps, rate)| (env_steps as f64, rate)),
         empty_text: if context.training { "Waiting for the first episodes" } else { "" },
+    }
+}
+
+fn success_by_scenario(curves: &LearningCurves, palette: Palette) -> Card<'_> {
+    let [_, violet] = palette.field_colors;
+    let colors = [
+        palette.accent,
+        palette.success,
+        palette.warning,
+        violet,
+        palette.error,
+        palette.weak_text,
+        palette.text,
+    ];
+    let lines = curves.evaluated_in.iter().zip(colors.into_iter().cycle());
+    Card {
+        title: "Success by scenario",
+        about: "Share of goals that the greedy policy reached in the regular evaluations, in each scenario of the set. Levels of a \
+                generator are others than in training",
+        scale: AxisScale::Percent,
+        digits: 0,
+        traces: lines.map(|((name, series), color)| main_line(name, name, series, color)).collect(),
+        no_primary_trace: true,
+        reference: None,
+        ring: None,
+        empty_text: "Waiting for the first evaluation",
     }
 }
 
@@ -170,8 +199,8 @@ fn reward_terms(curves: &LearningCurves, palette: Palette) -> Card<'_> {
 }
 
 fn main_line<'a>(
-    name: &'static str,
-    short_name: &'static str,
+    name: &'a str,
+    short_name: &'a str,
     series: &'a DownsampledSeries,
     color: egui::Color32,
 ) -> Trace<'a> {
