@@ -239,7 +239,7 @@ fn an_edited_scenario_continues_or_restarts_the_training() {
     // With a noisy LIDAR every scan draws random numbers, so every position of a drag is recorded, although the training
     // started without noise.
     let mut noisy = edited.clone();
-    noisy.lidar.noise_std_m = 0.02;
+    noisy.lidar.noise_std_m = 0.02.into();
     app.command(apply(&noisy, false));
     for x_m in [0.05, 0.1] {
         app.command(Command::Move(MoveRequest { arena: 1, object: Movable::Robot, to_m: vec2(x_m, 0.0) }));

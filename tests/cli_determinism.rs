@@ -92,6 +92,20 @@ fn a_run_with_actuator_lag_resumes_bit_identically() {
 }
 
 #[test]
+fn a_run_with_numbers_drawn_from_ranges_resumes_bit_identically() {
+    let workspace = workspace();
+    let ranges = "    robot: (actuator_lag_s: (0.0, 0.3), max_acceleration_m_s2: 0.5, slip: (forward: (0.0, 0.1), turning: 0.0, std: 0.02), \
+                  odometry_drift: (distance_error: (-0.05, 0.05), rotation_error: (-0.05, 0.05), heading_drift_rad_m: 0.1)),\n    lidar: (latency_steps: (0, 3), ";
+    let text =
+        edited(&noisy(SCENARIO_2), &[("    lidar: (", ranges), ("dropout: 0.05", "dropout: (0.0, 0.1)")]);
+    workspace.write("ranges.ron", text.replace("speed_rad_s: 0.15", "speed_rad_s: (0.0, 0.2)"));
+    workspace.run_ok("--train --scenario ranges.ron --preset fast.ron --seed 5 --steps 6000 --out straight");
+    workspace.run_ok("--train --scenario ranges.ron --preset fast.ron --seed 5 --steps 3100 --out halves");
+    workspace.run_ok("--train --resume halves --steps 6000");
+    workspace.assert_same_run("straight", "halves");
+}
+
+#[test]
 fn a_run_with_raw_observations_resumes_bit_identically() {
     let workspace = workspace();
     workspace.write("raw.ron", raw(&quick_fast()));

@@ -86,6 +86,16 @@ fn every_setting_that_differs_from_the_card_is_listed_with_both_values() {
         ("task: (collision_range_m: 0.12)", "collision range: 0.13 m on its card, 0.12 m here"),
         ("robot: (radius_m: 0.05)", "robot radius: 0.1 m on its card, 0.05 m here"),
         ("robot: (actuator_lag_s: 0.3)", "actuator lag: 0 s on its card, 0.3 s here"),
+        ("robot: (actuator_lag_s: (0.0, 0.3))", "actuator lag: 0 s on its card, (0, 0.3) s here"),
+        ("robot: (max_acceleration_m_s2: 0.5)", "acceleration limit: none on its card, 0.5 m/s^2 here"),
+        (
+            "robot: (odometry_drift: (distance_error: 0.02, rotation_error: 0, heading_drift_rad_m: 0))",
+            "odometry: exact on its card, errors 0.02 m/m, 0 rad/rad, 0 rad/m here",
+        ),
+        (
+            "robot: (slip: (forward: (0.0, 0.1), turning: 0, std: 0))",
+            "wheel slip: none on its card, forward (0, 0.1), turning 0, standard deviation 0 here",
+        ),
         ("lidar: (max_range_m: 0.5)", "LIDAR range: 3.5 m on its card, 0.5 m here"),
         ("lidar: (noise_std_m: 0.02)", "LIDAR noise: 0 m on its card, 0.02 m here"),
         ("lidar: (dropout: 0.25)", "LIDAR dropout: 0 % on its card, 25 % here"),

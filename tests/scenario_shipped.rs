@@ -85,10 +85,10 @@ fn the_shipped_scenarios_use_every_part_of_the_format() {
         mark("a wall", !scenario.walls.is_empty());
         mark("a polygonal enclosure", matches!(scenario.enclosure, Enclosure::Polygon { .. }));
         mark("a generator", !scenario.generators.is_empty());
-        mark("actuator lag", scenario.robot.actuator_lag_s > 0.0);
-        mark("noise", scenario.lidar.noise_std_m > 0.0);
-        mark("dropout", scenario.lidar.dropout > 0.0);
-        mark("latency", scenario.lidar.latency_steps > 0);
+        mark("actuator lag", scenario.robot.actuator_lag_s != 0.0.into());
+        mark("noise", scenario.lidar.noise_std_m != 0.0.into());
+        mark("dropout", scenario.lidar.dropout != 0.0.into());
+        mark("latency", scenario.lidar.latency_steps != 0.into());
         mark("a field of view", !scenario.lidar.is_all_around());
         for obstacle in &scenario.obstacles {
             let shape = match obstacle.shape {

@@ -1,18 +1,28 @@
-//! Actuator lag: the robot follows the commanded motions with a first-order lag, and starts at rest.
+//! Actuator lag and limited accelerations: the robot follows the commanded motions with a first-order lag or at most at a certain
+//! rate, and starts at rest.
 
 mod common;
 
 use common::{Lab, bits};
 use proptest::prelude::*;
-use wayfield::scenario::{Motion, Scenario};
-use wayfield::sim::{ActuatorLag, chord_velocity, integrate_heading};
+use wayfield::scenario::{Drive, Motion, Robot, Scenario};
+use wayfield::sim::{chord_velocity, integrate_heading};
 use wayfield::task::{EpisodeEnd, Goal, Pose, RewardConfig, TaskMode, Twist};
 
 /// The paper's robot with a lag of 0.3 s (1.5 control steps), far from everything.
 fn lagging() -> Scenario {
     let mut scenario = common::wide_open();
-    scenario.robot.actuator_lag_s = 0.3;
+    scenario.robot.actuator_lag_s = 0.3.into();
     scenario
+}
+
+/// The drive with a lag over steps of `seconds`.
+fn lag(lag_s: f32, seconds: f32) -> Drive {
+    lagging_by(lag_s).drive(seconds)
+}
+
+fn lagging_by(lag_s: f32) -> Robot {
+    Robot { actuator_lag_s: lag_s.into(), ..Robot::default() }
 }
 
 /// An arena with the robot at rest at (0, 0), heading along x, and the goal `ahead_m` in front of it.
@@ -80,7 +90,7 @@ fn a_reset_arena_starts_at_rest() {
 #[test]
 fn without_a_lag_every_step_has_the_commanded_motion_to_the_bit() {
     let scenario = common::wide_open();
-    assert_eq!(scenario.robot.actuator_lag_s, 0.0);
+    assert_eq!(scenario.robot.actuator_lag_s, 0.0.into());
     let arenas = 4;
     let mut lab = Lab::new(&scenario, arenas, 3);
     let mut action_streams = common::action_streams(arenas);
@@ -125,14 +135,53 @@ fn each_arena_has_its_own_actuator_state() {
     assert!((distance(&fast.pose) - 0.03).abs() < 2e-5, "{} m at full speed", distance(&fast.pose));
 }
 
+#[test]
+fn a_robot_with_limited_accelerations_speeds_up_and_brakes_along_a_ramp() {
+    let mut scenario = common::wide_open();
+    scenario.robot.max_acceleration_m_s2 = Some(0.5);
+    scenario.robot.max_angular_acceleration_rad_s2 = Some(5.0);
+    let mut lab = facing(&scenario, 50.0, TaskMode::Continuing);
+    // 0.5 m/s^2 reach 0.1 m/s after the first step of 0.2 s, with a mean of 0.05 m/s, and 0.15 m/s in the middle of the second.
+    // 5 rad/s^2 reach 1 rad/s and then 1.5 rad/s in the middle of the second step.
+    lab.step(&[0]);
+    let twist = lab.state(0).twist;
+    assert!((twist.v_m_s - 0.1).abs() < 1e-6 && (twist.w_rad_s - 1.0).abs() < 1e-6, "{twist:?}");
+    assert!((lab.state(0).pose.heading_rad - 0.1).abs() < 1e-6, "a mean of 0.5 rad/s");
+    lab.step(&[0]);
+    assert_eq!(lab.state(0).twist, Twist { v_m_s: 0.15, w_rad_s: 1.5 });
+    let heading_rad = 0.1 + 0.125 + 0.15;
+    assert!((lab.state(0).pose.heading_rad - heading_rad).abs() < 1e-6, "1.25 rad/s on average, then 1.5");
+    lab.step(&[4]);
+    assert!((lab.state(0).twist.w_rad_s - 0.5).abs() < 1e-6, "1 rad/s less");
+}
+
+#[test]
+fn a_high_limit_changes_nothing_and_a_lag_within_the_limit_stays_a_lag() {
+    let motion = Motion { v_m_s: 0.15, w_rad_s: -1.5 };
+    let rest = Motion { v_m_s: 0.0, w_rad_s: 0.0 };
+    for lag_s in [0.0, 0.3] {
+        let free = lagging_by(lag_s);
+        let limited = Robot {
+            max_acceleration_m_s2: Some(1000.0),
+            max_angular_acceleration_rad_s2: Some(10_000.0),
+            ..free.clone()
+        };
+        let [free, limited] = [free, limited].map(|robot| robot.drive(0.2).step(&rest, &motion));
+        for (free, limited) in [(free.0, limited.0), (free.1, limited.1)] {
+            let off = [free.v_m_s - limited.v_m_s, free.w_rad_s - limited.w_rad_s];
+            assert!(off.iter().all(|off| off.abs() < 1e-3), "lag {lag_s} s: {free:?} and {limited:?}");
+        }
+    }
+}
+
 proptest! {
     #[test]
     fn the_twist_stays_between_the_initial_and_the_commanded_motion(
         lag_s in 0.0_f32..=10.0, seconds in 0.001_f32..10.0, initial in -5.0_f32..5.0, commanded in -5.0_f32..5.0,
     ) {
-        let lag = ActuatorLag::new(lag_s, seconds);
+        let lag = lag(lag_s, seconds);
         let motion = Motion { v_m_s: commanded, w_rad_s: -4.0 * commanded };
-        let mut twist = Twist { v_m_s: initial, w_rad_s: -4.0 * initial };
+        let mut twist = Motion { v_m_s: initial, w_rad_s: -4.0 * initial };
         let max = initial.abs().max(commanded.abs()) * (1.0 + 1e-6);
         let steps = (20.0 * lag_s / seconds).ceil().min(1e6) as u32 + 1;
         for _ in 0..steps {
@@ -155,8 +204,8 @@ proptest! {
         v in -5.0_f32..5.0, w in -20.0_f32..20.0, v_m_s in -5.0_f32..5.0, w_rad_s in -20.0_f32..20.0, index in 0..3,
     ) {
         // Includes the smallest positive number, a lag too short to have an effect.
-        let lag = ActuatorLag::new([0.0, -0.0, f32::from_bits(1)][index as usize], 0.2);
-        let (mean, after) = lag.step(&Twist { v_m_s: v, w_rad_s: w }, &Motion { v_m_s, w_rad_s });
+        let lag = lag([0.0, -0.0, f32::from_bits(1)][index as usize], 0.2);
+        let (mean, after) = lag.step(&Motion { v_m_s: v, w_rad_s: w }, &Motion { v_m_s, w_rad_s });
         let expected = bits(&[v_m_s, w_rad_s]);
         prop_assert_eq!(bits(&[mean.v_m_s, mean.w_rad_s]), expected.clone());
         prop_assert_eq!(bits(&[after.v_m_s, after.w_rad_s]), expected);
@@ -164,12 +213,14 @@ proptest! {
 
     #[test]
     fn one_step_equals_a_hundred_steps_of_a_hundredth(
-        lag_s in 0.01_f32..10.0, seconds in 0.01_f32..10.0, initial in -5.0_f32..5.0, commanded in -5.0_f32..5.0,
+        lag_s in prop_oneof![Just(0.0), 0.01_f32..10.0], seconds in 0.01_f32..10.0, initial in -5.0_f32..5.0,
+        commanded in -5.0_f32..5.0, limit in proptest::option::of(0.01_f32..20.0),
     ) {
         let motion = Motion { v_m_s: commanded, w_rad_s: 0.0 };
-        let start = Twist { v_m_s: initial, w_rad_s: 0.0 };
-        let (mean, end) = ActuatorLag::new(lag_s, seconds).step(&start, &motion);
-        let small = ActuatorLag::new(lag_s, seconds / 100.0);
+        let start = Motion { v_m_s: initial, w_rad_s: 0.0 };
+        let drive = Robot { max_acceleration_m_s2: limit, ..lagging_by(lag_s) }.drive(seconds);
+        let (mean, end) = drive.step(&start, &motion);
+        let small = drive.over(seconds / 100.0);
         let (mut twist, mut sum) = (start, 0.0_f64);
         for _ in 0..100 {
             let (mean, after) = small.step(&twist, &motion);

@@ -117,14 +117,14 @@ fn arena_k_has_the_same_bits_among_7_or_64_when_others_become_inactive_and_are_r
 #[test]
 fn arena_k_has_the_same_bits_among_1_2_7_or_64_with_a_noisy_lidar() {
     let mut scenario = common::moving_obstacles();
-    (scenario.lidar.noise_std_m, scenario.lidar.dropout) = (0.02, 0.05);
+    (scenario.lidar.noise_std_m, scenario.lidar.dropout) = (0.02.into(), 0.05.into());
     assert_independent_of_number_of_arenas(&scenario);
 }
 
 #[test]
 fn arena_k_has_the_same_bits_among_1_2_7_or_64_with_an_actuator_lag() {
     let mut scenario = common::moving_obstacles();
-    scenario.robot.actuator_lag_s = 0.3;
+    scenario.robot.actuator_lag_s = 0.3.into();
     assert_independent_of_number_of_arenas(&scenario);
 }
 

@@ -62,7 +62,7 @@ fn a_simulation_in_an_office_with_a_moving_obstacle_has_the_same_bits_with_and_w
     let region =
         |clearance_m| PlacementRule::Within { min_m: vec2(0.3, 0.3), max_m: vec2(4.7, 4.7), clearance_m };
     (office.starts, office.goals) = (region(0.2), region(0.2));
-    let motion = ObstacleMotion::Patrol { waypoints_m: vec![vec2(4.0, 2.5)], speed_m_s: 0.5 };
+    let motion = ObstacleMotion::Patrol { waypoints_m: vec![vec2(4.0, 2.5)], speed_m_s: 0.5.into() };
     let patrol = static_obstacle(Shape::Rectangle { width_m: 0.4, height_m: 0.2 }, vec2(1.0, 2.5), 0.3);
     office.obstacles.insert(100, Obstacle { motion, ..patrol });
     let contacts = contacts_with_equal_bits(office, 1_000);
@@ -89,7 +89,7 @@ fn world() -> impl Strategy<Value = Scenario> {
             corners_m: vec![vec2(0.0, 0.0), vec2(side, 0.0), vec2(0.0, side)]
         }),
     ];
-    let orbit = point().prop_map(|centre_m| ObstacleMotion::Orbit { centre_m, speed_rad_s: 0.1 });
+    let orbit = point().prop_map(|centre_m| ObstacleMotion::Orbit { centre_m, speed_rad_s: 0.1.into() });
     let motion = prop_oneof![19 => Just(ObstacleMotion::Static), 1 => orbit];
     let obstacle = (shape, point(), prop_oneof![Just(0.0_f32), -PI..PI], motion).prop_map(
         |(shape, position_m, rotation_rad, motion)| Obstacle { shape, position_m, rotation_rad, motion },

@@ -17,8 +17,9 @@ use wayfield::task::{Clock, EpisodeEnd, Pose};
 fn irregular_walls() -> Scenario {
     let triangle = Shape::Polygon { corners_m: vec![vec2(-0.2, -0.1), vec2(0.2, -0.1), vec2(0.0, 0.3)] };
     let capsule = Shape::Capsule { length_m: 0.4, radius_m: 0.08 };
-    let back_and_forth = ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(1.4, -0.4)], speed_m_s: 0.1 };
-    let random_walk = ObstacleMotion::RandomWalk { radius_m: 0.3, speed_m_s: 0.1, seed: 4 };
+    let back_and_forth =
+        ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(1.4, -0.4)], speed_m_s: 0.1.into() };
+    let random_walk = ObstacleMotion::RandomWalk { radius_m: 0.3, speed_m_s: 0.1.into(), seed: 4 };
     Scenario {
         enclosure: Enclosure::Polygon {
             corners_m: vec![
@@ -192,7 +193,7 @@ fn collisions_agree_with_the_clearance() {
 #[test]
 fn a_lidar_with_latency_reports_the_scan_of_earlier_steps() {
     let mut scenario = irregular_walls();
-    scenario.lidar.latency_steps = 3;
+    scenario.lidar.latency_steps = 3.into();
     scenario.task.max_episode_steps = 40;
     let mut lab = Lab::new(&scenario, 1, 8);
     let pose = lab.state(0).pose;

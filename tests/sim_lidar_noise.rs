@@ -31,7 +31,7 @@ fn ranges(scenario: &Scenario, steps: usize, seed: u64) -> Vec<(f32, f32)> {
 
 fn with_noise(noise_std_m: f32, dropout: f32) -> Scenario {
     let mut scenario = Scenario::default();
-    (scenario.lidar.noise_std_m, scenario.lidar.dropout) = (noise_std_m, dropout);
+    (scenario.lidar.noise_std_m, scenario.lidar.dropout) = (noise_std_m.into(), dropout.into());
     scenario.task.max_episode_steps = 10_000;
     scenario
 }

@@ -112,8 +112,8 @@ fn obstacles() -> impl Strategy<Value = Vec<Obstacle>> {
     let place = || (-1.5_f32..1.5, -1.5_f32..1.5).prop_map(Vec2::from);
     let motion = prop_oneof![
         Just(ObstacleMotion::Static),
-        place().prop_map(|to| ObstacleMotion::BackAndForth { waypoints_m: vec![to], speed_m_s: 0.5 }),
-        place().prop_map(|centre_m| ObstacleMotion::Orbit { centre_m, speed_rad_s: 0.4 }),
+        place().prop_map(|to| ObstacleMotion::BackAndForth { waypoints_m: vec![to], speed_m_s: 0.5.into() }),
+        place().prop_map(|centre_m| ObstacleMotion::Orbit { centre_m, speed_rad_s: 0.4.into() }),
     ];
     let one =
         (shape, place(), -3.0_f32..3.0, motion).prop_map(|(shape, position_m, rotation_rad, motion)| {

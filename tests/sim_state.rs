@@ -3,7 +3,7 @@
 mod common;
 
 use common::{Lab, bits, closed_form};
-use wayfield::scenario::Scenario;
+use wayfield::scenario::{Ranged, Scenario, with_setting};
 use wayfield::sim;
 use wayfield::task::{
     ArenaState, Clock, Encoding, EpisodeEnd, ObservationLayout, RewardConfig, StepOutcome, Streams, TaskMode,
@@ -178,14 +178,25 @@ fn a_restored_simulation_continues_to_the_bit_with_pedestrians() {
 #[test]
 fn a_restored_simulation_continues_to_the_bit_with_a_noisy_lidar() {
     let mut scenario = common::moving_obstacles();
-    (scenario.lidar.noise_std_m, scenario.lidar.dropout) = (0.05, 0.05);
+    (scenario.lidar.noise_std_m, scenario.lidar.dropout) = (0.05.into(), 0.05.into());
     assert_restored_continues_to_the_bit(scenario);
 }
 
 #[test]
 fn a_restored_simulation_continues_to_the_bit_with_an_actuator_lag() {
     let mut scenario = common::moving_obstacles();
-    scenario.robot.actuator_lag_s = 0.5;
+    scenario.robot.actuator_lag_s = 0.5.into();
+    assert_restored_continues_to_the_bit(scenario);
+}
+
+#[test]
+fn a_restored_simulation_continues_to_the_bit_with_numbers_drawn_from_ranges() {
+    let mut scenario = common::moving_obstacles();
+    let speeds = with_setting(&scenario, "obstacles[*].motion.speed_rad_s", "(-0.2, 0.2)");
+    scenario = speeds.expect("a range");
+    scenario.robot.actuator_lag_s = Ranged::Range(0.0, 0.5);
+    (scenario.lidar.noise_std_m, scenario.lidar.dropout) = (Ranged::Range(0.0, 0.1), Ranged::Range(0.0, 0.1));
+    scenario.lidar.latency_steps = Ranged::Range(0, 4);
     assert_restored_continues_to_the_bit(scenario);
 }
 
@@ -223,7 +234,7 @@ fn raw_observations_are_raw_after_restores_steps_and_resets() {
 #[test]
 fn a_restore_draws_no_new_noise() {
     let mut scenario = common::four_cylinders();
-    scenario.lidar.noise_std_m = 0.1;
+    scenario.lidar.noise_std_m = 0.1.into();
     let mut lab = Lab::new(&scenario, 1, 3);
     lab.step(&[1]);
     let (state, row) = (lab.state(0), lab.row(0));

@@ -249,7 +249,7 @@ fn a_collision_is_a_nearest_range_below_l_c() {
 fn after_a_single_goal_episode_the_arena_is_inactive_and_its_state_does_not_change() {
     let mut scenario = common::moving_obstacles();
     scenario.task.max_episode_steps = 60;
-    (scenario.lidar.noise_std_m, scenario.lidar.dropout) = (0.02, 0.02);
+    (scenario.lidar.noise_std_m, scenario.lidar.dropout) = (0.02.into(), 0.02.into());
     let arenas = 24;
     let mut lab = Lab::with(&scenario, arenas, 17, RewardConfig::default(), TaskMode::SingleGoal);
     let mut action_streams = common::action_streams(arenas);

@@ -8,14 +8,16 @@ use bevy::prelude::*;
 use super::{ActionSource, ActionSources};
 use crate::drivers::{Driver, DriverClass, DriverConfig, DriverPlan, Odometry, Percept, Robot, Truth};
 use crate::scenario::Motion;
-use crate::task::{Actions, Arena, ArenaLayout, Clock, Episode, Goal, Pedestrians, Pose, Scan, Twist};
+use crate::task::{
+    Actions, Arena, ArenaLayout, Clock, Episode, EstimatedPose, Goal, Pedestrians, Pose, Scan, Twist,
+};
 
 /// A classical driver in one arena. It starts anew with every episode.
 pub struct DriverSource {
     config: DriverConfig,
     /// The driver of the current episode; `None` before the first step.
     driver: Option<Box<dyn Driver>>,
-    /// The pose at the last decision.
+    /// The pose that the robot believed in at the last decision.
     last_pose: Pose,
 }
 
@@ -41,7 +43,7 @@ fn tuple(pose: &Pose) -> (f32, f32, f32) {
 type Perceived = (
     &'static Arena,
     &'static ArenaLayout,
-    &'static Pose,
+    (&'static Pose, &'static EstimatedPose),
     &'static Twist,
     &'static Scan,
     &'static Goal,
@@ -56,14 +58,16 @@ pub(super) fn drive(
     mut actions: ResMut<Actions>,
 ) {
     let Some(mut sources) = sources else { return };
-    for (arena, layout, pose, twist, scan, goal, clock, episode) in &arenas {
+    for (arena, layout, (pose, estimate), twist, scan, goal, clock, episode) in &arenas {
+        let estimate = &estimate.0;
         let Some(ActionSource::Driver(source)) = sources.arenas.get_mut(arena.0) else { continue };
         if episode.inactive {
             continue;
         }
         if episode.steps == 0 || source.driver.is_none() {
-            source.driver = Some(source.config.driver(&Robot::of(&layout.scenario)));
-            source.last_pose = *pose;
+            // As a policy, it does not know what is drawn for the episode.
+            source.driver = Some(source.config.driver(&Robot::of(&layout.written)));
+            source.last_pose = *estimate;
         }
         let (clock, pedestrians) = clock;
         let truth = Truth {
@@ -74,13 +78,13 @@ pub(super) fn drive(
         };
         let percept = Percept {
             ranges_m: &scan.ranges_m,
-            goal_distance_m: pose.distance_m(goal),
-            goal_bearing_rad: pose.bearing_rad(goal),
+            goal_distance_m: estimate.distance_m(goal),
+            goal_bearing_rad: estimate.bearing_rad(goal),
             twist: Motion { v_m_s: twist.v_m_s, w_rad_s: twist.w_rad_s },
-            odometry: Odometry::between(tuple(&source.last_pose), tuple(pose)),
+            odometry: Odometry::between(tuple(&source.last_pose), tuple(estimate)),
             truth: (source.config.class() == DriverClass::C).then_some(truth),
         };
-        source.last_pose = *pose;
+        source.last_pose = *estimate;
         if let (Some(driver), Some(action)) = (&mut source.driver, actions.0.get_mut(arena.0)) {
             *action = driver.act(&percept);
         }

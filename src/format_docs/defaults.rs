@@ -94,6 +94,8 @@ fn sample(entry: &Entry, sections: &[Section]) -> String {
         "f32" | "f64" => "1.0".into(),
         "u32" | "u64" | "usize" => "1".into(),
         "Vec" => "[]".into(),
+        // A whole number is a number, too.
+        "Ranged" => "1".into(),
         name => {
             let section = sections.iter().find(|section| section.name == name);
             shortest(&section.unwrap_or_else(|| panic!("{name} is not in the sources")).groups[0], sections)

@@ -111,6 +111,7 @@ fn written(kind: &Type) -> String {
         ("Seeds", _) => "whole number, or list of whole numbers".into(),
         ("Settings", _) => "`{\"path\": value, ...}`".into(),
         ("Option", Some(inner)) => written(inner),
+        ("Ranged", Some(inner)) => format!("{}, or `(lowest, highest)`", written(inner)),
         ("Vec", Some(inner)) if ["Vec2", ""].contains(&name(inner).as_str()) => {
             format!("list of {}", written(inner))
         }

@@ -146,7 +146,7 @@ fn the_examples_and_messages_in_the_docs_are_those_of_the_program() {
     let (scenarios, presets) = (examples("docs/scenario-format.md"), examples("docs/preset-format.md"));
     let experiments = examples("docs/experiment-format.md");
     assert_eq!((scenarios.len(), presets.len(), experiments.len()), (3, 3, 1));
-    for block in scenarios {
+    for block in scenarios.into_iter().chain(examples("docs/domain-randomization.md")) {
         Scenario::parse(&block, "docs/scenario-format.md").unwrap_or_else(|error| panic!("{error}\n{block}"));
     }
     for block in examples("docs/generators.md") {

@@ -363,7 +363,7 @@ fn settings_from_the_command_line_change_all_trainings() {
     assert_eq!(changed.trainings.len(), plan.trainings.len());
     for (training, before) in changed.trainings.iter().zip(&plan.trainings) {
         assert_eq!(training.config.preset.learning.gamma, 0.97);
-        assert_eq!(training.config.scenario.lidar.noise_std_m, 0.02);
+        assert_eq!(training.config.scenario.lidar.noise_std_m, 0.02.into());
         assert_ne!(training.name, before.name, "a run without the settings is another run");
     }
 }

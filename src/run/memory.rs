@@ -41,8 +41,9 @@ impl Preset {
 
     fn check_observations(&self, scenario: &Scenario, layout: &ObservationLayout) -> Result<(), String> {
         let (arenas, lidar) = (self.arenas, &scenario.lidar);
+        let [_, latency_steps] = lidar.latency_steps.ends();
         // The current observation and the next; the sensors' readings; the current scan and the delayed ones.
-        let scans = (lidar.latency_steps as usize + 2) * observation::width(lidar.beams);
+        let scans = (latency_steps as usize + 2) * observation::width(lidar.beams);
         let numbers = layout
             .width(lidar.beams)
             .saturating_mul(2)
@@ -57,7 +58,7 @@ impl Preset {
              sensors have {floats} floats, more than {MAX_OBSERVED_FLOATS}; help: use fewer `arenas`, `lidar.beams` or \
              `lidar.latency_steps`",
             lidar.beams,
-            lidar.latency_steps,
+            latency_steps,
             layout.extra_width()
         ))
     }
@@ -119,7 +120,7 @@ mod tests {
         assert_too_large(&crowd, |preset| preset.arenas = 100, "`arenas`");
 
         let mut many_beams = shipped::scenario("empty").expect("shipped");
-        (many_beams.lidar.beams, many_beams.lidar.latency_steps) = (4096, 50);
+        (many_beams.lidar.beams, many_beams.lidar.latency_steps) = (4096, 50.into());
         assert_too_large(&many_beams, |preset| preset.arenas = 4096, "`lidar.latency_steps`");
         // 2^19 states of 4,100 floats: 2.1e9.
         let large_replay = |preset: &mut Preset| preset.learning.replay.capacity = 1 << 19;

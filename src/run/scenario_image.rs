@@ -230,7 +230,7 @@ mod tests {
             walls: vec![Wall { corners_m: vec![vec2(0.0, 0.0), vec2(0.0, 1.0)], thickness_m: 0.2 }],
             obstacles: vec![
                 obstacle(rectangle, ObstacleMotion::Static),
-                obstacle(capsule, ObstacleMotion::Patrol { waypoints_m, speed_m_s: 0.5 }),
+                obstacle(capsule, ObstacleMotion::Patrol { waypoints_m, speed_m_s: 0.5.into() }),
             ],
             generators: vec![Generator {
                 count: 1,
@@ -281,9 +281,9 @@ mod tests {
     #[test]
     fn orbits_and_random_walks_are_shown_as_rings() {
         let disc = || Shape::Circle { radius_m: 0.1 };
-        let orbit = ObstacleMotion::Orbit { centre_m: vec2(1.0, 2.0), speed_rad_s: 0.1 };
+        let orbit = ObstacleMotion::Orbit { centre_m: vec2(1.0, 2.0), speed_rad_s: 0.1.into() };
         assert_eq!(track(&obstacle(disc(), orbit)), Some(MapTrack::Ring(1.0, 2.0, 2.0)));
-        let walk = ObstacleMotion::RandomWalk { radius_m: 0.5, speed_m_s: 0.1, seed: 0 };
+        let walk = ObstacleMotion::RandomWalk { radius_m: 0.5, speed_m_s: 0.1.into(), seed: 0 };
         assert_eq!(track(&obstacle(disc(), walk)), Some(MapTrack::Ring(1.0, 0.0, 0.5)));
         assert_eq!(track(&obstacle(disc(), ObstacleMotion::Static)), None);
     }

@@ -41,7 +41,7 @@ const SCENARIOS: &[Shipped] = shipped!(
 const GENERATORS: &[Shipped] = shipped!(
     "scenarios/generators": "clutter", "rooms", "traffic", "mixed", "pedestrians", "circle-crossing"
 );
-const SUITES: &[Shipped] = shipped!("scenarios/suites": "shipped", "validation");
+const SUITES: &[Shipped] = shipped!("scenarios/suites": "shipped", "validation", "circle-crossing");
 const PRESETS: &[Shipped] = shipped!("assets/presets": "fast", "dqn", "per_d3qn", "per_d3qn_tuned");
 
 const EXPERIMENTS: &[Shipped] = shipped!("assets/experiments": "fig8", "fig9", "fig10", "best", "ablation", "conditions", "hard", "transfer");
@@ -320,7 +320,7 @@ mod tests {
             |s| s.obstacles[0].position_m.x += 0.01,
             |s| s.task.goal_radius_m = 0.3,
             |s| s.robot.radius_m = 0.11,
-            |s| s.lidar.noise_std_m = 0.01,
+            |s| s.lidar.noise_std_m = 0.01.into(),
             |s| s.benchmark_route = None,
         ];
         for (number, change) in changes.into_iter().enumerate() {

@@ -14,9 +14,10 @@ use super::{obstacles, robot};
 use crate::control_step::Reset;
 use crate::scenario::Scenario;
 use crate::task::{
-    Actions, Arena, ArenaLayout, ArenaScenario, ArenaState, Clock, CurrentScenario, Episode, ExtraRewards,
-    Goal, ObservationLayout, Observations, Pedestrians, PendingReset, Pose, Scan, ScenarioChoice,
-    ScenarioPool, SensorReadings, StepOutcome, StepOutcomes, Streams, TaskFault, Twist, observation,
+    Actions, Arena, ArenaLayout, ArenaScenario, ArenaState, Clock, CurrentScenario, Episode, EstimatedPose,
+    ExtraRewards, Goal, ObservationLayout, Observations, Pedestrians, PendingReset, Pose, Scan,
+    ScenarioChoice, ScenarioPool, SensorReadings, StepOutcome, StepOutcomes, Streams, TaskFault, Twist,
+    observation,
 };
 
 /// Replaces all arenas by `arenas` new arenas of `scenario` with the random streams of `seed`, and starts an episode in
@@ -40,7 +41,7 @@ pub fn spawn_arenas(world: &mut World, scenario: &Arc<Scenario>, arenas: usize, 
         let mut arena = world.spawn((
             Arena(index),
             layout.clone(),
-            Pose::default(),
+            (Pose::default(), EstimatedPose::default()),
             Twist::default(),
             (Scan::default(), SensorReadings::zeros(extra)),
             Goal::default(),
@@ -112,7 +113,7 @@ pub fn snapshot(world: &mut World) -> Vec<ArenaState> {
     let mut arenas = world.query::<(
         &Arena,
         (&ArenaLayout, Option<&ArenaScenario>),
-        &Pose,
+        (&Pose, &EstimatedPose),
         &Twist,
         (&Scan, &SensorReadings),
         &Goal,
@@ -122,23 +123,36 @@ pub fn snapshot(world: &mut World) -> Vec<ArenaState> {
     )>();
     let mut states: Vec<(usize, ArenaState)> = arenas
         .iter(world)
-        .map(|(arena, (layout, scenario), pose, twist, (scan, readings), goal, clock, episode, streams)| {
-            let (clock, pedestrians) = clock;
-            let state = ArenaState {
-                pose: *pose,
-                twist: *twist,
-                scan: scan.clone(),
-                readings: readings.as_slice().to_vec(),
-                goal: *goal,
-                clock: *clock,
-                pedestrians: pedestrians.clone(),
-                layout_seed: layout.layout_seed,
-                scenario: scenario.cloned(),
-                episode: episode.clone(),
-                streams: streams.clone(),
-            };
-            (arena.0, state)
-        })
+        .map(
+            |(
+                arena,
+                (layout, scenario),
+                (pose, estimate),
+                twist,
+                (scan, readings),
+                goal,
+                clock,
+                episode,
+                streams,
+            )| {
+                let (clock, pedestrians) = clock;
+                let state = ArenaState {
+                    pose: *pose,
+                    estimated_pose: estimate.0,
+                    twist: *twist,
+                    scan: scan.clone(),
+                    readings: readings.as_slice().to_vec(),
+                    goal: *goal,
+                    clock: *clock,
+                    pedestrians: pedestrians.clone(),
+                    layout_seed: layout.layout_seed,
+                    scenario: scenario.cloned(),
+                    episode: episode.clone(),
+                    streams: streams.clone(),
+                };
+                (arena.0, state)
+            },
+        )
         .collect();
     states.sort_by_key(|(index, _)| *index);
     states.into_iter().map(|(_, state)| state).collect()
@@ -155,7 +169,7 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
         (&mut Bodies, &mut RapierContextSimulation, &mut RapierRigidBodySet, &mut RapierContextColliders),
         (
             (&mut ArenaLayout, Option<&mut ArenaScenario>),
-            &mut Pose,
+            (&mut Pose, &mut EstimatedPose),
             &mut Twist,
             (&mut Scan, &mut SensorReadings),
             &mut Goal,
@@ -171,7 +185,7 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
         let Some(state) = states.get(arena.0) else { continue };
         let (
             (mut layout, member),
-            mut pose,
+            (mut pose, mut estimate),
             mut twist,
             (mut scan, mut readings),
             mut goal,
@@ -189,6 +203,8 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
         layout.generate(state.layout_seed);
         kept.replace(&layout, &mut bodies, &mut context, &mut set, &mut colliders);
         *pose = state.pose;
+        let drifts = layout.scenario.robot.odometry_drift.is_some();
+        estimate.0 = if drifts { state.estimated_pose } else { state.pose };
         *twist = state.twist;
         *scan = state.scan.clone();
         *readings = SensorReadings::from_saved(&state.readings);
@@ -201,7 +217,7 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
         obstacles::place_generated_obstacles(&layout, &mut bodies, &mut colliders);
         obstacles::place_bodies(layout.indexed(&pedestrians), *clock, &bodies, &mut set, &mut colliders);
         let row = &mut observations.current[arena.0 * width..][..width];
-        observation::encode(encoding, &scan, &pose, &goal, &readings, row);
+        observation::encode(encoding, &scan, &estimate.0, &goal, &readings, row);
     }
     world.insert_resource(observations);
 }

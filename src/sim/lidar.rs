@@ -74,8 +74,9 @@ fn take_scan(
     scan.nearest_m = scan.ranges_m.iter().copied().fold(lidar.max_range_m, f32::min);
     add_noise(lidar, &mut streams.sensor, &mut scan.ranges_m);
     scan.sensor_pose = *pose;
-    if lidar.latency_steps > 0 {
-        delay(lidar.latency_steps as usize, scan);
+    let latency_steps = lidar.latency_steps.value();
+    if latency_steps > 0 {
+        delay(latency_steps as usize, scan);
     }
 }
 
@@ -87,9 +88,10 @@ fn add_noise(lidar: &Lidar, stream: &mut Stream, ranges_m: &mut [f32]) {
     if lidar.is_exact() {
         return;
     }
+    let (noise_std_m, dropout) = (lidar.noise_std_m.value(), lidar.dropout.value());
     for range in ranges_m {
-        let lost = random::uniform_01(stream) < lidar.dropout;
-        let error = lidar.noise_std_m * random::normal(stream);
+        let lost = random::uniform_01(stream) < dropout;
+        let error = noise_std_m * random::normal(stream);
         *range = if lost { lidar.max_range_m } else { (*range + error).clamp(0.0, lidar.max_range_m) };
     }
 }

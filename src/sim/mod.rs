@@ -7,7 +7,7 @@
 //! | `arena.rs` | arenas: spawned from a scenario, reset, saved, restored, edited |
 //! | `physics.rs` | the interface to bevy_rapier: bodies, physics step |
 //! | `colliders.rs` | the rapier shapes of obstacles and of the enclosure |
-//! | `robot.rs` | the differential drive and its actuator lag |
+//! | `robot.rs` | the differential drive |
 //! | `contact.rs` | the moment in a step at which the robot first touches something |
 //! | `footprint.rs` | the same for a robot that is not a disc |
 //! | `obstacles.rs` | moving obstacles as a function of the clock, and generated obstacles |
@@ -36,7 +36,7 @@ pub use arena::{
 };
 pub use physics::Bodies;
 pub use probe::Probe;
-pub use robot::{ActuatorLag, chord_velocity, integrate_heading};
+pub use robot::{chord_velocity, integrate_heading};
 
 pub(crate) use arena::seed_scenarios;
 

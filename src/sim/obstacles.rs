@@ -47,8 +47,8 @@ pub(super) fn advance(mut arenas: Query<Advanced>) {
     }
 }
 
-/// `Place`: places the generated obstacles of a new episode. If the clock was set or there are pedestrians, also places the moving
-/// obstacles.
+/// `Place`: places the generated obstacles of a new episode. If the clock was set, there are pedestrians, or speeds may have changed,
+/// also places the moving obstacles.
 pub(super) fn place(
     mut arenas: Query<(
         &Clock,
@@ -65,7 +65,8 @@ pub(super) fn place(
         if begins {
             place_generated_obstacles(layout, &mut bodies, &mut colliders);
         }
-        if episode.pending_reset == PendingReset::Full || begins && !pedestrians.0.is_empty() {
+        let may_jump = || !pedestrians.0.is_empty() || layout.written.has_ranges();
+        if episode.pending_reset == PendingReset::Full || begins && may_jump() {
             place_bodies(layout.indexed(pedestrians), *clock, &bodies, &mut set, &mut colliders);
         }
     }

@@ -7,8 +7,9 @@
 //! and the direction of the heading at t / 2. So one physics step with the chord's velocity takes the robot exactly to the
 //! end of the arc, unless it touches something before (`contact.rs`) and stops there.
 //!
-//! Without a lag, (v, w) is the commanded motion. With an [`ActuatorLag`], it is the mean of the actual motion over the
-//! step. That is a simplification: the true path is not an arc. Its rotation and its signed length are kept, so the heading
+//! Usually, (v, w) is the commanded motion. With an actuator lag or limited accelerations
+//! ([`Drive`](crate::scenario::Drive)), it is the mean of the actual motion over the step, and slip reduces it. That is a
+//! simplification: the true path is not an arc. Its rotation and its signed length are kept, so the heading
 //! after the step is exact.
 //!
 //! The body is a disc with locked rotation, which only the wheels turn, never a contact. The heading is integrated here,
@@ -22,9 +23,10 @@ use bevy_rapier2d::rapier::math::{Pose as BodyPose, Rotation};
 
 use super::contact::ContactQuery;
 use super::physics::Bodies;
-use crate::scenario::{Motion, Scenario};
+use crate::scenario::{Motion, Scenario, Slip};
 use crate::task::{
-    Actions, Arena, ArenaLayout, Clock, CommandedMotions, Episode, Pedestrians, Pose, Scan, Twist, wrap_angle,
+    Actions, Arena, ArenaLayout, Clock, CommandedMotions, Episode, EstimatedPose, Pedestrians, Pose, Scan,
+    Twist, wrap_angle,
 };
 
 /// The tolerance for rounding: in m for coordinates, relative for distances.
@@ -45,49 +47,6 @@ pub fn integrate_heading(heading_rad: f32, motion: &Motion, seconds: f32) -> f32
     wrap_angle(heading_rad + motion.w_rad_s * seconds)
 }
 
-/// A first-order lag of the actuators over one control step: the actual u = (v, w) approaches the commanded one. Without a
-/// lag, the robot drives the commanded motion to the bit.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ActuatorLag {
-    /// The mean over the step of the remaining difference, as a fraction of that at the step's start; 0 to 1.
-    mean: f32,
-    /// The remaining difference at the step's end, as a fraction of that at its start; 0 to 1.
-    end: f32,
-}
-
-impl ActuatorLag {
-    /// The lag with time constant `lag_s`, at least 0 s, over steps of `seconds`, above 0 s.
-    ///
-    /// With du/dt = (commanded - u) / lag, the difference decays as e^(-t / lag). Its mean over T seconds is
-    /// (lag / T)(1 - e^(-T / lag)) of the initial difference.
-    #[must_use]
-    pub fn new(lag_s: f32, seconds: f32) -> Self {
-        if lag_s <= 0.0 {
-            return Self { mean: 0.0, end: 0.0 };
-        }
-        let lags = seconds / lag_s;
-        Self { mean: -libm::expm1f(-lags) / lags, end: libm::expf(-lags) }
-    }
-
-    /// The mean motion over a step that starts with `twist` while `commanded` is commanded, and the twist at its end.
-    #[must_use]
-    pub fn step(&self, twist: &Twist, commanded: &Motion) -> (Motion, Twist) {
-        // Without a lag, returns the commanded value to the bit, including the sign of a zero.
-        let blend = |remaining: f32, actual: f32, commanded: f32| {
-            if remaining == 0.0 { commanded } else { commanded + (actual - commanded) * remaining }
-        };
-        let v = |remaining| blend(remaining, twist.v_m_s, commanded.v_m_s);
-        let w = |remaining| blend(remaining, twist.w_rad_s, commanded.w_rad_s);
-        let mean = Motion { v_m_s: v(self.mean), w_rad_s: w(self.mean) };
-        (mean, Twist { v_m_s: v(self.end), w_rad_s: w(self.end) })
-    }
-
-    /// The lag of the robot of `scenario` over one control period.
-    fn of(scenario: &Scenario) -> Self {
-        Self::new(scenario.robot.actuator_lag_s, scenario.task.control_period_s)
-    }
-}
-
 /// What commands the robots: the scenario's motions by number, or motions that the caller sets.
 #[derive(SystemParam)]
 pub(super) struct MotionCommands<'w> {
@@ -106,11 +65,38 @@ impl MotionCommands<'_> {
     }
 }
 
+/// The motion of a robot in a control step.
+struct DrivenStep {
+    /// The mean motion of the robot.
+    robot: Motion,
+    /// The mean motion of its wheels, which differs if they slip.
+    wheels: Motion,
+    /// The twist of the wheels at the step's end.
+    end: Twist,
+}
+
+/// The step to `clock` of a robot that has the twist `twist` while `commanded` is commanded.
+fn driven(layout: &ArenaLayout, clock: Clock, twist: &Twist, commanded: &Motion) -> DrivenStep {
+    let Scenario { robot, task, .. } = &*layout.scenario;
+    let (wheels, end) = robot.drive(task.control_period_s).step(&(*twist).into(), commanded);
+    let slipping = |slip: Slip| slip.robot_motion(&wheels, layout.layout_seed, clock.0);
+    let robot = robot.slip.map_or(wheels, slipping);
+    DrivenStep { robot, wheels, end: end.into() }
+}
+
+/// The pose at the end of an arc.
+fn pose_after(from: &Pose, motion: &Motion, seconds: f32) -> Pose {
+    let step = chord_velocity(from.heading_rad, motion, seconds) * seconds;
+    let heading_rad = integrate_heading(from.heading_rad, motion, seconds);
+    Pose { x_m: from.x_m + step.x, y_m: from.y_m + step.y, heading_rad }
+}
+
 /// The components of an arena that [`actuate`] reads and writes.
 type Actuated = (
     &'static Arena,
     &'static ArenaLayout,
     &'static Bodies,
+    &'static Clock,
     &'static Pose,
     &'static Twist,
     &'static Episode,
@@ -120,7 +106,7 @@ type Actuated = (
 
 /// `Actuate`: sets the velocity of every robot's body for this step.
 pub(super) fn actuate(commands: MotionCommands, mut arenas: Query<Actuated>) {
-    for (arena, layout, bodies, pose, twist, episode, mut set, mut configuration) in &mut arenas {
+    for (arena, layout, bodies, clock, pose, twist, episode, mut set, mut configuration) in &mut arenas {
         if configuration.physics_pipeline_active == episode.inactive {
             configuration.physics_pipeline_active = !episode.inactive;
         }
@@ -128,7 +114,7 @@ pub(super) fn actuate(commands: MotionCommands, mut arenas: Query<Actuated>) {
             continue;
         }
         let scenario = &*layout.scenario;
-        let (motion, _) = ActuatorLag::of(scenario).step(twist, &commands.motion(arena, scenario));
+        let motion = driven(layout, *clock, twist, &commands.motion(arena, scenario)).robot;
         let velocity = chord_velocity(pose.heading_rad, &motion, scenario.task.control_period_s);
         if let Some(body) = set.bodies.get_mut(bodies.robot) {
             body.set_linvel(velocity, true);
@@ -145,7 +131,7 @@ type Stepped = (
     &'static Episode,
     &'static RapierContextColliders,
     &'static mut RapierRigidBodySet,
-    &'static mut Pose,
+    (&'static mut Pose, &'static mut EstimatedPose),
     &'static mut Twist,
     &'static mut Scan,
 );
@@ -157,9 +143,9 @@ type Stepped = (
 ///   it first touched.
 /// - A robot that rapier has deflected although it touches nothing is put at the end of its chord.
 pub(super) fn read_pose(commands: MotionCommands, mut arenas: Query<Stepped>) {
-    for (arena, layout, bodies, clock, episode, colliders, mut set, mut pose, mut twist, mut scan) in
-        &mut arenas
+    for (arena, layout, bodies, clock, episode, colliders, mut set, poses, mut twist, mut scan) in &mut arenas
     {
+        let (mut pose, mut estimate) = poses;
         let (clock, pedestrians) = clock;
         if episode.inactive {
             continue;
@@ -167,8 +153,9 @@ pub(super) fn read_pose(commands: MotionCommands, mut arenas: Query<Stepped>) {
         if let Some(body) = set.bodies.get_mut(bodies.robot) {
             let scenario = &*layout.scenario;
             let period_s = scenario.task.control_period_s;
-            let (motion, after) = ActuatorLag::of(scenario).step(&twist, &commands.motion(arena, scenario));
-            *twist = after;
+            let driven = driven(layout, *clock, &twist, &commands.motion(arena, scenario));
+            let motion = driven.robot;
+            *twist = driven.end;
             let from = Vec2::new(pose.x_m, pose.y_m);
             let velocity = chord_velocity(pose.heading_rad, &motion, period_s);
             let free = from + velocity * period_s;
@@ -205,6 +192,10 @@ pub(super) fn read_pose(commands: MotionCommands, mut arenas: Query<Stepped>) {
                 y_m: position.y,
                 heading_rad: integrate_heading(pose.heading_rad, &motion, turning_s),
             };
+            estimate.0 = match &scenario.robot.odometry_drift {
+                Some(drift) => pose_after(&estimate.0, &drift.reported_motion(&driven.wheels), period_s),
+                None => *pose,
+            };
             if !is_disc {
                 body.set_rotation(Rotation::from_angle(pose.heading_rad), true);
             }
@@ -212,12 +203,15 @@ pub(super) fn read_pose(commands: MotionCommands, mut arenas: Query<Stepped>) {
     }
 }
 
-/// `Place`: moves the body of every reset robot to its pose, at rest.
-pub(super) fn place(mut arenas: Query<(&Bodies, &Pose, &Episode, &mut RapierRigidBodySet)>) {
-    for (bodies, pose, episode, mut set) in &mut arenas {
+/// `Place`: moves the body of every reset robot to its pose, at rest. The robot then knows its pose.
+pub(super) fn place(
+    mut arenas: Query<(&Bodies, &Pose, &mut EstimatedPose, &Episode, &mut RapierRigidBodySet)>,
+) {
+    for (bodies, pose, mut estimate, episode, mut set) in &mut arenas {
         if !episode.pending_reset.moves_robot() {
             continue;
         }
+        estimate.0 = *pose;
         place_body(&mut set, bodies, pose);
     }
 }

@@ -17,6 +17,9 @@ use crate::scenario::limits::{
 pub struct ArenaState {
     /// The robot's pose.
     pub pose: Pose,
+    /// The pose that the robot believes in ([`EstimatedPose`](super::EstimatedPose)). Checkpoints store it separately.
+    #[serde(skip)]
+    pub estimated_pose: Pose,
     /// The robot's speed and turning rate.
     pub twist: Twist,
     /// The last scan.
@@ -30,7 +33,7 @@ pub struct ArenaState {
     pub clock: Clock,
     /// The pedestrians.
     pub pedestrians: Pedestrians,
-    /// The seed of the generated obstacles ([`ArenaLayout`](super::ArenaLayout)).
+    /// The seed of the generated obstacles and of the drawn numbers ([`ArenaLayout`](super::ArenaLayout)).
     pub layout_seed: u64,
     /// The member of the scenario pool, if there is one. Checkpoints store it separately.
     #[serde(skip)]
@@ -60,6 +63,7 @@ impl ArenaState {
     pub(crate) fn check(&self, scenario: &Scenario, layout: &ObservationLayout) -> Result<(), &'static str> {
         let Self {
             pose,
+            estimated_pose,
             twist,
             scan,
             readings,
@@ -72,11 +76,15 @@ impl ArenaState {
             streams,
         } = self;
         let beams = scenario.lidar.beams;
+        let [_, latency_steps] = scenario.lidar.latency_steps.ends();
         let within = |value: f32, max: f32| value.abs() <= max;
         let is_pose = |pose: &Pose| {
             within(pose.x_m, MAX_COORDINATE_M)
                 && within(pose.y_m, MAX_COORDINATE_M)
                 && within(pose.heading_rad, MAX_HEADING_RAD)
+        };
+        let is_estimate = |pose: &Pose| {
+            pose.x_m.is_finite() && pose.y_m.is_finite() && within(pose.heading_rad, MAX_HEADING_RAD)
         };
         let is_range = |range: &f32| (0.0..=MAX_RANGE_M).contains(range);
         let are_ranges = |ranges: &[f32]| ranges.len() == beams && ranges.iter().all(is_range);
@@ -84,12 +92,13 @@ impl ArenaState {
         let are_finite = |values: &[f32]| values.iter().all(|value| value.is_finite());
         for (what, is_valid) in [
             ("the robot's pose", is_pose(pose)),
+            ("the robot's estimated pose", is_estimate(estimated_pose)),
             ("the robot's speed", within(twist.v_m_s, MAX_TWIST.0) && within(twist.w_rad_s, MAX_TWIST.1)),
             (
                 "the LIDAR scan",
                 are_ranges(&scan.ranges_m) && is_range(&scan.nearest_m) && is_pose(&scan.sensor_pose),
             ),
-            ("the number of delayed scans", scan.delayed.len() <= scenario.lidar.latency_steps as usize + 1),
+            ("the number of delayed scans", scan.delayed.len() <= latency_steps as usize + 1),
             ("a delayed scan", scan.delayed.iter().all(|(pose, ranges)| is_pose(pose) && are_ranges(ranges))),
             ("the sensor readings", readings.len() == layout.extra_width() && are_finite(readings)),
             ("the goal", within(goal.x_m, MAX_COORDINATE_M) && within(goal.y_m, MAX_COORDINATE_M)),
@@ -137,10 +146,11 @@ mod tests {
     #[test]
     fn an_invalid_state_is_rejected_with_the_name_of_the_invalid_part() {
         let mut scenario = Scenario::default();
-        scenario.lidar.latency_steps = 1;
+        scenario.lidar.latency_steps = 1.into();
         let ranges = vec![1.0; scenario.lidar.beams];
         let valid = ArenaState {
             pose: Pose { x_m: 1.0, y_m: -1.0, heading_rad: 3.0 },
+            estimated_pose: Pose { x_m: 1.1, y_m: -1.0, heading_rad: 3.0 },
             twist: Twist { v_m_s: 0.15, w_rad_s: -1.5 },
             scan: Scan {
                 ranges_m: ranges.clone(),
@@ -163,6 +173,7 @@ mod tests {
             ("the robot's pose", |s| s.pose.x_m = f32::NAN),
             ("the robot's pose", |s| s.pose.y_m = 1e9),
             ("the robot's pose", |s| s.pose.heading_rad = f32::INFINITY),
+            ("the robot's estimated pose", |s| s.estimated_pose.y_m = f32::NAN),
             ("the robot's speed", |s| s.twist.v_m_s = f32::NAN),
             ("the LIDAR scan", |s| s.scan.ranges_m.truncate(3)),
             ("the LIDAR scan", |s| s.scan.ranges_m[2] = -1.0),

@@ -40,8 +40,8 @@ pub use reset::EpisodeSetup;
 pub use reward::{Potential, RewardConfig, RewardKind, RewardTerms};
 pub use scenario_pool::{ArenaScenario, ScenarioChoice, ScenarioPool};
 pub use state::{
-    Arena, ArenaLayout, Clock, Episode, Goal, Pedestrians, PendingReset, Pose, Scan, Streams, Twist,
-    wrap_angle,
+    Arena, ArenaLayout, Clock, Episode, EstimatedPose, Goal, Pedestrians, PendingReset, Pose, Scan, Streams,
+    Twist, wrap_angle,
 };
 
 use crate::control_step::{ControlSet, ControlStep, Reset, ResetSet, RewardSet, SenseSet};

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 pub use crate::policy::observation::{DISTANCE_SCALE_M, Encoding, RANGE_SCALE_M, width};
 
-use super::{Arena, Episode, Goal, PendingReset, Pose, Scan};
+use super::{Arena, Episode, EstimatedPose, Goal, PendingReset, Pose, Scan};
 use crate::policy;
 
 /// The parts of an observation: the paper's numbers in an encoding, then one named slice per plugin sensor.
@@ -129,7 +129,7 @@ impl ObservationLayout {
     }
 }
 
-/// Writes the observation of one arena into `row`.
+/// Writes the observation of one arena into `row`. `pose` is the one that the robot believes in ([`EstimatedPose`]).
 ///
 /// # Panics
 /// If the length of `row` is not that of the layout.
@@ -183,13 +183,13 @@ impl Observations {
 pub(super) fn observe_next(
     layout: Res<ObservationLayout>,
     mut observations: ResMut<Observations>,
-    arenas: Query<(&Arena, &Scan, &Pose, &Goal, &SensorReadings)>,
+    arenas: Query<(&Arena, &Scan, &EstimatedPose, &Goal, &SensorReadings)>,
 ) {
     let width = observations.width;
     // Includes inactive arenas, because `current` and `next` are swapped after every step.
-    for (arena, scan, pose, goal, readings) in &arenas {
+    for (arena, scan, estimate, goal, readings) in &arenas {
         let row = &mut observations.next[arena.0 * width..][..width];
-        encode(layout.encoding, scan, pose, goal, readings, row);
+        encode(layout.encoding, scan, &estimate.0, goal, readings, row);
     }
 }
 
@@ -199,19 +199,29 @@ pub(super) fn advance(mut observations: ResMut<Observations>) {
     std::mem::swap(&mut observations.current, &mut observations.next);
 }
 
+/// The components of an arena that its first observation and potential are made of.
+type Observed = (
+    &'static Arena,
+    &'static Scan,
+    (&'static Pose, &'static EstimatedPose),
+    &'static Goal,
+    &'static SensorReadings,
+    &'static mut Episode,
+);
+
 /// Schedule `Reset`: encodes the observations and potentials of arenas with a new goal or start.
 pub(super) fn observe_first(
     layout: Res<ObservationLayout>,
     mut observations: ResMut<Observations>,
     reward: Res<super::RewardConfig>,
-    mut arenas: Query<(&Arena, &Scan, &Pose, &Goal, &SensorReadings, &mut Episode)>,
+    mut arenas: Query<Observed>,
 ) {
     let width = observations.width;
-    for (arena, scan, pose, goal, readings, mut episode) in &mut arenas {
+    for (arena, scan, (pose, estimate), goal, readings, mut episode) in &mut arenas {
         if episode.pending_reset != PendingReset::None {
             debug_assert_eq!(width, layout.width(scan.ranges_m.len()));
             let row = &mut observations.current[arena.0 * width..][..width];
-            encode(layout.encoding, scan, pose, goal, readings, row);
+            encode(layout.encoding, scan, &estimate.0, goal, readings, row);
             episode.potential = reward.potential(pose.distance_m(goal), scan.nearest_m);
         }
     }

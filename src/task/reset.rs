@@ -10,8 +10,10 @@ use super::{
     Twist,
 };
 use crate::control_step::Reset;
-use crate::random;
-use crate::scenario::{BenchmarkRoute, Crowd, IndexedScenario, NoFreeSpace, draw_goal, draw_start_and_goal};
+use crate::random::{self, Stream};
+use crate::scenario::{
+    BenchmarkRoute, Crowd, IndexedScenario, NoFreeSpace, Scenario, draw_goal, draw_start_and_goal,
+};
 
 /// The choice of starts and goals.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
@@ -49,7 +51,8 @@ type ResetData = (
 /// The draw for an arena: a start, unless the robot stays where it is, and a goal.
 type StartAndGoalDraw = (Option<Pose>, Goal);
 
-/// `Draw`: a new goal; for a new episode also a new start, and a new layout if the scenario has generators.
+/// `Draw`: a new goal; for a new episode also a new start, and a new layout if the scenario has generators
+/// or ranges.
 pub(super) fn draw(setup: Res<EpisodeSetup>, mut fault: ResMut<TaskFault>, mut arenas: Query<ResetData>) {
     for (arena, clock, mut layout, mut crowd, mut pose, mut twist, mut goal, mut episode, mut streams) in
         &mut arenas
@@ -62,12 +65,14 @@ pub(super) fn draw(setup: Res<EpisodeSetup>, mut fault: ResMut<TaskFault>, mut a
             crowd.0 = Crowd::at_start(&layout.written);
         }
         let kept_pose = (episode.pending_reset == PendingReset::Goal).then_some(*pose);
-        let generates = episode.pending_reset.begins_episode() && !layout.written.generators.is_empty();
+        let varies = episode.pending_reset.begins_episode() && layout.written.varies_by_episode();
         // A layout without free space is replaced by another.
+        let generates = varies && !layout.written.generators.is_empty();
         let mut attempts = if generates { MAX_LAYOUT_ATTEMPTS } else { 1 };
         let drawn = loop {
-            if generates {
-                layout.generate(random::random_u64(&mut streams.places));
+            if varies {
+                let layout_seed = layout_seed(&layout.written, *clock, &mut streams.places);
+                layout.generate(layout_seed);
             }
             let drawn = match *setup {
                 EpisodeSetup::Route(route) => Ok(ends_of(route)),
@@ -94,6 +99,17 @@ pub(super) fn draw(setup: Res<EpisodeSetup>, mut fault: ResMut<TaskFault>, mut a
             }
         }
     }
+}
+
+/// The layout seed of a new episode. Generators take a number of the stream `places`. Ranges alone take none, so that starts and
+/// goals are the same as without ranges: their seed is a function of the stream's state and of the clock, which an episode
+/// between fixed positions advances as well.
+fn layout_seed(written: &Scenario, clock: Clock, places: &mut Stream) -> u64 {
+    if !written.generators.is_empty() {
+        return random::random_u64(places);
+    }
+    let state = random::random_u64(&mut places.clone());
+    random::random_u64(&mut random::stream(state, "ranges", clock.0))
 }
 
 /// The start and goal of a route.

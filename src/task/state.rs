@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::reward::{Potential, RewardTerms};
 use crate::random::{self, Stream};
-use crate::scenario::{Crowd, IndexedScenario, Scenario, SpatialIndex};
+use crate::scenario::{Crowd, IndexedScenario, Motion, Scenario, SpatialIndex};
 
 /// The number of an arena: one robot in one enclosure. It is the arena's row in every batch.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,9 +22,10 @@ pub struct Arena(pub usize);
 pub struct ArenaLayout {
     /// The scenario as written, with its generators instead of their obstacles.
     pub written: Arc<Scenario>,
-    /// The seed of the generated obstacles; 0 if the scenario has no generators.
+    /// The seed of the generated obstacles and of the numbers drawn from ranges; 0 if the scenario has neither generators nor
+    /// ranges.
     pub layout_seed: u64,
-    /// The scenario with the generated obstacles ([`Scenario::with_generated_obstacles`]).
+    /// The scenario with the generated obstacles and the drawn numbers ([`Scenario::with_generated_obstacles`]).
     pub scenario: Arc<Scenario>,
     /// The spatial index of `scenario`, if it has many still parts.
     pub index: Option<Arc<SpatialIndex>>,
@@ -38,11 +39,14 @@ impl ArenaLayout {
         Self { written: scenario.clone(), layout_seed: 0, scenario: scenario.clone(), index }
     }
 
-    /// Replaces the generated obstacles by those of `layout_seed`. Does nothing if the scenario has no generators.
+    /// Replaces the generated obstacles and the drawn numbers by those of `layout_seed`. Does nothing if the scenario has neither
+    /// generators nor ranges.
     pub(crate) fn generate(&mut self, layout_seed: u64) {
-        if !self.written.generators.is_empty() {
+        if self.written.varies_by_episode() {
             self.layout_seed = layout_seed;
             self.scenario = Arc::new(self.written.with_generated_obstacles(layout_seed));
+        }
+        if !self.written.generators.is_empty() {
             self.index = SpatialIndex::new(&self.scenario).map(Arc::new);
         }
     }
@@ -84,6 +88,11 @@ impl Pose {
     }
 }
 
+/// The pose that the robot believes in, from which it observes the goal: its true [`Pose`] unless its odometry drifts
+/// ([`OdometryDrift`](crate::scenario::OdometryDrift)).
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+pub struct EstimatedPose(pub Pose);
+
 /// The speed and turning rate of the robot's wheels, after the actuator lag. Zero at the start of an episode. A contact that
 /// stops the body does not change it.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -92,6 +101,18 @@ pub struct Twist {
     pub v_m_s: f32,
     /// Turning rate, counterclockwise positive, in rad/s.
     pub w_rad_s: f32,
+}
+
+impl From<Twist> for Motion {
+    fn from(Twist { v_m_s, w_rad_s }: Twist) -> Self {
+        Self { v_m_s, w_rad_s }
+    }
+}
+
+impl From<Motion> for Twist {
+    fn from(Motion { v_m_s, w_rad_s }: Motion) -> Self {
+        Self { v_m_s, w_rad_s }
+    }
 }
 
 /// The equivalent angle in (-pi, pi], in rad.

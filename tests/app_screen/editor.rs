@@ -12,7 +12,9 @@ use wayfield::app::commands::{Command, EditorReply};
 use wayfield::app::editor::{Editor, PlacementKind, PlacementRole, Selection, Tool};
 use wayfield::app::view_state::ViewCamera;
 use wayfield::scenario::limits::{COLLISION_RANGE_M, SHAPE_SIZE_M};
-use wayfield::scenario::{Enclosure, Motion, Obstacle, ObstacleMotion, PlacementRule, Scenario, Shape};
+use wayfield::scenario::{
+    Enclosure, Motion, Obstacle, ObstacleMotion, PlacementRule, Ranged, Scenario, Shape,
+};
 
 use super::{Window, click, press, release_event, sent_commands, settle, window, window_with_size};
 use crate::screen_fixture::{self, ScreenFixture};
@@ -103,7 +105,34 @@ fn angles_are_shown_in_degrees_and_stored_in_radians() {
         "exactly the default"
     );
     write(&mut window, "Dropout", "2.5");
-    assert_eq!(edited_scenario(&mut window).lidar.dropout, 0.025);
+    assert_eq!(edited_scenario(&mut window).lidar.dropout, 0.025.into());
+}
+
+#[test]
+fn both_ends_of_a_range_are_shown_and_edited() {
+    let mut window = editing();
+    editor(&mut window).edit("range", |scenario| scenario.lidar.dropout = Ranged::Range(0.0, 0.1));
+    select(&mut window, Selection::Nothing);
+    click(&mut window, "LIDAR");
+    write(&mut window, "Dropout highest", "20");
+    write(&mut window, "Dropout lowest", "5");
+    assert_eq!(edited_scenario(&mut window).lidar.dropout, Ranged::Range(0.05, 0.2));
+}
+
+#[test]
+fn the_drive_and_the_odometry_of_a_robot_are_edited() {
+    let mut window = editing();
+    select(&mut window, Selection::Nothing);
+    click(&mut window, "Robot");
+    press_on(&mut window, "Limit acceleration");
+    write(&mut window, "At most", "0.5");
+    press_on(&mut window, "Odometry drifts");
+    write(&mut window, "Rotation error", "3");
+    let robot = edited_scenario(&mut window).robot.clone();
+    assert_eq!((robot.max_acceleration_m_s2, robot.max_angular_acceleration_rad_s2), (Some(0.5), None));
+    assert_eq!(robot.odometry_drift.map(|drift| drift.rotation_error), Some(0.03.into()));
+    press_on(&mut window, "Odometry drifts");
+    assert_eq!(edited_scenario(&mut window).robot.odometry_drift, None);
 }
 
 #[test]
@@ -170,7 +199,7 @@ fn the_kind_of_motion_and_rule_can_be_chosen() {
     click(&mut window, "Motion");
     click(&mut window, "Orbit");
     let motion = edited_scenario(&mut window).obstacles[0].motion.clone();
-    assert_eq!(motion, ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: 0.15 });
+    assert_eq!(motion, ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: 0.15.into() });
     assert!(window.query_by_label("Radius 0.849 m, 0.127 m/s").is_some());
     click(&mut window, "Motion");
     click(&mut window, "Back and forth");
@@ -180,7 +209,7 @@ fn the_kind_of_motion_and_rule_can_be_chosen() {
     editor(&mut window).click_with_tool(vec2(0.6, 1.6), false);
     settle(&mut window);
     click(&mut window, "Finish path");
-    let expected = ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(0.6, 1.6)], speed_m_s: 0.3 };
+    let expected = ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(0.6, 1.6)], speed_m_s: 0.3.into() };
     assert_eq!(edited_scenario(&mut window).obstacles[0].motion, expected);
 
     select(&mut window, Selection::Starts);
@@ -271,7 +300,7 @@ fn clicking_a_problem_selects_its_item_or_opens_its_group() {
 #[test]
 fn a_path_through_an_obstacle_is_noted_and_blocks_nothing() {
     let mut window = editing();
-    let motion = ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(0.6, 0.6)], speed_m_s: 0.1 };
+    let motion = ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(0.6, 0.6)], speed_m_s: 0.1.into() };
     editor(&mut window).edit("x", |s| s.obstacles[1].motion = motion);
     settle(&mut window);
     assert!(window.query_by_label("No problems").is_none() && window.query_by_label("1 note").is_some());
@@ -412,7 +441,8 @@ fn nothing_is_wider_than_the_panel() {
     let mut scenario = screen_fixture::mixed_scenario();
     // Long numbers.
     let shape = Shape::Rectangle { width_m: 12.125, height_m: 10.375 };
-    let motion = ObstacleMotion::Patrol { waypoints_m: vec![vec2(-10.125, -10.125)], speed_m_s: 0.125 };
+    let motion =
+        ObstacleMotion::Patrol { waypoints_m: vec![vec2(-10.125, -10.125)], speed_m_s: 0.125.into() };
     scenario.obstacles.push(Obstacle {
         shape,
         position_m: vec2(-12.125, -12.125),
@@ -513,7 +543,7 @@ fn visiting_a_field_changes_nothing() {
     odd.robot.motions[0] = Motion { v_m_s: 0.6127, w_rad_s: 1.5 };
     odd.robot.radius_m = 0.06127;
     odd.lidar.field_of_view_rad = 0.4;
-    odd.lidar.dropout = 0.012345;
+    odd.lidar.dropout = 0.012345.into();
     odd.task.collision_range_m = 0.10004;
     odd.benchmark_route.get_or_insert_default().heading_rad = 0.4;
     odd.starts = PlacementRule::Fixed { position_m: vec2(0.6127, 0.00004), heading_rad: Some(0.4) };
@@ -522,7 +552,7 @@ fn visiting_a_field_changes_nothing() {
         position_m: vec2(0.61274, 1.00004),
         // More than a full turn, which a file may have.
         rotation_rad: 7.0,
-        motion: ObstacleMotion::Orbit { centre_m: vec2(0.61274, 0.1), speed_rad_s: 1.5 },
+        motion: ObstacleMotion::Orbit { centre_m: vec2(0.61274, 0.1), speed_rad_s: 1.5.into() },
     }];
     let mut window = editing_in(ScreenFixture::default().with_scenario(odd.clone()));
     let groups = ["About", "Enclosure", "Robot", "LIDAR", "Episodes", "Starts", "Goals", "Benchmark route"];
@@ -720,7 +750,7 @@ fn a_static_obstacle_can_be_given_a_path() {
     settle(&mut window);
     click(&mut window, "Finish path");
     let motion = edited_scenario(&mut window).obstacles[0].motion.clone();
-    assert_eq!(motion, ObstacleMotion::Patrol { waypoints_m: vec![vec2(0.6, 1.6)], speed_m_s: 0.1 });
+    assert_eq!(motion, ObstacleMotion::Patrol { waypoints_m: vec![vec2(0.6, 1.6)], speed_m_s: 0.1.into() });
     assert!(window.query_by_label("Redraw path").is_some());
 }
 

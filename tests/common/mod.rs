@@ -176,14 +176,17 @@ pub fn four_cylinders() -> Scenario {
 
 /// Two cylinders and a rotated box on orbits, a box on patrol, and a static rotated box.
 pub fn moving_obstacles() -> Scenario {
-    let orbit = |speed_rad_s| ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s };
+    let orbit = |speed_rad_s: f32| ObstacleMotion::Orbit {
+        centre_m: vec2(0.0, 0.0),
+        speed_rad_s: speed_rad_s.into(),
+    };
     let cylinder = |position_m| Obstacle {
         motion: orbit(0.1),
         ..static_obstacle(Shape::Circle { radius_m: 0.15 }, position_m, 0.0)
     };
     let slab = Shape::Rectangle { width_m: 0.3, height_m: 0.15 };
     let patrol =
-        ObstacleMotion::Patrol { waypoints_m: vec![vec2(1.4, -1.5), vec2(0.9, -1.2)], speed_m_s: 0.1 };
+        ObstacleMotion::Patrol { waypoints_m: vec![vec2(1.4, -1.5), vec2(0.9, -1.2)], speed_m_s: 0.1.into() };
     Scenario {
         name: "Moving".into(),
         obstacles: vec![

@@ -135,7 +135,7 @@ fn in_random_scenarios_each_arena_has_the_same_bits_as_alone() {
 fn at_full_speed_each_arena_has_the_same_bits_as_alone() {
     for (number, mut scenario) in scenarios(5, 40).filter_map(at_max_speed).enumerate() {
         let mut stream = stream(32, "sensor", number as u64);
-        scenario.lidar.noise_std_m = uniform(&mut stream, 0.001, 0.05);
+        scenario.lidar.noise_std_m = uniform(&mut stream, 0.001, 0.05).into();
         assert_independent("fast world", &scenario, number as u64);
     }
 }

@@ -29,7 +29,7 @@ fn empty(period_s: f32, lag_s: f32, max_m_s: f32, stream: &mut Stream) -> Scenar
     scenario.robot.motions =
         extremes.chain(random).map(|(v, w)| Motion { v_m_s: v * max_m_s, w_rad_s: w * max_rad_s }).collect();
     scenario.robot.radius_m = uniform(stream, 0.01, 0.12);
-    scenario.robot.actuator_lag_s = lag_s;
+    scenario.robot.actuator_lag_s = lag_s.into();
     scenario.task.control_period_s = period_s;
     scenario.task.goal_radius_m = 25.0;
     scenario.task.min_goal_distance_m = 26.0;

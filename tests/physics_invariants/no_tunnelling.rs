@@ -136,7 +136,7 @@ fn in_random_scenarios_at_full_speed_no_robot_passes_through_anything() {
     let (mut steps, mut contacts) = (0, 0);
     for (number, scenario) in scenarios(1, 60).filter_map(at_max_speed).enumerate() {
         let scenario = Scenario {
-            robot: wayfield::scenario::Robot { actuator_lag_s: 0.0, ..scenario.robot.clone() },
+            robot: wayfield::scenario::Robot { actuator_lag_s: 0.0.into(), ..scenario.robot.clone() },
             ..scenario
         };
         let mut batch = ArenaBatch::new(&scenario, ARENAS);
@@ -249,8 +249,9 @@ fn long_benchmark_route() -> wayfield::scenario::BenchmarkRoute {
 #[test]
 fn an_obstacle_that_moves_over_a_robot_collides_with_it() {
     // The longest travel per step that the checks allow for an obstacle, 0.5 m, and the largest rotation, half a turn.
-    let patrol = || ObstacleMotion::Patrol { waypoints_m: vec![vec2(1.0, 0.013)], speed_m_s: 2.5 };
-    let orbit = |centre_m, speed_rad_s| ObstacleMotion::Orbit { centre_m, speed_rad_s };
+    let patrol = || ObstacleMotion::Patrol { waypoints_m: vec![vec2(1.0, 0.013)], speed_m_s: 2.5.into() };
+    let orbit =
+        |centre_m, speed_rad_s: f32| ObstacleMotion::Orbit { centre_m, speed_rad_s: speed_rad_s.into() };
     let put = |shape, motion| Obstacle { motion, ..static_obstacle(shape, vec2(-1.0, 0.0), 0.5) };
     let needle = || Shape::Capsule { length_m: 0.8, radius_m: 0.001 };
     let fast = [

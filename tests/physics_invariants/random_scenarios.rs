@@ -32,12 +32,15 @@ pub fn at_max_speed(mut scenario: Scenario) -> Option<Scenario> {
             ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
                 let radius_m = (at.x - centre_m.x).hypot(at.y - centre_m.y);
                 let max_rad_s = (0.5 / period).min(5.0) / radius_m;
-                *speed_rad_s = max_rad_s.min(20.0).min(PI as f32 / period).copysign(*speed_rad_s);
+                let sign = speed_rad_s.value();
+                *speed_rad_s = max_rad_s.min(20.0).min(PI as f32 / period).copysign(sign).into();
             }
             ObstacleMotion::Patrol { speed_m_s, .. }
             | ObstacleMotion::BackAndForth { speed_m_s, .. }
-            | ObstacleMotion::RandomWalk { speed_m_s, .. }
-            | ObstacleMotion::Pedestrian { speed_m_s, .. } => *speed_m_s = (0.5 / period).min(5.0),
+            | ObstacleMotion::RandomWalk { speed_m_s, .. } => {
+                *speed_m_s = (0.5 / period).min(5.0).into();
+            }
+            ObstacleMotion::Pedestrian { speed_m_s, .. } => *speed_m_s = (0.5 / period).min(5.0),
             ObstacleMotion::KeyFrames { frames, end } => {
                 let path_m: Vec<_> = frames.iter().map(|frame| frame.position_m).collect();
                 let is_loop = *end != KeyFrameEnd::Stop;
@@ -62,7 +65,7 @@ pub fn between_steps(layout: &Scenario, step: u64, fraction: f64) -> Scenario {
         let (from, to) = (pose_at(obstacle, step, period), pose_at(obstacle, step + 1, period));
         let (at, turn) =
             if let ObstacleMotion::Orbit { centre_m: Vec2 { x: cx, y: cy }, speed_rad_s } = obstacle.motion {
-                let angle = fraction * f64::from(speed_rad_s) * f64::from(period);
+                let angle = fraction * f64::from(speed_rad_s.value()) * f64::from(period);
                 let (sin, cos) = angle.sin_cos();
                 let (x, y) = (f64::from(from.0 - cx), f64::from(from.1 - cy));
                 let at = (f64::from(cx) + x * cos - y * sin, f64::from(cy) + x * sin + y * cos);
@@ -89,7 +92,7 @@ pub fn first_within(layout: &Scenario, step: u64, from: Point, to: Point, reach_
         ObstacleMotion::Static => 0.0,
         ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
             let (x, y) = (obstacle.position_m.x - centre_m.x, obstacle.position_m.y - centre_m.y);
-            f64::from(speed_rad_s.abs() * period * (x.hypot(y) + obstacle.shape.bounding_radius_m()))
+            f64::from(speed_rad_s.value().abs() * period * (x.hypot(y) + obstacle.shape.bounding_radius_m()))
         }
         _ => {
             let (a, b) = (pose_at(obstacle, step, period), pose_at(obstacle, step + 1, period));

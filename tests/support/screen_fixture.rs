@@ -170,26 +170,26 @@ pub fn mixed_scenario() -> Scenario {
                 0.0,
                 ObstacleMotion::Patrol {
                     waypoints_m: vec![vec2(2.6, -1.2), vec2(2.6, -0.5)],
-                    speed_m_s: 0.3,
+                    speed_m_s: 0.3.into(),
                 },
             ),
             obstacle(
                 disc(0.1),
                 vec2(-1.7, -1.2),
                 0.0,
-                ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(-1.7, -0.3)], speed_m_s: 0.2 },
+                ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(-1.7, -0.3)], speed_m_s: 0.2.into() },
             ),
             obstacle(
                 Shape::Rectangle { width_m: 0.3, height_m: 0.12 },
                 vec2(0.8, 0.9),
                 0.0,
-                ObstacleMotion::Orbit { centre_m: vec2(0.3, 0.9), speed_rad_s: 0.3 },
+                ObstacleMotion::Orbit { centre_m: vec2(0.3, 0.9), speed_rad_s: 0.3.into() },
             ),
             obstacle(
                 disc(0.12),
                 vec2(3.2, -1.0),
                 0.0,
-                ObstacleMotion::RandomWalk { radius_m: 0.3, speed_m_s: 0.3, seed: 1 },
+                ObstacleMotion::RandomWalk { radius_m: 0.3, speed_m_s: 0.3.into(), seed: 1 },
             ),
         ],
         generators: vec![Generator {

@@ -10,7 +10,7 @@ use std::collections::VecDeque;
 use std::f32::consts::PI;
 
 use glam::Vec2;
-use wayfield_scenario::Motion;
+use wayfield_scenario::{Drive, Motion};
 
 use crate::Driver;
 use crate::config::{DwaParameters, TrackingParameters};
@@ -34,6 +34,8 @@ pub(crate) struct Dwa {
     parameters: DwaParameters,
     /// The time between two samples of a simulated motion, in s.
     sample_s: f32,
+    /// The drive between two samples.
+    drive: Drive,
     /// The time for which an admissible motion must be free, in s.
     admissible_s: f32,
 }
@@ -48,15 +50,16 @@ struct Rollout {
 
 impl Dwa {
     pub(crate) fn new(robot: Robot, parameters: DwaParameters) -> Self {
-        let Robot { control_period_s, actuator_lag_s, .. } = robot;
+        let Robot { control_period_s, drive, .. } = robot;
         let samples = (parameters.horizon_s / control_period_s)
             .max(2.0 * robot.max_speed_m_s() * parameters.horizon_s / robot.keep_out_m)
             .ceil()
             .clamp(1.0, MAX_SAMPLES);
         let can_stop = robot.motions.iter().any(|motion| motion.v_m_s == 0.0);
-        let stopping_s = 2.0 * control_period_s + 3.0 * actuator_lag_s;
+        let stopping_s = 2.0 * control_period_s + drive.settling_time_s(robot.max_speed_m_s());
         let admissible_s = if can_stop { stopping_s.min(parameters.horizon_s) } else { parameters.horizon_s };
-        Self { sample_s: parameters.horizon_s / samples, admissible_s, robot, parameters }
+        let sample_s = parameters.horizon_s / samples;
+        Self { sample_s, drive: drive.over(sample_s), admissible_s, robot, parameters }
     }
 
     /// The best motion towards `target_m` (in the robot's frame) among obstacles. `clearance(point_m, after_s)` is the distance
@@ -104,7 +107,7 @@ impl Dwa {
         let mut rollout = Rollout { free_s: horizon_s, heading: 0.0 };
         let mut is_aligned = false;
         while after_s < horizon_s - 0.5 * self.sample_s {
-            let (mean, next) = self.with_lag(&actual, motion);
+            let (mean, next) = self.drive.step(&actual, motion);
             pose = pose.then(&Robot::arc(&mean, self.sample_s));
             actual = next;
             after_s += self.sample_s;
@@ -122,20 +125,6 @@ impl Dwa {
             }
         }
         rollout
-    }
-
-    /// The mean motion over a sample that begins with `actual` while `commanded` is commanded, and the motion at its end.
-    fn with_lag(&self, actual: &Motion, commanded: &Motion) -> (Motion, Motion) {
-        let lag_s = self.robot.actuator_lag_s;
-        if lag_s <= 0.0 {
-            return (*commanded, *commanded);
-        }
-        let lags = self.sample_s / lag_s;
-        let blend = |remaining: f32| Motion {
-            v_m_s: commanded.v_m_s + (actual.v_m_s - commanded.v_m_s) * remaining,
-            w_rad_s: commanded.w_rad_s + (actual.w_rad_s - commanded.w_rad_s) * remaining,
-        };
-        (blend(-libm::expm1f(-lags) / lags), blend(libm::expf(-lags)))
     }
 
     /// The clearance from `points`, for [`Dwa::choose`]. Points out of reach are left out.

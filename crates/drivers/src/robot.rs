@@ -3,7 +3,7 @@
 use std::f32::consts::FRAC_PI_2;
 
 use glam::{Vec2, vec2};
-use wayfield_scenario::{Motion, Scenario};
+use wayfield_scenario::{Drive, Motion, Scenario};
 
 use crate::percept::Odometry;
 
@@ -12,8 +12,8 @@ use crate::percept::Odometry;
 pub struct Robot {
     /// The motions to choose from; at least one.
     pub motions: Vec<Motion>,
-    /// The time constant of the drive, in s; 0 if a motion has its full speed at once.
-    pub actuator_lag_s: f32,
+    /// The drive over a control step; of a range of lags, that with the middle.
+    pub drive: Drive,
     /// Simulated time per control step, in s.
     pub control_period_s: f32,
     /// The distance in m that the robot's centre must keep from every surface: the collision range, or the reach of a body that
@@ -40,7 +40,7 @@ impl Robot {
         };
         Self {
             motions: robot.motions.clone(),
-            actuator_lag_s: robot.actuator_lag_s,
+            drive: robot.drive(task.control_period_s),
             control_period_s: task.control_period_s,
             keep_out_m: scenario.keep_out_m().max(robot.radius_m),
             goal_radius_m: task.goal_radius_m,

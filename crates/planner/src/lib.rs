@@ -44,7 +44,7 @@
 //!
 //! [`unsupported_reason`] names the part of a scenario that the model lacks:
 //!
-//! - actuator lag, because search and bounds assume that a motion has its full speed from the start of a step;
+//! - actuator lag, limited accelerations and slip, because search and bounds assume that a motion has its full speed from the start of a step;
 //! - a LIDAR with a field of view below a full turn, because collisions are detected from its ranges;
 //! - polygons, as enclosure or as obstacles;
 //! - pedestrians, whose way depends on others and may depend on the robot.
@@ -128,8 +128,19 @@ pub fn is_supported(scenario: &Scenario) -> bool {
 #[must_use]
 pub fn unsupported_reason(scenario: &Scenario) -> Option<String> {
     let Scenario { robot, lidar, .. } = scenario;
-    if robot.actuator_lag_s != 0.0 {
+    if robot.actuator_lag_s.ends() != [0.0; 2] {
         return Some(format!("actuator lag: robot.actuator_lag_s is {}", robot.actuator_lag_s));
+    }
+    for (field, limit) in [
+        ("max_acceleration_m_s2", robot.max_acceleration_m_s2),
+        ("max_angular_acceleration_rad_s2", robot.max_angular_acceleration_rad_s2),
+    ] {
+        if let Some(limit) = limit {
+            return Some(format!("limited accelerations: robot.{field} is {limit}"));
+        }
+    }
+    if robot.slip.is_some() {
+        return Some("slip: robot.slip is given".into());
     }
     if !lidar.is_all_around() {
         let field_of_view = lidar.field_of_view_rad;

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use super::configuration_space::State;
 use super::*;
 use wayfield_random::{stream, uniform};
-use wayfield_scenario::{Obstacle, ObstacleMotion, Robot, Shape};
+use wayfield_scenario::{Obstacle, ObstacleMotion, Ranged, Robot, Shape, Slip};
 use wayfield_scenario::{clearance, draw_goal, draw_start};
 
 fn circle(position_m: Vec2, radius_m: f32, motion: ObstacleMotion) -> Obstacle {
@@ -23,7 +23,7 @@ fn cylinders(speed_rad_s: f32) -> Scenario {
     let motion = if speed_rad_s == 0.0 {
         ObstacleMotion::Static
     } else {
-        ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s }
+        ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: speed_rad_s.into() }
     };
     let corners = [vec2(0.6, 0.6), vec2(-0.6, 0.6), vec2(-0.6, -0.6), vec2(0.6, -0.6)];
     let obstacles = corners.map(|corner| circle(corner, 0.15, motion.clone())).into();
@@ -87,7 +87,7 @@ fn a_goal_straight_ahead_takes_its_distance_divided_by_the_step_length() {
 fn a_lagging_actuator_is_unsupported() {
     // From rest, the robot of the previous test loses 0.15 m/s x 0.3 s = 0.045 m: it needs 35 steps.
     let mut scenario = Scenario::default();
-    scenario.robot.actuator_lag_s = 0.3;
+    scenario.robot.actuator_lag_s = 0.3.into();
     assert_eq!(plan_from_origin(&scenario, vec2(1.2, 0.0)), None, "a plan of 34 steps would be wrong");
     assert_eq!(lower_bound_steps(&scenario, (0.0, 0.0, 0.0), vec2(1.2, 0.0), 0), 1);
     assert!(!is_supported(&scenario) && is_supported(&Scenario::default()));
@@ -167,13 +167,33 @@ fn the_shortest_path_goes_round_obstacles_and_walls_to_the_edge_of_the_goal() {
     assert!((straight - 1.8).abs() < 1e-4, "{straight}");
     assert_eq!(shortest_path_m(&Scenario::default(), start, vec2(-0.9, 0.0)), Some(0.0), "already there");
 
-    let lagging = Scenario { robot: Robot { actuator_lag_s: 0.3, ..Robot::default() }, ..boxed.clone() };
+    let lagging =
+        Scenario { robot: Robot { actuator_lag_s: 0.3.into(), ..Robot::default() }, ..boxed.clone() };
     assert_eq!(shortest_path_m(&lagging, start, goal), shortest_path_m(&boxed, start, goal));
     let blocked = Scenario { obstacles: vec![static_box(vec2(0.0, 0.0), 0.1, 4.0)], ..Scenario::default() };
     assert_eq!(shortest_path_m(&blocked, start, goal), None);
     let corners_m = vec![vec2(-2.0, -2.0), vec2(2.0, -2.0), vec2(0.0, 2.0)];
     let triangle = Scenario { enclosure: Enclosure::Polygon { corners_m }, ..Scenario::default() };
     assert_eq!(shortest_path_m(&triangle, start, goal), None, "polygons are not supported");
+}
+
+#[test]
+fn a_robot_that_does_not_drive_what_is_commanded_is_refused() {
+    let unsupported = |robot: Robot| unsupported_reason(&Scenario { robot, ..Scenario::default() });
+    for (robot, expected) in [
+        (Robot::default(), None),
+        (
+            Robot { actuator_lag_s: Ranged::Range(0.0, 0.3), ..Robot::default() },
+            Some("actuator lag: robot.actuator_lag_s is (0, 0.3)"),
+        ),
+        (
+            Robot { max_angular_acceleration_rad_s2: Some(2.5), ..Robot::default() },
+            Some("limited accelerations: robot.max_angular_acceleration_rad_s2 is 2.5"),
+        ),
+        (Robot { slip: Some(Slip::default()), ..Robot::default() }, Some("slip: robot.slip is given")),
+    ] {
+        assert_eq!(unsupported(robot).as_deref(), expected);
+    }
 }
 
 #[test]
@@ -192,7 +212,7 @@ fn a_blocked_goal_has_no_plan() {
 fn the_clock_determines_where_moving_obstacles_are() {
     // A cylinder moves down the line x = 0.6 at 0.15 m/s, as fast as the robot. Started at y = 0.6, it is in the way when
     // the robot reaches that line. With a later clock it has already passed.
-    let motion = ObstacleMotion::Patrol { waypoints_m: vec![vec2(0.6, -1.8)], speed_m_s: 0.15 };
+    let motion = ObstacleMotion::Patrol { waypoints_m: vec![vec2(0.6, -1.8)], speed_m_s: 0.15.into() };
     let scenario = Scenario { obstacles: vec![circle(vec2(0.6, 0.6), 0.15, motion)], ..Scenario::default() };
     let planned_steps = |clock| {
         let start = (0.0, 0.0, 0.0);

@@ -49,6 +49,7 @@ use self::valid_part::ValidPart;
 use super::file_error::{Diagnostic, overlap};
 use super::limits::COORDINATE_M;
 use super::note::{Note, NoteLevel};
+use super::ranged::{RangeNumber, Ranged};
 use super::schema::{Robot, Scenario, TaskRules};
 use glam::Vec2;
 
@@ -182,6 +183,37 @@ impl Diagnostics {
             let (low, high) = (range.start(), range.end());
             self.push(path, format!("is {value}: write a number from {low} to {high}{unit}"));
             self.incomparable.push(path.to_string());
+        }
+    }
+
+    /// Reports both numbers of a range that lie outside `range`, and a first one that is the larger one.
+    pub(crate) fn check_pair<T>(
+        &mut self,
+        path: fmt::Arguments<'_>,
+        (low, high): (T, T),
+        range: RangeInclusive<T>,
+        unit: &str,
+    ) where
+        T: PartialOrd + Copy + fmt::Display,
+    {
+        self.check_range(format_args!("{path}[0]"), low, range.clone(), unit);
+        self.check_range(format_args!("{path}[1]"), high, range, unit);
+        if low > high {
+            self.push(path, format!("is ({low}, {high}): write the smaller number first"));
+        }
+    }
+
+    /// Reports a number, or both numbers of a range, as [`Diagnostics::check_range`] and [`Diagnostics::check_pair`] do.
+    fn check_ranged<T: RangeNumber>(
+        &mut self,
+        path: fmt::Arguments<'_>,
+        value: Ranged<T>,
+        range: RangeInclusive<T>,
+        unit: &str,
+    ) {
+        match value {
+            Ranged::Number(value) => self.check_range(path, value, range, unit),
+            Ranged::Range(low, high) => self.check_pair(path, (low, high), range, unit),
         }
     }
 

@@ -7,6 +7,7 @@
 use std::ops::RangeInclusive;
 
 use super::limits::{MAX_ANGULAR_SPEED_RAD_S, MAX_SPEED_M_S, SHAPE_SIZE_M, WALK_RADIUS_M};
+use super::ranged::Ranged;
 use super::schema::{KeyFrame, KeyFrameEnd};
 use glam::Vec2;
 
@@ -28,6 +29,8 @@ pub struct Field<'a> {
 pub enum FieldValue<'a> {
     /// A number.
     Number(&'a mut f32, Quantity),
+    /// A number or a range.
+    Ranged(&'a mut Ranged<f32>, Quantity),
     /// Two numbers of the same quantity.
     Pair([&'a mut f32; 2], Quantity),
     /// The seed of random numbers.

@@ -1,7 +1,7 @@
 //! Random obstacle layouts.
 //!
-//! In: a [`Scenario`] with generators and a layout seed. Out: the scenario of one episode in one arena, with generated
-//! obstacles and without generators. The same seed gives the same layout on every platform.
+//! In: a [`Scenario`] with generators or ranges, and a layout seed. Out: the scenario of one episode in one arena, with generated
+//! obstacles and drawn numbers (`ranged.rs`), and without generators. The same seed gives the same layout on every platform.
 
 use std::f32::consts::PI;
 
@@ -21,12 +21,13 @@ impl Scenario {
         self.obstacles.len() + self.generators.iter().map(|generator| generator.count as usize).sum::<usize>()
     }
 
-    /// The scenario with the obstacles of layout `layout_seed` after its own, and without generators. A generated obstacle
+    /// The scenario of an episode with this layout seed: with a number drawn from each range, with the generated obstacles
+    /// after its own, and without generators. A generated obstacle
     /// keeps its gap from static obstacles, from moving obstacles at step 0, from the ends of the benchmark route and from
     /// positions that the rules name. It is omitted if no place is found for it.
     #[must_use]
     pub fn with_generated_obstacles(&self, layout_seed: u64) -> Self {
-        let mut layout = Self { generators: Vec::new(), ..self.clone() };
+        let mut layout = Self { generators: Vec::new(), ..self.with_drawn_numbers(layout_seed) };
         let kept_free = self.named_places();
         for (index, generator) in self.generators.iter().enumerate() {
             let mut stream = stream(layout_seed, "layout", index as u64);

@@ -207,7 +207,7 @@ mod tests {
             shape: Shape::Circle { radius_m: 0.2 },
             position_m: vec2(1.0, 0.0),
             rotation_rad: 0.0,
-            motion: ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: FRAC_PI_2 },
+            motion: ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: FRAC_PI_2.into() },
         });
         assert!(near(clearance(&scenario, vec2(0.0, 0.5), 0), 1.25_f32.sqrt() - 0.2));
         assert!(

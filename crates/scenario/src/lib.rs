@@ -6,6 +6,7 @@
 
 mod check;
 mod crowd;
+mod drive;
 mod explain;
 mod fields;
 mod file_error;
@@ -22,10 +23,12 @@ mod motion;
 mod motion_fields;
 mod nearest_points;
 mod note;
+mod odometry;
 mod outline;
 mod placement;
 mod placement_rule;
 pub mod polygon;
+mod ranged;
 mod schema;
 mod set;
 mod setting;
@@ -44,6 +47,7 @@ mod write;
 
 pub use check::{convex_distance, diagnostics, diagnostics_of_known, notes, value_diagnostics};
 pub use crowd::{Crowd, Pedestrian};
+pub use drive::Drive;
 pub use explain::{choose, closest_name, whole_number};
 pub use fields::{Field, FieldValue, Quantity};
 pub use file_error::{Diagnostic, FileError, LocatedDiagnostic, has_field, locate, overlap, utf8};
@@ -65,6 +69,7 @@ pub use nearest_points::nearest_points;
 pub use note::{Note, NoteLevel};
 pub use outline::Outline;
 pub use placement::{NoFreeSpace, draw_goal, draw_start, draw_start_and_goal};
+pub use ranged::{RangeNumber, Ranged};
 pub use schema::*;
 pub use set::{ScenarioSet, ScenarioSetFile, SetEntry, SetMember, SetSource, column_name};
 pub use setting::with_setting;

@@ -157,6 +157,18 @@ pub const MOTIONS: RangeInclusive<usize> = 1..=64;
 pub const TURNING_RADIUS_M: RangeInclusive<f32> = 0.001..=100.0;
 /// Time constant of the drive, in s.
 pub const ACTUATOR_LAG_S: RangeInclusive<f32> = 0.0..=10.0;
+/// Highest acceleration of the drive, in m/s^2.
+pub const ACCELERATION_M_S2: RangeInclusive<f32> = 0.01..=1000.0;
+/// Highest angular acceleration of the drive, in rad/s^2.
+pub const ANGULAR_ACCELERATION_RAD_S2: RangeInclusive<f32> = 0.01..=10_000.0;
+/// Part of the wheels' motion that is lost by slip.
+pub const SLIP: RangeInclusive<f32> = 0.0..=0.9;
+/// Standard deviation of the slip from step to step.
+pub const SLIP_STD: RangeInclusive<f32> = 0.0..=0.5;
+/// Relative errors of odometry.
+pub const ODOMETRY_ERROR: RangeInclusive<f32> = -0.5..=0.5;
+/// Drift of the heading by odometry, in rad/m.
+pub const HEADING_DRIFT_RAD_M: RangeInclusive<f32> = -1.0..=1.0;
 /// Number of LIDAR beams.
 pub const BEAMS: RangeInclusive<usize> = 1..=4096;
 /// Field of view of the LIDAR, in rad; a full turn may be written as 6.2832.

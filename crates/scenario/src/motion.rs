@@ -36,17 +36,17 @@ pub fn pose_at(obstacle: &Obstacle, step: u64, control_period_s: f32) -> (f32, f
     let (point, rotation) = match &obstacle.motion {
         ObstacleMotion::Static | ObstacleMotion::Pedestrian { .. } => (position, rotation),
         ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
-            let angle = travelled(*speed_rad_s);
+            let angle = travelled(speed_rad_s.value());
             (rotate_about(position, centre_m.as_dvec2(), angle), rotation + angle)
         }
         ObstacleMotion::Patrol { waypoints_m, speed_m_s } => {
-            (along(position, waypoints_m, travelled(*speed_m_s)), rotation)
+            (along(position, waypoints_m, travelled(speed_m_s.value())), rotation)
         }
         ObstacleMotion::BackAndForth { waypoints_m, speed_m_s } => {
-            (back_and_forth(position, waypoints_m, travelled(*speed_m_s)), rotation)
+            (back_and_forth(position, waypoints_m, travelled(speed_m_s.value())), rotation)
         }
         ObstacleMotion::RandomWalk { radius_m, speed_m_s, seed } => {
-            (random_walk(position, f64::from(*radius_m), *seed, travelled(*speed_m_s)), rotation)
+            (random_walk(position, f64::from(*radius_m), *seed, travelled(speed_m_s.value())), rotation)
         }
         ObstacleMotion::KeyFrames { frames, end } => {
             (key_frames::position_m(position, frames, *end, travelled(1.0)), rotation)
@@ -173,7 +173,7 @@ mod tests {
         let quarter_rad_s = FRAC_PI_2 as f32;
         let o = obstacle(
             vec2(0.6, 0.6),
-            ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: quarter_rad_s },
+            ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: quarter_rad_s.into() },
         );
         assert_eq!(pose_at(&o, 0, 0.25), (0.6, 0.6, 0.0), "step 0 is exactly the position");
         assert_near(pose_at(&o, 4, 0.25), (-0.6, 0.6, FRAC_PI_2 as f32));
@@ -182,7 +182,8 @@ mod tests {
 
     #[test]
     fn an_orbit_may_go_clockwise_about_any_centre() {
-        let motion = ObstacleMotion::Orbit { centre_m: vec2(1.0, 1.0), speed_rad_s: -(FRAC_PI_2 as f32) };
+        let motion =
+            ObstacleMotion::Orbit { centre_m: vec2(1.0, 1.0), speed_rad_s: (-(FRAC_PI_2 as f32)).into() };
         assert_near(pose_at(&obstacle(vec2(1.0, 2.0), motion), 1, 1.0), (2.0, 1.0, -FRAC_PI_2 as f32));
     }
 
@@ -190,7 +191,7 @@ mod tests {
     fn a_patrol_visits_its_waypoints_and_returns() {
         // A 3-4-5 triangle at 1 m/s with steps of 1 s: 12 steps per loop.
         let waypoints_m = vec![vec2(3.0, 0.0), vec2(3.0, 4.0)];
-        let o = obstacle(vec2(0.0, 0.0), ObstacleMotion::Patrol { waypoints_m, speed_m_s: 1.0 });
+        let o = obstacle(vec2(0.0, 0.0), ObstacleMotion::Patrol { waypoints_m, speed_m_s: 1.0.into() });
         for (step, expected) in [
             (0, (0.0, 0.0)),
             (1, (1.0, 0.0)),
@@ -208,7 +209,7 @@ mod tests {
     fn back_and_forth_turns_at_the_last_waypoint() {
         // Legs of 3 m and 4 m at 1 m/s with steps of 1 s: at the end after 7 steps, back after 14.
         let waypoints_m = vec![vec2(3.0, 0.0), vec2(3.0, 4.0)];
-        let o = obstacle(vec2(0.0, 0.0), ObstacleMotion::BackAndForth { waypoints_m, speed_m_s: 1.0 });
+        let o = obstacle(vec2(0.0, 0.0), ObstacleMotion::BackAndForth { waypoints_m, speed_m_s: 1.0.into() });
         for (step, (x, y)) in [
             (0, (0.0, 0.0)),
             (2, (2.0, 0.0)),
@@ -225,7 +226,10 @@ mod tests {
     #[test]
     fn a_random_walk_keeps_its_radius_and_speed_and_depends_on_its_seed() {
         let walk = |seed| {
-            obstacle(vec2(1.0, -1.0), ObstacleMotion::RandomWalk { radius_m: 0.5, speed_m_s: 0.2, seed })
+            obstacle(
+                vec2(1.0, -1.0),
+                ObstacleMotion::RandomWalk { radius_m: 0.5, speed_m_s: 0.2.into(), seed },
+            )
         };
         let (one, other) = (walk(1), walk(2));
         assert_eq!(pose_at(&one, 0, 0.2), (1.0, -1.0, 0.0));
@@ -248,14 +252,14 @@ mod tests {
     #[test]
     fn a_patrol_without_a_path_stays_in_place() {
         for waypoints_m in [vec![], vec![vec2(0.5, 0.5)]] {
-            let o = obstacle(vec2(0.5, 0.5), ObstacleMotion::Patrol { waypoints_m, speed_m_s: 1.0 });
+            let o = obstacle(vec2(0.5, 0.5), ObstacleMotion::Patrol { waypoints_m, speed_m_s: 1.0.into() });
             assert_eq!(pose_at(&o, 77, 0.2), (0.5, 0.5, 0.0));
         }
     }
 
     #[test]
     fn an_orbit_does_not_drift_in_a_billion_steps() {
-        let motion = ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: 0.15 };
+        let motion = ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: 0.15.into() };
         let o = obstacle(vec2(0.6, 0.6), motion);
         let radius = 0.6 * 2.0_f64.sqrt();
         for step in [1, 1_000, 1_000_000, 999_999_999, 1_000_000_000] {

@@ -60,19 +60,19 @@ impl ObstacleMotion {
     /// The fields, in the order in which they are shown.
     #[must_use]
     pub fn fields_mut(&mut self) -> Vec<Field<'_>> {
-        use FieldValue::{Centre, Flag, KeyFrames, Number, Seed, Waypoints};
+        use FieldValue::{Centre, Flag, KeyFrames, Number, Ranged, Seed, Waypoints};
         let field = |name, label, about, value| Field { names: name, label, about, value };
         match self {
             Self::Static => Vec::new(),
             Self::Orbit { centre_m, speed_rad_s } => {
-                let speed = Number(speed_rad_s, Quantity::AngularSpeed);
+                let speed = Ranged(speed_rad_s, Quantity::AngularSpeed);
                 vec![
                     field(&["centre_m"], "Centre", "Centre of the orbit", Centre(centre_m)),
                     field(&["speed_rad_s"], "Speed", "Counterclockwise", speed),
                 ]
             }
             Self::Patrol { waypoints_m, speed_m_s } | Self::BackAndForth { waypoints_m, speed_m_s } => {
-                let speed = Number(speed_m_s, Quantity::Speed);
+                let speed = Ranged(speed_m_s, Quantity::Speed);
                 vec![
                     field(&["speed_m_s"], "Speed", "Along the path", speed),
                     field(&["waypoints_m"], "Point", "", Waypoints(waypoints_m)),
@@ -80,7 +80,7 @@ impl ObstacleMotion {
             }
             Self::RandomWalk { radius_m, speed_m_s, seed } => {
                 let reach = Number(radius_m, Quantity::Reach);
-                let speed = Number(speed_m_s, Quantity::Speed);
+                let speed = Ranged(speed_m_s, Quantity::Speed);
                 vec![
                     field(&["radius_m"], "Walk radius", "Largest distance from its position", reach),
                     field(&["speed_m_s"], "Speed", "Largest speed", speed),

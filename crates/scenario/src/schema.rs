@@ -11,6 +11,8 @@ use std::f32::consts::TAU;
 use glam::{Vec2, vec2};
 use serde::{Deserialize, Serialize};
 
+use super::ranged::Ranged;
+
 /// A scenario: enclosure, walls, obstacles, robot, LIDAR, and the rules of the task.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -172,7 +174,7 @@ pub enum ObstacleMotion {
         /// Centre of the revolution.
         centre_m: Vec2,
         /// Angular speed, counterclockwise positive, -20 to 20 rad/s. The obstacle's origin may move at up to 5 m/s.
-        speed_rad_s: f32,
+        speed_rad_s: Ranged<f32>,
     },
     /// A closed loop along straight lines from its position through all waypoints and back, without rotation. The position
     /// is the first corner of the loop; don't repeat it as a waypoint.
@@ -180,7 +182,7 @@ pub enum ObstacleMotion {
         /// The other corners of the path, 1 to 256.
         waypoints_m: Vec<Vec2>,
         /// Speed along the path, 0 to 5 m/s.
-        speed_m_s: f32,
+        speed_m_s: Ranged<f32>,
     },
     /// A path along straight lines from its position through all waypoints to the last, and the same path back, without
     /// rotation.
@@ -188,7 +190,7 @@ pub enum ObstacleMotion {
         /// The other corners of the path, 1 to 256.
         waypoints_m: Vec<Vec2>,
         /// Speed along the path, 0 to 5 m/s.
-        speed_m_s: f32,
+        speed_m_s: Ranged<f32>,
     },
     /// A walk along straight lines between random points near its position, without rotation. All legs take the same time,
     /// that of the longest possible leg, so most are slower than `speed_m_s`.
@@ -196,7 +198,7 @@ pub enum ObstacleMotion {
         /// Largest distance of the points from its position, 0.01 to 500 m.
         radius_m: f32,
         /// Highest speed, 0 to 5 m/s.
-        speed_m_s: f32,
+        speed_m_s: Ranged<f32>,
         /// Seed of the walk. The same seed gives the same walk in every run.
         #[serde(default)]
         seed: u32,
@@ -325,13 +327,22 @@ pub struct Robot {
     pub motions: Vec<Motion>,
     /// Time constant of the drive, 0 to 10 s. The actual (v, w) follows the commanded motion with a first-order lag,
     /// d(v, w)/dt = (commanded - actual) / lag. With 0 it follows immediately.
-    pub actuator_lag_s: f32,
+    pub actuator_lag_s: Ranged<f32>,
+    /// Highest acceleration of v, forwards, backwards and in braking, 0.01 to 1,000 m/s^2; unlimited if omitted. With a lag, it
+    /// limits the rate with which v follows the command.
+    pub max_acceleration_m_s2: Option<f32>,
+    /// Highest angular acceleration, of w, 0.01 to 10,000 rad/s^2; unlimited if omitted.
+    pub max_angular_acceleration_rad_s2: Option<f32>,
+    /// Slip of the wheels: the robot moves less than they do. None by default.
+    pub slip: Option<Slip>,
+    /// The robot knows its pose by odometry alone, which drifts. If omitted, it knows its pose exactly.
+    pub odometry_drift: Option<OdometryDrift>,
 }
 
 impl Default for Robot {
     /// The paper's five motions, equation (9) in its order (large left, small left, forward, small right,
     /// large right) with v0 = 0.15 m/s and w0 = 0.75 rad/s of table 1. The paper does not specify the radius (here 0.1 m) or
-    /// the lag (here none).
+    /// the lag and the accelerations (here no lag and no limits).
     fn default() -> Self {
         let motions = [1.5, 0.75, 0.0, -0.75, -1.5].map(|w_rad_s| Motion { v_m_s: 0.15, w_rad_s });
         Self {
@@ -339,9 +350,50 @@ impl Default for Robot {
             shape: None,
             min_turning_radius_m: None,
             motions: motions.into(),
-            actuator_lag_s: 0.0,
+            actuator_lag_s: Ranged::Number(0.0),
+            max_acceleration_m_s2: None,
+            max_angular_acceleration_rad_s2: None,
+            slip: None,
+            odometry_drift: None,
         }
     }
+}
+
+/// Slip of the wheels. In each control step, the robot moves with (1 - s) v and (1 - s') w, where (v, w) is the motion of its
+/// wheels, s = `forward` + n, s' = `turning` + n', and n and n' are normally distributed with the standard deviation `std`. Each
+/// factor is kept between 0 and 1: slip never makes the robot faster than its wheels.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Slip {
+    /// The part of v that is lost, 0 to 0.9.
+    pub forward: Ranged<f32>,
+    /// The part of w that is lost, 0 to 0.9.
+    pub turning: Ranged<f32>,
+    /// Standard deviation of both parts from step to step, 0 to 0.5.
+    pub std: Ranged<f32>,
+}
+
+impl Default for Slip {
+    /// No slip.
+    fn default() -> Self {
+        let none = Ranged::Number(0.0);
+        Self { forward: none, turning: none, std: none }
+    }
+}
+
+/// Odometry that drifts. The policy observes the direction and the distance of the goal from the pose that the robot believes in.
+/// When an episode begins, or the robot is placed anew, this is its true pose. Then the robot adds up the motion of its wheels
+/// with the errors below, and does not notice slip. A new goal in the same episode corrects nothing. Rewards, collisions and
+/// reached goals are decided by the true pose.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OdometryDrift {
+    /// Error of distances per metre, -0.5 to 0.5: 0.02 if odometry reports 1.02 m for each metre that the wheels roll.
+    pub distance_error: Ranged<f32>,
+    /// Error of rotations per radian, -0.5 to 0.5.
+    pub rotation_error: Ranged<f32>,
+    /// Rotation that is reported per metre although the robot does not turn, counterclockwise positive, -1 to 1 rad/m.
+    pub heading_drift_rad_m: Ranged<f32>,
 }
 
 /// A motion of the robot, commanded for one control period.
@@ -367,12 +419,12 @@ pub struct Lidar {
     /// Maximum range, 0.01 to 1,000 m. A beam that hits nothing within it reports this range.
     pub max_range_m: f32,
     /// Standard deviation of the Gaussian noise of each range, 0 to 10 m.
-    pub noise_std_m: f32,
+    pub noise_std_m: Ranged<f32>,
     /// Probability that a beam drops out and reports the maximum range, 0 to 1.
-    pub dropout: f32,
+    pub dropout: Ranged<f32>,
     /// Delay of the scans that the policy observes, in control steps, 0 to 50. Collisions and rewards use the current
     /// distances.
-    pub latency_steps: u32,
+    pub latency_steps: Ranged<u32>,
 }
 
 impl Default for Lidar {
@@ -382,9 +434,9 @@ impl Default for Lidar {
             beams: 24,
             field_of_view_rad: TAU,
             max_range_m: 3.5,
-            noise_std_m: 0.0,
-            dropout: 0.0,
-            latency_steps: 0,
+            noise_std_m: Ranged::Number(0.0),
+            dropout: Ranged::Number(0.0),
+            latency_steps: Ranged::Number(0),
         }
     }
 }
@@ -393,7 +445,7 @@ impl Lidar {
     /// Whether it measures exactly: no noise and no dropout.
     #[must_use]
     pub fn is_exact(&self) -> bool {
-        self.noise_std_m <= 0.0 && self.dropout <= 0.0
+        self.noise_std_m.value() <= 0.0 && self.dropout.value() <= 0.0
     }
 
     /// Whether its field of view is a full circle.

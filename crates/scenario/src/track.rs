@@ -50,30 +50,39 @@ pub enum Track {
 }
 
 impl ObstacleMotion {
-    /// The speed.
+    /// The speed; of a range of speeds, the middle.
     #[inline]
     #[must_use]
     pub fn speed(&self) -> MotionSpeed {
         match *self {
             Self::Static => MotionSpeed::AtRest,
-            Self::Orbit { centre_m, speed_rad_s } => MotionSpeed::Revolution { centre_m, speed_rad_s },
+            Self::Orbit { centre_m, speed_rad_s } => {
+                MotionSpeed::Revolution { centre_m, speed_rad_s: speed_rad_s.value() }
+            }
             Self::Patrol { speed_m_s, .. }
             | Self::BackAndForth { speed_m_s, .. }
-            | Self::RandomWalk { speed_m_s, .. }
-            | Self::Pedestrian { speed_m_s, .. } => MotionSpeed::Translation(speed_m_s),
+            | Self::RandomWalk { speed_m_s, .. } => MotionSpeed::Translation(speed_m_s.value()),
+            Self::Pedestrian { speed_m_s, .. } => MotionSpeed::Translation(speed_m_s),
             Self::KeyFrames { .. } => MotionSpeed::Variable,
         }
+    }
+
+    /// The speed; of a range of speeds, the end with the larger absolute value.
+    pub(super) fn fastest_speed(&self) -> MotionSpeed {
+        let mut motion = self.clone();
+        if let Some(speed) = motion.ranged_speed_mut() {
+            let [low, high] = speed.ends();
+            *speed = if low.abs() > high.abs() { low } else { high }.into();
+        }
+        motion.speed()
     }
 
     /// Whether an obstacle with this motion ever leaves its position.
     #[must_use]
     pub fn is_moving(&self) -> bool {
-        match self.speed() {
-            MotionSpeed::AtRest => false,
-            MotionSpeed::Variable => true,
-            MotionSpeed::Translation(speed) | MotionSpeed::Revolution { speed_rad_s: speed, .. } => {
-                speed != 0.0
-            }
+        match self.ranged_speed() {
+            Some(speed) => speed.ends() != [0.0; 2],
+            None => !matches!(self.speed(), MotionSpeed::AtRest | MotionSpeed::Translation(0.0)),
         }
     }
 }
@@ -118,7 +127,12 @@ impl Obstacle {
     /// Speed of the obstacle's origin, in m/s; of a random walk and of key frames, the largest.
     #[must_use]
     pub fn origin_speed_m_s(&self) -> f32 {
-        match self.motion.speed() {
+        self.origin_speed_at(self.motion.speed())
+    }
+
+    /// The speed of the obstacle's origin, in m/s, if the motion has this speed.
+    pub(super) fn origin_speed_at(&self, speed: MotionSpeed) -> f32 {
+        match speed {
             MotionSpeed::AtRest => 0.0,
             MotionSpeed::Translation(speed_m_s) => speed_m_s.abs(),
             MotionSpeed::Variable => self.legs().filter_map(Leg::speed_m_s).fold(0.0, f64::max) as f32,
@@ -131,7 +145,12 @@ impl Obstacle {
     /// Upper bound on the speed of any point of the obstacle, in m/s. It is negative where the motion's speed is.
     #[must_use]
     pub fn max_speed_m_s(&self) -> f32 {
-        match self.motion.speed() {
+        self.max_speed_at(self.motion.speed())
+    }
+
+    /// The bound of [`Obstacle::max_speed_m_s`], if the motion has this speed.
+    pub(super) fn max_speed_at(&self, speed: MotionSpeed) -> f32 {
+        match speed {
             MotionSpeed::AtRest => 0.0,
             MotionSpeed::Translation(speed_m_s) => speed_m_s,
             MotionSpeed::Variable => self.origin_speed_m_s(),

@@ -87,7 +87,7 @@ impl Obstacle {
                 let is_loop = *end != KeyFrameEnd::Stop;
                 self.motion = ObstacleMotion::key_frames_along(self.position_m, &path_m, speed_m_s, is_loop);
             }
-            _ => self.motion = ObstacleMotion::Patrol { waypoints_m: path_m, speed_m_s },
+            _ => self.motion = ObstacleMotion::Patrol { waypoints_m: path_m, speed_m_s: speed_m_s.into() },
         }
     }
 
@@ -96,9 +96,10 @@ impl Obstacle {
     #[must_use]
     pub fn mean_speed_m_s(&self) -> Option<f32> {
         let speed_m_s = match self.motion {
-            ObstacleMotion::Patrol { speed_m_s, .. }
-            | ObstacleMotion::BackAndForth { speed_m_s, .. }
-            | ObstacleMotion::Pedestrian { speed_m_s, .. } => speed_m_s,
+            ObstacleMotion::Patrol { speed_m_s, .. } | ObstacleMotion::BackAndForth { speed_m_s, .. } => {
+                speed_m_s.value()
+            }
+            ObstacleMotion::Pedestrian { speed_m_s, .. } => speed_m_s,
             ObstacleMotion::KeyFrames { .. } => {
                 let whole = self.legs().reduce(key_frames::Leg::then)?;
                 whole.speed_m_s()? as f32

@@ -257,7 +257,7 @@ fn a_gap_must_be_at_least_twice_the_collision_range() {
             shape: Shape::Circle { radius_m: 0.2 },
             position_m: vec2(0.0, 0.0),
             rotation_rad: 0.0,
-            motion: ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(0.1, 0.0)], speed_m_s: 0.1 },
+            motion: ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(0.1, 0.0)], speed_m_s: 0.1.into() },
         };
         let mut scenario =
             Scenario { walls: walls.into(), obstacles: vec![in_the_door], ..Scenario::default() };
@@ -376,8 +376,9 @@ fn a_robot_without_space_to_turn_round_is_noted() {
 #[test]
 fn obstacles_faster_than_the_robot_are_noted() {
     let ball = Shape::Circle { radius_m: 0.1 };
-    let patrol = |speed_m_s| ObstacleMotion::Patrol { waypoints_m: vec![vec2(1.0, 0.5)], speed_m_s };
-    let orbit = |speed_rad_s| ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s };
+    let patrol =
+        |speed: f32| ObstacleMotion::Patrol { waypoints_m: vec![vec2(1.0, 0.5)], speed_m_s: speed.into() };
+    let orbit = |speed: f32| ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: speed.into() };
     let with = |motion| {
         let obstacles = vec![obstacle(ball.clone(), vec2(-1.0, 0.5), motion)];
         let mut scenario = Scenario { obstacles, ..Scenario::default() };
@@ -502,7 +503,7 @@ fn obstacles_that_overlap_or_cross_something_are_noted_with_the_place() {
         ]
     );
     let moving = |motion| vec![obstacle(crate_.clone(), vec2(0.0, -1.0), motion)];
-    let (speed_m_s, wall_1) = (0.1, "wall 1 (`walls[0]`)");
+    let (speed_m_s, wall_1) = (0.1.into(), "wall 1 (`walls[0]`)");
     let there = |waypoints_m| moving(ObstacleMotion::BackAndForth { waypoints_m, speed_m_s });
     assert_eq!(with(there(vec![vec2(0.0, -0.3)])), [""; 0], "it stops before the wall");
     assert_eq!(with(there(vec![vec2(0.0, 1.0)])), crosses("crosses", wall_1, "(0.00, 0.00)"));
@@ -515,7 +516,7 @@ fn obstacles_that_overlap_or_cross_something_are_noted_with_the_place() {
     assert_eq!(with(walk(0.6)), [""; 0]);
     assert_eq!(with(walk(0.8)).len(), 1);
     assert!(with(walk(0.8))[0].contains("may cross wall 1"), "{:?}", with(walk(0.8)));
-    let orbit = |centre_m| moving(ObstacleMotion::Orbit { centre_m, speed_rad_s: 0.1 });
+    let orbit = |centre_m| moving(ObstacleMotion::Orbit { centre_m, speed_rad_s: 0.1.into() });
     assert_eq!(with(orbit(vec2(0.0, 0.1))), [""; 0], "the wall is within the orbit");
     assert!(with(orbit(vec2(0.5, -0.6)))[0].contains("crosses wall 1"), "{:?}", with(orbit(vec2(0.5, -0.6))));
     // Two that move may meet.
@@ -540,7 +541,7 @@ fn notes_on_large_scenarios_are_found_quickly() {
     };
     let waypoints_m: Vec<Vec2> =
         (0..256).map(|k| vec2(k as f32 % 90.0 - 45.0, k as f32 % 50.0 - 25.0)).collect();
-    let patrol = ObstacleMotion::Patrol { waypoints_m, speed_m_s: 0.1 };
+    let patrol = ObstacleMotion::Patrol { waypoints_m, speed_m_s: 0.1.into() };
     let walls = (0..1_000)
         .map(|k| Wall { corners_m: vec![vec2(k as f32 / 10.0 - 50.0, -20.0); 11], thickness_m: 0.01 });
     let large = Scenario { enclosure: square(200.0), robot: robot(&[(0.5, 1e-3)]), ..Scenario::default() };

@@ -94,7 +94,7 @@ fn syntax_errors_have_a_position_and_a_fix() {
         (
             "(name: \"a\",\n obstacles: [(shape: Circle(radius_m: 1), position_m: (0, 0), motion: Wander())])",
             "2:71: unknown choice `Wander` for `obstacles[0].motion`: the choices are `Static`, `Orbit`, `Patrol`, \
-             `BackAndForth`, `RandomWalk`, `KeyFrames`",
+             `BackAndForth`, `RandomWalk`, `Pedestrian`, `KeyFrames`",
         ),
         (
             r#"(name: "a", enclosure: Circle(radius_m: 2))"#,
@@ -140,7 +140,10 @@ fn syntax_errors_have_a_position_and_a_fix() {
             r#"(name: "a", lidar: (beams: -2))"#,
             "1:29: `lidar.beams` must be a whole number in range: this one is negative or too large",
         ),
-        (r#"(name: "a", lidar: (dropout: "x"))"#, "1:30: `lidar.dropout` must be a number, without quotes"),
+        (
+            r#"(name: "a", lidar: (dropout: "x"))"#,
+            "1:30: `lidar.dropout` must be a number, or a range (lowest, highest), without quotes",
+        ),
         ("(name: a)", "1:8: `name` must be text in double quotes: \"...\""),
         (r#"(name: "a", obstacles: (1))"#, "1:24: `obstacles` must be a list in square brackets: [...]"),
         (

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 use glam::{Vec2, vec2};
 use wayfield_scenario::{
-    FieldValue, MotionKind, MotionSpeed, Obstacle, ObstacleMotion, Outline, Scenario, Shape, Track,
+    FieldValue, MotionKind, MotionSpeed, Obstacle, ObstacleMotion, Outline, Ranged, Scenario, Shape, Track,
     diagnostics, polygon, pose_at, to_ron,
 };
 
@@ -16,10 +16,10 @@ fn motions() -> [ObstacleMotion; 7] {
     let waypoints_m = vec![vec2(1.0, 0.5), vec2(1.0, 1.0)];
     [
         ObstacleMotion::Static,
-        ObstacleMotion::Orbit { centre_m: vec2(0.2, 0.1), speed_rad_s: -0.3 },
-        ObstacleMotion::Patrol { waypoints_m: waypoints_m.clone(), speed_m_s: 0.3 },
-        ObstacleMotion::BackAndForth { waypoints_m: waypoints_m.clone(), speed_m_s: 0.3 },
-        ObstacleMotion::RandomWalk { radius_m: 0.4, speed_m_s: 0.2, seed: 3 },
+        ObstacleMotion::Orbit { centre_m: vec2(0.2, 0.1), speed_rad_s: (-0.3).into() },
+        ObstacleMotion::Patrol { waypoints_m: waypoints_m.clone(), speed_m_s: 0.3.into() },
+        ObstacleMotion::BackAndForth { waypoints_m: waypoints_m.clone(), speed_m_s: 0.3.into() },
+        ObstacleMotion::RandomWalk { radius_m: 0.4, speed_m_s: 0.2.into(), seed: 3 },
         ObstacleMotion::Pedestrian {
             goals_m: waypoints_m.clone(),
             speed_m_s: 0.3,
@@ -77,7 +77,7 @@ fn numbers(obstacle: &mut Obstacle) -> Vec<(String, &mut f32, f32)> {
     for (part, field) in fields {
         let path = |name: &str| format!("obstacles[0].{part}.{name}");
         match field.value {
-            FieldValue::Number(number, quantity) => {
+            FieldValue::Number(number, quantity) | FieldValue::Ranged(Ranged::Number(number), quantity) => {
                 found.push((path(field.names[0]), number, *quantity.range().end()));
             }
             FieldValue::Pair(pair, quantity) => found.extend(

@@ -39,11 +39,11 @@ fn the_defaults_are_the_papers_numbers() {
     let motions: Vec<_> = scenario.robot.motions.iter().map(|m| (m.v_m_s, m.w_rad_s)).collect();
     let (v0, w0) = (0.15, 0.75);
     assert_eq!(motions, [(v0, 2.0 * w0), (v0, w0), (v0, 0.0), (v0, -w0), (v0, -2.0 * w0)], "equation (9)");
-    assert_eq!(scenario.robot.actuator_lag_s, 0.0, "the paper's robot has no actuator lag");
+    assert_eq!(scenario.robot.actuator_lag_s, 0.0.into(), "the paper's robot has no actuator lag");
     assert_eq!(scenario.lidar.beams, 24, "equation (8)");
     assert_eq!(
         (scenario.lidar.max_range_m, scenario.lidar.noise_std_m, scenario.lidar.dropout),
-        (3.5, 0.0, 0.0)
+        (3.5, 0.0.into(), 0.0.into())
     );
     assert_eq!(scenario.task.goal_radius_m, 0.2, "l_a");
     assert_eq!(scenario.task.control_period_s, 0.2);

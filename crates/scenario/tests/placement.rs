@@ -25,10 +25,13 @@ fn motion() -> impl Strategy<Value = ObstacleMotion> {
     let point = || point(2.0);
     prop_oneof![
         Just(ObstacleMotion::Static),
-        (point(), -1.0_f32..1.0)
-            .prop_map(|(centre_m, speed_rad_s)| ObstacleMotion::Orbit { centre_m, speed_rad_s }),
-        (prop::collection::vec(point(), 1..4), 0.0_f32..1.0)
-            .prop_map(|(waypoints_m, speed_m_s)| ObstacleMotion::Patrol { waypoints_m, speed_m_s }),
+        (point(), -1.0_f32..1.0).prop_map(|(centre_m, speed_rad_s)| ObstacleMotion::Orbit {
+            centre_m,
+            speed_rad_s: speed_rad_s.into()
+        }),
+        (prop::collection::vec(point(), 1..4), 0.0_f32..1.0).prop_map(|(waypoints_m, speed_m_s)| {
+            ObstacleMotion::Patrol { waypoints_m, speed_m_s: speed_m_s.into() }
+        }),
     ]
 }
 
@@ -121,8 +124,8 @@ proptest! {
         let waypoints_m = waypoints.into_iter().map(Vec2::from).collect();
         for motion in [
             ObstacleMotion::Static,
-            ObstacleMotion::Orbit { centre_m, speed_rad_s: speed },
-            ObstacleMotion::Patrol { waypoints_m, speed_m_s: speed },
+            ObstacleMotion::Orbit { centre_m, speed_rad_s: speed.into() },
+            ObstacleMotion::Patrol { waypoints_m, speed_m_s: speed.into() },
         ] {
             let shape = Shape::Circle { radius_m: 1.0 };
             let _ = pose_at(&Obstacle { shape, position_m, rotation_rad, motion }, step, period);

@@ -25,7 +25,7 @@ fn obstacle() -> impl Strategy<Value = Obstacle> {
     ];
     let motion = prop_oneof![
         9 => Just(ObstacleMotion::Static),
-        1 => point(5.0).prop_map(|centre_m| ObstacleMotion::Orbit { centre_m, speed_rad_s: 0.5 }),
+        1 => point(5.0).prop_map(|centre_m| ObstacleMotion::Orbit { centre_m, speed_rad_s: 0.5.into() }),
     ];
     let rotation = prop_oneof![Just(0.0_f32), -3.0_f32..3.0];
     (shape, point(10.0), rotation, motion).prop_map(|(shape, position_m, rotation_rad, motion)| Obstacle {

@@ -8,7 +8,8 @@ use proptest::option;
 use proptest::prelude::*;
 use wayfield_scenario::{
     BenchmarkRoute, Enclosure, Generator, KeyFrame, KeyFrameEnd, Lidar, Motion, Obstacle, ObstacleMotion,
-    PlacementRule, RandomShape, Region, Robot, Scenario, Shape, TaskRules, Wall, parse_ron, to_text,
+    OdometryDrift, PlacementRule, RandomShape, Ranged, Region, Robot, Scenario, Shape, Slip, TaskRules, Wall,
+    parse_ron, to_text,
 };
 
 fn read(text: &str) -> Scenario {
@@ -80,14 +81,20 @@ fn everything() -> Scenario {
             moving(Shape::Rectangle { width_m: 1.0, height_m: 0.5 }, ObstacleMotion::Static),
             moving(
                 Shape::Polygon { corners_m: vec![vec2(0.0, 0.0), vec2(1.0, 0.0), vec2(0.0, 1.0)] },
-                ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.5), speed_rad_s: -0.15 },
+                ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.5), speed_rad_s: (-0.15).into() },
             ),
             moving(
                 Shape::Capsule { length_m: 0.3, radius_m: 0.1 },
-                ObstacleMotion::Patrol { waypoints_m: vec![vec2(1.0, 1.0), vec2(2.0, 1.0)], speed_m_s: 0.1 },
+                ObstacleMotion::Patrol {
+                    waypoints_m: vec![vec2(1.0, 1.0), vec2(2.0, 1.0)],
+                    speed_m_s: 0.1.into(),
+                },
             ),
             Obstacle {
-                motion: ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(1.0, 1.0)], speed_m_s: 0.1 },
+                motion: ObstacleMotion::BackAndForth {
+                    waypoints_m: vec![vec2(1.0, 1.0)],
+                    speed_m_s: 0.1.into(),
+                },
                 ..circle(0.0, 0.0)
             },
             Obstacle {
@@ -100,11 +107,11 @@ fn everything() -> Scenario {
                 ..circle(0.0, 0.0)
             },
             Obstacle {
-                motion: ObstacleMotion::RandomWalk { radius_m: 0.8, speed_m_s: 0.1, seed: 0 },
+                motion: ObstacleMotion::RandomWalk { radius_m: 0.8, speed_m_s: 0.1.into(), seed: 0 },
                 ..circle(0.0, 0.0)
             },
             Obstacle {
-                motion: ObstacleMotion::RandomWalk { radius_m: 0.8, speed_m_s: 0.1, seed: 7 },
+                motion: ObstacleMotion::RandomWalk { radius_m: 0.8, speed_m_s: 0.1.into(), seed: 7 },
                 ..circle(-0.0, 3e20)
             },
             Obstacle { motion: key_frames(KeyFrameEnd::Stop), ..circle(0.0, 0.0) },
@@ -129,15 +136,16 @@ fn everything() -> Scenario {
             shape: Some(Shape::Rectangle { width_m: 0.25, height_m: 0.2 }),
             min_turning_radius_m: Some(0.5),
             motions: vec![Motion { v_m_s: 0.2, w_rad_s: 0.0 }, Motion { v_m_s: 0.0, w_rad_s: -1.0 }],
-            actuator_lag_s: 0.5,
+            actuator_lag_s: 0.5.into(),
+            ..Robot::default()
         },
         lidar: Lidar {
             beams: 36,
             field_of_view_rad: 4.712,
             max_range_m: 10.0,
-            noise_std_m: 0.01,
-            dropout: 0.02,
-            latency_steps: 2,
+            noise_std_m: 0.01.into(),
+            dropout: 0.02.into(),
+            latency_steps: 2.into(),
         },
         task: TaskRules {
             goal_radius_m: 0.3,
@@ -402,7 +410,10 @@ fn written_defaults_stay_and_comments_stay_aligned() {
     let changed = edited(&tabbed, |scenario| scenario.lidar.beams = 36);
     assert_eq!(changed, tabbed.replace("beams: 24", "beams: 36"), "an unchanged line keeps its tabs");
     let (before, after) = ("0.0,             // standard", "0.0125,          // standard");
-    assert_eq!(edited(&text, |scenario| scenario.lidar.noise_std_m = 0.0125), text.replace(before, after));
+    assert_eq!(
+        edited(&text, |scenario| scenario.lidar.noise_std_m = 0.0125.into()),
+        text.replace(before, after)
+    );
 }
 
 /// A file with comments and spaces in unusual places.
@@ -425,13 +436,13 @@ fn comments_in_unusual_places_stay() {
     };
     assert_eq!(to_text(&read(ODD), Some(ODD)), ODD);
     same(&|s| s.lidar.beams = 31, "30", "31");
-    same(&|s| s.lidar.dropout = 0.0, "dropout:0.1", "dropout:0.0");
+    same(&|s| s.lidar.dropout = 0.0.into(), "dropout:0.1", "dropout:0.0");
     same(&|s| s.name = "Odd".into(), "r#\"An \"odd\" one\"#", "\"Odd\"");
     same(&|s| s.obstacles[0].position_m.y = 0.75, "0.50", "0.75");
     same(&|s| s.obstacles[1].position_m.x = 2.0, "(1., 1.)", "(2.0, 1.)");
     same(&|s| s.obstacles[1].rotation_rad = 0.5, ")), // two", "), rotation_rad: 0.5), // two");
     same(&|s| s.obstacles[2].shape = Shape::Circle { radius_m: 0.3 }, "0.2)", "0.3)");
-    same(&|s| s.lidar.noise_std_m = 0.1, "/* not ( 24 */ ,", "/* not ( 24 */ , noise_std_m: 0.1,");
+    same(&|s| s.lidar.noise_std_m = 0.1.into(), "/* not ( 24 */ ,", "/* not ( 24 */ , noise_std_m: 0.1,");
     same(
         &|s| s.goals = PlacementRule::Fixed { position_m: vec2(1.0, 1.0), heading_rad: Some(2.0) },
         "Some(1.0)",
@@ -550,12 +561,18 @@ fn shape() -> impl Strategy<Value = Shape> {
 fn motion() -> impl Strategy<Value = ObstacleMotion> {
     prop_oneof![
         Just(ObstacleMotion::Static),
-        (point(), number())
-            .prop_map(|(centre_m, speed_rad_s)| ObstacleMotion::Orbit { centre_m, speed_rad_s }),
-        (points(), number())
-            .prop_map(|(waypoints_m, speed_m_s)| ObstacleMotion::Patrol { waypoints_m, speed_m_s }),
-        (points(), number())
-            .prop_map(|(waypoints_m, speed_m_s)| ObstacleMotion::BackAndForth { waypoints_m, speed_m_s }),
+        (point(), number()).prop_map(|(centre_m, speed_rad_s)| ObstacleMotion::Orbit {
+            centre_m,
+            speed_rad_s: speed_rad_s.into()
+        }),
+        (points(), number()).prop_map(|(waypoints_m, speed_m_s)| ObstacleMotion::Patrol {
+            waypoints_m,
+            speed_m_s: speed_m_s.into()
+        }),
+        (points(), number()).prop_map(|(waypoints_m, speed_m_s)| ObstacleMotion::BackAndForth {
+            waypoints_m,
+            speed_m_s: speed_m_s.into()
+        }),
         (proptest::collection::vec((number(), point()), 0..4), number(), any::<bool>()).prop_map(
             |(frames, period_s, is_loop)| ObstacleMotion::KeyFrames {
                 frames: frames
@@ -567,7 +584,7 @@ fn motion() -> impl Strategy<Value = ObstacleMotion> {
         ),
         (number(), number(), 0_u32..3).prop_map(|(radius_m, speed_m_s, seed)| ObstacleMotion::RandomWalk {
             radius_m,
-            speed_m_s,
+            speed_m_s: speed_m_s.into(),
             seed
         }),
         (points(), number(), any::<(bool, bool)>()).prop_map(|(goals_m, speed_m_s, (loops, sees_robot))| {
@@ -614,13 +631,21 @@ fn robot() -> impl Strategy<Value = Robot> {
     let motion = pair().prop_map(|(v_m_s, w_rad_s)| Motion { v_m_s, w_rad_s });
     prop_oneof![
         Just(Robot::default()),
-        (number(), option::of(shape()), option::of(number()), vec(motion, 0..4), number()).prop_map(
-            |(radius_m, shape, min_turning_radius_m, motions, actuator_lag_s)| Robot {
+        (number(), option::of(shape()), vec(motion, 0..4), number(), number(), number()).prop_map(
+            |(radius_m, shape, motions, actuator_lag_s, limit, error)| Robot {
                 radius_m,
                 shape,
-                min_turning_radius_m,
+                min_turning_radius_m: Some(limit),
                 motions,
-                actuator_lag_s
+                actuator_lag_s: Ranged::Range(actuator_lag_s, error),
+                max_acceleration_m_s2: Some(limit),
+                slip: Some(Slip { forward: limit.into(), std: error.into(), ..Slip::default() }),
+                odometry_drift: Some(OdometryDrift {
+                    distance_error: Ranged::Range(error, limit),
+                    rotation_error: error.into(),
+                    heading_drift_rad_m: limit.into(),
+                }),
+                ..Robot::default()
             }
         ),
     ]
@@ -632,8 +657,8 @@ fn lidar() -> impl Strategy<Value = Lidar> {
         (0_usize..50).prop_map(|beams| Lidar { beams, ..Lidar::default() }),
         (number(), number(), 0_u32..3).prop_map(|(max_range_m, dropout, latency_steps)| Lidar {
             max_range_m,
-            dropout,
-            latency_steps,
+            dropout: dropout.into(),
+            latency_steps: latency_steps.into(),
             ..Lidar::default()
         }),
     ]

@@ -22,6 +22,12 @@ pub(super) fn of_kind(scenario: &Scenario, index: usize, kind: MotionKind) -> Ob
     let waypoints = |closed| {
         let (mut waypoints_m, speed_m_s) = path(closed);
         waypoints_m.truncate(MAX_POINTS);
+        let speed_m_s = match obstacle.motion {
+            ObstacleMotion::Patrol { speed_m_s, .. } | ObstacleMotion::BackAndForth { speed_m_s, .. } => {
+                speed_m_s
+            }
+            _ => speed_m_s.into(),
+        };
         (waypoints_m, speed_m_s)
     };
     match kind {
@@ -37,6 +43,7 @@ pub(super) fn of_kind(scenario: &Scenario, index: usize, kind: MotionKind) -> Ob
         }
         MotionKind::Pedestrian => {
             let (goals_m, speed_m_s) = waypoints(false);
+            let speed_m_s = speed_m_s.value();
             ObstacleMotion::Pedestrian { goals_m, speed_m_s, loops: true, sees_robot: false }
         }
         MotionKind::KeyFrames => {
@@ -49,7 +56,7 @@ pub(super) fn of_kind(scenario: &Scenario, index: usize, kind: MotionKind) -> Ob
             // The index is the seed, so that no two obstacles have the same walk.
             let seed = u32::try_from(index).unwrap_or_default();
             let radius_m = radius_m.max(*Quantity::Reach.range().start());
-            ObstacleMotion::RandomWalk { radius_m, speed_m_s: NEW_SPEED_M_S, seed }
+            ObstacleMotion::RandomWalk { radius_m, speed_m_s: NEW_SPEED_M_S.into(), seed }
         }
     }
 }
@@ -68,7 +75,7 @@ fn orbit(scenario: &Scenario, obstacle: &Obstacle) -> ObstacleMotion {
     let max_rad_s = MAX_SPEED_M_S / distance(centre_m, at).max(0.01);
     ObstacleMotion::Orbit {
         centre_m: point_to_mm(centre_m),
-        speed_rad_s: NEW_ORBIT_SPEED_RAD_S.min(max_rad_s),
+        speed_rad_s: NEW_ORBIT_SPEED_RAD_S.min(max_rad_s).into(),
     }
 }
 

@@ -42,7 +42,8 @@ fn new_shape(name: &str) -> Shape {
 
 /// A scenario with one item of every kind.
 fn full() -> Scenario {
-    let patrol = ObstacleMotion::Patrol { waypoints_m: vec![vec2(1.0, 1.5), vec2(0.5, 1.5)], speed_m_s: 0.1 };
+    let patrol =
+        ObstacleMotion::Patrol { waypoints_m: vec![vec2(1.0, 1.5), vec2(0.5, 1.5)], speed_m_s: 0.1.into() };
     Scenario {
         obstacles: vec![circle(-1.0, -1.0), Obstacle { motion: patrol, ..circle(1.0, 0.0) }],
         walls: vec![Wall {

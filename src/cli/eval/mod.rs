@@ -41,9 +41,9 @@ use test::{Named, Test};
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Options of --eval")]
 pub struct EvalArgs {
-    /// Test in many scenarios, with results by families: a suite (a RON file, or a shipped one by name: shipped, validation),
-    /// a folder of scenarios, a set of scenarios, or the levels of a level generator that no training uses; --episodes is
-    /// the number in each scenario
+    /// Test in many scenarios, with results by families: a suite (a RON file, or a shipped one by name: shipped, validation,
+    /// circle-crossing), a folder of scenarios, a set of scenarios, or the levels of a level generator that no training uses;
+    /// --episodes is the number in each scenario
     #[arg(long, value_name = "NAME", conflicts_with = "scenario")]
     suite: Option<String>,
 

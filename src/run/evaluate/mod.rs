@@ -82,7 +82,7 @@ pub struct EpisodeResult {
     pub goal: Goal,
     /// The obstacles' clock at the start.
     pub clock: Clock,
-    /// The seed of the generated obstacles' layout, if the scenario has generators.
+    /// The seed of the generated obstacles and of the drawn numbers, if the scenario has generators or ranges.
     pub layout_seed: u64,
     /// The measures of the robot's path; `None` unless the evaluator [measures them](Evaluator::measuring_paths).
     pub path: Option<PathMeasures>,

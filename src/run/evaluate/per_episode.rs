@@ -40,7 +40,7 @@ fn start_and_goal(episode: &EpisodeResult) -> ((f32, f32, f32), Vec2) {
     ((start.x_m, start.y_m, start.heading_rad), vec2(goal.x_m, goal.y_m))
 }
 
-/// `of` for each of `episodes` and the scenario with its generated obstacles, in the order of `episodes`.
+/// `of` for each of `episodes` and the scenario with its generated obstacles and drawn numbers, in the order of `episodes`.
 fn per_episode<T: Send>(
     scenario: &Scenario,
     episodes: &[EpisodeResult],
@@ -48,10 +48,10 @@ fn per_episode<T: Send>(
     of: impl Fn(&Scenario, &EpisodeResult) -> T + Sync,
 ) -> Vec<T> {
     let of = |episode: &EpisodeResult| {
-        let layout = if scenario.generators.is_empty() {
-            Cow::Borrowed(scenario)
-        } else {
+        let layout = if scenario.varies_by_episode() {
             Cow::Owned(scenario.with_generated_obstacles(episode.layout_seed))
+        } else {
+            Cow::Borrowed(scenario)
         };
         of(&layout, episode)
     };

@@ -54,7 +54,7 @@ pub struct EpisodeRecord {
     pub goal_y_m: f32,
     /// The obstacles' clock at the start, in control steps.
     pub clock_steps: u64,
-    /// The seed of the generated obstacles, if the scenario has generators.
+    /// The seed of the generated obstacles and of the drawn numbers, if the scenario has generators or ranges.
     pub layout_seed: Option<u64>,
 }
 
@@ -96,7 +96,7 @@ impl EpisodeRecord {
             goal_x_m: result.goal.x_m,
             goal_y_m: result.goal.y_m,
             clock_steps: result.clock.0,
-            layout_seed: (!scenario.generators.is_empty()).then_some(result.layout_seed),
+            layout_seed: scenario.varies_by_episode().then_some(result.layout_seed),
         }
     }
 }

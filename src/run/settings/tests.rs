@@ -57,10 +57,10 @@ fn any_field_can_be_set_and_the_others_stay() {
     expected.learning.network.hidden = vec![32, 16];
     expected.learning.learning_rate = Schedule::Constant(3e-4);
     assert_eq!(preset, expected);
-    expected_scenario.lidar.noise_std_m = 0.02;
+    expected_scenario.lidar.noise_std_m = 0.02.into();
     for obstacle in &mut expected_scenario.obstacles {
         if let ObstacleMotion::Orbit { speed_rad_s, .. } = &mut obstacle.motion {
-            *speed_rad_s = 0.3;
+            *speed_rad_s = 0.3.into();
         }
     }
     expected_scenario.name = "Two \" ( 6e5".into();

@@ -164,12 +164,12 @@ mod tests {
     #[test]
     fn a_patrol_with_corners_in_both_arms_crosses_the_notch() {
         let ball = Shape::Circle { radius_m: 0.2 };
-        let patrol = |waypoints_m| ObstacleMotion::Patrol { waypoints_m, speed_m_s: 0.1 };
+        let patrol = |waypoints_m| ObstacleMotion::Patrol { waypoints_m, speed_m_s: 0.1.into() };
         assert_overhang(&u(), &obstacle(ball.clone(), vec2(-1.0, 0.3), patrol(vec![vec2(1.0, 0.3)])), 0.7);
         // Down, across below the notch, and up; but the last leg leads back through the notch.
         let around = vec![vec2(-1.0, -0.75), vec2(1.0, -0.75), vec2(1.0, 0.3)];
         assert_overhang(&u(), &obstacle(ball.clone(), vec2(-1.0, 0.3), patrol(around.clone())), 0.7);
-        let back = ObstacleMotion::BackAndForth { waypoints_m: around, speed_m_s: 0.1 };
+        let back = ObstacleMotion::BackAndForth { waypoints_m: around, speed_m_s: 0.1.into() };
         assert!(
             EnclosureExtent::new(&u()).overhang_m(&obstacle(ball, vec2(-1.0, 0.3), back)) <= 0.0,
             "the path back is the same, and free"
@@ -180,13 +180,15 @@ mod tests {
     fn in_a_rectangle_the_corners_of_the_path_decide() {
         let square = Enclosure::Rectangle { width_m: 4.0, height_m: 4.0 };
         let ball = Shape::Circle { radius_m: 0.15 };
-        let walk = |radius_m, speed_m_s| ObstacleMotion::RandomWalk { radius_m, speed_m_s, seed: 1 };
+        let walk =
+            |radius_m, speed: f32| ObstacleMotion::RandomWalk { radius_m, speed_m_s: speed.into(), seed: 1 };
         assert_overhang(&square, &obstacle(ball.clone(), vec2(1.0, 0.0), walk(0.9, 0.1)), 0.05);
         let stays =
             EnclosureExtent::new(&square).overhang_m(&obstacle(ball.clone(), vec2(1.0, 0.0), walk(0.9, 0.0)));
         assert!(stays <= 0.0, "without speed it stays in place");
         // 1 m from the centre (0.5, 0), and 0.15 m more: 1.65 m along x, where there are 2 m.
-        let orbit = |speed_rad_s| ObstacleMotion::Orbit { centre_m: vec2(0.5, 0.0), speed_rad_s };
+        let orbit =
+            |speed: f32| ObstacleMotion::Orbit { centre_m: vec2(0.5, 0.0), speed_rad_s: speed.into() };
         assert_overhang(&square, &obstacle(ball.clone(), vec2(0.5, 1.0), orbit(0.1)), -0.35);
         assert_overhang(&square, &obstacle(ball, vec2(0.5, 1.9), orbit(0.1)), 0.55);
         let corners_m = vec![vec2(0.0, -0.1), vec2(1.0, 0.0), vec2(0.0, 0.1)];

@@ -17,6 +17,7 @@ pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     check_enclosure(&scenario.enclosure, diagnostics);
     obstacles::check(scenario, diagnostics);
     check_robot(&scenario.robot, diagnostics);
+    check_slip_and_odometry(&scenario.robot, diagnostics);
     check_lidar(&scenario.lidar, diagnostics);
     check_task(scenario, diagnostics);
     check_rule("starts", &scenario.starts, scenario, diagnostics);
@@ -108,7 +109,34 @@ fn check_robot(robot: &Robot, diagnostics: &mut Diagnostics) {
         }
     }
     let path = format_args!("robot.actuator_lag_s");
-    diagnostics.check_range(path, robot.actuator_lag_s, ACTUATOR_LAG_S, SECONDS);
+    diagnostics.check_ranged(path, robot.actuator_lag_s, ACTUATOR_LAG_S, SECONDS);
+    if let Some(limit) = robot.max_acceleration_m_s2 {
+        let unit = " (metres per second squared)";
+        diagnostics.check_range(format_args!("robot.max_acceleration_m_s2"), limit, ACCELERATION_M_S2, unit);
+    }
+    if let Some(limit) = robot.max_angular_acceleration_rad_s2 {
+        let path = format_args!("robot.max_angular_acceleration_rad_s2");
+        let unit = " (radians per second squared)";
+        diagnostics.check_range(path, limit, ANGULAR_ACCELERATION_RAD_S2, unit);
+    }
+}
+
+fn check_slip_and_odometry(robot: &Robot, diagnostics: &mut Diagnostics) {
+    if let Some(Slip { forward, turning, std }) = robot.slip {
+        diagnostics.check_ranged(format_args!("robot.slip.forward"), forward, SLIP, " (a share)");
+        diagnostics.check_ranged(format_args!("robot.slip.turning"), turning, SLIP, " (a share)");
+        diagnostics.check_ranged(format_args!("robot.slip.std"), std, SLIP_STD, " (a share)");
+    }
+    let Some(OdometryDrift { distance_error, rotation_error, heading_drift_rad_m }) = robot.odometry_drift
+    else {
+        return;
+    };
+    let path = format_args!("robot.odometry_drift.distance_error");
+    diagnostics.check_ranged(path, distance_error, ODOMETRY_ERROR, " (metres per metre)");
+    let path = format_args!("robot.odometry_drift.rotation_error");
+    diagnostics.check_ranged(path, rotation_error, ODOMETRY_ERROR, " (radians per radian)");
+    let path = format_args!("robot.odometry_drift.heading_drift_rad_m");
+    diagnostics.check_ranged(path, heading_drift_rad_m, HEADING_DRIFT_RAD_M, " (radians per metre)");
 }
 
 /// Checks the body of a robot that is not a disc. Its origin, where the LIDAR is, must be inside.
@@ -144,10 +172,10 @@ fn check_lidar(lidar: &Lidar, diagnostics: &mut Diagnostics) {
     let unit = " (radians: a full turn is 6.2832)";
     diagnostics.check_range(path, lidar.field_of_view_rad, FIELD_OF_VIEW_RAD, unit);
     diagnostics.check_range(format_args!("lidar.max_range_m"), lidar.max_range_m, LIDAR_RANGE_M, METRES);
-    diagnostics.check_range(format_args!("lidar.noise_std_m"), lidar.noise_std_m, LIDAR_NOISE_M, METRES);
-    diagnostics.check_range(format_args!("lidar.dropout"), lidar.dropout, 0.0..=1.0, " (a probability)");
+    diagnostics.check_ranged(format_args!("lidar.noise_std_m"), lidar.noise_std_m, LIDAR_NOISE_M, METRES);
+    diagnostics.check_ranged(format_args!("lidar.dropout"), lidar.dropout, 0.0..=1.0, " (a probability)");
     let path = format_args!("lidar.latency_steps");
-    diagnostics.check_range(path, lidar.latency_steps, LIDAR_LATENCY_STEPS, "");
+    diagnostics.check_ranged(path, lidar.latency_steps, LIDAR_LATENCY_STEPS, "");
 }
 
 fn check_task(scenario: &Scenario, diagnostics: &mut Diagnostics) {

@@ -6,6 +6,7 @@ use super::numbers::check_region;
 use super::{Diagnostics, METRES, METRES_PER_SECOND, RADIANS, RADIANS_PER_SECOND, key_frames, polygons};
 use crate::fields::{Field, FieldValue, Quantity};
 use crate::limits::*;
+use crate::ranged::Ranged;
 use crate::schema::*;
 
 pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
@@ -66,19 +67,20 @@ fn check_obstacle(k: usize, obstacle: &Obstacle, diagnostics: &mut Diagnostics) 
 /// Checks the fields of the shape or the motion at `path`.
 pub(super) fn check_fields(path: Arguments<'_>, fields: Vec<Field<'_>>, diagnostics: &mut Diagnostics) {
     for Field { names, value, .. } in fields {
-        let mut number = |name: &str, value: f32, quantity: Quantity| {
+        let mut number = |name: &str, value: Ranged<f32>, quantity: Quantity| {
             let unit = match quantity {
                 Quantity::Size | Quantity::Reach => METRES,
                 Quantity::Speed => METRES_PER_SECOND,
                 Quantity::AngularSpeed => RADIANS_PER_SECOND,
             };
-            diagnostics.check_range(format_args!("{path}.{name}"), value, quantity.range(), unit);
+            diagnostics.check_ranged(format_args!("{path}.{name}"), value, quantity.range(), unit);
         };
         let path = format_args!("{path}.{}", names[0]);
         match value {
-            FieldValue::Number(value, quantity) => number(names[0], *value, quantity),
+            FieldValue::Number(value, quantity) => number(names[0], (*value).into(), quantity),
+            FieldValue::Ranged(value, quantity) => number(names[0], *value, quantity),
             FieldValue::Pair(values, quantity) => {
-                names.iter().zip(values).for_each(|(name, value)| number(name, *value, quantity));
+                names.iter().zip(values).for_each(|(name, value)| number(name, (*value).into(), quantity));
             }
             // Key frames are checked as a whole.
             FieldValue::Seed(_) | FieldValue::Flag(_) | FieldValue::KeyFrames(..) => {}
@@ -103,12 +105,7 @@ fn check_generator(k: usize, generator: &Generator, scenario: &Scenario, diagnos
 /// Checks the ranges of the sizes of the shape at `path`.
 pub(crate) fn check_random_shape(path: Arguments<'_>, shape: &RandomShape, diagnostics: &mut Diagnostics) {
     let mut sizes = |name: &str, (low, high): (f32, f32)| {
-        let path = format_args!("{path}.{name}");
-        diagnostics.check_range(format_args!("{path}[0]"), low, SHAPE_SIZE_M, METRES);
-        diagnostics.check_range(format_args!("{path}[1]"), high, SHAPE_SIZE_M, METRES);
-        if low > high {
-            diagnostics.push(path, format!("is ({low}, {high}): write the smaller number first"));
-        }
+        diagnostics.check_pair(format_args!("{path}.{name}"), (low, high), SHAPE_SIZE_M, METRES);
     };
     match *shape {
         RandomShape::Circle { radius_m } => sizes("radius_m", radius_m),

@@ -23,11 +23,12 @@ pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
 
 fn check_obstacle(k: usize, obstacle: &Obstacle, period: f32, diagnostics: &mut Diagnostics) {
     let path = format_args!("obstacles[{k}].motion");
-    match obstacle.motion.speed() {
+    let fastest = obstacle.motion.fastest_speed();
+    match fastest {
         MotionSpeed::AtRest => {}
         MotionSpeed::Revolution { centre_m, speed_rad_s } => {
             let path = format_args!("{path}.speed_rad_s");
-            let (arm, speed) = (obstacle.distance_to(centre_m), obstacle.origin_speed_m_s());
+            let (arm, speed) = (obstacle.distance_to(centre_m), obstacle.origin_speed_at(fastest));
             if speed_rad_s.abs() > MAX_ANGULAR_SPEED_RAD_S || !speed.is_finite() {
                 return;
             }
@@ -78,7 +79,7 @@ fn check_robot(scenario: &Scenario, period: f32, diagnostics: &mut Diagnostics) 
 pub(super) fn note_fast_obstacles(scenario: &Scenario, notes: &mut Vec<Note>) {
     let robot_m_s = max_speed_m_s(&scenario.robot);
     for (k, obstacle) in scenario.obstacles.iter().enumerate() {
-        let speed_m_s = obstacle.max_speed_m_s().abs();
+        let speed_m_s = obstacle.max_speed_at(obstacle.motion.fastest_speed()).abs();
         if speed_m_s > robot_m_s * SLACK {
             let field = match obstacle.motion.speed() {
                 MotionSpeed::Revolution { .. } => ".speed_rad_s",

@@ -120,9 +120,8 @@ fn paths(whole: &Scenario, invalid: &[String]) -> Vec<(usize, Obstacle)> {
             if !here.all(|other| other.starts_with(&speed)) {
                 return None;
             }
-            for quantity in [Quantity::Speed, Quantity::AngularSpeed] {
-                obstacle.motion.number_mut(quantity).into_iter().for_each(|number| *number = ANY_SPEED);
-            }
+            obstacle.motion.number_mut(Quantity::Speed).into_iter().for_each(|speed| *speed = ANY_SPEED);
+            obstacle.motion.ranged_speed_mut().into_iter().for_each(|speed| *speed = ANY_SPEED.into());
         }
         Some((k, obstacle))
     };

@@ -59,6 +59,11 @@ impl Place<'_> {
                 here(POINT)
             }
             Error::ExpectedDifferentLength { expected, .. } => here(expected),
+            Error::InvalidValueForType { expected, .. } if expected.ends_with(RANGE) => {
+                let value = self.map.value_at(at_value);
+                let quotes = if text[value.clone()].starts_with('"') { ", without quotes" } else { "" };
+                Problem { offset: value.start, ..must(&format!("{expected}{quotes}")) }
+            }
             Error::InvalidValueForType { expected, found } => must(&format!("{expected}, not {found}")),
             Error::IntegerOutOfBounds => {
                 let what = "a whole number in range: this one is negative or too large";
@@ -76,6 +81,8 @@ impl Place<'_> {
     }
 }
 
+/// The end of what is expected where a range may stand ([`Ranged`](crate::Ranged)).
+const RANGE: &str = "or a range (lowest, highest)";
 const POINT: &str = "a point: (x, y)";
 /// Whether a value may start with `c`.
 fn value_start(c: char) -> bool {

@@ -54,8 +54,8 @@ fn check_scenario_parts(generator: &LevelGenerator, diagnostics: &mut Diagnostic
 
 fn check_sizes(generator: &LevelGenerator, diagnostics: &mut Diagnostics) {
     let LevelGenerator { width_m, height_m, gap_m, .. } = *generator;
-    check_pair(format_args!("width_m"), width_m, LEVEL_SIDE_M, METRES, diagnostics);
-    check_pair(format_args!("height_m"), height_m, LEVEL_SIDE_M, METRES, diagnostics);
+    diagnostics.check_pair(format_args!("width_m"), width_m, LEVEL_SIDE_M, METRES);
+    diagnostics.check_pair(format_args!("height_m"), height_m, LEVEL_SIDE_M, METRES);
     let path = format_args!("gap_m");
     diagnostics.check_range(path, gap_m, LEVEL_GAP_M, METRES);
     diagnostics.check_gap(path, gap_m, &generator.robot, &generator.task);
@@ -103,7 +103,7 @@ fn check_walls(
     diagnostics: &mut Diagnostics,
 ) {
     let mut pair = |name: &str, pair: (f32, f32), range: RangeInclusive<f32>, unit: &str| {
-        check_pair(format_args!("{path}.{name}"), pair, range, unit, diagnostics);
+        diagnostics.check_pair(format_args!("{path}.{name}"), pair, range, unit);
     };
     match walls {
         WallLayout::Cells { cell_m, fill } => {
@@ -135,7 +135,7 @@ fn check_walls(
             pair("width_m", *width_m, LEVEL_GAP_M, METRES);
             pair("depth_m", *depth_m, LEVEL_GAP_M, METRES);
             check_passage(format_args!("{path}.width_m"), width_m.0, generator, diagnostics);
-            check_pair(format_args!("{path}.count"), *count, LEVEL_COUNT, "", diagnostics);
+            diagnostics.check_pair(format_args!("{path}.count"), *count, LEVEL_COUNT, "");
         }
     }
 }
@@ -158,14 +158,14 @@ fn check_clutter(
 ) {
     match clutter {
         Clutter::Automaton { fill, smoothings, cell_m } => {
-            check_pair(format_args!("{path}.fill"), *fill, AUTOMATON_FILL, " (a share)", diagnostics);
-            check_pair(format_args!("{path}.smoothings"), *smoothings, SMOOTHINGS, "", diagnostics);
+            diagnostics.check_pair(format_args!("{path}.fill"), *fill, AUTOMATON_FILL, " (a share)");
+            diagnostics.check_pair(format_args!("{path}.smoothings"), *smoothings, SMOOTHINGS, "");
             let path = format_args!("{path}.cell_m");
-            check_pair(path, *cell_m, LEVEL_CELL_M, METRES, diagnostics);
+            diagnostics.check_pair(path, *cell_m, LEVEL_CELL_M, METRES);
             check_cells(path, cell_m.0, MAX_LEVEL_CELLS, generator, diagnostics);
         }
         Clutter::Scatter { count, shapes } => {
-            check_pair(format_args!("{path}.count"), *count, LEVEL_COUNT, "", diagnostics);
+            diagnostics.check_pair(format_args!("{path}.count"), *count, LEVEL_COUNT, "");
             diagnostics.check_count(format_args!("{path}.shapes"), shapes.len(), 1..=MAX_LEVEL_LAYOUTS);
             for (k, shape) in shapes.iter().enumerate().take(MAX_LEVEL_LAYOUTS) {
                 check_random_shape(format_args!("{path}.shapes[{k}]"), shape, diagnostics);
@@ -186,28 +186,28 @@ fn check_traffic(
     | Traffic::RandomWalks { count, radius_m, speed_m_s, .. }
     | Traffic::PedestrianCircle { count, radius_m, speed_m_s, .. }
     | Traffic::PedestrianCrowd { count, radius_m, speed_m_s, .. }) = *traffic;
-    check_pair(format_args!("{path}.count"), count, LEVEL_COUNT, "", diagnostics);
-    check_pair(format_args!("{path}.radius_m"), radius_m, TRAFFIC_SIZE_M, METRES, diagnostics);
+    diagnostics.check_pair(format_args!("{path}.count"), count, LEVEL_COUNT, "");
+    diagnostics.check_pair(format_args!("{path}.radius_m"), radius_m, TRAFFIC_SIZE_M, METRES);
     // An obstacle must not jump over the robot in one control step.
     let most = MAX_SPEED_M_S.min(MAX_STEP_M / generator.task.control_period_s);
-    check_pair(format_args!("{path}.speed_m_s"), speed_m_s, 0.0..=most, METRES_PER_SECOND, diagnostics);
+    diagnostics.check_pair(format_args!("{path}.speed_m_s"), speed_m_s, 0.0..=most, METRES_PER_SECOND);
     match *traffic {
         Traffic::Lanes { pairs, .. } => {
-            check_pair(format_args!("{path}.pairs"), pairs, LANE_PAIRS, "", diagnostics);
+            diagnostics.check_pair(format_args!("{path}.pairs"), pairs, LANE_PAIRS, "");
         }
         Traffic::CircleCrossing { circle_m, .. } => {
-            check_pair(format_args!("{path}.circle_m"), circle_m, LEVEL_CIRCLE_M, METRES, diagnostics);
+            diagnostics.check_pair(format_args!("{path}.circle_m"), circle_m, LEVEL_CIRCLE_M, METRES);
         }
         Traffic::RandomCrossing { .. } => {}
         Traffic::PedestrianCircle { circle_m, noise_m, .. } => {
-            check_pair(format_args!("{path}.circle_m"), circle_m, LEVEL_CIRCLE_M, METRES, diagnostics);
+            diagnostics.check_pair(format_args!("{path}.circle_m"), circle_m, LEVEL_CIRCLE_M, METRES);
             diagnostics.check_range(format_args!("{path}.noise_m"), noise_m, LEVEL_NOISE_M, METRES);
         }
         Traffic::PedestrianCrowd { goals, .. } => {
-            check_pair(format_args!("{path}.goals"), goals, LEVEL_GOALS, "", diagnostics);
+            diagnostics.check_pair(format_args!("{path}.goals"), goals, LEVEL_GOALS, "");
         }
         Traffic::RandomWalks { reach_m, .. } => {
-            check_pair(format_args!("{path}.reach_m"), reach_m, TRAFFIC_SIZE_M, METRES, diagnostics);
+            diagnostics.check_pair(format_args!("{path}.reach_m"), reach_m, TRAFFIC_SIZE_M, METRES);
         }
     }
 }
@@ -236,20 +236,5 @@ fn check_work(generator: &LevelGenerator, diagnostics: &mut Diagnostics) {
     if cells > f64::from(MAX_FLOOR_CELLS) {
         let message = "is too large for such narrow passages: write a smaller enclosure, a larger gap_m, or a larger clearance_m";
         diagnostics.push(format_args!("width_m"), message);
-    }
-}
-
-/// Checks both numbers of a range, and that the first is not the larger one.
-fn check_pair<T: PartialOrd + Copy + std::fmt::Display>(
-    path: Arguments<'_>,
-    (low, high): (T, T),
-    range: RangeInclusive<T>,
-    unit: &str,
-    diagnostics: &mut Diagnostics,
-) {
-    diagnostics.check_range(format_args!("{path}[0]"), low, range.clone(), unit);
-    diagnostics.check_range(format_args!("{path}[1]"), high, range, unit);
-    if low > high {
-        diagnostics.push(path, format!("is ({low}, {high}): write the smaller number first"));
     }
 }

@@ -36,7 +36,7 @@ pub(super) fn add(draft: &mut Draft, walker: Walker, count: u32, stream: &mut St
         let position_m = from + (to - from) * (along / sides[side]).min(1.0);
         let waypoints_m = (1..=4).map(|next| corners[(side + next) % 4]).collect();
         draft.add_moving(
-            walker.at(position_m, ObstacleMotion::Patrol { waypoints_m, speed_m_s: walker.speed_m_s }),
+            walker.at(position_m, ObstacleMotion::Patrol { waypoints_m, speed_m_s: walker.speed_m_s.into() }),
         );
     }
     draft.lanes_m.push(corners);

@@ -84,7 +84,7 @@ impl Walker {
 
     fn between(self, from: Vec2, to: Vec2) -> Obstacle {
         let waypoints_m = vec![to];
-        self.at(from, ObstacleMotion::BackAndForth { waypoints_m, speed_m_s: self.speed_m_s })
+        self.at(from, ObstacleMotion::BackAndForth { waypoints_m, speed_m_s: self.speed_m_s.into() })
     }
 }
 
@@ -121,7 +121,8 @@ fn add_walk(draft: &mut Draft, walker: Walker, reach_m: f32, stream: &mut Stream
     let mut points = (0..TRIES).map(|_| draft.random_point(stream));
     if let Some(at) = points.find(|&at| draft.is_free(at, at, walker.radius_m + reach_m)) {
         let seed = random_u64(stream) as u32;
-        let motion = ObstacleMotion::RandomWalk { radius_m: reach_m, speed_m_s: walker.speed_m_s, seed };
+        let motion =
+            ObstacleMotion::RandomWalk { radius_m: reach_m, speed_m_s: walker.speed_m_s.into(), seed };
         draft.add_moving(walker.at(at, motion));
     }
 }

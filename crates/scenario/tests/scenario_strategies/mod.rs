@@ -115,18 +115,18 @@ impl ValueRange {
         prop_oneof![
             2 => Just(ObstacleMotion::Static),
             1 => (self.place(1.0), self.within(-0.8, 0.8))
-                .prop_map(|(centre_m, speed_rad_s)| ObstacleMotion::Orbit { centre_m, speed_rad_s }),
+                .prop_map(|(centre_m, speed_rad_s)| ObstacleMotion::Orbit { centre_m, speed_rad_s: speed_rad_s.into() }),
             1 => (waypoints(), speed())
-                .prop_map(|(waypoints_m, speed_m_s)| ObstacleMotion::Patrol { waypoints_m, speed_m_s }),
+                .prop_map(|(waypoints_m, speed_m_s)| ObstacleMotion::Patrol { waypoints_m, speed_m_s: speed_m_s.into() }),
             1 => (waypoints(), speed())
-                .prop_map(|(waypoints_m, speed_m_s)| ObstacleMotion::BackAndForth { waypoints_m, speed_m_s }),
+                .prop_map(|(waypoints_m, speed_m_s)| ObstacleMotion::BackAndForth { waypoints_m, speed_m_s: speed_m_s.into() }),
             1 => (waypoints(), self.within(0.2, 1.0), any::<bool>(), self.place(1.4)).prop_map(
                 |(path_m, speed_m_s, is_loop, start_m)| {
                     ObstacleMotion::key_frames_along(start_m, &path_m, speed_m_s, is_loop)
                 }
             ),
             1 => (self.within(0.05, 1.0), speed(), any::<u32>())
-                .prop_map(|(radius_m, speed_m_s, seed)| ObstacleMotion::RandomWalk { radius_m, speed_m_s, seed }),
+                .prop_map(|(radius_m, speed_m_s, seed)| ObstacleMotion::RandomWalk { radius_m, speed_m_s: speed_m_s.into(), seed }),
         ]
         .boxed()
     }
@@ -189,7 +189,8 @@ impl ValueRange {
                 shape,
                 min_turning_radius_m: None,
                 motions: motions.into_iter().map(|(v_m_s, w_rad_s)| Motion { v_m_s, w_rad_s }).collect(),
-                actuator_lag_s,
+                actuator_lag_s: actuator_lag_s.into(),
+                ..Robot::default()
             });
         let lidar = (
             1_usize..64,
@@ -204,9 +205,9 @@ impl ValueRange {
                     beams,
                     field_of_view_rad,
                     max_range_m,
-                    noise_std_m,
-                    dropout,
-                    latency_steps,
+                    noise_std_m: noise_std_m.into(),
+                    dropout: dropout.into(),
+                    latency_steps: latency_steps.into(),
                 },
             );
         let task = (

@@ -109,24 +109,26 @@ fn resizing_a_box_keeps_the_opposite_side() {
 #[test]
 fn resizing_a_moving_obstacle_moves_its_path() {
     let shape = Shape::Rectangle { width_m: 0.6, height_m: 0.4 };
-    let motion = ObstacleMotion::Orbit { centre_m: vec2(0.3, 1.2), speed_rad_s: 0.15 };
+    let motion = ObstacleMotion::Orbit { centre_m: vec2(0.3, 1.2), speed_rad_s: 0.15.into() };
     let mut editor = with(Obstacle { motion, ..static_obstacle(shape, vec2(0.3, 0.2)) });
     // The right side goes from 0.6 to 1.0, the upper side from 0.4 to 0.8: the centre moves by (0.2, 0.2).
     drag(&mut editor, HandleKind::Side(1, 1), vec2(0.4, 0.4), false);
     let o = &editor.scenario().obstacles[0];
     assert_eq!(o.position_m, vec2(0.5, 0.4));
-    let expected = ObstacleMotion::Orbit { centre_m: vec2(0.5, 1.4), speed_rad_s: 0.15 };
+    let expected = ObstacleMotion::Orbit { centre_m: vec2(0.5, 1.4), speed_rad_s: 0.15.into() };
     assert_eq!(o.motion, expected, "the radius is still 1 m");
     let shape = Shape::Capsule { length_m: 1.0, radius_m: 0.1 };
-    let motion =
-        ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(0.0, 1.0), vec2(1.0, 1.0)], speed_m_s: 0.1 };
+    let motion = ObstacleMotion::BackAndForth {
+        waypoints_m: vec![vec2(0.0, 1.0), vec2(1.0, 1.0)],
+        speed_m_s: 0.1.into(),
+    };
     let mut editor = with(Obstacle { motion, ..static_obstacle(shape, vec2(0.0, 0.0)) });
     // The left end goes from -0.5 to -0.9.
     drag(&mut editor, HandleKind::End(-1), vec2(-0.4, 0.0), false);
     let o = &editor.scenario().obstacles[0];
     assert_eq!(o.position_m, vec2(-0.2, 0.0));
     let waypoints_m = vec![vec2(-0.2, 1.0), vec2(0.8, 1.0)];
-    assert_eq!(o.motion, ObstacleMotion::BackAndForth { waypoints_m, speed_m_s: 0.1 });
+    assert_eq!(o.motion, ObstacleMotion::BackAndForth { waypoints_m, speed_m_s: 0.1.into() });
 }
 
 #[test]
@@ -294,19 +296,19 @@ fn key_frames_are_dragged_with_their_times() {
 
 #[test]
 fn the_centre_of_an_orbit_and_the_radius_of_a_random_walk_are_dragged() {
-    let motion = ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: 0.15 };
+    let motion = ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: 0.15.into() };
     let mut editor = with(Obstacle { motion, ..circle(0.6, 0.8) });
     let text = |editor: &Editor, kind| {
         editor.handles().into_iter().find(|handle| handle.kind == kind).map(|handle| handle.text)
     };
     assert_eq!(text(&editor, HandleKind::Centre).as_deref(), Some("r 1.00 m"));
     drag(&mut editor, HandleKind::Centre, vec2(0.0, 0.52), false);
-    let expected = ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.5), speed_rad_s: 0.15 };
+    let expected = ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.5), speed_rad_s: 0.15.into() };
     assert_eq!(editor.scenario().obstacles[0].motion, expected);
     drag(&mut editor, HandleKind::Middle, vec2(0.1, 0.0), false);
-    let expected = ObstacleMotion::Orbit { centre_m: vec2(0.1, 0.5), speed_rad_s: 0.15 };
+    let expected = ObstacleMotion::Orbit { centre_m: vec2(0.1, 0.5), speed_rad_s: 0.15.into() };
     assert_eq!(editor.scenario().obstacles[0].motion, expected, "the orbit moves with the obstacle");
-    let motion = ObstacleMotion::RandomWalk { radius_m: 0.5, speed_m_s: 0.1, seed: 0 };
+    let motion = ObstacleMotion::RandomWalk { radius_m: 0.5, speed_m_s: 0.1.into(), seed: 0 };
     let mut editor = with(Obstacle { motion, ..circle(0.6, 0.8) });
     drag(&mut editor, HandleKind::Reach, vec2(0.0, -0.2), false);
     assert_eq!(text(&editor, HandleKind::Reach).as_deref(), Some("0.30 m"));
@@ -391,9 +393,9 @@ fn every_handle_can_be_dragged() {
     scenario
         .obstacles
         .push(static_obstacle(Shape::Capsule { length_m: 0.3, radius_m: 0.1 }, vec2(0.5, -1.5)));
-    let motion = ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: 0.1 };
+    let motion = ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: 0.1.into() };
     scenario.obstacles.push(Obstacle { motion, ..circle(0.0, 1.0) });
-    let motion = ObstacleMotion::RandomWalk { radius_m: 0.2, speed_m_s: 0.1, seed: 0 };
+    let motion = ObstacleMotion::RandomWalk { radius_m: 0.2, speed_m_s: 0.1.into(), seed: 0 };
     scenario.obstacles.push(Obstacle { motion, ..circle(0.0, -1.0) });
     scenario.starts =
         PlacementRule::Within { min_m: vec2(-1.0, -1.0), max_m: vec2(1.0, 1.0), clearance_m: 0.2 };

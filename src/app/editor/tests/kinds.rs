@@ -25,8 +25,10 @@ fn changing_between_patrol_and_back_and_forth_keeps_the_path() {
     let mut editor = editor(full());
     editor.select(Selection::Obstacle(1));
     editor.set_motion(MotionKind::BackAndForth);
-    let expected =
-        ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(1.0, 1.5), vec2(0.5, 1.5)], speed_m_s: 0.1 };
+    let expected = ObstacleMotion::BackAndForth {
+        waypoints_m: vec![vec2(1.0, 1.5), vec2(0.5, 1.5)],
+        speed_m_s: 0.1.into(),
+    };
     assert_eq!(editor.scenario().obstacles[1].motion, expected);
     editor.set_motion(MotionKind::Patrol);
     assert_eq!(editor.scenario().obstacles[1], full().obstacles[1]);
@@ -37,12 +39,12 @@ fn a_new_orbit_is_centred_in_the_scenario_if_it_fits() {
     let mut editor = editor(full());
     editor.select(Selection::Obstacle(0));
     editor.set_motion(MotionKind::Orbit);
-    let expected = ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: 0.15 };
+    let expected = ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: 0.15.into() };
     assert_eq!(editor.scenario().obstacles[0].motion, expected);
     // From so far out it would cross the boundary; half a metre to the left it fits.
     editor.edit("x", |s| s.obstacles[0] = circle(1.5, 1.3));
     editor.set_motion(MotionKind::Orbit);
-    let expected = ObstacleMotion::Orbit { centre_m: vec2(1.0, 1.3), speed_rad_s: 0.15 };
+    let expected = ObstacleMotion::Orbit { centre_m: vec2(1.0, 1.3), speed_rad_s: 0.15.into() };
     assert_eq!(editor.scenario().obstacles[0].motion, expected);
 }
 

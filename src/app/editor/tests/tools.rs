@@ -123,7 +123,7 @@ fn paths_and_positions_are_drawn_for_the_selected_item() {
     editor.click_with_tool(vec2(0.0, 0.0), false);
     let after = one_step(&mut editor, Editor::finish_tool);
     let waypoints_m = vec![vec2(-1.0, 0.0), vec2(0.0, 0.0)];
-    assert_eq!(after.obstacles[0].motion, ObstacleMotion::Patrol { waypoints_m, speed_m_s: 0.1 });
+    assert_eq!(after.obstacles[0].motion, ObstacleMotion::Patrol { waypoints_m, speed_m_s: 0.1.into() });
     editor.select(Selection::Starts);
     editor.set_tool(Tool::Positions);
     for at in [vec2(0.5, 0.5), vec2(0.51, 0.5), vec2(-0.5, 0.0)] {

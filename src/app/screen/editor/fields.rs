@@ -3,15 +3,17 @@
 //! The fields change a copy of the edited item; [`FieldRows::commit`] applies the copy to the scenario. All changes of
 //! one field are one undo step.
 
-use bevy::math;
-use egui::{Align, DragValue, Id, Label, Layout, Ui, vec2};
+use std::ops::RangeInclusive;
 
-use super::number::{FieldEvents, FieldName, HEIGHT, NumberSpec, WIDTH, is_left, number_ui, with_tip};
+use bevy::math;
+use egui::{Align, Id, Label, Layout, Response, Sense, Ui, vec2};
+
+use super::number::{FieldEvents, FieldName, HEIGHT, NumberSpec, count_ui, number_ui, with_tip};
 use crate::app::editor::Editor;
 use crate::app::screen::theme::Palette;
 use crate::app::screen::widgets::icons::{self, ButtonStyle, Icon};
 use crate::app::screen::widgets::text::weak_text;
-use crate::scenario::Scenario;
+use crate::scenario::{RangeNumber, Ranged, Scenario};
 
 /// Maximum number of list entries shown.
 pub const MAX_SHOWN: usize = 32;
@@ -40,26 +42,73 @@ impl<'u> FieldRows<'u> {
         }
     }
 
-    /// A label, and fields to the right of it.
-    fn row(&mut self, name: &str, tip: &str, fields: impl FnOnce(&mut Ui, Id) -> FieldEvents) {
+    /// A label, and fields to the right of it. Returns the label.
+    fn row(&mut self, name: &str, tip: &str, fields: impl FnOnce(&mut Ui, Id) -> FieldEvents) -> Response {
         let row = self.ui.horizontal(|ui| {
             ui.set_height(HEIGHT);
             ui.spacing_mut().button_padding.x = 4.0;
             let row = ui.max_rect();
             let label = with_tip(ui.add(Label::new(weak_text(name)).selectable(false)), tip);
             let rest = vec2((row.right() - ui.cursor().left()).max(0.0), HEIGHT);
-            let fields = |ui: &mut Ui| fields(ui, label.id);
-            ui.allocate_ui_with_layout(rest, Layout::right_to_left(Align::Center), fields).inner
+            let id = label.id;
+            let fields = |ui: &mut Ui| fields(ui, id);
+            let fields = ui.allocate_ui_with_layout(rest, Layout::right_to_left(Align::Center), fields).inner;
+            (label, fields)
         });
-        if row.inner.changed {
+        let (label, events) = row.inner;
+        if events.changed {
             self.changed_field = Some(name.to_owned());
         }
-        self.left |= row.inner.left;
+        self.left |= events.left;
+        label
     }
 
     /// A row with one number.
     pub fn number(&mut self, name: &str, tip: &str, value: &mut f32, spec: NumberSpec) {
         self.row(name, tip, |ui, label| number_ui(ui, FieldName::Label(label), tip, value, spec));
+    }
+
+    /// A row with a number, or with both ends of a range.
+    pub fn ranged(&mut self, name: &str, tip: &str, value: &mut Ranged<f32>, spec: NumberSpec) {
+        self.ranged_row(name, tip, value, |ui, name, number| number_ui(ui, name, tip, number, spec));
+    }
+
+    /// A row with a whole number, or with both ends of a range.
+    pub fn ranged_count(
+        &mut self,
+        name: &str,
+        tip: &str,
+        value: &mut Ranged<u32>,
+        range: RangeInclusive<u32>,
+    ) {
+        self.ranged_row(name, tip, value, |ui, name, number| count_ui(ui, name, tip, number, range.clone()));
+    }
+
+    /// A row of `field`s. The context menu of its label turns a number into a range, and back.
+    fn ranged_row<T: RangeNumber>(
+        &mut self,
+        name: &str,
+        tip: &str,
+        value: &mut Ranged<T>,
+        field: impl Fn(&mut Ui, FieldName, &mut T) -> FieldEvents,
+    ) {
+        let label = self.row(name, tip, |ui, label| match value {
+            Ranged::Number(number) => field(ui, FieldName::Label(label), number),
+            Ranged::Range(low, high) => {
+                let high = field(ui, FieldName::Text(format!("{name} highest")), high);
+                field(ui, FieldName::Text(format!("{name} lowest")), low).or(high)
+            }
+        });
+        let (text, other) = match *value {
+            Ranged::Number(number) => ("Draw from a range in every episode", Ranged::Range(number, number)),
+            Ranged::Range(..) => ("Same number in every episode", Ranged::Number(value.value())),
+        };
+        let mut is_chosen = false;
+        label.interact(Sense::click()).context_menu(|ui| is_chosen = ui.button(text).clicked());
+        if is_chosen {
+            *value = other;
+            self.mark_changed(&format!("{name} range"));
+        }
     }
 
     /// A row with two numbers; each has a name for screen readers.
@@ -123,15 +172,9 @@ impl<'u> FieldRows<'u> {
         name: &str,
         tip: &str,
         value: &mut T,
-        range: std::ops::RangeInclusive<T>,
+        range: RangeInclusive<T>,
     ) {
-        self.row(name, tip, |ui, label| {
-            let before = value.to_f64();
-            let field = DragValue::new(value).range(range).clamp_existing_to_range(false).speed(0.1);
-            let response = ui.add_sized(vec2(WIDTH, HEIGHT), field).labelled_by(label);
-            let changed = value.to_f64() != before;
-            FieldEvents { changed, left: is_left(&with_tip(response, tip)) }
-        });
+        self.row(name, tip, |ui, label| count_ui(ui, FieldName::Label(label), tip, value, range));
     }
 
     /// A checkbox.

@@ -63,6 +63,21 @@ impl NumberSpec {
         Self { suffix: " s", shown: (1, 3), ..Self::length(range) }
     }
 
+    /// An acceleration, in m/s^2.
+    pub const fn acceleration(range: RangeInclusive<f32>) -> Self {
+        Self { suffix: " m/s²", ..Self::length(range) }
+    }
+
+    /// A drift of the heading, in rad/m.
+    pub const fn heading_drift(range: RangeInclusive<f32>) -> Self {
+        Self { suffix: " rad/m", ..Self::length(range) }
+    }
+
+    /// An angular acceleration, in rad/s^2.
+    pub const fn angular_acceleration(range: RangeInclusive<f32>) -> Self {
+        Self { suffix: " rad/s²", ..Self::length(range) }
+    }
+
     /// A number of a shape or a motion.
     pub fn of(quantity: Quantity) -> Self {
         let format = match quantity {
@@ -117,14 +132,7 @@ pub fn number_ui(ui: &mut Ui, name: FieldName, tip: &str, value: &mut f32, spec:
         .clamp_existing_to_range(false)
         .custom_formatter(move |value, _| format_number(value, spec.shown))
         .suffix(spec.suffix);
-    let response = ui.add_sized(vec2(WIDTH, HEIGHT), field);
-    let response = match name {
-        FieldName::Label(label) => response.labelled_by(label),
-        FieldName::Text(text) => {
-            set_accessible_name(&response, &text);
-            response
-        }
-    };
+    let response = named(ui.add_sized(vec2(WIDTH, HEIGHT), field), name);
     // egui parses the text of a field that is left, and the text has fewer decimals than the stored value.
     let changed = format_number(shown, spec.shown) != format_number(before, spec.shown);
     if changed {
@@ -132,6 +140,32 @@ pub fn number_ui(ui: &mut Ui, name: FieldName, tip: &str, value: &mut f32, spec:
         *value = ((shown / spec.factor * steps).round() / steps) as f32 + 0.0;
     }
     FieldEvents { changed, left: is_left(&with_tip(response, tip)) }
+}
+
+/// Shows the field of a whole number.
+pub fn count_ui<T: egui::emath::Numeric>(
+    ui: &mut Ui,
+    name: FieldName,
+    tip: &str,
+    value: &mut T,
+    range: RangeInclusive<T>,
+) -> FieldEvents {
+    let before = value.to_f64();
+    let field = DragValue::new(value).range(range).clamp_existing_to_range(false).speed(0.1);
+    let response = named(ui.add_sized(vec2(WIDTH, HEIGHT), field), name);
+    let changed = value.to_f64() != before;
+    FieldEvents { changed, left: is_left(&with_tip(response, tip)) }
+}
+
+/// The response of a field with a name for screen readers.
+fn named(response: Response, name: FieldName) -> Response {
+    match name {
+        FieldName::Label(label) => response.labelled_by(label),
+        FieldName::Text(text) => {
+            set_accessible_name(&response, &text);
+            response
+        }
+    }
 }
 
 /// A number with between `min` and `max` decimals, as many as it needs.

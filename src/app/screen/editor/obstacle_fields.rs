@@ -66,6 +66,9 @@ pub(super) fn described_rows(rows: &mut FieldRows<'_>, fields: Vec<Field<'_>>) {
             FieldValue::Number(number, quantity) => {
                 rows.number(label, about, number, NumberSpec::of(quantity));
             }
+            FieldValue::Ranged(number, quantity) => {
+                rows.ranged(label, about, number, NumberSpec::of(quantity));
+            }
             FieldValue::Pair([first, second], quantity) => {
                 let name = |k: usize| names[k].trim_end_matches("_m");
                 let pair = [(name(0), first), (name(1), second)];

@@ -8,7 +8,7 @@ use super::number::NumberSpec;
 use super::obstacle_fields::described_rows;
 use crate::app::editor::Editor;
 use crate::scenario::limits::*;
-use crate::scenario::{Motion, Robot, Shape};
+use crate::scenario::{Motion, OdometryDrift, Ranged, Robot, Shape, Slip};
 
 /// A full turn, exactly as in the schema's default.
 const FULL_TURN_RAD: f32 = std::f32::consts::TAU;
@@ -52,7 +52,21 @@ pub fn robot_ui(ui: &mut Ui, editor: &mut Editor) {
     rows.number("Min. turning radius", tip, &mut turning_radius_m, radius);
     robot.min_turning_radius_m = (turning_radius_m != 0.0).then_some(turning_radius_m);
     let tip = "Time constant with which the robot follows its motion commands";
-    rows.number("Actuator lag", tip, &mut robot.actuator_lag_s, NumberSpec::seconds(ACTUATOR_LAG_S));
+    rows.ranged("Actuator lag", tip, &mut robot.actuator_lag_s, NumberSpec::seconds(ACTUATOR_LAG_S));
+    limit_row(
+        &mut rows,
+        "Limit acceleration",
+        &mut robot.max_acceleration_m_s2,
+        NumberSpec::acceleration(ACCELERATION_M_S2),
+    );
+    limit_row(
+        &mut rows,
+        "Limit angular acceleration",
+        &mut robot.max_angular_acceleration_rad_s2,
+        NumberSpec::angular_acceleration(ANGULAR_ACCELERATION_RAD_S2),
+    );
+    slip_rows(&mut rows, &mut robot.slip);
+    odometry_rows(&mut rows, &mut robot.odometry_drift);
     let units = [NumberSpec::VELOCITY, NumberSpec::ANGULAR_VELOCITY];
     rows.list("Motion", &mut robot.motions, *MOTIONS.start(), "edit them in the file", units, |motion| {
         [("speed", &mut motion.v_m_s), ("turn rate", &mut motion.w_rad_s)]
@@ -65,6 +79,57 @@ pub fn robot_ui(ui: &mut Ui, editor: &mut Editor) {
         rows.mark_changed("motion added");
     }
     rows.commit(editor, "robot", |scenario| scenario.robot = robot);
+}
+
+/// A checkbox for the slip of the wheels and, if they slip, its numbers.
+fn slip_rows(rows: &mut FieldRows<'_>, slip: &mut Option<Slip>) {
+    let mut slips = slip.is_some();
+    rows.checkbox("Wheels slip", "The robot moves less than its wheels", &mut slips);
+    match slip {
+        Some(Slip { forward, turning, std }) if slips => {
+            let share = NumberSpec::FRACTION.with_range(SLIP);
+            rows.ranged("Slip forward", "Part of the wheels' speed that is lost", forward, share);
+            rows.ranged("Slip in turns", "Part of the wheels' turning rate that is lost", turning, share);
+            let share = share.with_range(SLIP_STD);
+            rows.ranged("Slip variation", "Standard deviation from step to step", std, share);
+        }
+        _ => *slip = slips.then(Slip::default),
+    }
+}
+
+/// A checkbox for the drift of odometry and, if it drifts, its errors.
+fn odometry_rows(rows: &mut FieldRows<'_>, drift: &mut Option<OdometryDrift>) {
+    let mut drifts = drift.is_some();
+    let tip = "The robot observes the goal from where its odometry says that it is";
+    rows.checkbox("Odometry drifts", tip, &mut drifts);
+    match drift {
+        Some(OdometryDrift { distance_error, rotation_error, heading_drift_rad_m }) if drifts => {
+            let error = NumberSpec::FRACTION.with_range(ODOMETRY_ERROR);
+            rows.ranged("Distance error", "Per metre driven", distance_error, error);
+            rows.ranged("Rotation error", "Per turn", rotation_error, error);
+            let drift = NumberSpec::heading_drift(HEADING_DRIFT_RAD_M);
+            rows.ranged("Heading drift", "Rotation reported per metre", heading_drift_rad_m, drift);
+        }
+        _ => {
+            let error = Ranged::Number(0.02);
+            let new = OdometryDrift {
+                distance_error: error,
+                rotation_error: error,
+                heading_drift_rad_m: Ranged::Number(0.0),
+            };
+            *drift = drifts.then_some(new);
+        }
+    }
+}
+
+/// A checkbox for a limit and, if there is one, its number.
+fn limit_row(rows: &mut FieldRows<'_>, name: &str, limit: &mut Option<f32>, spec: NumberSpec) {
+    let mut is_limited = limit.is_some();
+    rows.checkbox(name, "Otherwise the drive changes its speed at once, apart from the lag", &mut is_limited);
+    match limit {
+        Some(limit) if is_limited => rows.number("At most", "In speeding up and in braking", limit, spec),
+        _ => *limit = is_limited.then_some(1.0),
+    }
 }
 
 /// Shows the fields of the LIDAR.
@@ -80,11 +145,11 @@ pub fn lidar_ui(ui: &mut Ui, editor: &mut Editor) {
     let tip = "Largest range; also reported by beams that hit nothing";
     rows.number("Range", tip, &mut lidar.max_range_m, NumberSpec::length(LIDAR_RANGE_M));
     let tip = "Standard deviation of the Gaussian noise on each range";
-    rows.number("Noise", tip, &mut lidar.noise_std_m, NumberSpec::length(LIDAR_NOISE_M));
+    rows.ranged("Noise", tip, &mut lidar.noise_std_m, NumberSpec::length(LIDAR_NOISE_M));
     let tip = "Probability that a beam is lost and reports the largest range";
-    rows.number("Dropout", tip, &mut lidar.dropout, NumberSpec::FRACTION);
+    rows.ranged("Dropout", tip, &mut lidar.dropout, NumberSpec::FRACTION);
     let tip = "Age of a scan when the policy sees it";
-    rows.count("Latency in steps", tip, &mut lidar.latency_steps, LIDAR_LATENCY_STEPS);
+    rows.ranged_count("Latency in steps", tip, &mut lidar.latency_steps, LIDAR_LATENCY_STEPS);
     rows.commit(editor, "lidar", |scenario| scenario.lidar = lidar);
 }
 
