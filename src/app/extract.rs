@@ -110,46 +110,37 @@ fn arena_scenes(session: &SessionView, world: &WorldView, view_state: &CurrentVi
     let mode = session.mode.mode();
     let motions = world.scenario.0.robot.motions.len();
     let no_trails = ArenaTrails::default();
-    let arena_scene = |(arena, layout, pose, goal, clock, scan, episode, member): (
-        &Arena,
-        &ArenaLayout,
-        &Pose,
-        &Goal,
-        (&Clock, &Pedestrians),
-        &Scan,
-        &Episode,
-        Option<&ArenaScenario>,
-    )| {
-        let (clock, pedestrians) = clock;
-        let k = arena.0;
-        let trails = world.trails.0.get(k).unwrap_or(&no_trails);
-        let q_values = world.decisions.q_values.get(k * motions..(k + 1) * motions).unwrap_or_default();
-        let is_large = view_state.0.followed == k || mode != SessionMode::Train;
-        ArenaScene {
-            scenario: layout.scenario.clone(),
-            written: layout.written.clone(),
-            set_member: world.pool.as_ref().zip(member).map(|(pool, member)| pool.title(member.choice)),
-            pose: trails.previous_pose.map_or(*pose, |before| interpolate(&before, pose, part)),
-            goal: *goal,
-            obstacles: obstacles(layout.indexed(pedestrians), *clock, part),
-            ranges_m: scan.ranges_m.clone(),
-            scan_pose: scan.sensor_pose,
-            driver: session.mode.driver(k),
-            action: world.actions.0.get(k).copied().unwrap_or(0),
-            explored: world.decisions.explored.get(k).copied().unwrap_or(false),
-            q_values: if q_values.iter().all(|q| q.is_finite()) { q_values.to_vec() } else { Vec::new() },
-            plan: if mode == SessionMode::Compare { plan(world.sources.arenas.get(k)) } else { None },
-            path_m: trails.path_m.clone(),
-            trails: if is_large && view_state.0.overlays.trails {
-                trails.finished.iter().cloned().collect()
-            } else {
-                Vec::new()
-            },
-            score: trails.score,
-            inactive: episode.inactive,
-        }
-    };
-    shown.into_iter().map(arena_scene).collect()
+    let arena_scenes =
+        shown.into_iter().map(|(arena, layout, pose, goal, (clock, pedestrians), scan, episode, member)| {
+            let k = arena.0;
+            let trails = world.trails.0.get(k).unwrap_or(&no_trails);
+            let q_values = world.decisions.q_values.get(k * motions..(k + 1) * motions).unwrap_or_default();
+            let is_large = view_state.0.followed == k || mode != SessionMode::Train;
+            ArenaScene {
+                scenario: layout.scenario.clone(),
+                written: layout.written.clone(),
+                set_member: world.pool.as_ref().zip(member).map(|(pool, member)| pool.title(member.choice)),
+                pose: trails.previous_pose.map_or(*pose, |before| interpolate(&before, pose, part)),
+                goal: *goal,
+                obstacles: obstacles(layout.indexed(pedestrians), *clock, part),
+                ranges_m: scan.ranges_m.clone(),
+                scan_pose: scan.sensor_pose,
+                driver: session.mode.driver(k),
+                action: world.actions.0.get(k).copied().unwrap_or(0),
+                explored: world.decisions.explored.get(k).copied().unwrap_or(false),
+                q_values: if q_values.iter().all(|q| q.is_finite()) { q_values.to_vec() } else { Vec::new() },
+                plan: if mode == SessionMode::Compare { plan(world.sources.arenas.get(k)) } else { None },
+                path_m: trails.path_m.clone(),
+                trails: if is_large && view_state.0.overlays.trails {
+                    trails.finished.iter().cloned().collect()
+                } else {
+                    Vec::new()
+                },
+                score: trails.score,
+                inactive: episode.inactive,
+            }
+        });
+    arena_scenes.collect()
 }
 
 /// What a classical driver plans with.
