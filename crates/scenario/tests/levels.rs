@@ -306,9 +306,10 @@ fn pedestrians_start_apart_near_the_circle_and_cross_it() {
     }
     for quarter in 0..4 {
         let low = (f64::from(quarter) - 2.0) * f64::from(TAU) / 4.0;
-        let share = angles_rad.iter().filter(|a| (low..low + 1.5708).contains(&f64::from(**a))).count()
-            as f32
-            / angles_rad.len() as f32;
+        let share =
+            angles_rad.iter().filter(|a| (low..low + f64::from(TAU) / 4.0).contains(&f64::from(**a))).count()
+                as f32
+                / angles_rad.len() as f32;
         assert!((share - 0.25).abs() < 0.05, "all around: {share} in quarter {quarter}");
     }
 }
