@@ -3,6 +3,8 @@
 
 mod cli_support;
 
+use std::fs;
+
 use cli_support::{SCENARIO_1, SCENARIO_2, Workspace, edited, noisy, quick_fast, with_short_episodes};
 
 /// A set of two scenarios and the levels of a generator.
@@ -128,6 +130,7 @@ fn a_setting_changes_every_scenario_of_a_set_but_no_levels() {
 #[test]
 fn a_preset_names_its_scenarios_and_a_flag_names_others() {
     let workspace = workspace();
+    fs::create_dir(workspace.path("mine")).unwrap();
     workspace.write("mine/preset.ron", "(based_on: \"../fast.ron\", scenario: \"../set.ron\")");
     workspace.write("other.ron", "(based_on: \"mine/preset.ron\")");
     workspace.run_ok("--check mine/preset.ron other.ron");

@@ -31,7 +31,8 @@ pub struct ArenaState {
     pub goal: Goal,
     /// The obstacles' clock.
     pub clock: Clock,
-    /// The pedestrians.
+    /// The pedestrians. Checkpoints store them separately.
+    #[serde(skip)]
     pub pedestrians: Pedestrians,
     /// The seed of the generated obstacles and of the drawn numbers ([`ArenaLayout`](super::ArenaLayout)).
     pub layout_seed: u64,

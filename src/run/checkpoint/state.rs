@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use bevy::prelude::World;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 
 use crate::agent::{Decisions, TrainingStats};
 use crate::learning::Policy;
@@ -13,7 +13,7 @@ use crate::random::{self, Stream};
 use crate::run::folder::RunConfig;
 use crate::run::metric_rows::Milestone;
 use crate::sim;
-use crate::task::{ArenaScenario, ArenaState, Pose, ScenarioPool};
+use crate::task::{ArenaScenario, ArenaState, Pedestrians, Pose, ScenarioPool};
 
 /// The state of a run, apart from its learner.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -50,15 +50,10 @@ pub struct TrainerState {
     pub arena_extensions: Vec<ArenaExtension>,
     /// The scenario of every arena in the run's set of scenarios; empty without a set.
     pub arena_scenarios: Vec<ArenaScenario>,
-    /// The pose that each arena's robot believes in; empty if these are the true poses. Checkpoints written before there was a
-    /// drift of odometry end here.
-    #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "poses_or_none")]
+    /// The pose that each arena's robot believes in; empty if these are the true poses.
     pub estimated_poses: Vec<Pose>,
-}
-
-/// The poses at the end of a checkpoint; none if it ends before them. The checksum has shown that it is complete.
-fn poses_or_none<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Pose>, D::Error> {
-    Ok(Vec::deserialize(deserializer).unwrap_or_default())
+    /// The pedestrians of each arena; empty if there are none.
+    pub pedestrians: Vec<Pedestrians>,
 }
 
 /// The plugin data of an arena: sensor readings, and the sums of reward terms in the current episode.
@@ -124,7 +119,8 @@ impl TrainerState {
         self.collect_extensions();
     }
 
-    /// Copies the plugin data, the scenarios and the estimated poses out of the arenas, whose serialized form does not include them.
+    /// Copies what the arenas' serialized form does not include out of them: plugin data, scenarios, estimated poses and
+    /// pedestrians.
     fn collect_extensions(&mut self) {
         self.arena_extensions = self.arenas.iter().map(ArenaExtension::from_state).collect();
         if self.arena_extensions.iter().all(ArenaExtension::is_empty) {
@@ -134,10 +130,14 @@ impl TrainerState {
         if self.arenas.iter().all(|arena| arena.estimated_pose == arena.pose) {
             self.estimated_poses.clear();
         }
+        self.pedestrians = self.arenas.iter().map(|arena| arena.pedestrians.clone()).collect();
+        if self.pedestrians.iter().all(|pedestrians| *pedestrians == Pedestrians::default()) {
+            self.pedestrians.clear();
+        }
         self.arena_scenarios = self.arenas.iter().filter_map(|arena| arena.scenario.clone()).collect();
     }
 
-    /// Copies the plugin data, the scenarios and the estimated poses back into the arenas.
+    /// Copies the same back into the arenas.
     pub(super) fn distribute_extensions(&mut self) -> Result<(), String> {
         if !self.arena_extensions.is_empty() && self.arena_extensions.len() != self.arenas.len() {
             return Err("is damaged: it has plugin data of a different number of arenas".into());
@@ -157,6 +157,12 @@ impl TrainerState {
         }
         for (k, arena) in self.arenas.iter_mut().enumerate() {
             arena.estimated_pose = self.estimated_poses.get(k).copied().unwrap_or(arena.pose);
+        }
+        if !self.pedestrians.is_empty() && self.pedestrians.len() != self.arenas.len() {
+            return Err("is damaged: it has pedestrians of a different number of arenas".into());
+        }
+        for (arena, pedestrians) in self.arenas.iter_mut().zip(&self.pedestrians) {
+            arena.pedestrians.clone_from(pedestrians);
         }
         self.collect_extensions();
         Ok(())

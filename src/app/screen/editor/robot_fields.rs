@@ -35,7 +35,7 @@ fn shape_name(shape: Option<&Shape>) -> &'static str {
 pub fn robot_ui(ui: &mut Ui, editor: &mut Editor) {
     let mut robot = editor.scenario().robot.clone();
     let mut rows = FieldRows::new(ui);
-    let kind = choice_ui(rows.ui, "Shape", shape_name(robot.shape.as_ref()), &SHAPES);
+    let kind = choice_ui(rows.ui, "Body", shape_name(robot.shape.as_ref()), &SHAPES);
     match &mut robot.shape {
         None => rows.number("Radius", "", &mut robot.radius_m, NumberSpec::length(ROBOT_RADIUS_M)),
         Some(shape) => described_rows(&mut rows, shape.fields_mut()),
