@@ -271,7 +271,7 @@ fn the_bound_never_exceeds_the_plan_of_a_search_without_it() {
             let mut straight_line = LowerBound::new(&scenario, start, goal);
             straight_line.turning_radius = None;
             (straight_line.geodesic.occluders, straight_line.geodesic.corners) = (Vec::new(), Vec::new());
-            let mut space = ConfigurationSpace::new(&scenario, 0, 0.0);
+            let mut space = ConfigurationSpace::new(&scenario, 0, scenario.keep_out_m().into());
             let goal_region = GoalRegion::new(&scenario, goal, 0.0);
             let limits = SearchLimits { step_limit: 500, max_states: MAX_STATES };
             let mut cells = StateGrid::new(0.03, 0.16, false);
@@ -327,7 +327,7 @@ proptest! {
         let scenario = &[Scenario::default(), cylinders(0.0), maze()][map];
         let mut draws = stream(seed, "drive", 0);
         let start = draw_start(scenario, 0, &mut draws).expect("free space");
-        let free = ConfigurationSpace::new(scenario, 0, 0.0);
+        let free = ConfigurationSpace::new(scenario, 0, scenario.keep_out_m().into());
         let mut path = vec![State::new(start)];
         for _ in 0..turns {
             let step = &free.motion_primitives[wayfield_random::uniform_index(&mut draws, free.motion_primitives.len())];
