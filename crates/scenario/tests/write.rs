@@ -210,6 +210,11 @@ const EVERYTHING: &str = r#"(
         (
             shape: Circle(radius_m: 0.15),
             position_m: (0.0, 0.0),
+            motion: Pedestrian(goals_m: [(1.0, 1.0)], speed_m_s: 0.1, loops: false, sees_robot: true),
+        ),
+        (
+            shape: Circle(radius_m: 0.15),
+            position_m: (0.0, 0.0),
             motion: RandomWalk(radius_m: 0.8, speed_m_s: 0.1),
         ),
         (
