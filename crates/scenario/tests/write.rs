@@ -302,7 +302,7 @@ fn the_canonical_text_is_stable() {
     assert_eq!(scenario, everything());
     assert_eq!(to_text(&scenario, None), EVERYTHING);
     assert_eq!(to_text(&scenario, Some(EVERYTHING)), EVERYTHING);
-    assert!(scenario.obstacles[6].position_m.x.is_sign_negative(), "-0.0 keeps its sign");
+    assert!(scenario.obstacles[7].position_m.x.is_sign_negative(), "-0.0 keeps its sign");
 }
 
 #[test]
