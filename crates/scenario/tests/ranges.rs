@@ -96,7 +96,10 @@ fn what_is_neither_a_number_nor_a_range_is_explained() {
     for (to, expected) in [
         ("\"0.1\"", "`lidar.noise_std_m` must be a number, or a range (lowest, highest), without quotes"),
         ("(0.1)", "a number, or a range (lowest, highest)"),
-        ("(0.1, 0.2, 0.3)", "`lidar.noise_std_m` must end before this: a `)` is missing, or it has too many parts"),
+        (
+            "(0.1, 0.2, 0.3)",
+            "`lidar.noise_std_m` must end before this: a `)` is missing, or it has too many parts",
+        ),
         ("(lowest: 0.1, highest: 0.2)", "a number, or a range (lowest, highest)"),
         ("low", "a number, or a range (lowest, highest)"),
     ] {

@@ -104,7 +104,8 @@ impl<'u> FieldRows<'u> {
             Ranged::Range(..) => ("Same number in every episode", Ranged::Number(value.value())),
         };
         let mut is_chosen = false;
-        label.interact(Sense::click()).context_menu(|ui| is_chosen = ui.button(text).clicked());
+        // Without a place in the order of Tab: a label that is registered twice would keep the focus.
+        label.interact(Sense::CLICK).context_menu(|ui| is_chosen = ui.button(text).clicked());
         if is_chosen {
             *value = other;
             self.mark_changed(&format!("{name} range"));
