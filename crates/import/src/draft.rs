@@ -5,7 +5,8 @@ use wayfield_scenario::limits::{
     EPISODE_STEPS, MAX_ABOUT_CHARS, MAX_NAME_CHARS, MAX_OBSTACLES, MAX_WALL_SEGMENTS, MAX_WALLS,
 };
 use wayfield_scenario::{
-    BenchmarkRoute, Enclosure, MAX_FILE_BYTES, PlacementRule, Scenario, diagnostics, is_unprintable, to_text,
+    BenchmarkRoute, Enclosure, MAX_FILE_BYTES, PlacementRule, Scenario, clearance, diagnostics,
+    is_unprintable, to_text,
 };
 
 use crate::floor::{Floor, Margins};
@@ -57,9 +58,14 @@ pub fn scenario(
         benchmark_route: None,
         ..base.clone()
     };
-    scenario.benchmark_route = Some(route(floor, scale)).filter(|route| {
+    // A moving obstacle may stand at an end of the floor.
+    let is_clear = |at_m| clearance(&scenario, at_m, 0) >= base.keep_out_m();
+    let route = Some(route(floor, scale)).filter(|route| {
         route.start_m.distance(route.goal_m) > base.task.goal_radius_m.max(base.task.min_goal_distance_m)
+            && is_clear(route.start_m)
+            && is_clear(route.goal_m)
     });
+    scenario.benchmark_route = route;
     scenario.task.max_episode_steps = steps(base, floor.longest_way as f64 * scale.cell_m);
     scenario
 }

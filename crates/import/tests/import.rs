@@ -460,6 +460,11 @@ fn what_moves_in_a_stage_has_key_frames() {
     assert!(x.abs() < 1e-6 && y == -1.0, "half-way after 10 s, not at ({x}, {y})");
     let names = import_worlds(&folder.path("stages.json"), &ImportOptions::default()).expect("all");
     assert_eq!(names.iter().map(|(name, _)| &**name).collect::<Vec<_>>(), ["stage-2", "stage-5"]);
+    let start_m = imported.scenario.benchmark_route.expect("a route").start_m;
+    let there = format!("[[0, {}, {}], [10, -1, 0]]", start_m.x, start_m.y);
+    folder.write("stages.json", STAGES.replace("[[0, -1, 1], [10, -1, 0], [15, -1, 0]]", &there).as_bytes());
+    assert_eq!(one(2).expect("valid").scenario.benchmark_route, None, "something stands at its start");
+    folder.write("stages.json", STAGES.as_bytes());
     assert!(one(3).expect_err("no such stage").contains("it has no such world; help: --world takes 2 to 5"));
     for (from, to, expected) in [
         ("\"circle\"", "\"cone\"", "stages.json:3:"),
