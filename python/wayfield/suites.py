@@ -24,7 +24,7 @@ class FamilyEvaluation:
         worst_tenth: The mean success in the tenth of the scenarios where it is lowest, 0 to 1.
         barn_score: The mean score of the BARN Challenge, 0 to 0.5; None if the family has none.
         optimum_episodes, time_ratio: With ``optimum=True``, the number of successful episodes in which the planner found a path,
-            and their time divided by the planner's; else None.
+            and their time divided by the planner's; else 0 and None.
     """
 
     scenarios: int
@@ -40,7 +40,7 @@ class FamilyEvaluation:
     spl: float
     worst_tenth: float
     barn_score: float | None
-    optimum_episodes: int | None
+    optimum_episodes: int
     time_ratio: float | None
 
 
