@@ -18,7 +18,8 @@ use crate::learning::QNetwork;
 use crate::scenario::{Scenario, enclosure_distance, inner_wall_distance};
 use crate::sim::Probe;
 use crate::task::{
-    Arena, ArenaLayout, Clock, Goal, ObservationLayout, Pose, RewardConfig, Scan, SensorReadings, observation,
+    Arena, ArenaLayout, Clock, Goal, ObservationLayout, Pose, RewardConfig, Scan, ScanMemory, SensorReadings,
+    Twist, observation,
 };
 
 /// Number of grid points along the longer side.
@@ -201,7 +202,7 @@ fn sample(
     let width = sources.layout.width(scenario.lidar.beams);
     let (mut potentials, mut observations) = (Vec::new(), Vec::new());
     // One scan per point serves both fields.
-    let mut scan = Scan::default();
+    let (mut scan, mut memory) = (Scan::default(), ScanMemory::default());
     for Vec2 { x: x_m, y: y_m } in grid.points_m() {
         let pose = Pose { x_m, y_m, heading_rad: inputs.heading_rad };
         scan_from(&pose, &mut scan);
@@ -213,7 +214,9 @@ fn sample(
             let start = observations.len();
             observations.resize(start + width, 0.0);
             let row = &mut observations[start..];
-            observation::encode(sources.layout.encoding, &scan, &pose, goal, readings, row);
+            let encoding = sources.layout.encoding;
+            memory.begin(encoding, &inputs.scenario, &scan, &pose, &Twist::default());
+            observation::encode(encoding, &memory, &scan, (&pose, goal), readings, row);
         }
     }
     (potentials, observations)
