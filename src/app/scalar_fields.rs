@@ -208,7 +208,9 @@ fn sample(
         scan_from(&pose, &mut scan);
         // From outside or inside a wall the beams may see far, so the floor is checked separately.
         let free = scan.nearest_m >= scenario.sure_collision_m() && is_floor(scenario, vec2(x_m, y_m));
-        let potential = sources.reward.potential(pose.distance_m(goal), scan.nearest_m).total();
+        let scale = sources.reward.scale(scenario.robot_unit_m());
+        let potential =
+            sources.reward.potential(scale * pose.distance_m(goal), scale * scan.nearest_m).total();
         potentials.push(if free { potential } else { f32::NAN });
         if inputs.value {
             let start = observations.len();

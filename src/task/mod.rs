@@ -37,7 +37,7 @@ pub use observation::{
 };
 pub use outcome::{EpisodeEnd, EpisodeEnded, StepOutcome, StepOutcomes};
 pub use reset::EpisodeSetup;
-pub use reward::{Potential, RewardConfig, RewardKind, RewardTerms};
+pub use reward::{Attraction, Potential, RewardConfig, RewardKind, RewardLengths, RewardTerms};
 pub use scenario_pool::{ArenaScenario, ScenarioChoice, ScenarioPool};
 pub use state::{
     Arena, ArenaLayout, Clock, Episode, EstimatedPose, Goal, Pedestrians, PendingReset, Pose, Scan, Streams,

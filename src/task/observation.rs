@@ -267,19 +267,22 @@ impl Observations {
     }
 }
 
+/// The components of an arena that its next observation is made of.
+type Sensing = (
+    &'static Arena,
+    &'static Scan,
+    (&'static EstimatedPose, &'static Twist),
+    &'static Goal,
+    &'static SensorReadings,
+    &'static Episode,
+    &'static mut ScanMemory,
+);
+
 /// `Sense`: encodes the observations after the step.
 pub(super) fn observe_next(
     layout: Res<ObservationLayout>,
     mut observations: ResMut<Observations>,
-    mut arenas: Query<(
-        &Arena,
-        &Scan,
-        (&EstimatedPose, &Twist),
-        &Goal,
-        &SensorReadings,
-        &Episode,
-        &mut ScanMemory,
-    )>,
+    mut arenas: Query<Sensing>,
 ) {
     let width = observations.width;
     // Includes inactive arenas, because `current` and `next` are swapped after every step.
@@ -328,7 +331,8 @@ pub(super) fn observe_first(
                 memory.begin(layout.encoding, &arena_layout.written, scan, &estimate.0, twist);
             }
             encode(layout.encoding, &memory, scan, (&estimate.0, goal), readings, row);
-            episode.potential = reward.potential(pose.distance_m(goal), scan.nearest_m);
+            let scale = reward.scale(arena_layout.robot_unit_m);
+            episode.potential = reward.potential(scale * pose.distance_m(goal), scale * scan.nearest_m);
         }
     }
 }

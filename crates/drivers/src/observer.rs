@@ -19,7 +19,7 @@ pub fn sector_observer(layout: SectorLayout, scenario: &Scenario) -> SectorObser
         body_m.max(task.collision_range_m)
     };
     let body = BodyScale {
-        unit_m: scenario.keep_out_m().max(robot.reach_m()),
+        unit_m: scenario.robot_unit_m(),
         extents_m: angles_rad.iter().map(extent_m).collect(),
         max_speed_m_s: high.v_m_s.max(-low.v_m_s).max(0.001),
         max_turn_rad_s: high.w_rad_s.max(-low.w_rad_s).max(0.001),
