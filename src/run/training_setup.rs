@@ -17,7 +17,7 @@ use crate::policy::{Encoding, Policy};
 use crate::scenario::Scenario;
 use crate::sim::spawn_arenas;
 use crate::simulation::{Extensions, Simulation, SimulationBuilder};
-use crate::task::{EpisodeEnded, EpisodeSetup, ObservationLayout, TaskFault, TaskMode};
+use crate::task::{ActiveActionSet, EpisodeEnded, EpisodeSetup, ObservationLayout, TaskFault, TaskMode};
 
 /// A simulation in which `learner` trains with `preset` in parallel arenas of `scenario`.
 #[must_use]
@@ -42,6 +42,7 @@ pub fn start_training(
     learner: Learner,
 ) {
     world.resource_mut::<ObservationLayout>().encoding = preset.observation;
+    world.insert_resource(ActiveActionSet(preset.actions.clone()));
     world.insert_resource(preset.reward.clone());
     world.insert_resource(TaskMode::Continuing);
     world.insert_resource(EpisodeSetup::Random);
@@ -63,8 +64,11 @@ pub fn start_training(
 /// the policy does not fit it.
 pub fn create_learner(config: &RunConfig, policy: Option<&Policy>) -> Result<Learner, RunError> {
     let inputs = config.observation_layout().width(config.scenario.lidar.beams);
-    let actions = config.scenario.robot.motions.len();
     let preset = &config.preset;
+    let actions = preset.actions.len(config.scenario.robot.motions.len());
+    if let Some((_, why)) = config.scenario_set.as_ref().and_then(|set| set.misfit(preset.fit())) {
+        return Err(RunError::InvalidInput(format!("{}: a scenario {why}", config.scenario_from)));
+    }
     config
         .check_memory()
         .map_err(|error| RunError::InvalidInput(format!("{}: {error}", config.preset_from)))?;
