@@ -22,7 +22,7 @@ use crate::run::preset::Budget;
 use crate::run::shipped;
 use crate::scenario::IndexedScenario;
 use crate::task::{
-    Actions, Arena, ArenaLayout, ArenaScenario, Clock, CurrentScenario, Episode, Goal, Pedestrians, Pose,
+    Actions, ActiveActionSet, Arena, ArenaLayout, ArenaScenario, Clock, CurrentScenario, Episode, Goal, Pedestrians, Pose,
     Scan, ScenarioPool, wrap_angle,
 };
 
@@ -74,6 +74,7 @@ pub(super) struct WorldView<'w, 's> {
     scenario: Res<'w, CurrentScenario>,
     decisions: Res<'w, Decisions>,
     actions: Res<'w, Actions>,
+    action_set: Res<'w, ActiveActionSet>,
     sources: Res<'w, ActionSources>,
     pool: Option<Res<'w, ScenarioPool>>,
     trails: Res<'w, Trails>,
@@ -108,13 +109,13 @@ fn arena_scenes(session: &SessionView, world: &WorldView, view_state: &CurrentVi
     shown.truncate(MAX_ARENAS_SHOWN);
     let part = session.pacer.interpolation();
     let mode = session.mode.mode();
-    let motions = world.scenario.0.robot.motions.len();
+    let actions = world.decisions.q_values.len() / world.actions.0.len().max(1);
     let no_trails = ArenaTrails::default();
     let arena_scenes =
         shown.into_iter().map(|(arena, layout, pose, goal, (clock, pedestrians), scan, episode, member)| {
             let k = arena.0;
             let trails = world.trails.0.get(k).unwrap_or(&no_trails);
-            let q_values = world.decisions.q_values.get(k * motions..(k + 1) * motions).unwrap_or_default();
+            let q_values = world.decisions.q_values.get(k * actions..(k + 1) * actions).unwrap_or_default();
             let is_large = view_state.0.followed == k || mode != SessionMode::Train;
             ArenaScene {
                 scenario: layout.scenario.clone(),
@@ -126,6 +127,7 @@ fn arena_scenes(session: &SessionView, world: &WorldView, view_state: &CurrentVi
                 ranges_m: scan.ranges_m.clone(),
                 scan_pose: scan.sensor_pose,
                 driver: session.mode.driver(k),
+                motions: world.action_set.motions(&layout.scenario.robot),
                 action: world.actions.0.get(k).copied().unwrap_or(0),
                 explored: world.decisions.explored.get(k).copied().unwrap_or(false),
                 q_values: if q_values.iter().all(|q| q.is_finite()) { q_values.to_vec() } else { Vec::new() },

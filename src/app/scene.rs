@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use crate::drivers::DriverPlan;
-use crate::scenario::Scenario;
+use crate::scenario::{Motion, Scenario};
 use crate::task::{Goal, Pose};
 
 /// The way a path ended. A training episode may have many paths, one per goal.
@@ -99,11 +99,13 @@ pub struct ArenaScene {
     pub scan_pose: Pose,
     /// The driver.
     pub driver: DriverLabel,
-    /// The last action, an index into the robot's motions.
+    /// The motions of the robot that the actions of the networks stand for.
+    pub motions: Vec<Motion>,
+    /// The last action; of a network, an index into `motions`.
     pub action: usize,
     /// Whether the last action was random.
     pub explored: bool,
-    /// Q-values of the last decision, one per motion; empty if no network decided.
+    /// Q-values of the last decision, one per element of `motions`; empty if no network decided.
     pub q_values: Vec<f32>,
     /// What a classical driver plans with, if it plans a path.
     pub plan: Option<DriverPlan>,

@@ -243,6 +243,7 @@ fn arena(n: usize, layout: &Arc<Scenario>) -> ArenaScene {
         ranges_m: (0..24).map(|k| range_m(pose, k as f32 / 24.0 * std::f32::consts::TAU)).collect(),
         scan_pose: pose,
         driver: DriverLabel::Learner,
+        motions: layout.robot.motions.clone(),
         action: n % 5,
         explored: n == 3,
         q_values: vec![31.0, 44.5, 52.0, 38.0, 12.5],

@@ -110,6 +110,7 @@ mod tests {
             ranges_m: vec![],
             scan_pose: pose,
             driver: DriverLabel::Learner,
+            motions: vec![],
             action: 0,
             explored: false,
             q_values: vec![],

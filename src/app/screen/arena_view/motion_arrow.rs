@@ -1,14 +1,29 @@
-//! The arrow symbol of a motion: it bends in the direction of the turn.
+//! The symbol of a motion: an arrow that bends in the direction of the turn and is longer for a higher speed; for a stop, a square.
 
-use egui::{Color32, Pos2, Rect, Shape, Stroke, pos2};
+use egui::{Color32, Pos2, Rect, Shape, Stroke, Vec2, pos2};
 
 use super::canvas::Canvas;
 use super::transform::screen_direction;
 use crate::scenario::Motion;
 
-/// Draws the arrow of `motion` centred at `middle`; `fastest` is the largest turn rate of the robot, in
-/// rad/s.
-pub fn draw(canvas: &Canvas, middle: Pos2, motion: Motion, fastest: f32, color: Color32) {
+/// The side of the square that stands for a stop, in points.
+const STOP: f32 = 7.0;
+
+/// The highest speed and turning rate of `motions`, both without sign and above 0.
+pub fn fastest(motions: &[Motion]) -> Motion {
+    let least = Motion { v_m_s: 1e-6, w_rad_s: 1e-6 };
+    motions.iter().fold(least, |fastest, motion| Motion {
+        v_m_s: fastest.v_m_s.max(motion.v_m_s.abs()),
+        w_rad_s: fastest.w_rad_s.max(motion.w_rad_s.abs()),
+    })
+}
+
+/// Draws the symbol of `motion` centred at `middle`; `fastest` is the [`fastest`] of the robot's motions.
+pub fn draw(canvas: &Canvas, middle: Pos2, motion: Motion, fastest: Motion, color: Color32) {
+    if motion.v_m_s == 0.0 && motion.w_rad_s == 0.0 {
+        canvas.painter.rect_filled(Rect::from_center_size(middle, Vec2::splat(STOP)), 1.0, color);
+        return;
+    }
     let points = arc_points(motion, fastest);
     let (Some(&last), Some(&before)) = (points.last(), points.iter().rev().nth(1)) else { return };
     let shift = middle.to_vec2() - Rect::from_points(&points).center().to_vec2();
@@ -20,12 +35,16 @@ pub fn draw(canvas: &Canvas, middle: Pos2, motion: Motion, fastest: f32, color: 
 }
 
 /// The points of the arrow for a robot that faces up, in points with y down: an arc of up to 110°, or most of
-/// a circle for a turn on the spot.
-fn arc_points(motion: Motion, fastest: f32) -> Vec<Pos2> {
+/// a circle for a turn on the spot. At half of the highest speed it is three quarters as long.
+fn arc_points(motion: Motion, fastest: Motion) -> Vec<Pos2> {
     const PARTS: usize = 10;
-    let turn = (motion.w_rad_s / fastest).clamp(-1.0, 1.0) * 1.92;
+    let turn = (motion.w_rad_s / fastest.w_rad_s).clamp(-1.0, 1.0) * 1.92;
     let on_the_spot = motion.v_m_s.abs() < 1e-6;
-    let (step, first) = if on_the_spot { (1.1, turn.signum() * -0.6) } else { (1.25, 0.0) };
+    let (step, first) = if on_the_spot {
+        (1.1, turn.signum() * -0.6)
+    } else {
+        (1.25 * (0.5 + 0.5 * motion.v_m_s.abs() / fastest.v_m_s), 0.0)
+    };
     let step = if motion.v_m_s < 0.0 { -step } else { step };
     let turn = if on_the_spot { turn.signum() * 4.0 } else { turn };
     let mut at = pos2(0.0, 0.0);
@@ -44,8 +63,13 @@ mod tests {
 
     #[test]
     fn an_arrow_bends_in_the_direction_of_the_turn() {
-        let end = |w| arc_points(Motion { v_m_s: 0.15, w_rad_s: w }, 1.5).last().copied().unwrap_or_default();
-        assert!(end(1.5).x < -3.0 && end(-1.5).x > 3.0);
-        assert!(end(0.0).x.abs() < 1e-3 && end(0.0).y < -8.0);
+        let fastest = fastest(&[Motion { v_m_s: 0.1, w_rad_s: -1.5 }, Motion { v_m_s: 0.15, w_rad_s: 0.0 }]);
+        let end = |v_m_s, w_rad_s| {
+            arc_points(Motion { v_m_s, w_rad_s }, fastest).last().copied().unwrap_or_default()
+        };
+        assert!(end(0.15, 1.5).x < -3.0 && end(0.15, -1.5).x > 3.0);
+        assert!(end(0.15, 0.0).x.abs() < 1e-3 && end(0.15, 0.0).y < -8.0);
+        let slow = end(0.075, 0.0).y / end(0.15, 0.0).y;
+        assert!((slow - 0.75).abs() < 1e-5, "{slow}");
     }
 }

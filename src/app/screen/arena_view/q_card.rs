@@ -16,7 +16,7 @@ use crate::app::screen::numbers::{decimals_for, format_decimals};
 use crate::scenario::{Motion, Scenario};
 
 /// Maximum number of motions that are all shown. Of more, only the chosen and the best one are shown.
-const MAX_ROWS: usize = 9;
+const MAX_ROWS: usize = 12;
 const ROW: f32 = 16.0;
 const HEAD: f32 = 18.0;
 const FOOT: f32 = 15.0;
@@ -52,7 +52,7 @@ fn rows(motions: &[Motion], q: &[f32], chosen: usize) -> Vec<usize> {
 /// Draws the card if there are finite Q-values. It avoids the rectangles in `avoid`; `id` keeps its side of
 /// the robot.
 pub fn draw(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene, avoid: &[Rect], id: Id) {
-    let (motions, q) = (&scenario.robot.motions, &arena.q_values);
+    let (motions, q) = (&arena.motions, &arena.q_values);
     if q.is_empty() || !q.iter().all(|value| value.is_finite()) {
         return;
     }
@@ -100,7 +100,7 @@ fn draw_rows(canvas: &Canvas, card: Rect, motions: &[Motion], arena: &ArenaScene
     let mean = q.iter().sum::<f32>() / q.len() as f32;
     let max_advantage = q.iter().map(|value| (value - mean).abs()).fold(1e-6, f32::max);
     let decimals = decimals_for(q.iter().copied().fold(0.0, |max: f32, value| max.max(value.abs())));
-    let fastest = motions.iter().map(|motion| motion.w_rad_s.abs()).fold(1e-6, f32::max);
+    let fastest = motion_arrow::fastest(motions);
     let axis = card.top() + HEAD..=card.bottom() - PAD + 2.0;
     canvas.painter.vline(zero, axis, Stroke::new(1.0, palette.border));
     for (row, &k) in rows.iter().enumerate() {
@@ -146,11 +146,11 @@ mod tests {
 
     #[test]
     fn of_many_motions_only_the_chosen_and_the_best_one_have_a_row() {
-        let motions: Vec<Motion> = (0..12).map(|k| motion(0.1, k as f32)).collect();
-        let mut q = vec![0.0; 12];
+        let motions: Vec<Motion> = (0..13).map(|k| motion(0.1, k as f32)).collect();
+        let mut q = vec![0.0; 13];
         q[3] = 5.0;
         assert_eq!(rows(&motions, &q, 7), [7, 3]);
-        assert_eq!(rows(&motions[..9], &q[..9], 7).len(), 9);
+        assert_eq!(rows(&motions[..12], &q[..12], 7).len(), 12);
         assert_eq!(rows(&motions[..5], &q[..2], 1), [1, 0], "no row without a value");
     }
 }
