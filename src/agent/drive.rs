@@ -1,4 +1,4 @@
-//! Classical drivers as action sources (`Decide`).
+//! Classical drivers, and policies with a map, as action sources (`Decide`).
 //!
 //! In: the components of an arena. Out: its action. A driver of class A or B gets what a policy's observation is made of and the
 //! robot's own motion; one of class C also gets the true scenario.
@@ -6,15 +6,45 @@
 use bevy::prelude::*;
 
 use super::{ActionSource, ActionSources};
-use crate::drivers::{Driver, DriverClass, DriverConfig, DriverPlan, Odometry, Percept, Robot, Truth};
+use crate::drivers::{
+    Driver, DriverClass, DriverConfig, DriverPlan, Odometry, Percept, PolicyWithMap, Robot, Truth,
+};
 use crate::scenario::Motion;
 use crate::task::{
     Actions, Arena, ArenaLayout, Clock, Episode, EstimatedPose, Goal, Pedestrians, Pose, Scan, Twist,
 };
 
-/// A classical driver in one arena. It starts anew with every episode.
+/// What drives by percepts.
+#[derive(Clone, Debug)]
+pub enum DriverKind {
+    /// A classical driver with its parameters.
+    Classical(DriverConfig),
+    /// A policy with a map that it builds.
+    PolicyWithMap(PolicyWithMap),
+}
+
+impl DriverKind {
+    /// What it may perceive.
+    #[must_use]
+    pub fn class(&self) -> DriverClass {
+        match self {
+            Self::Classical(config) => config.class(),
+            Self::PolicyWithMap(_) => DriverClass::B,
+        }
+    }
+
+    /// A driver of `robot` for one episode.
+    fn driver(&self, robot: &Robot) -> Box<dyn Driver> {
+        match self {
+            Self::Classical(config) => config.driver(robot),
+            Self::PolicyWithMap(policy) => policy.driver(robot),
+        }
+    }
+}
+
+/// A driver in one arena. It starts anew with every episode.
 pub struct DriverSource {
-    config: DriverConfig,
+    kind: DriverKind,
     /// The driver of the current episode; `None` before the first step.
     driver: Option<Box<dyn Driver>>,
     /// The pose that the robot believed in at the last decision.
@@ -22,10 +52,10 @@ pub struct DriverSource {
 }
 
 impl DriverSource {
-    /// A driver with the parameters `config`.
+    /// A driver of the kind `kind`.
     #[must_use]
-    pub fn new(config: &DriverConfig) -> Self {
-        Self { config: config.clone(), driver: None, last_pose: Pose::default() }
+    pub fn new(kind: DriverKind) -> Self {
+        Self { kind, driver: None, last_pose: Pose::default() }
     }
 
     /// What it plans with, in the arena's frame; `None` before the first step, or if it plans no path.
@@ -51,7 +81,7 @@ type Perceived = (
     &'static Episode,
 );
 
-/// `Decide`: lets the classical drivers choose the actions of their arenas.
+/// `Decide`: lets the drivers choose the actions of their arenas.
 pub(super) fn drive(
     sources: Option<ResMut<ActionSources>>,
     arenas: Query<Perceived>,
@@ -66,7 +96,7 @@ pub(super) fn drive(
         }
         if episode.steps == 0 || source.driver.is_none() {
             // As a policy, it does not know what is drawn for the episode.
-            source.driver = Some(source.config.driver(&Robot::of(&layout.written)));
+            source.driver = Some(source.kind.driver(&Robot::of(&layout.written)));
             source.last_pose = *estimate;
         }
         let (clock, pedestrians) = clock;
@@ -82,7 +112,7 @@ pub(super) fn drive(
             goal_bearing_rad: estimate.bearing_rad(goal),
             twist: Motion { v_m_s: twist.v_m_s, w_rad_s: twist.w_rad_s },
             odometry: Odometry::between(tuple(&source.last_pose), tuple(estimate)),
-            truth: (source.config.class() == DriverClass::C).then_some(truth),
+            truth: (source.kind.class() == DriverClass::C).then_some(truth),
         };
         source.last_pose = *estimate;
         if let (Some(driver), Some(action)) = (&mut source.driver, actions.0.get_mut(arena.0)) {

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use super::active_mode::ActiveMode;
 use super::comparison::origin;
 use super::evaluations::Evaluations;
-use super::open::{OpenedFiles, check_can_drive};
+use super::open::{OpenedFiles, check_can_drive, check_driver};
 use super::session_policy;
 use super::trails::Trails;
 use super::training_run::TrainingRun;
@@ -86,16 +86,17 @@ pub(super) fn drivers(
 /// The second driver of a comparison: the classical driver that the user has chosen, or else the opened policy.
 fn second(world: &World) -> Result<(DriverLabel, ActionSource), RunError> {
     let opened = world.resource::<OpenedFiles>();
+    let config = &world.resource::<TrainingRun>().config;
     if let Some((name, driver)) = &opened.driver {
+        check_driver(config, name, driver)?;
         let label = DriverLabel::Policy { name: name.clone(), origin: driver.class().about().into() };
-        return Ok((label, ActionSource::Driver(DriverSource::new(driver))));
+        return Ok((label, ActionSource::Driver(DriverSource::new(driver.clone()))));
     }
     let Some((name, policy)) = &opened.policy else {
         return Err(RunError::InvalidInput(
             "Nothing to compare with\nhelp: open a policy file, or choose a classical driver".into(),
         ));
     };
-    let config = &world.resource::<TrainingRun>().config;
     check_can_drive(config, name, policy)?;
     let label = DriverLabel::Policy { name: name.clone(), origin: origin(config, policy) };
     Ok((label, ActionSource::Policy(network(policy)?)))

@@ -7,15 +7,16 @@ use std::path::{Path, PathBuf};
 
 use bevy::prelude::*;
 
-use super::comparison::{compare_with, compare_with_driver, open_driver};
+use super::comparison::{compare_with, compare_with_driver, compare_with_map, open_driver};
 use super::notices::{NoticeTopic, notify};
 use super::start_training;
 use super::training_run::TrainingRun;
-use crate::agent::ActiveLearner;
+use crate::agent::{ActiveLearner, DriverKind};
 use crate::app::app_snapshot::{Choice, Severity};
-use crate::drivers::DriverConfig;
+use crate::drivers::{DriverConfig, PolicyWithMap};
 use crate::policy::Policy;
 use crate::run::folder::{RunConfig, RunFolder};
+use crate::run::policy_card::WITH_MAP;
 use crate::run::preset::Preset;
 use crate::run::{RunError, evaluate, policy_card, scenario_set, shipped};
 use crate::scenario::{LevelGenerator, Scenario, path_exists, read_text, resemblance, utf8};
@@ -29,8 +30,8 @@ const OPENABLE: &str =
 pub struct OpenedFiles {
     /// A second policy to compare with, and its name.
     pub policy: Option<(String, Policy)>,
-    /// A classical driver to compare with in place of that policy, and its name.
-    pub driver: Option<(String, DriverConfig)>,
+    /// A classical driver, or a policy with a map, to compare with in place of that policy, and its name.
+    pub driver: Option<(String, DriverKind)>,
     /// The user's own scenarios.
     pub scenarios: Vec<Choice>,
     /// The user's own presets.
@@ -83,6 +84,12 @@ fn open(world: &mut World, path: &Path) -> Result<String, RunError> {
     if path.is_dir() {
         return resume(world, path, path);
     }
+    if let Some(policy) = name.strip_suffix(WITH_MAP)
+        && !path_exists(path)
+    {
+        let policy = policy_card::read(&path.with_file_name(policy))?;
+        return compare_with_map(world, &name, policy);
+    }
     match path.extension().and_then(|extension| extension.to_str()) {
         Some("bin") => {
             let folder = path.parent().and_then(Path::parent);
@@ -131,7 +138,11 @@ fn open_ron(world: &mut World, path: &Path) -> Result<String, RunError> {
     if DriverConfig::is_meant_by(&text) {
         let driver = DriverConfig::parse(&text, path)?;
         let file = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-        return compare_with_driver(world, format!("{}, {file}", driver.title()), driver);
+        return compare_with_driver(
+            world,
+            format!("{}, {file}", driver.title()),
+            DriverKind::Classical(driver),
+        );
     }
     let RunConfig { scenario_from, preset_from, seed, .. } = &world.resource::<TrainingRun>().config;
     let (scenario_from, preset_from, seed) = (scenario_from.clone(), preset_from.clone(), *seed);
@@ -175,6 +186,17 @@ pub(super) fn check_can_drive(config: &RunConfig, name: &str, policy: &Policy) -
         ));
     }
     Ok(())
+}
+
+/// Checks that `driver`, called `name`, can drive in the scenario of `config`: a policy with a map must fit.
+///
+/// # Errors
+/// The reason why it cannot drive there.
+pub(super) fn check_driver(config: &RunConfig, name: &str, driver: &DriverKind) -> Result<(), RunError> {
+    let DriverKind::PolicyWithMap(PolicyWithMap { policy, .. }) = driver else { return Ok(()) };
+    evaluate::check_compatible(policy, &config.scenario, &config.observation_layout())
+        .and_then(|()| policy_card::check_without_sensors(policy))
+        .map_err(|error| RunError::InvalidInput(format!("{name}: {error}")))
 }
 
 /// Lists the current scenario or set of scenarios, and the current preset, among the user's own, if they are not shipped.

@@ -6,8 +6,8 @@ use bevy::prelude::*;
 
 use super::path::{PathQuery, PathTracker};
 use super::{EpisodeResult, Evaluated, Evaluation};
-use crate::agent::{ActionSelection, ActionSource, ActionSources, DriverSource, GreedyPolicy};
-use crate::drivers::DriverConfig;
+use crate::agent::{ActionSelection, ActionSource, ActionSources, DriverKind, DriverSource, GreedyPolicy};
+use crate::drivers::PolicyWithMap;
 use crate::learning::QNetwork;
 use crate::limits::MAX_BODIES;
 use crate::policy::Policy;
@@ -132,7 +132,8 @@ impl Evaluator {
     ) -> Result<EvaluationRun, RunError> {
         match evaluated.into() {
             Evaluated::Policy(policy) => self.use_policy(policy)?,
-            Evaluated::Driver(driver) => self.use_driver(driver),
+            Evaluated::PolicyWithMap(policy) => self.use_policy_with_map(policy)?,
+            Evaluated::Driver(driver) => self.use_driver(&DriverKind::Classical(driver.clone())),
         }
         let world = self.simulation.world_mut();
         world.remove_resource::<CommandedMotions>();
@@ -233,12 +234,21 @@ impl Evaluator {
     }
 
     /// Makes a driver choose the actions of the next episodes.
-    fn use_driver(&mut self, driver: &DriverConfig) {
-        let source = |_| ActionSource::Driver(DriverSource::new(driver));
+    fn use_driver(&mut self, driver: &DriverKind) {
+        let source = |_| ActionSource::Driver(DriverSource::new(driver.clone()));
         let arenas = (0..self.arenas).map(source).collect();
         let world = self.simulation.world_mut();
         world.insert_resource(ActionSources { arenas, num_actions: self.scenario.robot.motions.len() });
         world.insert_resource(ActionSelection::PerArena);
+    }
+
+    /// Makes `policy` with a map choose the actions of the next episodes.
+    fn use_policy_with_map(&mut self, policy: &PolicyWithMap) -> Result<(), RunError> {
+        let layout = self.simulation.world().resource::<ObservationLayout>();
+        check_compatible(&policy.policy, &self.scenario, layout)?;
+        policy_card::check_without_sensors(&policy.policy)?;
+        self.use_driver(&DriverKind::PolicyWithMap(policy.clone()));
+        Ok(())
     }
 
     /// Makes `policy` choose the actions of the next episodes.
