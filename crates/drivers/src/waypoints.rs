@@ -129,3 +129,114 @@ fn nearest(path: &[Vec2], at_m: Vec2) -> usize {
     let distance = |index: &usize| (path[*index] - at_m).length_squared();
     (0..path.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::vec2;
+    use wayfield_scenario::{Lidar, Motion, Scenario};
+
+    use super::*;
+
+    /// A robot that keeps 0.13 m from walls and has 360 beams.
+    fn robot() -> Robot {
+        Robot::of(&Scenario { lidar: Lidar { beams: 360, ..Lidar::default() }, ..Scenario::default() })
+    }
+
+    /// A robot that always faces along x, at `at_m`, before a wall along x = 1 from `low` to `high`. Its goal is at (2, 0).
+    struct Place {
+        robot: Robot,
+        waypoints: Waypoints,
+        at_m: Vec2,
+    }
+
+    impl Place {
+        fn new(at_m: Vec2) -> Self {
+            let robot = robot();
+            Self { waypoints: Waypoints::new(&robot), robot, at_m }
+        }
+
+        /// The waypoint in the world after the robot has moved to `to_m` and seen the wall, if any.
+        fn waypoint(&mut self, to_m: Vec2, wall: Option<(f32, f32)>) -> Option<Vec2> {
+            let range = |beam: &Vec2| {
+                let range_m = (1.0 - to_m.x) / beam.x;
+                let y = to_m.y + range_m * beam.y;
+                let is_hit = wall.is_some_and(|(low, high)| (low..=high).contains(&y));
+                if is_hit && range_m > 0.0 { range_m.min(3.5) } else { 3.5 }
+            };
+            let ranges_m: Vec<f32> = self.robot.beams.iter().map(range).collect();
+            let goal_m = vec2(2.0, 0.0) - to_m;
+            let percept = Percept {
+                ranges_m: &ranges_m,
+                goal_distance_m: goal_m.length(),
+                goal_bearing_rad: goal_m.to_angle(),
+                twist: Motion { v_m_s: 0.0, w_rad_s: 0.0 },
+                odometry: Odometry { translation_m: to_m - self.at_m, rotation_rad: 0.0 },
+                truth: None,
+            };
+            self.at_m = to_m;
+            self.waypoints.update(&percept).map(|point_m| point_m + to_m)
+        }
+
+        /// The waypoint after the robot has stood there until the next plan.
+        fn planned(&mut self, to_m: Vec2, wall: Option<(f32, f32)>) -> Option<Vec2> {
+            (0..=REPLAN_STEPS).map(|_| self.waypoint(to_m, wall)).last().flatten()
+        }
+    }
+
+    #[test]
+    fn the_waypoint_is_the_farthest_point_in_sight_of_the_way_around() {
+        let wall = Some((-0.9, 0.3));
+        let mut place = Place::new(Vec2::ZERO);
+        assert_eq!(place.waypoint(Vec2::ZERO, None), None, "the goal is in sight");
+        // The shorter way leads past the upper end, (1, 0.3). The corner at the keep-out distance from it is 1.04 m along the
+        // path or farther, so the waypoint lies near there, at 8 x 0.13 = 1.04 m along the path.
+        let point = place.planned(Vec2::ZERO, wall).expect("the wall is in the way");
+        assert!((0.9..=1.05).contains(&point.length()), "{point}");
+        assert!((0.35..=0.75).contains(&point.y), "{point}");
+        // The straight way there keeps clear of the end of the wall.
+        let end = vec2(1.0, 0.3);
+        let along = end.dot(point.normalize()).min(point.length());
+        assert!((end - point.normalize() * along).length() > 0.13 - 0.03, "{point}");
+        // From there the way to the goal passes the end at 0.36 m.
+        assert_eq!(place.planned(vec2(1.0, 0.75), wall), None);
+    }
+
+    #[test]
+    fn a_goal_on_the_edge_of_sight_does_not_come_and_go() {
+        // From (0.6, 0.67) the way to the goal passes the wall's end at (0.67 - 0.42) / |(1.4, 0.67)| = 0.16 m: farther than the
+        // robot must keep, but within half the margin.
+        let (wall, edge) = (Some((-0.9, 0.3)), vec2(0.6, 0.67));
+        assert_eq!(Place::new(edge).planned(edge, wall), None, "it was never out of sight");
+        let mut place = Place::new(Vec2::ZERO);
+        assert!(place.planned(Vec2::ZERO, wall).is_some());
+        assert!(place.planned(edge, wall).is_some(), "it is not yet in sight again");
+    }
+
+    #[test]
+    fn of_two_equally_good_ways_the_first_is_kept_until_it_is_closed() {
+        let wall = Some((-0.6, 0.6));
+        let mut place = Place::new(Vec2::ZERO);
+        let side = place.planned(Vec2::ZERO, wall).expect("out of sight").y.signum();
+        // A step to the other side, which makes that way the shorter one.
+        for step in 1..5 {
+            let point = place.planned(vec2(0.0, -0.02 * side * step as f32), wall).expect("out of sight");
+            assert_eq!(point.y.signum(), side, "{point}");
+        }
+        // The wall turns out to go on on this side.
+        let longer = Some(if side > 0.0 { (-0.6, 3.0) } else { (-3.0, 0.6) });
+        let point = place.planned(Vec2::ZERO, longer).expect("out of sight");
+        assert_eq!(point.y.signum(), -side, "{point}");
+    }
+
+    #[test]
+    fn what_has_gone_is_forgotten() {
+        let mut place = Place::new(Vec2::ZERO);
+        assert!(place.planned(Vec2::ZERO, Some((-0.9, 0.3))).is_some());
+        for _ in 0..10 {
+            place.waypoint(Vec2::ZERO, None);
+        }
+        assert_eq!(place.waypoint(Vec2::ZERO, None), None);
+        let plan = place.waypoints.plan((0.0, 0.0, 0.0));
+        assert!(plan.path_m.is_empty() && plan.occupied_m.is_empty(), "{plan:?}");
+    }
+}
