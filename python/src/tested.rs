@@ -6,7 +6,7 @@ use std::sync::Arc;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use wayfield::cli::TestDriver;
-use wayfield::drivers::PolicyWithMap;
+use wayfield::drivers::DrivingPolicy;
 use wayfield::scenario::to_ron;
 
 use crate::env_options::{TEXT, is_text};
@@ -37,7 +37,7 @@ pub fn load_tested(wanted: &str) -> PyResult<Loaded> {
     };
     match driver? {
         TestDriver::Policy(policy) => NativePolicy::try_from(policy).map(Loaded::Policy),
-        TestDriver::PolicyWithMap(PolicyWithMap { policy, .. }) => {
+        TestDriver::PolicyWithMap(DrivingPolicy { policy, .. }) => {
             let policy = NativePolicy::try_from(Arc::unwrap_or_clone(policy))?;
             Ok(Loaded::Policy(NativePolicy { with_map: true, ..policy }))
         }

@@ -3,15 +3,18 @@
 //! In: the components of an arena. Out: its action. A driver of class A or B gets what a policy's observation is made of and the
 //! robot's own motion; one of class C also gets the true scenario.
 
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
 use super::{ActionSource, ActionSources};
 use crate::drivers::{
-    Driver, DriverClass, DriverConfig, DriverPlan, Odometry, Percept, PolicyWithMap, Robot, Truth,
+    Driver, DriverClass, DriverConfig, DriverPlan, DrivingPolicy, Odometry, Percept, Robot, Truth,
 };
-use crate::scenario::Motion;
+use crate::policy::ActionSet;
+use crate::scenario::{self, Motion, Scenario};
 use crate::task::{
-    Actions, Arena, ArenaLayout, Clock, Episode, EstimatedPose, Goal, Pedestrians, Pose, Scan, Twist,
+    Actions, ActiveActionSet, Arena, ArenaLayout, Clock, CommandedMotions, Episode, EstimatedPose, Goal,
+    Pedestrians, Pose, Scan, Twist,
 };
 
 /// What drives by percepts.
@@ -19,8 +22,8 @@ use crate::task::{
 pub enum DriverKind {
     /// A classical driver with its parameters.
     Classical(DriverConfig),
-    /// A policy with a map that it builds.
-    PolicyWithMap(PolicyWithMap),
+    /// A policy, also with a map that it builds.
+    Policy(DrivingPolicy),
 }
 
 impl DriverKind {
@@ -29,15 +32,15 @@ impl DriverKind {
     pub fn class(&self) -> DriverClass {
         match self {
             Self::Classical(config) => config.class(),
-            Self::PolicyWithMap(_) => DriverClass::B,
+            Self::Policy(policy) => policy.class(),
         }
     }
 
-    /// A driver of `robot` for one episode.
-    fn driver(&self, robot: &Robot) -> Box<dyn Driver> {
+    /// A driver of the robot of `scenario` for one episode.
+    fn driver(&self, scenario: &Scenario) -> Box<dyn Driver> {
         match self {
-            Self::Classical(config) => config.driver(robot),
-            Self::PolicyWithMap(policy) => policy.driver(robot),
+            Self::Classical(config) => config.driver(&Robot::of(scenario)),
+            Self::Policy(policy) => policy.driver(scenario),
         }
     }
 }
@@ -81,22 +84,54 @@ type Perceived = (
     &'static Episode,
 );
 
+/// The commands that [`drive`] writes.
+#[derive(SystemParam)]
+pub(super) struct Commanded<'w> {
+    actions: ResMut<'w, Actions>,
+    motions: ResMut<'w, CommandedMotions>,
+    /// The action set of the networks.
+    action_set: Res<'w, ActiveActionSet>,
+}
+
+impl Commanded<'_> {
+    /// Commands `action` in `arena`: one of `motions`, or else of the motions of `robot`.
+    fn set(&mut self, arena: usize, action: usize, motions: Option<&[Motion]>, robot: &scenario::Robot) {
+        let all = motions.unwrap_or(&robot.motions);
+        let action = action.min(all.len().saturating_sub(1));
+        let is_networks = motions.is_none() && self.action_set.0 == ActionSet::Robot;
+        let motion = if is_networks { None } else { all.get(action).copied() };
+        if let Some(place) = self.actions.0.get_mut(arena) {
+            *place = action;
+        }
+        let commanded = &mut self.motions.0;
+        commanded.resize(commanded.len().max(arena + 1), None);
+        commanded[arena] = motion;
+    }
+}
+
 /// `Decide`: lets the drivers choose the actions of their arenas.
 pub(super) fn drive(
     sources: Option<ResMut<ActionSources>>,
     arenas: Query<Perceived>,
-    mut actions: ResMut<Actions>,
+    mut commanded: Commanded,
 ) {
     let Some(mut sources) = sources else { return };
     for (arena, layout, (pose, estimate), twist, scan, goal, clock, episode) in &arenas {
         let estimate = &estimate.0;
-        let Some(ActionSource::Driver(source)) = sources.arenas.get_mut(arena.0) else { continue };
+        let source = match sources.arenas.get_mut(arena.0) {
+            Some(ActionSource::Driver(source)) => source,
+            Some(ActionSource::Manual(action)) => {
+                commanded.set(arena.0, *action, None, &layout.scenario.robot);
+                continue;
+            }
+            _ => continue,
+        };
         if episode.inactive {
             continue;
         }
         if episode.steps == 0 || source.driver.is_none() {
             // As a policy, it does not know what is drawn for the episode.
-            source.driver = Some(source.kind.driver(&Robot::of(&layout.written)));
+            source.driver = Some(source.kind.driver(&layout.written));
             source.last_pose = *estimate;
         }
         let (clock, pedestrians) = clock;
@@ -115,8 +150,9 @@ pub(super) fn drive(
             truth: (source.kind.class() == DriverClass::C).then_some(truth),
         };
         source.last_pose = *estimate;
-        if let (Some(driver), Some(action)) = (&mut source.driver, actions.0.get_mut(arena.0)) {
-            *action = driver.act(&percept);
+        if let Some(driver) = &mut source.driver {
+            let action = driver.act(&percept);
+            commanded.set(arena.0, action, driver.motions(), &layout.scenario.robot);
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::policy;
-use crate::drivers::{DriverConfig, PolicyWithMap};
+use crate::drivers::{DriverConfig, DrivingPolicy};
 use crate::policy::Policy;
 use crate::run::evaluate::Evaluated;
 use crate::run::policy_card::{self, WITH_MAP};
@@ -16,7 +16,7 @@ pub enum TestDriver {
     /// A policy.
     Policy(Policy),
     /// A policy with a map that it builds.
-    PolicyWithMap(PolicyWithMap),
+    PolicyWithMap(DrivingPolicy),
     /// A classical driver.
     Classical(DriverConfig),
 }
@@ -67,7 +67,7 @@ impl TestDriver {
     /// It is a classical driver, or has a map already.
     pub fn with_map(self, path: &Path) -> Result<Self, RunError> {
         match self {
-            Self::Policy(policy) => policy_card::with_map(policy).map(Self::PolicyWithMap),
+            Self::Policy(policy) => policy_card::driving(policy, true).map(Self::PolicyWithMap),
             Self::PolicyWithMap(_) | Self::Classical(_) => Err(RunError::invalid_input(
                 path,
                 format!(

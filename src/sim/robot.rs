@@ -25,8 +25,8 @@ use super::contact::ContactQuery;
 use super::physics::Bodies;
 use crate::scenario::{Motion, Scenario, Slip};
 use crate::task::{
-    Actions, Arena, ArenaLayout, Clock, CommandedMotions, Episode, EstimatedPose, Pedestrians, Pose, Scan,
-    Twist, wrap_angle,
+    Actions, ActiveActionSet, Arena, ArenaLayout, Clock, CommandedMotions, Episode, EstimatedPose,
+    Pedestrians, Pose, Scan, Twist, wrap_angle,
 };
 
 /// The tolerance for rounding: in m for coordinates, relative for distances.
@@ -51,16 +51,17 @@ pub fn integrate_heading(heading_rad: f32, motion: &Motion, seconds: f32) -> f32
 #[derive(SystemParam)]
 pub(super) struct MotionCommands<'w> {
     actions: Res<'w, Actions>,
-    motions: Option<Res<'w, CommandedMotions>>,
+    action_set: Res<'w, ActiveActionSet>,
+    motions: Res<'w, CommandedMotions>,
 }
 
 impl MotionCommands<'_> {
     /// The motion that is commanded in `arena`, whose scenario is `scenario`. A motion that the caller sets is limited to what
     /// the robot's least turning radius allows.
     fn motion(&self, arena: &Arena, scenario: &Scenario) -> Motion {
-        match &self.motions {
-            Some(motions) => scenario.robot.steerable(motions.0[arena.0]),
-            None => scenario.robot.motions[self.actions.0[arena.0]],
+        match self.motions.0.get(arena.0).copied().flatten() {
+            Some(motion) => scenario.robot.steerable(motion),
+            None => self.action_set.motion(self.actions.0[arena.0], &scenario.robot),
         }
     }
 }

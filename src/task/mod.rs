@@ -33,11 +33,11 @@ pub use extension::{ExtraRewards, RewardTerm, SimulationAppExt};
 pub(crate) use fault::step_is_finite;
 pub use fault::{Fault, TaskFault};
 pub use observation::{
-    Encoding, ObservationLayout, ObservationSlice, Observations, SensorReadings, SensorSlice,
+    Encoding, ObservationLayout, ObservationSlice, Observations, ScanMemory, SensorReadings, SensorSlice,
 };
 pub use outcome::{EpisodeEnd, EpisodeEnded, StepOutcome, StepOutcomes};
 pub use reset::EpisodeSetup;
-pub use reward::{Potential, RewardConfig, RewardKind, RewardTerms};
+pub use reward::{Attraction, Potential, RewardConfig, RewardKind, RewardLengths, RewardTerms};
 pub use scenario_pool::{ArenaScenario, ScenarioChoice, ScenarioPool};
 pub use state::{
     Arena, ArenaLayout, Clock, Episode, EstimatedPose, Goal, Pedestrians, PendingReset, Pose, Scan, Streams,
@@ -45,20 +45,43 @@ pub use state::{
 };
 
 use crate::control_step::{ControlSet, ControlStep, Reset, ResetSet, RewardSet, SenseSet};
-use crate::scenario::{Motion, Scenario};
+use crate::drivers::{action_motion, action_motions};
+use crate::policy::ActionSet;
+use crate::scenario::{Motion, Robot, Scenario};
 
 /// The scenario that the arenas were spawned with. An arena's own is in its [`ArenaLayout`].
 #[derive(Resource, Clone, Debug)]
 pub struct CurrentScenario(pub Arc<Scenario>);
 
-/// The action of each arena: an index into [`Robot::motions`](crate::scenario::Robot), eq. (9).
+/// The motions that actions stand for: those of the scenario's robot, unless the policy has its own.
+#[derive(Resource, Clone, Debug, Default, PartialEq)]
+pub struct ActiveActionSet(pub ActionSet);
+
+impl ActiveActionSet {
+    /// The motion of `robot` that `action` stands for.
+    ///
+    /// # Panics
+    /// There is no such action.
+    #[must_use]
+    pub fn motion(&self, action: usize, robot: &Robot) -> Motion {
+        action_motion(&self.0, action, robot)
+    }
+
+    /// The motions of all actions of `robot`.
+    #[must_use]
+    pub fn motions(&self, robot: &Robot) -> Vec<Motion> {
+        action_motions(&self.0, robot)
+    }
+}
+
+/// The action of each arena: an index into the motions of the [`ActiveActionSet`], eq. (9).
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Actions(pub Vec<usize>);
 
-/// The motion that the caller commands each arena's robot, in place of one of the scenario's motions. Without this resource,
-/// [`Actions`] choose the motions.
+/// The motion that each arena's robot is commanded in place of one that [`Actions`] choose. `None`, or no element for an arena:
+/// its action chooses.
 #[derive(Resource, Clone, Debug, Default)]
-pub struct CommandedMotions(pub Vec<Motion>);
+pub struct CommandedMotions(pub Vec<Option<Motion>>);
 
 /// Whether an arena whose return has ended waits, inactive, until the caller restarts it
 /// ([`restart_arenas`](crate::sim::restart_arenas)).
@@ -97,6 +120,8 @@ impl Plugin for TaskPlugin {
             .init_resource::<DeferResets>()
             .init_resource::<Observations>()
             .init_resource::<Actions>()
+            .init_resource::<ActiveActionSet>()
+            .init_resource::<CommandedMotions>()
             .init_resource::<StepOutcomes>()
             .init_resource::<ExtraRewards>()
             .init_resource::<EpisodeSetup>()

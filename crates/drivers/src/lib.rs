@@ -25,8 +25,10 @@
 //!
 //! | module | duty |
 //! |---|---|
+//! | `actions` | the motions that the actions of a policy stand for |
 //! | `config` | the parameters of each driver, as RON |
 //! | `percept` | what a driver perceives |
+//! | `observer` | the observer of a scenario's robot, for policies |
 //! | `robot` | what a driver knows about its robot; arcs, and the motion that is closest to a wanted velocity |
 //! | `field` | potential field (Khatib 1986) |
 //! | `dwa` | dynamic window approach (Fox, Burgard and Thrun 1997) |
@@ -41,11 +43,13 @@
 //! | `waypoints` | the point to drive to, in place of a goal that is out of sight in the map |
 //! | `orca` | a robot that follows the velocities of [`wayfield_orca`] (van den Berg et al. 2011) |
 
+mod actions;
 mod config;
 mod dwa;
 mod field;
 mod free_space;
 mod grid;
+mod observer;
 mod orca;
 mod path;
 mod path_search;
@@ -59,21 +63,29 @@ mod true_map;
 mod waypoints;
 
 use glam::Vec2;
+use wayfield_scenario::Motion;
 
+pub use actions::{action_motion, action_motions};
 pub use config::{
     AstarParameters, DriverClass, DriverConfig, DwaParameters, FieldParameters, OrcaParameters,
     PlannerParameters, TrackingParameters,
 };
+pub use observer::sector_observer;
 pub use percept::{Odometry, Percept, Truth};
-pub use policy_driver::{PolicyDriver, PolicyWithMap};
+pub use policy_driver::DrivingPolicy;
 pub use robot::Robot;
 
 /// A driver in one episode. A new episode gets a [new driver](DriverConfig::driver).
 pub trait Driver: Send + Sync {
-    /// The action for the next control step, an index into the robot's motions.
+    /// The action for the next control step, an index into its [motions](Driver::motions) or else the robot's.
     ///
     /// It depends on the percepts of the episode alone: not on time, threads or chance.
     fn act(&mut self, percept: &Percept) -> usize;
+
+    /// The motions that its actions are indices of, if they are its own; `None` for those of the robot.
+    fn motions(&self) -> Option<&[Motion]> {
+        None
+    }
 
     /// What it plans with; `None` if it plans no path.
     ///

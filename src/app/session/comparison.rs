@@ -92,7 +92,7 @@ pub(super) fn open_expert_with_map(world: &mut World) -> Result<String, RunError
 /// # Errors
 /// It cannot drive here.
 pub(super) fn compare_with_map(world: &mut World, name: &str, policy: Policy) -> Result<String, RunError> {
-    let driver = DriverKind::PolicyWithMap(policy_card::with_map(policy)?);
+    let driver = DriverKind::Policy(policy_card::driving(policy, true)?);
     check_driver(&world.resource::<TrainingRun>().config, name, &driver)?;
     compare_with_driver(world, name.into(), driver)
 }

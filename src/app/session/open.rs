@@ -13,7 +13,7 @@ use super::start_training;
 use super::training_run::TrainingRun;
 use crate::agent::{ActiveLearner, DriverKind};
 use crate::app::app_snapshot::{Choice, Severity};
-use crate::drivers::{DriverConfig, PolicyWithMap};
+use crate::drivers::{DriverConfig, DrivingPolicy};
 use crate::policy::Policy;
 use crate::run::folder::{RunConfig, RunFolder};
 use crate::run::policy_card::WITH_MAP;
@@ -172,30 +172,32 @@ fn open_ron(world: &mut World, path: &Path) -> Result<String, RunError> {
     }
 }
 
-/// Checks that `policy`, called `name`, can drive in the scenario of `config` with the observations of its preset.
+/// Checks that `policy`, called `name`, can drive in the scenario of `config`.
 ///
 /// # Errors
 /// The reason why the policy cannot drive there.
 pub(super) fn check_can_drive(config: &RunConfig, name: &str, policy: &Policy) -> Result<(), RunError> {
-    let unusable = |why: String| RunError::InvalidInput(format!("{name}: {why}"));
-    evaluate::check_compatible(policy, &config.scenario, &config.observation_layout())
-        .map_err(|error| unusable(error.to_string()))?;
-    if policy_card::encoding(policy)? != config.preset.observation {
-        return Err(unusable(
-            "its observations are encoded differently from those of the current preset".into(),
-        ));
-    }
-    Ok(())
+    let check = || {
+        evaluate::check_compatible(policy, &config.scenario, &config.observation_layout())?;
+        if is_in_session(config, policy)? { Ok(()) } else { policy_card::check_without_sensors(policy) }
+    };
+    check().map_err(|error: RunError| RunError::InvalidInput(format!("{name}: {error}")))
 }
 
-/// Checks that `driver`, called `name`, can drive in the scenario of `config`: a policy with a map must fit.
+/// Whether `policy` has the observations and actions of the training of `config`. Otherwise it drives by percepts.
+pub(super) fn is_in_session(config: &RunConfig, policy: &Policy) -> Result<bool, RunError> {
+    let own = (policy_card::encoding(policy)?, policy_card::action_set(policy));
+    Ok(own == (config.preset.observation, config.preset.actions.clone()))
+}
+
+/// Checks that `driver`, called `name`, can drive in the scenario of `config`: a policy must fit.
 ///
 /// # Errors
 /// The reason why it cannot drive there.
 pub(super) fn check_driver(config: &RunConfig, name: &str, driver: &DriverKind) -> Result<(), RunError> {
-    let DriverKind::PolicyWithMap(PolicyWithMap { policy, .. }) = driver else { return Ok(()) };
-    evaluate::check_compatible(policy, &config.scenario, &config.observation_layout())
-        .and_then(|()| policy_card::check_without_sensors(policy))
+    let DriverKind::Policy(DrivingPolicy { policy, .. }) = driver else { return Ok(()) };
+    check_can_drive(config, name, policy)?;
+    policy_card::check_without_sensors(policy)
         .map_err(|error| RunError::InvalidInput(format!("{name}: {error}")))
 }
 

@@ -7,10 +7,10 @@ use bevy::prelude::*;
 use super::path::{PathQuery, PathTracker};
 use super::{EpisodeResult, Evaluated, Evaluation};
 use crate::agent::{ActionSelection, ActionSource, ActionSources, DriverKind, DriverSource, GreedyPolicy};
-use crate::drivers::PolicyWithMap;
+use crate::drivers::DrivingPolicy;
 use crate::learning::QNetwork;
 use crate::limits::MAX_BODIES;
-use crate::policy::Policy;
+use crate::policy::{Encoding, Policy};
 use crate::random;
 use crate::run::memory::bodies_per_arena;
 use crate::run::{RunError, policy_card};
@@ -18,8 +18,8 @@ use crate::scenario::Scenario;
 use crate::sim;
 use crate::simulation::{self, Extensions, Simulation, SimulationBuilder};
 use crate::task::{
-    ArenaState, Clock, CommandedMotions, EpisodeEnd, EpisodeEnded, EpisodeSetup, ObservationLayout,
-    ScenarioPool, Streams, TaskMode,
+    ActiveActionSet, ArenaState, Clock, CommandedMotions, EpisodeEnd, EpisodeEnded, EpisodeSetup,
+    ObservationLayout, Observations, ScenarioPool, Streams, TaskMode,
 };
 
 /// Maximum number of parallel episodes. In a browser it is smaller, because the simulation is built within a
@@ -136,7 +136,7 @@ impl Evaluator {
             Evaluated::Driver(driver) => self.use_driver(&DriverKind::Classical(driver.clone())),
         }
         let world = self.simulation.world_mut();
-        world.remove_resource::<CommandedMotions>();
+        world.resource_mut::<CommandedMotions>().0.clear();
         world.insert_resource(setup);
         Ok(EvaluationRun::new(seed, count))
     }
@@ -229,6 +229,10 @@ impl Evaluator {
         self.simulation.world_mut()
     }
 
+    pub(super) fn arenas(&self) -> usize {
+        self.arenas
+    }
+
     pub(super) fn scenario(&self) -> &Scenario {
         &self.scenario
     }
@@ -238,29 +242,51 @@ impl Evaluator {
         let source = |_| ActionSource::Driver(DriverSource::new(driver.clone()));
         let arenas = (0..self.arenas).map(source).collect();
         let world = self.simulation.world_mut();
+        world.insert_resource(ActiveActionSet::default());
         world.insert_resource(ActionSources { arenas, num_actions: self.scenario.robot.motions.len() });
         world.insert_resource(ActionSelection::PerArena);
     }
 
     /// Makes `policy` with a map choose the actions of the next episodes.
-    fn use_policy_with_map(&mut self, policy: &PolicyWithMap) -> Result<(), RunError> {
-        let layout = self.simulation.world().resource::<ObservationLayout>();
-        check_compatible(&policy.policy, &self.scenario, layout)?;
+    fn use_policy_with_map(&mut self, policy: &DrivingPolicy) -> Result<(), RunError> {
+        self.check_policy(&policy.policy)?;
         policy_card::check_without_sensors(&policy.policy)?;
-        self.use_driver(&DriverKind::PolicyWithMap(policy.clone()));
+        self.use_driver(&DriverKind::Policy(policy.clone()));
         Ok(())
+    }
+
+    /// Checks that `policy` fits the scenario, or all scenarios of the pool.
+    fn check_policy(&self, policy: &Policy) -> Result<(), RunError> {
+        let world = self.simulation.world();
+        let layout = world.resource::<ObservationLayout>();
+        check_compatible(policy, &self.scenario, layout)?;
+        match world.get_resource::<ScenarioPool>() {
+            Some(pool) => pool.tasks().try_for_each(|scenario| check_compatible(policy, &scenario, layout)),
+            None => Ok(()),
+        }
     }
 
     /// Makes `policy` choose the actions of the next episodes.
     fn use_policy(&mut self, policy: &Policy) -> Result<(), RunError> {
-        let layout = self.simulation.world().resource::<ObservationLayout>();
-        check_compatible(policy, &self.scenario, layout)?;
+        self.check_policy(policy)?;
         let network = QNetwork::from_policy(policy).map_err(|error| RunError::Failed(error.to_string()))?;
         let world = self.simulation.world_mut();
-        world.resource_mut::<ObservationLayout>().encoding = policy_card::encoding(policy)?;
+        set_observation(world, policy_card::encoding(policy)?, self.scenario.lidar.beams, self.arenas);
+        world.insert_resource(ActiveActionSet(policy_card::action_set(policy)));
         world.insert_resource(GreedyPolicy(network));
         world.insert_resource(ActionSelection::Greedy);
         Ok(())
+    }
+}
+
+/// Makes `encoding` that of the observations of `arenas` arenas with `beams` LIDAR beams, from the next reset on.
+pub(super) fn set_observation(world: &mut World, encoding: Encoding, beams: usize, arenas: usize) {
+    let mut layout = world.resource_mut::<ObservationLayout>();
+    layout.encoding = encoding;
+    let width = layout.width(beams);
+    let mut observations = world.resource_mut::<Observations>();
+    if observations.width != width {
+        observations.resize(arenas, width);
     }
 }
 
@@ -286,11 +312,11 @@ pub fn check_compatible(
     scenario: &Scenario,
     layout: &ObservationLayout,
 ) -> Result<(), RunError> {
-    policy_card::encoding(policy)?;
     policy_card::check_sensors(policy, layout)?;
     let shape = policy.shape();
+    let layout = ObservationLayout::new(policy_card::encoding(policy)?, layout.slices().to_vec());
     let inputs = layout.width(scenario.lidar.beams);
-    let actions = scenario.robot.motions.len();
+    let actions = policy_card::action_set(policy).len(scenario.robot.motions.len());
     if (shape.inputs, shape.actions) == (inputs, actions) {
         return policy_card::check_actions(policy, scenario);
     }

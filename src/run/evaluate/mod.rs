@@ -21,7 +21,7 @@ mod trace;
 
 use serde::{Deserialize, Serialize};
 
-use crate::drivers::{DriverClass, DriverConfig, PolicyWithMap};
+use crate::drivers::{DriverClass, DriverConfig, DrivingPolicy};
 use crate::policy::Policy;
 use crate::report::rate::rate_interval;
 use crate::scenario::TaskRules;
@@ -42,8 +42,8 @@ pub const PHYSICS: &str = "kinematic, rapier contact";
 pub enum Evaluated<'a> {
     /// The greedy actions of a policy.
     Policy(&'a Policy),
-    /// A policy with a map that it builds.
-    PolicyWithMap(&'a PolicyWithMap),
+    /// A policy that drives by percepts, with a map that it builds.
+    PolicyWithMap(&'a DrivingPolicy),
     /// A classical driver.
     Driver(&'a DriverConfig),
 }
@@ -54,7 +54,7 @@ impl Evaluated<'_> {
     pub fn class(&self) -> DriverClass {
         match self {
             Self::Policy(_) => DriverClass::A,
-            Self::PolicyWithMap(_) => DriverClass::B,
+            Self::PolicyWithMap(policy) => policy.class(),
             Self::Driver(driver) => driver.class(),
         }
     }
@@ -66,8 +66,8 @@ impl<'a> From<&'a Policy> for Evaluated<'a> {
     }
 }
 
-impl<'a> From<&'a PolicyWithMap> for Evaluated<'a> {
-    fn from(policy: &'a PolicyWithMap) -> Self {
+impl<'a> From<&'a DrivingPolicy> for Evaluated<'a> {
+    fn from(policy: &'a DrivingPolicy) -> Self {
         Self::PolicyWithMap(policy)
     }
 }

@@ -13,9 +13,9 @@ use std::sync::Arc;
 use serde::Deserialize;
 
 use super::RunError;
-use crate::drivers::PolicyWithMap;
+use crate::drivers::DrivingPolicy;
 use crate::limits::MAX_POLICY_BYTES;
-use crate::policy::{Card, Encoding, Policy};
+use crate::policy::{ActionSet, Card, Encoding, Policy};
 use crate::scenario::{Lidar, Scenario, diagnostics, read_bytes, value_diagnostics};
 use crate::task::{ObservationLayout, ObservationSlice};
 
@@ -74,9 +74,10 @@ pub fn trained_scenario(policy: &Policy) -> Result<Option<Scenario>, RunError> {
     if let Some(diagnostic) = value_diagnostics(&scenario).first() {
         return Err(contradiction(&format!("has an invalid scenario: {diagnostic}")));
     }
-    let described = card.angles_rad() == angles_rad(&scenario.lidar)
+    let has_beams = card.observation.is_some() || card.angles_rad() == angles_rad(&scenario.lidar);
+    let described = has_beams
         && card.control_period_s == scenario.task.control_period_s
-        && card.actions == write::actions(&scenario);
+        && card.actions == write::actions(&scenario, &card.action_set());
     if !described {
         return Err(contradiction("has beams, actions or a control period other than those of its scenario"));
     }
@@ -118,7 +119,7 @@ pub fn scenario_name(policy: &Policy) -> Option<String> {
 pub fn encoding(policy: &Policy) -> Result<Encoding, RunError> {
     let unknown = |how: &str| {
         RunError::InvalidInput(format!(
-            "the policy's observations are encoded {how}, which this version does not know (it knows scaled and raw); \
+            "the policy's observations are encoded {how}, which this version does not know (it knows scaled, raw and sectors); \
              help: use a newer wayfield"
         ))
     };
@@ -132,15 +133,16 @@ pub fn encoding(policy: &Policy) -> Result<Encoding, RunError> {
     }
 }
 
-/// `policy` with a map that it builds as it drives.
+/// `policy` as a driver by percepts, with or without a map that it builds.
 ///
 /// # Errors
 /// The policy has an encoding that this version does not support.
-pub fn with_map(policy: Policy) -> Result<PolicyWithMap, RunError> {
-    Ok(PolicyWithMap { encoding: encoding(&policy)?, policy: Arc::new(policy) })
+pub fn driving(policy: Policy, has_map: bool) -> Result<DrivingPolicy, RunError> {
+    let (encoding, actions) = (encoding(&policy)?, action_set(&policy));
+    Ok(DrivingPolicy { policy: Arc::new(policy), encoding, actions, has_map })
 }
 
-/// Checks that `policy` was trained without plugin sensors, whose readings a policy with a map does not get.
+/// Checks that `policy` was trained without plugin sensors, whose readings a policy that drives by percepts does not get.
 ///
 /// # Errors
 /// It was trained with some; the message names them.
@@ -150,9 +152,15 @@ pub fn check_without_sensors(policy: &Policy) -> Result<(), RunError> {
         return Ok(());
     }
     Err(RunError::InvalidInput(format!(
-        "the policy was trained with `{}`, whose readings it does not get with a map; help: test it without a map",
+        "the policy was trained with `{}`, whose readings it does not get here; help: test it by --eval, without a map",
         printable(&sensors)
     )))
+}
+
+/// The motions that `policy` chooses among.
+#[must_use]
+pub fn action_set(policy: &Policy) -> ActionSet {
+    policy.card.as_ref().map_or(ActionSet::Robot, |card| card.action_set())
 }
 
 /// Checks that `policy` was trained with the plugin sensors of `layout`.
@@ -190,6 +198,7 @@ pub fn encoding_name(encoding: Encoding) -> &'static str {
     match encoding {
         Encoding::Scaled => "scaled",
         Encoding::Raw => "raw",
+        Encoding::Sectors { .. } => "sector",
     }
 }
 
