@@ -5,18 +5,17 @@
 use super::RunError;
 use super::folder::RunConfig;
 use crate::learning::Mirror;
-use crate::scenario::{Motion, Scenario};
+use crate::policy::ActionSet;
+use crate::scenario::Motion;
 use crate::task::Encoding;
 
 /// Why a preset with `learning.mirror` and this encoding of observations is rejected; `None` if these can be mirrored.
 #[must_use]
 pub(crate) fn problem_of(encoding: Encoding) -> Option<&'static str> {
-    match encoding {
-        Encoding::Scaled | Encoding::Raw => Some(
-            "is true, but `observation` contains the index of the nearest beam, which has no mirror image; help: use \
-             `observation: Sectors(...)`, or `mirror: false`",
-        ),
-    }
+    encoding.sectors().is_none().then_some(
+        "is true, but `observation` contains the index of the nearest beam, which has no mirror image; help: use \
+         `observation: Sectors(...)`, or `mirror: false`",
+    )
 }
 
 /// The mirror of a run; `None` if its preset does not have `learning.mirror`.
@@ -35,10 +34,17 @@ pub(crate) fn of_run(config: &RunConfig) -> Result<Option<Mirror>, RunError> {
             sensor.name
         )));
     }
-    let inputs = inputs(config.preset.observation, &config.scenario).ok_or_else(|| {
-        fail(problem_of(config.preset.observation).unwrap_or("has no mirror image of the observation").into())
-    })?;
-    let actions = actions(&config.scenario.robot.motions).map_err(|Motion { v_m_s, w_rad_s }| {
+    let Some(sectors) = config.preset.observation.sectors() else {
+        return Err(fail(problem_of(config.preset.observation).unwrap_or_default().into()));
+    };
+    let inputs = sectors.mirrored_columns().into_iter().map(|(from, sign)| (from as u32, sign)).collect();
+    let motions: Vec<Motion> = match &config.preset.actions {
+        ActionSet::Robot => config.scenario.robot.motions.clone(),
+        ActionSet::Relative(motions) => {
+            motions.iter().map(|motion| Motion { v_m_s: motion.speed, w_rad_s: motion.turn }).collect()
+        }
+    };
+    let actions = actions(&motions).map_err(|Motion { v_m_s, w_rad_s }| {
         fail(format!(
             "is true, but the robot of scenario \"{}\" has no motion (v_m_s: {v_m_s:?}, w_rad_s: {:?}), the mirror image of \
              (v_m_s: {v_m_s:?}, w_rad_s: {w_rad_s:?}); help: add it to `robot.motions`, or use `mirror: false`",
@@ -46,14 +52,6 @@ pub(crate) fn of_run(config: &RunConfig) -> Result<Option<Mirror>, RunError> {
         ))
     })?;
     Mirror::new(inputs, actions).map(Some).map_err(|error| fail(format!("is true, but {error}")))
-}
-
-/// For each number of a mirrored observation, the index of the number that it comes from, and its sign; `None` if the
-/// encoding has no mirror image.
-fn inputs(encoding: Encoding, _scenario: &Scenario) -> Option<Vec<(u32, f32)>> {
-    match encoding {
-        Encoding::Scaled | Encoding::Raw => None,
-    }
 }
 
 /// For each motion, the index of the one that turns as fast to the other side. Of equal motions, the first mirrors the first,
@@ -75,6 +73,7 @@ fn actions(motions: &[Motion]) -> Result<Vec<u32>, Motion> {
 mod tests {
     use super::*;
     use crate::run::preset::Preset;
+    use crate::scenario::Scenario;
 
     fn motions(motions: &[(f32, f32)]) -> Vec<Motion> {
         motions.iter().map(|&(v_m_s, w_rad_s)| Motion { v_m_s, w_rad_s }).collect()

@@ -138,7 +138,7 @@ pub fn read_from(mut file: impl Read, config: &RunConfig) -> Result<(TrainerStat
     trainer_state.distribute_extensions()?;
     trainer_state.check(config)?;
     let inputs = config.observation_layout().width(config.scenario.lidar.beams);
-    let actions = config.scenario.robot.motions.len();
+    let actions = config.preset.actions.len(config.scenario.robot.motions.len());
     let mut learner = Learner::restore(&config.preset.learning, inputs, actions, config.preset.arenas, file)
         .map_err(|error| error.to_string())?;
     set_mirror(&mut learner, config).map_err(|error| error.to_string())?;
