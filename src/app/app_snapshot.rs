@@ -8,7 +8,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::commands::{Pace, PolicySource, SessionMode};
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, SetFit};
 
 /// The path of a scenario's file, and the scenario.
 pub type ScenarioFile = (String, Arc<Scenario>);
@@ -100,6 +100,8 @@ pub struct AppSnapshot {
     pub scenario_from: String,
     /// Whether it is a set of scenarios, or a level generator.
     pub is_set: bool,
+    /// What an edited scenario must have in common with it, so that the network can continue there.
+    pub needs: SetFit,
     /// The preset's file or shipped name, as in `presets`.
     pub preset_from: String,
     /// Whether the scenario differs from its file: an object was moved, or an edit was not saved.

@@ -100,6 +100,8 @@ pub enum Command {
     },
     /// Moves an object.
     Move(MoveRequest),
+    /// Gives the robots of a demo the goal at the position that the request asks for; their time limits start again.
+    SetGoal(MoveRequest),
     /// Sets the motion of the robot that the user drives, an index into the robot's motions.
     Steer(usize),
     /// Opens a dialog for a policy, a checkpoint, a scenario or a preset.

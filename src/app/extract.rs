@@ -215,6 +215,7 @@ fn app_snapshot(session: &SessionView, scenarios: Vec<Choice>, presets: Vec<Choi
         is_paper_scenario_1: config.is_paper_scenario_1(),
         scenario_from: config.scenario_from.clone(),
         is_set: config.scenario_set.is_some(),
+        needs: config.preset.fit(),
         preset_from: config.preset_from.clone(),
         scenarios: [scenarios, session.opened.scenarios.clone()].concat(),
         presets: [presets, session.opened.presets.clone()].concat(),

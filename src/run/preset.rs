@@ -13,7 +13,7 @@ use crate::learning::LearningConfig;
 use crate::limits::{MAX_ABOUT_CHARS, MAX_ARENAS, MAX_EVALUATION_EPISODES, MAX_STEPS};
 use crate::policy::ActionSet;
 use crate::policy::range::{ConfigError, within};
-use crate::scenario::{Diagnostic, FileError, LocatedDiagnostic, SetFit, read_text};
+use crate::scenario::{Diagnostic, FileError, LocatedDiagnostic, Scenario, SetFit, read_text};
 use crate::task::{Encoding, RewardConfig};
 
 /// A training preset: all settings of a training run except the scenario, of which it may name a default, and the seed.
@@ -103,6 +103,24 @@ impl Preset {
     #[must_use]
     pub fn fit(&self) -> SetFit {
         SetFit { lidar: self.observation.sectors().is_none(), motions: self.actions == ActionSet::Robot }
+    }
+
+    /// Why the network of a training in `here` does not fit `there`, without sensors of plugins: another number of inputs or
+    /// outputs. `None` if it fits.
+    #[must_use]
+    pub fn network_misfit(&self, here: &Scenario, there: &Scenario) -> Option<String> {
+        let count = |scenario: &Scenario| {
+            let mut parts = Vec::new();
+            if self.fit().lidar {
+                parts.push(format!("{} beams", scenario.lidar.beams));
+            }
+            if self.fit().motions {
+                parts.push(format!("{} motions", scenario.robot.motions.len()));
+            }
+            parts.join(" and ")
+        };
+        let (here, there) = (count(here), count(there));
+        (here != there).then(|| format!("it has {there}, but the network was built for {here}"))
     }
 
     /// The preset in the file at `path`.

@@ -1,9 +1,9 @@
-//! Dragging objects in an arena: which commands are sent, and for which arena.
+//! Dragging objects in an arena, and clicking on its floor: which commands are sent, and for which arena.
 
 use bevy::math;
 use egui::{Event, PointerButton, Pos2, pos2, vec2};
 use egui_kittest::kittest::Queryable;
-use wayfield::app::commands::Command;
+use wayfield::app::commands::{Command, SessionMode};
 use wayfield::app::moves::{Movable, MoveRequest};
 
 use super::{Window, release_event, sent_commands, settle, window};
@@ -99,4 +99,32 @@ fn the_object_pressed_is_dragged_even_if_it_has_moved_on() {
         matches!(moved.first(), Some(Command::Move(MoveRequest { arena: 0, object: Movable::Robot, .. }))),
         "{moved:?}"
     );
+}
+
+/// The commands that a click at a point of the followed arena sends.
+fn click_at(window: &mut Window, at_m: math::Vec2) -> Vec<Command> {
+    let at = screen_pos(window, at_m);
+    window.hover_at(at);
+    settle(window);
+    let (button, modifiers) = (PointerButton::Primary, egui::Modifiers::NONE);
+    window.event(Event::PointerButton { pos: at, button, pressed: true, modifiers });
+    window.step();
+    window.event(release_event(at));
+    sent_commands(window)
+}
+
+#[test]
+fn a_click_on_free_floor_gives_the_goal_while_a_policy_is_watched() {
+    let free = math::vec2(0.9, -1.5);
+    let mut training = window(ScreenFixture::default());
+    assert_eq!(click_at(&mut training, free), [], "not in training");
+    let mut window = window(ScreenFixture::default().with_single_policy());
+    let sent = click_at(&mut window, free);
+    let [Command::SetGoal(MoveRequest { arena: 0, object: Movable::Goal, to_m })] = sent[..] else {
+        panic!("{sent:?}")
+    };
+    assert!(to_m.distance(free) < 1e-3, "{to_m:?}");
+    assert_eq!(click_at(&mut window, math::vec2(-0.6, -0.6)), [], "an obstacle is there");
+    let robot = robot(&window);
+    assert_eq!(click_at(&mut window, robot), [], "the robot is there");
 }

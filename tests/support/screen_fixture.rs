@@ -15,7 +15,7 @@ use wayfield::app::view_state::ViewState;
 use wayfield::run::metric_rows::{EpisodeRow, EvaluationRow};
 use wayfield::scenario::{
     BenchmarkRoute, Enclosure, Generator, Lidar, Obstacle, ObstacleMotion, PlacementRule, RandomShape,
-    Region, Scenario, Shape, Wall,
+    Region, Scenario, SetFit, Shape, Wall,
 };
 use wayfield::task::{Goal, Pose};
 
@@ -289,6 +289,7 @@ fn status() -> AppSnapshot {
         mode: SessionMode::Train,
         scenario_from: "scenario-1".into(),
         is_set: false,
+        needs: SetFit { lidar: true, motions: true },
         preset_from: "fast".into(),
         scenario_modified: false,
         is_paper_scenario_1: true,

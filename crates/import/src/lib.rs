@@ -194,6 +194,12 @@ enum Kind {
     Worlds,
 }
 
+/// Whether the extension of `path` is that of a map of ROS or of a world of Gazebo, which says its own scale.
+#[must_use]
+pub fn is_map_or_world(path: &Path) -> bool {
+    matches!(kind(path), Some(Kind::Map | Kind::Sdf))
+}
+
 /// The kind that the extension names.
 fn kind(path: &Path) -> Option<Kind> {
     let extension = path.extension()?.to_string_lossy().to_ascii_lowercase();

@@ -20,6 +20,9 @@ use crate::run::folder::RunConfig;
 use crate::run::shipped::ShippedPolicy;
 use crate::run::{RunError, policy_card, shipped};
 
+/// What the user can do while a robot drives.
+const GOAL_HINT: &str = "Click on the floor to set the goal";
+
 /// Lets a shipped policy drive next to the current one.
 ///
 /// # Errors
@@ -28,13 +31,13 @@ pub(super) fn open_expert(world: &mut World) -> Result<(), RunError> {
     let config = &world.resource::<TrainingRun>().config;
     let expert = expert_here(config)?;
     let (name, here) = (expert_name(expert), config.scenario_title());
-    let text = if expert.trained_in == here {
-        format!("The {name} drives next to the current policy")
-    } else {
-        format!("The {name} drives next to the current policy. It was not trained in {here}")
-    };
+    let mut text = format!("The {name} drives next to the current policy.");
+    if expert.trained_in != here {
+        text += &format!(" It was not trained in {here}.");
+    }
+    text += &format!(" {GOAL_HINT}");
     notify(world, NoticeTopic::General, Severity::Info, text);
-    compare_with(world, (name, expert.policy.clone()))
+    compare_with(world, (capitalized(&name), expert.policy.clone()))
 }
 
 /// Lets the classical driver `name`, with its default parameters, drive next to the current policy. Returns a confirmation.
@@ -84,7 +87,8 @@ pub(super) fn open_with_map(world: &mut World) -> Result<String, RunError> {
 /// No shipped policy can drive here.
 pub(super) fn open_expert_with_map(world: &mut World) -> Result<String, RunError> {
     let expert = expert_here(&world.resource::<TrainingRun>().config)?;
-    compare_with_map(world, &format!("{} with a map", expert_name(expert)), expert.policy.clone())
+    let name = capitalized(&expert_name(expert));
+    compare_with_map(world, &format!("{name} with a map"), expert.policy.clone())
 }
 
 /// Lets `policy`, called `name`, with a map that it builds drive next to the current policy. Returns a confirmation.
@@ -107,11 +111,17 @@ pub(super) fn open_best(world: &mut World) -> Result<(), RunError> {
     compare_with(world, ("Best so far".into(), policy))
 }
 
-/// The shipped policy for the scenario of `config`, or else the first one that can drive there.
+/// The shipped policy that was trained in the scenario of `config`, or else the general policy, or else the first one that can
+/// drive there.
 pub(crate) fn expert(config: &RunConfig) -> Option<&'static ShippedPolicy> {
-    let all = shipped::policies();
-    let of_this_scenario = all.iter().filter(|shipped| shipped.scenario_from == config.scenario_from);
-    of_this_scenario
+    expert_among(shipped::policies(), config)
+}
+
+fn expert_among<'a>(all: &'a [ShippedPolicy], config: &RunConfig) -> Option<&'a ShippedPolicy> {
+    let at_home = all.iter().filter(|shipped| shipped.is_at_home_in(config));
+    let general = all.iter().filter(|shipped| shipped.is_general());
+    at_home
+        .chain(general)
         .chain(all)
         .find(|shipped| check_can_drive(config, shipped.scenario_from, &shipped.policy).is_ok())
 }
@@ -124,9 +134,15 @@ fn expert_here(config: &RunConfig) -> Result<&'static ShippedPolicy, RunError> {
     })
 }
 
-/// The name of a shipped policy in a comparison.
+/// The name of a shipped policy within a sentence.
 pub(crate) fn expert_name(expert: &ShippedPolicy) -> String {
-    format!("{} expert", expert.trained_in)
+    if expert.is_general() { "general policy".into() } else { format!("{} expert", expert.trained_in) }
+}
+
+/// `name` with a capital letter at the start.
+fn capitalized(name: &str) -> String {
+    let mut rest = name.chars();
+    rest.next().map_or_else(String::new, |first| first.to_uppercase().chain(rest).collect())
 }
 
 /// Where `policy` comes from, as seen from the training of `config`; empty if its card does not say.
@@ -170,4 +186,50 @@ fn compare(world: &mut World) -> Result<(), RunError> {
         return restart_demo(world);
     }
     set_mode(world, SessionMode::Compare)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::policy::{ActionSet, RelativeMotion};
+    use crate::run::training_setup;
+    use crate::scenario::Scenario;
+    use crate::task::Encoding;
+
+    /// A policy that fits every robot, which has learned nothing.
+    fn general() -> ShippedPolicy {
+        let mut config = RunConfig::resolve("empty", "fast", 1).expect("shipped");
+        config.preset.observation = Encoding::Sectors { count: 12, earlier_steps: 0 };
+        config.preset.actions = ActionSet::Relative(vec![RelativeMotion { speed: 1.0, turn: 0.0 }]);
+        let learner = training_setup::create_learner(&config, None).expect("a learner");
+        let mut policy = learner.policy();
+        policy_card::attach(&mut policy, &config, (0, 0), None);
+        ShippedPolicy { scenario_from: "general", trained_in: "General".into(), scenario: None, policy }
+    }
+
+    #[test]
+    fn the_general_policy_drives_wherever_there_is_no_expert() {
+        let specialists = shipped::policies().iter().filter(|policy| !policy.is_general());
+        let clone = |policy: &ShippedPolicy| ShippedPolicy {
+            scenario_from: policy.scenario_from,
+            trained_in: policy.trained_in.clone(),
+            scenario: policy.scenario.clone(),
+            policy: policy.policy.clone(),
+        };
+        let mut all: Vec<ShippedPolicy> = specialists.map(clone).collect();
+        let name = |all: &[ShippedPolicy], config: &RunConfig| expert_among(all, config).map(expert_name);
+        let in_scenario = |from: &str| RunConfig::resolve(from, "fast", 1).expect("shipped");
+        let mut changed = in_scenario("scenario-1");
+        changed.scenario.obstacles[0].position_m.x += 0.1;
+        let mut other_robot = in_scenario("maze");
+        other_robot.scenario = Scenario { lidar: crate::scenario::Lidar { beams: 90, ..Default::default() }, ..other_robot.scenario };
+        assert_eq!(name(&all, &in_scenario("maze")).as_deref(), Some("Scenario I expert"));
+        assert_eq!(name(&all, &other_robot), None);
+        all.push(general());
+        assert_eq!(name(&all, &in_scenario("scenario-2")).as_deref(), Some("Scenario II expert"));
+        for config in [in_scenario("maze"), in_scenario("clutter"), changed, other_robot] {
+            assert_eq!(name(&all, &config).as_deref(), Some("general policy"), "{}", config.scenario_title());
+        }
+        assert_eq!(capitalized("general policy"), "General policy");
+    }
 }

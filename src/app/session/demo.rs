@@ -16,7 +16,7 @@ use crate::agent::{
     ActionSelection, ActionSource, ActionSources, ActiveLearner, Decisions, DriverKind, DriverSource,
 };
 use crate::app::commands::{Pace, PolicySource, SessionMode};
-use crate::app::scene::DriverLabel;
+use crate::app::scene::{DriverLabel, TrailEnd};
 use crate::learning::QNetwork;
 use crate::policy::Policy;
 use crate::report::format::{number, percent};
@@ -161,6 +161,27 @@ fn begin_round(world: &mut World, round: u64) {
     let mut trails = world.resource_mut::<Trails>();
     for arena in 0..trails.0.len() {
         trails.restart_path(arena);
+    }
+}
+
+/// Gives every arena the goal at `to_m`, in m. Its time limit starts again, and a robot that waits at its last goal drives on.
+pub(super) fn set_goal(world: &mut World, to_m: Vec2) {
+    let arenas = world.resource::<Trails>().0.len();
+    let collided: Vec<bool> = {
+        let trails = world.resource::<Trails>().0.iter();
+        trails.map(|arena| arena.finished.back().is_some_and(|t| t.end == TrailEnd::Collided)).collect()
+    };
+    let mut episodes = world.query::<(&Arena, &mut Episode)>();
+    for (arena, mut episode) in episodes.iter_mut(world) {
+        // Not 0, at which a driver would forget its map.
+        episode.steps = episode.steps.min(1);
+        episode.inactive &= collided.get(arena.0).copied().unwrap_or(false);
+    }
+    for arena in 0..arenas {
+        sim::move_goal(world, arena, to_m);
+    }
+    if let ActiveMode::Demo(demo) = world.resource_mut::<ActiveMode>().into_inner() {
+        demo.rounds.waited = 0;
     }
 }
 

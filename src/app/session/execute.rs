@@ -10,6 +10,7 @@ use super::QuitQuestion;
 use super::active_mode::{self, ActiveMode};
 use super::autosave::{self, Autosave};
 use super::comparison;
+use super::demo;
 use super::editor_files;
 use super::interventions::{self, Intervention};
 use super::journal::Journal;
@@ -63,6 +64,7 @@ fn try_execute(world: &mut World, command: Command) -> Result<(), RunError> {
             start_training::start_from_policy(world, config, policy, epsilon)?;
         }
         Command::Move(request) => move_object(world, &request),
+        Command::SetGoal(request) => set_goal(world, &request),
         Command::Steer(motion) => steer(world, motion),
         Command::OpenExpert => comparison::open_expert(world)?,
         Command::OpenBest => comparison::open_best(world)?,
@@ -158,6 +160,17 @@ fn move_object(world: &mut World, request: &MoveRequest) {
         world.resource_mut::<Trails>().restart_path(request.arena);
     }
     record(world, &intervention);
+}
+
+/// Gives all robots of a demo a goal, if it may be there.
+fn set_goal(world: &mut World, request: &MoveRequest) {
+    if world.resource::<ActiveMode>().is_training() {
+        return;
+    }
+    match interventions::resolve(world, &MoveRequest { object: Movable::Goal, ..*request }) {
+        Ok(_) => demo::set_goal(world, request.to_m),
+        Err(rejection) => notify(world, NoticeTopic::Move, Severity::Info, rejection.to_string()),
+    }
 }
 
 /// Records an intervention in the journal. During a demo, only a change of the scenario affects the training.

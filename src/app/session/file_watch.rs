@@ -76,7 +76,9 @@ impl FileWatch {
     fn new(from: &str) -> Option<Self> {
         let path = PathBuf::from(from);
         let stamp = stamp(&path);
-        let is_file = stamp.is_some() || !shipped::is_scenario(from);
+        // A map or a world is imported once.
+        let is_map = path.extension().is_some_and(|extension| extension != "ron");
+        let is_file = !is_map && (stamp.is_some() || !shipped::is_scenario(from));
         is_file.then_some(Self { path, checked: None, stamp, read: None })
     }
 

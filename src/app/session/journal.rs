@@ -97,7 +97,6 @@ impl Journal {
     fn check(&self) -> Result<(), String> {
         let RunConfig { scenario, preset, .. } = &self.config;
         let layout = self.config.observation_layout();
-        let shape = |scenario: &Scenario| (scenario.lidar.beams, scenario.robot.motions.len());
         let check_scenario = |scenario: &Scenario| {
             let found = diagnostics(scenario).into_iter().next().map(|found| found.to_string());
             found.map_or(Ok(()), Err).and_then(|()| preset.check_memory(scenario, &layout))
@@ -125,14 +124,12 @@ impl Journal {
                         ));
                     }
                 }
-                Intervention::Scenario(next) if shape(next) == shape(scenario) => {
+                Intervention::Scenario(next) => {
+                    if let Some(why) = preset.network_misfit(scenario, next) {
+                        return Err(format!("the scenario after {after_steps} steps does not fit: {why}"));
+                    }
                     check_scenario(next)
                         .map_err(|why| format!("the scenario after {after_steps} steps is invalid: {why}"))?;
-                }
-                Intervention::Scenario(_) => {
-                    return Err(format!(
-                        "the scenario after {after_steps} steps has other numbers of beams or motions than the first"
-                    ));
                 }
             }
         }

@@ -19,11 +19,11 @@ use crate::run::folder::{RunConfig, RunFolder};
 use crate::run::policy_card::WITH_MAP;
 use crate::run::preset::Preset;
 use crate::run::{RunError, evaluate, policy_card, scenario_set, shipped};
-use crate::scenario::{LevelGenerator, Scenario, path_exists, read_text, resemblance, utf8};
+use crate::scenario::{LevelGenerator, Scenario, SetMember, path_exists, read_text, resemblance, utf8};
 
 /// The kinds of files that can be opened.
 const OPENABLE: &str =
-    "a policy (.safetensors), a scenario, a preset or a classical driver (.ron), or a run folder";
+    "a policy (.safetensors), a scenario, a preset or a classical driver (.ron), a map (.yaml, .sdf, .world), or a run folder";
 
 /// The files that the user has opened. A new training keeps them.
 #[derive(Resource, Default)]
@@ -108,6 +108,8 @@ fn open(world: &mut World, path: &Path) -> Result<String, RunError> {
             Ok(text)
         }
         Some("ron") => open_ron(world, path),
+        #[cfg(not(target_arch = "wasm32"))]
+        Some(_) if crate::import::is_map_or_world(path) => open_scenario(world, path),
         None if !path_exists(path) && DriverConfig::shipped(&name).is_some() => open_driver(world, &name),
         _ => Err(RunError::invalid_input(path, format!("cannot be opened\nhelp: open {OPENABLE}"))),
     }
@@ -129,6 +131,19 @@ fn resume(world: &mut World, path: &Path, folder: &Path) -> Result<String, RunEr
     start_training::resume(world, folder)?;
     let name = folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy();
     Ok(format!("Resumed the run {name}"))
+}
+
+/// Starts a training in the map or the world at `path`.
+#[cfg(not(target_arch = "wasm32"))]
+fn open_scenario(world: &mut World, path: &Path) -> Result<String, RunError> {
+    let from = utf8(path)?;
+    shipped::scenario(from)?;
+    confirm_by_repeating(world, path)?;
+    let RunConfig { preset_from, seed, .. } = &world.resource::<TrainingRun>().config;
+    let (preset_from, seed) = (preset_from.clone(), *seed);
+    start_training::start_training(world, from, &preset_from, seed)?;
+    let config = &world.resource::<TrainingRun>().config;
+    Ok(format!("Training started in {}", config.scenario_title()))
 }
 
 /// Opens a scenario or a preset, and starts a training with it; or a classical driver.
@@ -172,16 +187,28 @@ fn open_ron(world: &mut World, path: &Path) -> Result<String, RunError> {
     }
 }
 
-/// Checks that `policy`, called `name`, can drive in the scenario of `config`.
+/// Checks that `policy`, called `name`, can drive in the scenario of `config`, or in all scenarios of its set.
 ///
 /// # Errors
 /// The reason why the policy cannot drive there.
 pub(super) fn check_can_drive(config: &RunConfig, name: &str, policy: &Policy) -> Result<(), RunError> {
     let check = || {
-        evaluate::check_compatible(policy, &config.scenario, &config.observation_layout())?;
+        let layout = config.observation_layout();
+        evaluate::check_compatible(policy, &config.scenario, &layout)?;
+        if !policy_card::fits_every_robot(policy) {
+            let members = config.scenario_set.iter().flat_map(|set| &set.members);
+            members.map(task_of).try_for_each(|task| evaluate::check_compatible(policy, &task, &layout))?;
+        }
         if is_in_session(config, policy)? { Ok(()) } else { policy_card::check_without_sensors(policy) }
     };
     check().map_err(|error: RunError| RunError::InvalidInput(format!("{name}: {error}")))
+}
+
+/// Robot, LIDAR and rules of a member of a set, in a scenario without anything else.
+fn task_of(member: &SetMember) -> Scenario {
+    let (robot, lidar, task) = member.source.task();
+    let (robot, lidar, task) = (robot.clone(), lidar.clone(), task.clone());
+    Scenario { name: member.name.clone(), robot, lidar, task, ..Scenario::default() }
 }
 
 /// Whether `policy` has the observations and actions of the training of `config`. Otherwise it drives by percepts.

@@ -76,7 +76,7 @@ fn switch_scenario(world: &mut World, scenario: &Scenario) -> Result<(), RunErro
 /// Checks that the training of `config` can continue in `scenario`.
 ///
 /// # Errors
-/// The training is over a set of scenarios, the network has other numbers of beams or motions, or the scenario needs too much
+/// The training is over a set of scenarios, the network does not fit the beams or the motions, or the scenario needs too much
 /// memory.
 pub(super) fn check_can_switch(config: &RunConfig, scenario: &Scenario) -> Result<(), RunError> {
     if let Some(set) = &config.scenario_set {
@@ -85,17 +85,11 @@ pub(super) fn check_can_switch(config: &RunConfig, scenario: &Scenario) -> Resul
             set.name
         )));
     }
-    let shape = |scenario: &Scenario| (scenario.lidar.beams, scenario.robot.motions.len());
-    let ((beams, motions), here) = (shape(scenario), shape(&config.scenario));
-    if (beams, motions) == here {
+    let Some(why) = config.preset.network_misfit(&config.scenario, scenario) else {
         let fits = config.preset.check_memory(scenario, &config.observation_layout());
         return fits.map_err(|error| RunError::InvalidInput(format!("{}: {error}", scenario.name)));
-    }
-    Err(RunError::InvalidInput(format!(
-        "{}: it has {beams} beams and {motions} motions, but the network was built for {} and {}\n\
-         help: start a new training there",
-        scenario.name, here.0, here.1
-    )))
+    };
+    Err(RunError::InvalidInput(format!("{}: {why}\nhelp: start a new training there", scenario.name)))
 }
 
 /// Adopts the scenario that waits for the end of an episode, if there is one.

@@ -46,6 +46,13 @@ fn sorted(actions: &[Action]) -> Vec<Action> {
     sorted
 }
 
+/// Whether `policy` can drive every robot with every LIDAR: its inputs are sectors of a scan, and its actions are in units of the
+/// robot.
+#[must_use]
+pub fn fits_every_robot(policy: &Policy) -> bool {
+    policy.card.as_ref().is_some_and(|card| card.observation.is_some() && card.relative_actions.is_some())
+}
+
 /// A warning for the user of `policy` in `scenario`: its settings that differ from those on the card, with both values, or
 /// that there is no card. `None` if nothing differs.
 ///
@@ -59,8 +66,7 @@ pub fn warning(policy: &Policy, scenario: &Scenario) -> Result<Option<String>, R
              control period of \"{name}\" are those it was trained with"
         )));
     };
-    if card.observation.is_some() && card.relative_actions.is_some() {
-        // Its inputs and actions are in units of the robot, and fit every LIDAR.
+    if fits_every_robot(policy) {
         return Ok(None);
     }
     let differences = differences(&parse_scenario(card)?, scenario);

@@ -20,7 +20,7 @@ use crate::scenario::{Lidar, Scenario, diagnostics, read_bytes, value_diagnostic
 use crate::task::{ObservationLayout, ObservationSlice};
 
 pub use common::common_scenario;
-pub use differences::{check_actions, differing_parts, note, warning};
+pub use differences::{check_actions, differing_parts, fits_every_robot, note, warning};
 pub use write::attach;
 
 /// The key for the encoding of the observations in the metadata of policies without a card: `scaled` or `raw`. A policy

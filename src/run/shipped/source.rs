@@ -19,7 +19,7 @@ pub enum Source {
 
 impl Source {
     /// The scenario or level generator in the file `wanted`, which may be the `config.ron` of a run, or the shipped one of
-    /// that name. With a seed after a colon, as in `clutter:17`, the level with this seed.
+    /// that name. A map of ROS or a world of Gazebo is imported for the robot of Scenario I, except in the browser. With a seed after a colon, as in `clutter:17`, the level with this seed.
     ///
     /// # Errors
     /// As for [`Scenario::load`] and [`LevelGenerator::load`]; for an unknown name, the closest shipped one. Or the generator
@@ -27,7 +27,9 @@ impl Source {
     pub fn load(wanted: &str) -> Result<Self, FileError> {
         let (file, seed) = split_seed(wanted);
         let path = Path::new(file);
-        let source = if let Some(shipped) = find(SCENARIOS, file) {
+        let source = if let Some(imported) = imported(path) {
+            Self::Scenario(imported?)
+        } else if let Some(shipped) = find(SCENARIOS, file) {
             Self::Scenario(Scenario::parse(shipped.text, shipped.path)?)
         } else if let Some(shipped) = find(GENERATORS, file) {
             Self::Levels(LevelGenerator::parse(shipped.text, shipped.path)?)
@@ -85,6 +87,17 @@ impl Source {
             Self::Levels(generator) => level(&generator, 0, Path::new(wanted)),
         }
     }
+}
+
+/// The scenario of the map or world at `path`; `None` if it is neither, and in the browser.
+fn imported(path: &Path) -> Option<Result<Scenario, FileError>> {
+    #[cfg(not(target_arch = "wasm32"))]
+    if crate::import::is_map_or_world(path) && path_exists(path) {
+        use crate::import::{ImportOptions, import};
+        return Some(import(path, &ImportOptions::default()).map(|imported| imported.scenario));
+    }
+    let _ = path;
+    None
 }
 
 fn no_levels(kind: &str, seed: u64, path: &Path) -> FileError {

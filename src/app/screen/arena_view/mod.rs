@@ -21,6 +21,7 @@
 //! | `legend.rs` | the legend |
 //! | `score.rs` | driver, success rate and outcomes above an arena |
 //! | `drag.rs`, `drag_target.rs` | dragging objects, and where they may be put |
+//! | `goal_click.rs` | the goal that a click on free floor gives |
 //! | `steer.rs` | the arrow keys in Drive mode |
 //! | `welcome.rs` | the start button before the first training |
 
@@ -36,6 +37,7 @@ mod driver_plan;
 mod field_image;
 mod field_view;
 pub mod floor;
+mod goal_click;
 mod legend;
 mod motion_arrow;
 pub mod obstacle_paths;

@@ -8,7 +8,7 @@ use super::canvas::Canvas;
 use super::field_view::{self, FieldKind};
 use super::transform::{ArenaBounds, ViewTransform};
 use super::{
-    arena, beams, color_bar, drag, drag_target, driver_plan, floor, legend, obstacle_paths, q_card,
+    arena, beams, color_bar, drag, drag_target, driver_plan, floor, goal_click, legend, obstacle_paths, q_card,
     silhouette, trajectories,
 };
 use crate::app::commands::Command;
@@ -70,6 +70,9 @@ pub fn single_arena(
     if let Some(arena) = scene.arenas.get(index) {
         draw_arena(ui, &canvas, scene, index, arena, view_state, id);
         draw_drag_feedback(ui, &response, &canvas, arena, object, active.as_ref());
+        if object.is_none() {
+            goal_click::update(ui, &response, &canvas, view, index, commands);
+        }
         name_objects(ui, id, &canvas, arena);
     }
     canvas

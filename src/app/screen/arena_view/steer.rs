@@ -24,11 +24,14 @@ pub fn handle(
     let typing = ui.ctx().text_edit_focused();
     let held = |key| !typing && ui.input(|i| i.key_down(key));
     let (left, right) = (held(Key::ArrowLeft), held(Key::ArrowRight));
-    let Some(motion) = steered(&view.scene.scenario.robot.motions, left, right, held(Key::ArrowUp)) else {
+    // The user drives in the first arena. Another scenario, also one of a set, may have other motions, so the motion is sent again
+    // there.
+    let Some(arena) = view.scene.arenas.first() else { return };
+    let Some(motion) = steered(&arena.scenario.robot.motions, left, right, held(Key::ArrowUp)) else {
         return;
     };
-    // Another scenario may have other motions, so the motion is sent again there.
-    let now = Some((view.status.scenario_from.clone(), motion));
+    let scenario = arena.set_member.as_ref().unwrap_or(&view.status.scenario_from);
+    let now = Some((scenario.clone(), motion));
     if *last != now {
         commands.push(Command::Steer(motion));
         *last = now;
@@ -36,20 +39,25 @@ pub fn handle(
 }
 
 /// The index of the motion for the arrow keys held down: the straightest without left or right, otherwise the
-/// sharpest turn to that side, or the gentlest if up is held too. `None` without motions.
+/// sharpest turn to that side, or the gentlest if up is held too. Of motions that turn alike, the fastest. `None` without motions.
 fn steered(motions: &[Motion], left: bool, right: bool, up: bool) -> Option<usize> {
     let turn = |&(_, motion): &(usize, &Motion)| motion.w_rad_s.abs();
-    let by_turn = |a: &(usize, &Motion), b: &(usize, &Motion)| turn(a).total_cmp(&turn(b));
+    let gentler = |a: &(usize, &Motion), b: &(usize, &Motion)| {
+        turn(a).total_cmp(&turn(b)).then(b.1.v_m_s.total_cmp(&a.1.v_m_s))
+    };
+    let sharper = |a: &(usize, &Motion), b: &(usize, &Motion)| {
+        turn(b).total_cmp(&turn(a)).then(b.1.v_m_s.total_cmp(&a.1.v_m_s))
+    };
     let indexed = || motions.iter().enumerate();
-    let straight = indexed().min_by(by_turn);
+    let straight = indexed().min_by(gentler);
     let turns = |to_left: bool| {
         indexed().filter(move |(_, m)| if to_left { m.w_rad_s > 0.0 } else { m.w_rad_s < 0.0 })
     };
     let chosen = match (left, right) {
-        (true, false) if up => turns(true).min_by(by_turn),
-        (true, false) => turns(true).max_by(by_turn),
-        (false, true) if up => turns(false).min_by(by_turn),
-        (false, true) => turns(false).max_by(by_turn),
+        (true, false) if up => turns(true).min_by(gentler),
+        (true, false) => turns(true).min_by(sharper),
+        (false, true) if up => turns(false).min_by(gentler),
+        (false, true) => turns(false).min_by(sharper),
         _ => straight,
     };
     chosen.or(straight).map(|(index, _)| index)
@@ -71,6 +79,16 @@ mod tests {
         assert_eq!(chosen(false, true, true), Some(3));
         assert_eq!(chosen(false, true, false), Some(4));
         assert_eq!(chosen(true, true, false), Some(2), "both cancel out");
+    }
+
+    #[test]
+    fn a_robot_that_can_stop_and_turn_on_the_spot_is_driven_by_its_fastest_motions() {
+        let motion = |v_m_s, w_rad_s| Motion { v_m_s, w_rad_s };
+        let motions =
+            [motion(0.0, 0.0), motion(0.0, 1.0), motion(0.4, 1.0), motion(0.4, 0.0), motion(0.2, -1.0)];
+        assert_eq!(steered(&motions, false, false, false), Some(3), "not the stop");
+        assert_eq!(steered(&motions, true, false, false), Some(2), "not the turn on the spot");
+        assert_eq!(steered(&motions, false, true, true), Some(4));
     }
 
     #[test]

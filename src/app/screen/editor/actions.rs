@@ -13,7 +13,6 @@ use crate::app::screen::numbers;
 use crate::app::screen::theme::{BODY, GAP, Palette};
 use crate::app::screen::widgets::buttons;
 use crate::app::screen::widgets::text::weak_text;
-use crate::scenario::Scenario;
 
 /// Height of the wide buttons, in points.
 const HEIGHT: f32 = 30.0;
@@ -93,11 +92,17 @@ pub fn continue_blocker(input: &ScreenInput<'_>, editor: &Editor) -> Option<Stri
         return Some("The training is over a set of scenarios. Restart to train in this one.".into());
     }
     let (edited, running) = (&**editor.scenario(), &*input.scene.scenario);
-    let network = |scenario: &Scenario| (scenario.lidar.beams, scenario.robot.motions.len());
-    if network(edited) != network(running) {
-        let (beams, motions) = network(running);
+    let (beams, motions) = (running.lidar.beams, running.robot.motions.len());
+    let needs = input.status.needs;
+    let needed = [
+        (needs.lidar && edited.lidar.beams != beams).then(|| format!("{beams} beams")),
+        (needs.motions && edited.robot.motions.len() != motions).then(|| format!("{motions} motions")),
+    ];
+    let needed: Vec<String> = needed.into_iter().flatten().collect();
+    if !needed.is_empty() {
         return Some(format!(
-            "The network expects {beams} beams and {motions} motions. Restart to train with other numbers."
+            "The network expects {}. Restart to train with other numbers.",
+            needed.join(" and ")
         ));
     }
     (edited == running && !editor.is_drafting()).then(|| "This scenario is already running".into())

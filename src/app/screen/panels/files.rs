@@ -101,7 +101,7 @@ fn policies_with_map_ui(ui: &mut Ui, status: &AppSnapshot, commands: &mut Vec<Co
         commands.push(Command::OpenWithMap);
     }
     let Some(expert) = &status.expert else { return };
-    if ui.button(format!("{} with a map", expert.name)).clicked() {
+    if ui.button(format!("The {} with a map", expert.name)).clicked() {
         commands.push(Command::OpenExpertWithMap);
     }
 }

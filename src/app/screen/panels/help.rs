@@ -26,14 +26,15 @@ const EDITOR_HELP: [&str; 3] = [
      a text file that any text editor can open.",
 ];
 
-const ARENA_MOUSE_HELP: [(&str, &str); 7] = [
+const ARENA_MOUSE_HELP: [(&str, &str); 8] = [
     ("Drag", "Move the robot, the goal or an obstacle"),
     ("Drag", "On the floor: pan"),
     ("Scroll", "Zoom"),
     ("Double click", "On the floor: fit the arena to the view"),
+    ("Click", "On the floor, but not in Train: set the goal"),
     ("Click", "In the grid: follow an arena"),
     ("Ctrl+scroll", "On a plot: zoom; drag: pan"),
-    ("Drop", "A policy, run, scenario or preset: open it"),
+    ("Drop", "A policy, run, scenario, map or preset: open it"),
 ];
 
 /// The width of the keys and gestures, in points.
