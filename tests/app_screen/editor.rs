@@ -193,6 +193,37 @@ fn a_wall_is_drawn_with_the_tool() {
 }
 
 #[test]
+fn cells_are_edited_as_numbers_and_as_text() {
+    let mut screen_fixture = ScreenFixture::default();
+    let rows = vec!["##.".to_owned(), "#..".to_owned()];
+    let wall = Wall { cells: Some(WallCells::new(rows, 0.25, vec2(1.0, -1.0))), ..Wall::default() };
+    let scenario = Scenario { walls: vec![wall], ..Scenario::default() };
+    let editor = Editor::open(Arc::new(scenario), "mine.ron".into(), true);
+    screen_fixture.view_state.editor = Some(Box::new(editor));
+    let mut window = window(screen_fixture);
+    select(&mut window, Selection::Wall(0));
+    assert!(window.query_by_label("Thickness").is_none());
+    write(&mut window, "Cell", "0.3");
+    write(&mut window, "Centre x", "0.5");
+    window.get_by_label("Cells").click();
+    settle(&mut window);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, Key::A);
+    window.get_by_label("Cells").type_text(".#\n#.");
+    settle(&mut window);
+    let cells = edited_scenario(&mut window).walls[0].cells.clone().expect("cells");
+    assert_eq!(
+        (cells.rows().join(" "), cells.cell_m(), cells.centre_m()),
+        (".# #.".into(), 0.3, vec2(0.5, -1.0))
+    );
+    // A row that is shorter than the first is an error of this wall.
+    window.get_by_label("Cells").type_text("#\n#");
+    settle(&mut window);
+    assert!(
+        self::editor(&mut window).diagnostics().iter().any(|found| found.path == "walls[0].cells.rows[2]")
+    );
+}
+
+#[test]
 fn the_kind_of_motion_and_rule_can_be_chosen() {
     let mut window = editing();
     select(&mut window, Selection::Obstacle(0));
