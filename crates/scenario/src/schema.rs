@@ -238,7 +238,7 @@ pub enum ObstacleMotion {
         /// The goals, 1 to 256.
         goals_m: Vec<Vec2>,
         /// Highest speed, 0 to 5 m/s.
-        speed_m_s: f32,
+        speed_m_s: Ranged<f32>,
         /// Whether it returns from the last goal to its position and begins again. Otherwise it stops at the last goal.
         #[serde(default = "default_loops")]
         loops: bool,

@@ -13,7 +13,12 @@ fn pedestrian(position_m: Vec2, goals_m: &[Vec2], loops: bool, sees_robot: bool)
         shape: Shape::Circle { radius_m: RADIUS_M },
         position_m,
         rotation_rad: 0.0,
-        motion: ObstacleMotion::Pedestrian { goals_m: goals_m.into(), speed_m_s: 0.5, loops, sees_robot },
+        motion: ObstacleMotion::Pedestrian {
+            goals_m: goals_m.into(),
+            speed_m_s: 0.5.into(),
+            loops,
+            sees_robot,
+        },
     }
 }
 

@@ -110,7 +110,7 @@ fn everything() -> Scenario {
             Obstacle {
                 motion: ObstacleMotion::Pedestrian {
                     goals_m: vec![vec2(1.0, 1.0)],
-                    speed_m_s: 0.1,
+                    speed_m_s: 0.1.into(),
                     loops: false,
                     sees_robot: true,
                 },
@@ -613,7 +613,7 @@ fn motion() -> impl Strategy<Value = ObstacleMotion> {
             seed
         }),
         (points(), number(), any::<(bool, bool)>()).prop_map(|(goals_m, speed_m_s, (loops, sees_robot))| {
-            ObstacleMotion::Pedestrian { goals_m, speed_m_s, loops, sees_robot }
+            ObstacleMotion::Pedestrian { goals_m, speed_m_s: speed_m_s.into(), loops, sees_robot }
         }),
     ]
 }
