@@ -13,7 +13,7 @@ use wayfield::app::editor::{Editor, PlacementKind, PlacementRole, Selection, Too
 use wayfield::app::view_state::ViewCamera;
 use wayfield::scenario::limits::{COLLISION_RANGE_M, SHAPE_SIZE_M};
 use wayfield::scenario::{
-    Enclosure, Motion, Obstacle, ObstacleMotion, PlacementRule, Ranged, Scenario, Shape,
+    Enclosure, Motion, Obstacle, ObstacleMotion, PlacementRule, Ranged, Scenario, Shape, Wall, WallCells,
 };
 
 use super::{Window, click, press, release_event, sent_commands, settle, window, window_with_size};

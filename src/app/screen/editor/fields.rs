@@ -8,7 +8,6 @@ use std::ops::RangeInclusive;
 use bevy::math;
 use egui::{Align, Id, Label, Layout, Response, Sense, TextEdit, Ui, vec2};
 
-use super::controls::set_accessible_name;
 use super::number::{FieldEvents, FieldName, HEIGHT, NumberSpec, count_ui, number_ui, with_tip};
 use crate::app::editor::Editor;
 use crate::app::screen::theme::Palette;
@@ -165,10 +164,9 @@ impl<'u> FieldRows<'u> {
 
     /// A field for lines of text in a font of equal widths, below its label.
     pub fn text(&mut self, name: &str, tip: &str, text: &mut String) {
-        with_tip(self.ui.add(Label::new(weak_text(name)).selectable(false)), tip);
+        let label = with_tip(self.ui.add(Label::new(weak_text(name)).selectable(false)), tip);
         let field = TextEdit::multiline(text).code_editor().lock_focus(false).desired_width(f32::INFINITY);
-        let response = self.ui.add(field.desired_rows(3));
-        set_accessible_name(&response, name);
+        let response = self.ui.add(field.desired_rows(3)).labelled_by(label.id);
         if response.changed() {
             self.changed_field = Some(name.to_owned());
         }
