@@ -18,7 +18,8 @@ use crate::learning::QNetwork;
 use crate::scenario::{Scenario, enclosure_distance, inner_wall_distance};
 use crate::sim::Probe;
 use crate::task::{
-    Arena, ArenaLayout, Clock, Goal, ObservationLayout, Pose, RewardConfig, Scan, SensorReadings, observation,
+    Arena, ArenaLayout, Clock, Goal, ObservationLayout, Pose, RewardConfig, Scan, ScanMemory, SensorReadings,
+    Twist, observation,
 };
 
 /// Number of grid points along the longer side.
@@ -201,19 +202,23 @@ fn sample(
     let width = sources.layout.width(scenario.lidar.beams);
     let (mut potentials, mut observations) = (Vec::new(), Vec::new());
     // One scan per point serves both fields.
-    let mut scan = Scan::default();
+    let (mut scan, mut memory) = (Scan::default(), ScanMemory::default());
     for Vec2 { x: x_m, y: y_m } in grid.points_m() {
         let pose = Pose { x_m, y_m, heading_rad: inputs.heading_rad };
         scan_from(&pose, &mut scan);
         // From outside or inside a wall the beams may see far, so the floor is checked separately.
         let free = scan.nearest_m >= scenario.sure_collision_m() && is_floor(scenario, vec2(x_m, y_m));
-        let potential = sources.reward.potential(pose.distance_m(goal), scan.nearest_m).total();
+        let scale = sources.reward.scale(scenario.robot_unit_m());
+        let potential =
+            sources.reward.potential(scale * pose.distance_m(goal), scale * scan.nearest_m).total();
         potentials.push(if free { potential } else { f32::NAN });
         if inputs.value {
             let start = observations.len();
             observations.resize(start + width, 0.0);
             let row = &mut observations[start..];
-            observation::encode(sources.layout.encoding, &scan, &pose, goal, readings, row);
+            let encoding = sources.layout.encoding;
+            memory.begin(encoding, &inputs.scenario, &scan, &pose, &Twist::default());
+            observation::encode(encoding, &memory, &scan, (&pose, goal), readings, row);
         }
     }
     (potentials, observations)

@@ -8,11 +8,13 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use super::mirror;
 use crate::learning::LearningConfig;
 use crate::limits::{MAX_ABOUT_CHARS, MAX_ARENAS, MAX_EVALUATION_EPISODES, MAX_STEPS};
+use crate::policy::ActionSet;
 use crate::policy::range::{ConfigError, within};
-use crate::scenario::{Diagnostic, FileError, LocatedDiagnostic, read_text};
-use crate::task::{Encoding, RewardConfig};
+use crate::scenario::{Diagnostic, FileError, LocatedDiagnostic, SetFit, read_text};
+use crate::task::{Encoding, LevelSampling, RewardConfig};
 
 /// A training preset: all settings of a training run except the scenario, of which it may name a default, and the seed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -31,13 +33,18 @@ pub struct Preset {
     pub budget: Budget,
     /// Schedule of the evaluations during training.
     pub evaluation: EvaluationConfig,
-    /// How the observation, eq. (8), enters the network: `Scaled` to the order of one, or `Raw` in m and rad.
-    /// The paper doesn't specify it.
+    /// The observation: that of the paper, eq. (8), `Scaled` to the order of one or `Raw` in m and rad, which the paper doesn't
+    /// specify; or `Sectors`, for any LIDAR and any robot.
     pub observation: Encoding,
+    /// The motions to choose among: those of the scenario's `Robot`, as in the paper, or `Relative` ones, in units of any robot's
+    /// limits.
+    pub actions: ActionSet,
     /// The reward of a step, eqs. (3) to (7).
     pub reward: RewardConfig,
     /// The algorithm and its hyperparameters.
     pub learning: LearningConfig,
+    /// The draw of levels in a training over a level generator or a set with generators.
+    pub levels: LevelSampling,
     /// The scenario, the level generator or the set of scenarios of a training for which `--scenario` names no other: a file,
     /// relative to this one, or a shipped name, such as `"clutter"`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -85,14 +92,22 @@ impl Default for Preset {
             budget: Budget::Episodes(1000),
             evaluation: EvaluationConfig::default(),
             observation: Encoding::default(),
+            actions: ActionSet::default(),
             reward: RewardConfig::default(),
             learning: LearningConfig::default(),
+            levels: LevelSampling::default(),
             scenario: None,
         }
     }
 }
 
 impl Preset {
+    /// What the scenarios of a set must have in common, so that one policy can drive in all of them.
+    #[must_use]
+    pub fn fit(&self) -> SetFit {
+        SetFit { lidar: self.observation.sectors().is_none(), motions: self.actions == ActionSet::Robot }
+    }
+
     /// The preset in the file at `path`.
     ///
     /// # Errors
@@ -135,6 +150,9 @@ impl Preset {
         let mut diagnostics = self.value_diagnostics();
         let of_learning = self.learning.problems().into_iter().map(in_learning);
         diagnostics.extend(of_learning.filter(|found| !diagnostics.contains(found)).collect::<Vec<_>>());
+        if let Some(problem) = mirror::problem_of(self.observation).filter(|_| self.learning.mirror) {
+            diagnostics.push(Diagnostic { path: "learning.mirror".into(), message: problem.into() });
+        }
         if self.based_on.is_some() {
             let message = "is only read from a preset's own file; help: remove it here".into();
             diagnostics.push(Diagnostic { path: "based_on".into(), message });
@@ -156,8 +174,18 @@ impl Preset {
             within("evaluation.episodes", episodes, 1..=MAX_EVALUATION_EPISODES),
             within("evaluation.final_episodes", final_episodes, 0..=MAX_EVALUATION_EPISODES),
         ];
-        for error in ranges.into_iter().filter_map(Result::err) {
+        let uniform = match self.levels {
+            LevelSampling::Uniform => Ok(()),
+            LevelSampling::ByProgress { uniform } => within("levels.uniform", uniform, 0.0..=1.0),
+        };
+        for error in ranges.into_iter().chain([uniform]).filter_map(Result::err) {
             add(&error.field, error.problem);
+        }
+        if let Err(problem) = self.observation.check() {
+            add("observation", problem);
+        }
+        if let Err(problem) = self.actions.check() {
+            add("actions", problem);
         }
         if self.about.chars().count() > MAX_ABOUT_CHARS {
             add("about", format!("is too long; help: write at most {MAX_ABOUT_CHARS} characters"));

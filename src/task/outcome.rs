@@ -132,7 +132,8 @@ pub(super) fn compute_outcomes(
             continue;
         }
         let d_g = pose.distance_m(goal);
-        let potential = reward.potential(d_g, scan.nearest_m);
+        let scale = reward.scale(layout.robot_unit_m);
+        let potential = reward.potential(scale * d_g, scale * scan.nearest_m);
         let collided = scan.nearest_m < rules.collision_range_m || scan.touching;
         let reached = !collided && d_g < rules.goal_radius_m;
         episode.steps += 1;

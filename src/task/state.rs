@@ -29,6 +29,10 @@ pub struct ArenaLayout {
     pub scenario: Arc<Scenario>,
     /// The spatial index of `scenario`, if it has many still parts.
     pub index: Option<Arc<SpatialIndex>>,
+    /// The unit of lengths in units of the robot, in m ([`Scenario::robot_unit_m`]).
+    pub robot_unit_m: f32,
+    /// The directions of the LIDAR's beams in the robot's frame: unit vectors, in the sensor's order.
+    pub beams: Arc<[Vec2]>,
 }
 
 impl ArenaLayout {
@@ -36,7 +40,15 @@ impl ArenaLayout {
     #[must_use]
     pub(crate) fn as_written(scenario: &Arc<Scenario>) -> Self {
         let index = SpatialIndex::new(scenario).map(Arc::new);
-        Self { written: scenario.clone(), layout_seed: 0, scenario: scenario.clone(), index }
+        let robot_unit_m = scenario.robot_unit_m();
+        Self {
+            written: scenario.clone(),
+            layout_seed: 0,
+            scenario: scenario.clone(),
+            index,
+            robot_unit_m,
+            beams: scenario.lidar.beam_directions().into(),
+        }
     }
 
     /// Replaces the generated obstacles and the drawn numbers by those of `layout_seed`. Does nothing if the scenario has neither

@@ -18,12 +18,14 @@ use bevy::prelude::World;
 
 use super::RunError;
 use super::folder::{RunConfig, RunFolder};
+use super::training_setup::set_mirror;
 use super::write_points::write_point;
 use crate::agent::{ActiveLearner, Decisions, TrainingStats};
 use crate::learning::Learner;
 use crate::learning::framing::{HeaderError, HeaderFormat};
 use crate::limits::MAX_HEAD_BYTES;
 use crate::sim;
+use crate::task::LevelProgress;
 
 pub use state::{ArenaExtension, BestPolicy, TrainerState};
 
@@ -33,7 +35,7 @@ const NAMES: [&str; 4] =
 /// The file of the newest checkpoint.
 pub const LATEST: &str = NAMES[1];
 /// The version of the format. It increases whenever an older reader would misread a newer file.
-pub const VERSION: u32 = 6;
+pub const VERSION: u32 = 7;
 const FORMAT: HeaderFormat =
     HeaderFormat { magic: b"wayfrun\n", version: VERSION, max_bytes: MAX_HEAD_BYTES, checksum: true };
 
@@ -137,9 +139,10 @@ pub fn read_from(mut file: impl Read, config: &RunConfig) -> Result<(TrainerStat
     trainer_state.distribute_extensions()?;
     trainer_state.check(config)?;
     let inputs = config.observation_layout().width(config.scenario.lidar.beams);
-    let actions = config.scenario.robot.motions.len();
-    let learner = Learner::restore(&config.preset.learning, inputs, actions, config.preset.arenas, file)
+    let actions = config.preset.actions.len(config.scenario.robot.motions.len());
+    let mut learner = Learner::restore(&config.preset.learning, inputs, actions, config.preset.arenas, file)
         .map_err(|error| error.to_string())?;
+    set_mirror(&mut learner, config).map_err(|error| error.to_string())?;
     Ok((trainer_state, learner))
 }
 
@@ -163,4 +166,7 @@ pub fn restore(world: &mut World, trainer_state: &TrainerState) {
     sim::restore(world, &trainer_state.arenas);
     world.resource_mut::<Decisions>().streams.clone_from(&trainer_state.exploration);
     *world.resource_mut::<TrainingStats>() = trainer_state.stats;
+    if let Some(mut progress) = world.get_resource_mut::<LevelProgress>() {
+        progress.restore(&trainer_state.level_results);
+    }
 }

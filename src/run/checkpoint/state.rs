@@ -9,11 +9,12 @@ use serde::{Deserialize, Serialize};
 use crate::agent::{Decisions, TrainingStats};
 use crate::learning::Policy;
 use crate::limits::{MAX_RECENT_RETURNS, MAX_TIME_S};
+use crate::policy::observation::EarlierScan;
 use crate::random::{self, Stream};
 use crate::run::folder::RunConfig;
 use crate::run::metric_rows::Milestone;
 use crate::sim;
-use crate::task::{ArenaScenario, ArenaState, Pedestrians, Pose, ScenarioPool};
+use crate::task::{ArenaScenario, ArenaState, LevelProgress, LevelResults, Pedestrians, Pose, ScenarioPool};
 
 /// The state of a run, apart from its learner.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -54,6 +55,10 @@ pub struct TrainerState {
     pub estimated_poses: Vec<Pose>,
     /// The pedestrians of each arena; empty if there are none.
     pub pedestrians: Vec<Pedestrians>,
+    /// The scans that each arena's robot remembers for its observation by sectors; empty without one.
+    pub earlier_scans: Vec<Vec<EarlierScan>>,
+    /// The results in the levels of each member of the run's set; empty unless levels are drawn by them.
+    pub level_results: Vec<Vec<LevelResults>>,
 }
 
 /// The plugin data of an arena: sensor readings, and the sums of reward terms in the current episode.
@@ -110,6 +115,8 @@ impl TrainerState {
     pub fn update(&mut self, world: &mut World) {
         let arenas = sim::snapshot(world);
         let exploration = world.resource::<Decisions>().streams.clone();
+        let progress = world.get_resource::<LevelProgress>();
+        self.level_results = progress.map(LevelProgress::results).unwrap_or_default();
         self.update_with(arenas, exploration, *world.resource::<TrainingStats>());
     }
 
@@ -133,6 +140,10 @@ impl TrainerState {
         self.pedestrians = self.arenas.iter().map(|arena| arena.pedestrians.clone()).collect();
         if self.pedestrians.iter().all(|pedestrians| *pedestrians == Pedestrians::default()) {
             self.pedestrians.clear();
+        }
+        self.earlier_scans = self.arenas.iter().map(|arena| arena.earlier_scans.clone()).collect();
+        if self.earlier_scans.iter().all(Vec::is_empty) {
+            self.earlier_scans.clear();
         }
         self.arena_scenarios = self.arenas.iter().filter_map(|arena| arena.scenario.clone()).collect();
     }
@@ -164,6 +175,12 @@ impl TrainerState {
         for (arena, pedestrians) in self.arenas.iter_mut().zip(&self.pedestrians) {
             arena.pedestrians.clone_from(pedestrians);
         }
+        if !self.earlier_scans.is_empty() && self.earlier_scans.len() != self.arenas.len() {
+            return Err("is damaged: it has earlier scans of a different number of arenas".into());
+        }
+        for (arena, scans) in self.arenas.iter_mut().zip(&self.earlier_scans) {
+            arena.earlier_scans.clone_from(scans);
+        }
         self.collect_extensions();
         Ok(())
     }
@@ -187,6 +204,10 @@ impl TrainerState {
             arena
                 .check(&scenario, &config.observation_layout())
                 .map_err(|what| format!("is damaged: arena {number} has an invalid value for {what}"))?;
+        }
+        let progress = pool.as_ref().and_then(|pool| LevelProgress::new(config.preset.levels, pool));
+        if !progress.map_or(self.level_results.is_empty(), |progress| progress.fit(&self.level_results)) {
+            return Err("is damaged: invalid value for the results in the levels".into());
         }
         let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
         let TrainingStats { loss, td_error, q_value, .. } = self.stats;
