@@ -209,7 +209,8 @@ fn a_policy_with_other_observations_and_actions_drives_next_to_the_current_one()
     let [preset, path] = ["sectors.ron", "sectors.safetensors"].map(|name| folder.path().join(name));
     // It only turns in place to the left, because a network that has learned nothing chooses one of equal motions.
     let left = "(speed: 0, turn: 1)";
-    let text = format!("(budget: EnvSteps(1000), observation: Sectors(), actions: Relative([{left}, {left}]))");
+    let text =
+        format!("(budget: EnvSteps(1000), observation: Sectors(), actions: Relative([{left}, {left}]))");
     std::fs::write(&preset, text).expect("a writable folder");
     let preset = preset.display().to_string();
     let scenario = "empty".to_string();
@@ -289,7 +290,8 @@ fn steps(app: &mut HeadlessApp, steps: usize) {
 fn one_policy_is_trained_and_shown_with_different_robots() {
     let folder = tempfile::tempdir().expect("temporary folder");
     let (preset, scenario) = (write_general_preset(folder.path()), write_set_of_robots(folder.path()));
-    let mut app = HeadlessApp::new(StartOptions { scenario, preset, paused: true, ..StartOptions::default() });
+    let mut app =
+        HeadlessApp::new(StartOptions { scenario, preset, paused: true, ..StartOptions::default() });
     frame(&mut app);
     let mut seen = [false; 2];
     for _ in 0..100 {
@@ -303,8 +305,7 @@ fn one_policy_is_trained_and_shown_with_different_robots() {
         }
     }
     assert_eq!(seen, [true; 2]);
-    for (mode, with_values) in
-        [(SessionMode::Test, [true].as_slice()), (SessionMode::Drive, &[false, true])]
+    for (mode, with_values) in [(SessionMode::Test, [true].as_slice()), (SessionMode::Drive, &[false, true])]
     {
         app.command(Command::SetMode(mode));
         steps(&mut app, 60);

@@ -22,8 +22,8 @@ use crate::run::preset::Budget;
 use crate::run::shipped;
 use crate::scenario::IndexedScenario;
 use crate::task::{
-    Actions, ActiveActionSet, Arena, ArenaLayout, ArenaScenario, Clock, CurrentScenario, Episode, Goal, Pedestrians, Pose,
-    Scan, ScenarioPool, wrap_angle,
+    Actions, ActiveActionSet, Arena, ArenaLayout, ArenaScenario, Clock, CurrentScenario, Episode, Goal,
+    Pedestrians, Pose, Scan, ScenarioPool, wrap_angle,
 };
 
 /// The snapshot that the screen draws next.

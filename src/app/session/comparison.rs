@@ -222,7 +222,10 @@ mod tests {
         let mut changed = in_scenario("scenario-1");
         changed.scenario.obstacles[0].position_m.x += 0.1;
         let mut other_robot = in_scenario("maze");
-        other_robot.scenario = Scenario { lidar: crate::scenario::Lidar { beams: 90, ..Default::default() }, ..other_robot.scenario };
+        other_robot.scenario = Scenario {
+            lidar: crate::scenario::Lidar { beams: 90, ..Default::default() },
+            ..other_robot.scenario
+        };
         assert_eq!(name(&all, &in_scenario("maze")).as_deref(), Some("Scenario I expert"));
         assert_eq!(name(&all, &other_robot), None);
         all.push(general());

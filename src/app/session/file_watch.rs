@@ -77,7 +77,7 @@ impl FileWatch {
         let path = PathBuf::from(from);
         let stamp = stamp(&path);
         // A map or a world is imported once.
-        let is_map = path.extension().is_some_and(|extension| extension != "ron");
+        let is_map = crate::import::is_map_or_world(&path);
         let is_file = !is_map && (stamp.is_some() || !shipped::is_scenario(from));
         is_file.then_some(Self { path, checked: None, stamp, read: None })
     }

@@ -22,8 +22,7 @@ use crate::run::{RunError, evaluate, policy_card, scenario_set, shipped};
 use crate::scenario::{LevelGenerator, Scenario, SetMember, path_exists, read_text, resemblance, utf8};
 
 /// The kinds of files that can be opened.
-const OPENABLE: &str =
-    "a policy (.safetensors), a scenario, a preset or a classical driver (.ron), a map (.yaml, .sdf, .world), or a run folder";
+const OPENABLE: &str = "a policy (.safetensors), a scenario, a preset or a classical driver (.ron), a map (.yaml, .sdf, .world), or a run folder";
 
 /// The files that the user has opened. A new training keeps them.
 #[derive(Resource, Default)]

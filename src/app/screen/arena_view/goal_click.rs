@@ -36,7 +36,12 @@ pub fn update(
     ui.ctx().set_cursor_icon(CursorIcon::Crosshair);
     if let Some(outline) = drag_target::silhouette(arena, Movable::Goal, Some(to_m)) {
         let color = canvas.palette.success;
-        silhouette::draw(canvas, &outline, color.gamma_multiply(0.12), Stroke::new(1.5, color.gamma_multiply(0.6)));
+        silhouette::draw(
+            canvas,
+            &outline,
+            color.gamma_multiply(0.12),
+            Stroke::new(1.5, color.gamma_multiply(0.6)),
+        );
     }
     response.clone().on_hover_text_at_pointer("Click: set the goal here");
 }

@@ -8,8 +8,8 @@ use super::canvas::Canvas;
 use super::field_view::{self, FieldKind};
 use super::transform::{ArenaBounds, ViewTransform};
 use super::{
-    arena, beams, color_bar, drag, drag_target, driver_plan, floor, goal_click, legend, obstacle_paths, q_card,
-    silhouette, trajectories,
+    arena, beams, color_bar, drag, drag_target, driver_plan, floor, goal_click, legend, obstacle_paths,
+    q_card, silhouette, trajectories,
 };
 use crate::app::commands::Command;
 use crate::app::interaction::ActiveDrag;

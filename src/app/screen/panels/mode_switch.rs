@@ -53,7 +53,10 @@ fn segments(opened: Option<&str>, expert: Option<&str>) -> [Segment; 5] {
     let edit = "Edit the scenario, save it, train in it";
     [
         Segment::new("Train", "Robots explore and learn"),
-        Segment::new("Test", "Test the current policy: no exploration, no learning. Click on the floor to set its goal"),
+        Segment::new(
+            "Test",
+            "Test the current policy: no exploration, no learning. Click on the floor to set its goal",
+        ),
         Segment::new("Drive", "Race the policy to the same goals: steer with the arrow keys"),
         Segment::new("Compare", compare),
         Segment::new("Edit", with_key_hint(edit, Shortcut::Edit)),
