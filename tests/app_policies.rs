@@ -198,7 +198,8 @@ fn a_policy_with_other_observations_and_actions_drives_next_to_the_current_one()
     let [preset, path] = ["sectors.ron", "sectors.safetensors"].map(|name| folder.path().join(name));
     // It only turns in place to the left, because a network that has learned nothing chooses one of equal motions.
     let left = "(speed: 0, turn: 1)";
-    let text = format!("(budget: EnvSteps(1000), observation: Sectors(), actions: Relative([{left}, {left}]))");
+    let text =
+        format!("(budget: EnvSteps(1000), observation: Sectors(), actions: Relative([{left}, {left}]))");
     std::fs::write(&preset, text).expect("a writable folder");
     let preset = preset.display().to_string();
     let scenario = "empty".to_string();
