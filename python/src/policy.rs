@@ -34,6 +34,13 @@ impl TryFrom<Policy> for NativePolicy {
     }
 }
 
+impl NativePolicy {
+    /// The policy, tested with a map if `with_map`.
+    pub fn given_map(self, with_map: bool) -> Self {
+        Self { with_map, ..self }
+    }
+}
+
 #[pymethods]
 impl NativePolicy {
     /// The policy in the file `wanted`, or the shipped policy of that name.
@@ -49,7 +56,7 @@ impl NativePolicy {
     fn from_bytes(contents: &[u8], with_map: bool) -> PyResult<Self> {
         let policy = Policy::from_bytes(contents);
         let policy = Self::try_from(policy.map_err(|error| PyValueError::new_err(error.to_string()))?)?;
-        Ok(Self { with_map, ..policy })
+        Ok(policy.given_map(with_map))
     }
 
     /// The Q-values (rows x actions) of `observations` (rows x inputs).

@@ -39,7 +39,7 @@ pub fn load_tested(wanted: &str) -> PyResult<Loaded> {
         TestDriver::Policy(policy) => NativePolicy::try_from(policy).map(Loaded::Policy),
         TestDriver::PolicyWithMap(DrivingPolicy { policy, .. }) => {
             let policy = NativePolicy::try_from(Arc::unwrap_or_clone(policy))?;
-            Ok(Loaded::Policy(NativePolicy { with_map: true, ..policy }))
+            Ok(Loaded::Policy(policy.given_map(true)))
         }
         TestDriver::Classical(config) => {
             to_ron(&config).map(Loaded::Driver).map_err(|error| PyRuntimeError::new_err(error.to_string()))
