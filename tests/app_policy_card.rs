@@ -80,12 +80,12 @@ fn a_comparison_with_a_policy_of_another_lidar_lists_both_values() {
 }
 
 #[test]
-fn an_expert_of_another_field_of_view_comes_with_a_warning() {
+fn a_policy_of_another_field_of_view_comes_with_a_warning() {
     let folder = tempfile::tempdir().expect("temporary folder");
     let mut app = app(folder.path(), "lidar: (field_of_view_rad: 4.712)");
-    execute(&mut app, Command::OpenExpert);
+    execute(&mut app, Command::Open(policy()));
     let warnings = notices(&app, "LIDAR field of view: 6.2831855 rad on its card, 4.712 rad here");
-    assert!(warnings.len() == 1 && warnings[0].starts_with("Scenario I expert: "), "{warnings:?}");
+    assert!(warnings.len() == 1 && warnings[0].starts_with("scenario-1.safetensors: "), "{warnings:?}");
 }
 
 #[test]
@@ -97,8 +97,6 @@ fn a_policy_whose_actions_are_mirrored_here_does_not_drive() {
     let errors = notices(&app, "action 0 is 0.15 m/s 1.5 rad/s, but in \"Mine\" it is 0.15 m/s -1.5 rad/s");
     assert_eq!(errors.len(), 1, "{:?}", all_notices(&app));
     assert!(app.opened_files().policy.is_none(), "nothing was opened");
-    execute(&mut app, Command::OpenExpert);
-    assert_eq!(notices(&app, "No shipped policy can drive here").len(), 1, "{:?}", all_notices(&app));
 }
 
 #[test]
