@@ -8,6 +8,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use super::mirror;
 use crate::learning::LearningConfig;
 use crate::limits::{MAX_ABOUT_CHARS, MAX_ARENAS, MAX_EVALUATION_EPISODES, MAX_STEPS};
 use crate::policy::ActionSet;
@@ -146,6 +147,9 @@ impl Preset {
         let mut diagnostics = self.value_diagnostics();
         let of_learning = self.learning.problems().into_iter().map(in_learning);
         diagnostics.extend(of_learning.filter(|found| !diagnostics.contains(found)).collect::<Vec<_>>());
+        if let Some(problem) = mirror::problem_of(self.observation).filter(|_| self.learning.mirror) {
+            diagnostics.push(Diagnostic { path: "learning.mirror".into(), message: problem.into() });
+        }
         if self.based_on.is_some() {
             let message = "is only read from a preset's own file; help: remove it here".into();
             diagnostics.push(Diagnostic { path: "based_on".into(), message });

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 
 use super::folder::RunConfig;
 use super::preset::Preset;
-use super::{RunError, evaluate, policy_card};
+use super::{RunError, evaluate, mirror, policy_card};
 use crate::agent::{
     ActionSelection, ActiveLearner, Decisions, TrainingFault, TrainingStats, TrainingWarning,
 };
@@ -60,7 +60,8 @@ pub fn start_training(
 /// The learner of `config`, with the weights of `policy` if there is one.
 ///
 /// # Errors
-/// The configuration needs too much memory, or the policy does not fit it.
+/// The configuration needs too much memory, its observations or actions have no mirror image although the preset needs it, or
+/// the policy does not fit it.
 pub fn create_learner(config: &RunConfig, policy: Option<&Policy>) -> Result<Learner, RunError> {
     let inputs = config.observation_layout().width(config.scenario.lidar.beams);
     let preset = &config.preset;
@@ -73,6 +74,7 @@ pub fn create_learner(config: &RunConfig, policy: Option<&Policy>) -> Result<Lea
         .map_err(|error| RunError::InvalidInput(format!("{}: {error}", config.preset_from)))?;
     let mut learner = Learner::new(&preset.learning, inputs, actions, preset.arenas, config.seed)
         .map_err(|error| RunError::InvalidInput(format!("{}: {error}", config.preset_from)))?;
+    set_mirror(&mut learner, config)?;
     if let (Some(policy), Some(transfer)) = (policy, &config.transfer) {
         evaluate::check_compatible(policy, &config.scenario, &config.observation_layout())?;
         check_encoding(policy, preset.observation)
@@ -82,6 +84,17 @@ pub fn create_learner(config: &RunConfig, policy: Option<&Policy>) -> Result<Lea
             .map_err(|error| RunError::InvalidInput(format!("{}: {error}", transfer.policy)))?;
     }
     Ok(learner)
+}
+
+/// Gives the `learner` of `config` the mirror of its observations and actions, if the preset has `learning.mirror`.
+///
+/// # Errors
+/// The observations or the actions have no mirror image.
+pub(super) fn set_mirror(learner: &mut Learner, config: &RunConfig) -> Result<(), RunError> {
+    let Some(mirror) = mirror::of_run(config)? else { return Ok(()) };
+    learner
+        .set_mirror(mirror)
+        .map_err(|error| RunError::InvalidInput(format!("{}: {error}", config.preset_from)))
 }
 
 /// Checks that `policy` was trained with the preset's encoding of observations.
