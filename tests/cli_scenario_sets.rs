@@ -72,6 +72,29 @@ fn a_run_that_draws_levels_by_progress_resumes_bit_identically() {
 }
 
 #[test]
+fn a_run_with_mirror_augmentation_resumes_bit_identically() {
+    let workspace = workspace();
+    let preset = |mirror: bool| {
+        format!(
+            "(based_on: \"fast.ron\", observation: Sectors(count: 12), learning: (mirror: {mirror}), actions: \
+             Relative([(speed: 1, turn: 1), (speed: 1, turn: 0), (speed: 1, turn: -1), (speed: 0, turn: 1), (speed: 0, turn: -1)]))"
+        )
+    };
+    workspace.write("mirrored.ron", preset(true));
+    workspace.write("plain.ron", preset(false));
+    let train = "--train --scenario set.ron --seed 5 --steps";
+    workspace.run_ok(&format!("{train} 4000 --preset mirrored.ron --out straight"));
+    workspace.run_ok(&format!("{train} 1 --preset mirrored.ron --out pieces"));
+    for steps in [1111, 4000] {
+        workspace.run_ok(&format!("--train --resume pieces --steps {steps}"));
+    }
+    workspace.assert_same_run("straight", "pieces");
+    workspace.run_ok(&format!("{train} 4000 --preset plain.ron --out plain"));
+    let weights = |run: &str| workspace.read(&format!("{run}/policy-last.safetensors"));
+    assert!(weights("straight") != weights("plain"), "the mirrored transitions change what is learned");
+}
+
+#[test]
 fn more_levels_than_a_training_can_keep_the_results_of_are_an_error() {
     let workspace = workspace();
     let entry = |k: u32| format!("(name: \"n{k}\", generator: \"clutter.ron\", levels: 900000)");
