@@ -3,7 +3,7 @@
 //! In: a [`Scenario`]. Out: a [`SpatialIndex`], which gives the same results as a test of all parts, to the bit.
 
 use super::crowd::{Crowd, Pedestrian};
-use super::geometry::{enclosure_distance, is_clear, nearest_of, shape_distance, wall_segment_distance};
+use super::geometry::{enclosure_distance, is_clear, nearest_of, shape_distance};
 use super::motion::pose_at;
 use super::schema::{ObstacleMotion, Scenario};
 use super::uniform_grid::UniformGrid;
@@ -24,8 +24,8 @@ pub struct SpatialIndex {
 /// A still part of a scenario.
 #[derive(Clone, Copy, Debug)]
 enum Part {
-    /// The segment between corner `corner` of wall `wall` and the next one.
-    Segment { wall: usize, corner: usize },
+    /// A segment of a wall, by the index of the wall and its own.
+    Segment { wall: usize, index: usize },
     /// A static obstacle.
     Obstacle(usize),
 }
@@ -40,28 +40,21 @@ impl Part {
 
     fn distance_m(self, scenario: &Scenario, point_m: Vec2) -> f32 {
         match self {
-            Self::Segment { wall, corner } => {
-                let wall = &scenario.walls[wall];
-                let (from, to) = (wall.corners_m[corner], wall.corners_m[corner + 1]);
-                wall_segment_distance(from, to, wall.thickness_m, point_m)
-            }
+            Self::Segment { wall, index } => scenario.walls[wall].segment_distance_m(index, point_m),
             Self::Obstacle(index) => IndexedScenario::from(scenario).obstacle_distance(index, point_m, 0),
         }
     }
 
     /// Lower left and upper right corner of a box around it, in m.
     fn bounds_m(self, scenario: &Scenario) -> (Vec2, Vec2) {
-        let (from, to, reach_m) = match self {
-            Self::Segment { wall, corner } => {
-                let wall = &scenario.walls[wall];
-                (wall.corners_m[corner], wall.corners_m[corner + 1], wall.thickness_m)
-            }
+        match self {
+            Self::Segment { wall, index } => scenario.walls[wall].segment_bounds_m(index),
             Self::Obstacle(index) => {
                 let obstacle = &scenario.obstacles[index];
-                (obstacle.position_m, obstacle.position_m, obstacle.shape.bounding_radius_m())
+                let reach_m = obstacle.shape.bounding_radius_m();
+                (obstacle.position_m - reach_m, obstacle.position_m + reach_m)
             }
-        };
-        (from.min(to) - reach_m, from.max(to) + reach_m)
+        }
     }
 }
 
@@ -70,8 +63,8 @@ impl SpatialIndex {
     #[must_use]
     pub fn new(scenario: &Scenario) -> Option<Self> {
         let of_wall = |wall: usize| {
-            let segments = scenario.walls[wall].corners_m.len().saturating_sub(1);
-            (0..segments).map(move |corner| Part::Segment { wall, corner })
+            let segments = 0..scenario.walls[wall].segment_count();
+            segments.map(move |index| Part::Segment { wall, index })
         };
         let is_static = |index: &usize| scenario.obstacles[*index].motion == ObstacleMotion::Static;
         let (still, moving): (Vec<_>, Vec<_>) = (0..scenario.obstacles.len()).partition(is_static);
