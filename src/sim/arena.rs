@@ -15,7 +15,7 @@ use crate::control_step::Reset;
 use crate::scenario::Scenario;
 use crate::task::{
     Actions, Arena, ArenaLayout, ArenaScenario, ArenaState, Clock, CurrentScenario, Episode, EstimatedPose,
-    ExtraRewards, Goal, ObservationLayout, Observations, Pedestrians, PendingReset, Pose, Scan,
+    ExtraRewards, Goal, ObservationLayout, Observations, PathLengths, Pedestrians, PendingReset, Pose, Scan,
     ScenarioChoice, ScenarioPool, SensorReadings, StepOutcome, StepOutcomes, Streams, TaskFault, Twist,
     observation,
 };
@@ -44,7 +44,7 @@ pub fn spawn_arenas(world: &mut World, scenario: &Arc<Scenario>, arenas: usize, 
             (Pose::default(), EstimatedPose::default()),
             Twist::default(),
             (Scan::default(), SensorReadings::zeros(extra)),
-            Goal::default(),
+            (Goal::default(), PathLengths::default()),
             (Clock::default(), Pedestrians::default()),
             Episode { pending_reset: PendingReset::Full, ..Episode::default() },
             Streams::new(seed, index as u64),

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 pub use crate::policy::observation::{DISTANCE_SCALE_M, Encoding, RANGE_SCALE_M, width};
 
-use super::{Arena, Episode, EstimatedPose, Goal, PendingReset, Pose, Scan};
+use super::{Arena, ArenaLayout, Episode, EstimatedPose, Goal, PathLengths, PendingReset, Pose, Scan};
 use crate::policy;
 
 /// The parts of an observation: the paper's numbers in an encoding, then one named slice per plugin sensor.
@@ -206,7 +206,7 @@ type Observed = (
     (&'static Pose, &'static EstimatedPose),
     &'static Goal,
     &'static SensorReadings,
-    &'static mut Episode,
+    (&'static ArenaLayout, &'static mut PathLengths, &'static mut Episode),
 );
 
 /// Schedule `Reset`: encodes the observations and potentials of arenas with a new goal or start.
@@ -217,12 +217,14 @@ pub(super) fn observe_first(
     mut arenas: Query<Observed>,
 ) {
     let width = observations.width;
-    for (arena, scan, (pose, estimate), goal, readings, mut episode) in &mut arenas {
+    for (arena, scan, (pose, estimate), goal, readings, (arena_layout, mut paths, mut episode)) in &mut arenas
+    {
         if episode.pending_reset != PendingReset::None {
             debug_assert_eq!(width, layout.width(scan.ranges_m.len()));
             let row = &mut observations.current[arena.0 * width..][..width];
             encode(layout.encoding, scan, &estimate.0, goal, readings, row);
-            episode.potential = reward.potential(pose.distance_m(goal), scan.nearest_m);
+            let attracting_m = paths.distance_m(&reward, arena_layout, pose, goal);
+            episode.potential = reward.potential(attracting_m, scan.nearest_m);
         }
     }
 }

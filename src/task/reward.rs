@@ -17,6 +17,28 @@ pub enum RewardKind {
     Optimized,
 }
 
+/// The distance from the goal that attracts the robot. It is d_g in eq. (5). The policy observes the straight distance in any case, and
+/// a goal is reached by it. Evaluations do not use the reward.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum GoalDistance {
+    /// The straight distance, as in the paper.
+    #[default]
+    Straight,
+    /// The length of the shortest path around walls and static obstacles, for a disc as large as the robot. Then the attraction
+    /// leads out of dead ends instead of into them. Moving obstacles are left out.
+    Geodesic,
+}
+
+/// The growth of the attraction with the distance from the goal.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Attraction {
+    /// Eq. (5): U_a = mu d_g^2 / 2. A step towards the goal counts the more, the farther away it is.
+    #[default]
+    Quadratic,
+    /// U_a = mu d_g, with mu per m: a step towards the goal counts the same everywhere, also on long paths.
+    Linear,
+}
+
 /// The parameters of the reward (Table 1).
 #[derive(Resource, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -27,7 +49,11 @@ pub struct RewardConfig {
     pub reached: f32,
     /// r-, the reward for a collision.
     pub collided: f32,
-    /// mu, the gain of the attraction in eq. (5), per m^2.
+    /// The distance from the goal in eq. (5). The paper: straight.
+    pub distance: GoalDistance,
+    /// How the attraction grows with this distance. The paper: quadratic.
+    pub attraction: Attraction,
+    /// mu, the gain of the attraction in eq. (5), per m^2; per m if the attraction is linear.
     pub mu: f32,
     /// sigma, the gain of the repulsion in eq. (6).
     pub sigma: f32,
@@ -41,6 +67,8 @@ impl Default for RewardConfig {
             kind: RewardKind::Optimized,
             reached: 250.0,
             collided: -200.0,
+            distance: GoalDistance::Straight,
+            attraction: Attraction::Quadratic,
             mu: 100.0,
             sigma: 100.0,
             l_r_m: 0.3,
@@ -97,12 +125,15 @@ impl core::ops::AddAssign for RewardTerms {
 
 impl RewardConfig {
     /// The potential of eqs. (4) to (6): U = mu d_g^2 / 2 + sigma (1 - d_o/l_r)^2 / 2, where the second term is 0 for
-    /// d_o > l_r.
+    /// d_o > l_r. A linear attraction is mu d_g.
     ///
-    /// `d_g` is the distance to the goal, and `d_o` the smallest LIDAR range, both in m.
+    /// `d_g` is the distance to the goal that attracts ([`RewardConfig::distance`]), and `d_o` the smallest LIDAR range, both in m.
     #[must_use]
     pub fn potential(&self, d_g: f32, d_o: f32) -> Potential {
-        let attraction = 0.5 * self.mu * d_g * d_g;
+        let attraction = match self.attraction {
+            Attraction::Quadratic => 0.5 * self.mu * d_g * d_g,
+            Attraction::Linear => self.mu * d_g,
+        };
         let repulsion = if d_o <= self.l_r_m {
             let closeness = 1.0 - d_o / self.l_r_m;
             0.5 * self.sigma * closeness * closeness
@@ -170,6 +201,16 @@ mod tests {
     fn eq_5_attraction_is_half_mu_d_squared() {
         // 100 * 1.2^2 / 2 = 72
         assert!((table_1().potential(1.2, 3.0).attraction - 72.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn a_linear_attraction_rewards_each_metre_alike() {
+        let r = RewardConfig { attraction: Attraction::Linear, mu: 40.0, ..table_1() };
+        // From 9.0 to 8.5 m, and from 1.0 to 0.5 m: 40 * 0.5 = 20.
+        for (before, after) in [(9.0, 8.5), (1.0, 0.5)] {
+            let terms = r.reward(false, false, r.potential(before, 3.0), r.potential(after, 3.0));
+            assert!((terms.attraction - 20.0).abs() < 1e-4);
+        }
     }
 
     #[test]
