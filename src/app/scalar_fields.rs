@@ -18,8 +18,8 @@ use crate::learning::QNetwork;
 use crate::scenario::{Scenario, enclosure_distance, inner_wall_distance};
 use crate::sim::Probe;
 use crate::task::{
-    Arena, ArenaLayout, Clock, Goal, ObservationLayout, PathLengths, Pose, RewardConfig, Scan,
-    SensorReadings, observation,
+    Arena, ArenaLayout, Clock, Goal, ObservationLayout, PathLengths, Pose, RewardConfig, Scan, ScanMemory,
+    SensorReadings, Twist, observation,
 };
 
 /// Number of grid points along the longer side.
@@ -205,7 +205,7 @@ fn sample(
         sources.arenas.iter().find(|(arena, ..)| arena.0 == inputs.arena).map(|(_, layout, ..)| layout);
     let mut paths = PathLengths::default();
     // One scan per point serves both fields.
-    let mut scan = Scan::default();
+    let (mut scan, mut memory) = (Scan::default(), ScanMemory::default());
     for Vec2 { x: x_m, y: y_m } in grid.points_m() {
         let pose = Pose { x_m, y_m, heading_rad: inputs.heading_rad };
         scan_from(&pose, &mut scan);
@@ -215,13 +215,16 @@ fn sample(
             || pose.distance_m(goal),
             |layout| paths.distance_m(&sources.reward, layout, &pose, goal),
         );
-        let potential = sources.reward.potential(attracting_m, scan.nearest_m).total();
+        let scale = sources.reward.scale(scenario.robot_unit_m());
+        let potential = sources.reward.potential(scale * attracting_m, scale * scan.nearest_m).total();
         potentials.push(if free { potential } else { f32::NAN });
         if inputs.value {
             let start = observations.len();
             observations.resize(start + width, 0.0);
             let row = &mut observations[start..];
-            observation::encode(sources.layout.encoding, &scan, &pose, goal, readings, row);
+            let encoding = sources.layout.encoding;
+            memory.begin(encoding, &inputs.scenario, &scan, &pose, &Twist::default());
+            observation::encode(encoding, &memory, &scan, (&pose, goal), readings, row);
         }
     }
     (potentials, observations)

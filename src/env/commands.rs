@@ -29,14 +29,7 @@ pub(crate) struct CommandRules {
 impl CommandRules {
     /// The rules for the robot of `scenario`.
     pub fn of(scenario: &Scenario) -> Self {
-        let still = Motion { v_m_s: 0.0, w_rad_s: 0.0 };
-        let (low, high) = scenario.robot.motions.iter().fold((still, still), |(low, high), motion| {
-            let least =
-                Motion { v_m_s: low.v_m_s.min(motion.v_m_s), w_rad_s: low.w_rad_s.min(motion.w_rad_s) };
-            let most =
-                Motion { v_m_s: high.v_m_s.max(motion.v_m_s), w_rad_s: high.w_rad_s.max(motion.w_rad_s) };
-            (least, most)
-        });
+        let (low, high) = scenario.robot.motion_limits();
         Self { num_actions: scenario.robot.motions.len(), low, high }
     }
 

@@ -72,7 +72,7 @@ fn training_bytes(config: &RunConfig) -> u64 {
     let inputs = config.observation_layout().width(scenario.lidar.beams);
     let states = preset.stored_states();
     // A network that is too large is refused by the learner.
-    let shape = learning.network.shape(inputs, scenario.robot.motions.len());
+    let shape = learning.network.shape(inputs, preset.actions.len(scenario.robot.motions.len()));
     let parameters = shape.map_or(0, |shape| shape.parameter_count());
     let bodies = bodies_per_arena(scenario) * (preset.arenas + preset.evaluation.episodes);
     // A state has its numbers and a reference; a transition 18 bytes; the sum tree two nodes or up to four per transition.

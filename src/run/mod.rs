@@ -11,6 +11,7 @@
 //! | `scenario_set.rs` | the files of sets of scenarios |
 //! | `shipped.rs` | the shipped scenarios, presets and policies, by name |
 //! | `training_setup.rs` | the learner and the simulation of a new run |
+//! | `mirror.rs` | the mirror image of a run's observations and actions |
 //! | `train/` | the training loop |
 //! | `metrics.rs` | metrics of episodes and evaluations, and the best policy |
 //! | `evaluate/` | success over rounds of episodes and on the benchmark route; records and traces of episodes; comparison with optimal times |
@@ -53,6 +54,7 @@ pub mod metric_rows;
 pub mod metrics;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod metrics_writer;
+mod mirror;
 pub mod notes;
 pub mod on_all_cores;
 pub mod output_file;

@@ -8,10 +8,12 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use super::mirror;
 use crate::learning::LearningConfig;
 use crate::limits::{MAX_ABOUT_CHARS, MAX_ARENAS, MAX_EVALUATION_EPISODES, MAX_STEPS};
+use crate::policy::ActionSet;
 use crate::policy::range::{ConfigError, within};
-use crate::scenario::{Diagnostic, FileError, LocatedDiagnostic, read_text};
+use crate::scenario::{Diagnostic, FileError, LocatedDiagnostic, SetFit, read_text};
 use crate::task::{Encoding, RewardConfig};
 
 /// A training preset: all settings of a training run except the scenario, of which it may name a default, and the seed.
@@ -31,9 +33,12 @@ pub struct Preset {
     pub budget: Budget,
     /// Schedule of the evaluations during training.
     pub evaluation: EvaluationConfig,
-    /// How the observation, eq. (8), enters the network: `Scaled` to the order of one, or `Raw` in m and rad.
-    /// The paper doesn't specify it.
+    /// The observation: that of the paper, eq. (8), `Scaled` to the order of one or `Raw` in m and rad, which the paper doesn't
+    /// specify; or `Sectors`, for any LIDAR and any robot.
     pub observation: Encoding,
+    /// The motions to choose among: those of the scenario's `Robot`, as in the paper, or `Relative` ones, in units of any robot's
+    /// limits.
+    pub actions: ActionSet,
     /// The reward of a step, eqs. (3) to (7).
     pub reward: RewardConfig,
     /// The algorithm and its hyperparameters.
@@ -85,6 +90,7 @@ impl Default for Preset {
             budget: Budget::Episodes(1000),
             evaluation: EvaluationConfig::default(),
             observation: Encoding::default(),
+            actions: ActionSet::default(),
             reward: RewardConfig::default(),
             learning: LearningConfig::default(),
             scenario: None,
@@ -93,6 +99,12 @@ impl Default for Preset {
 }
 
 impl Preset {
+    /// What the scenarios of a set must have in common, so that one policy can drive in all of them.
+    #[must_use]
+    pub fn fit(&self) -> SetFit {
+        SetFit { lidar: self.observation.sectors().is_none(), motions: self.actions == ActionSet::Robot }
+    }
+
     /// The preset in the file at `path`.
     ///
     /// # Errors
@@ -135,6 +147,9 @@ impl Preset {
         let mut diagnostics = self.value_diagnostics();
         let of_learning = self.learning.problems().into_iter().map(in_learning);
         diagnostics.extend(of_learning.filter(|found| !diagnostics.contains(found)).collect::<Vec<_>>());
+        if let Some(problem) = mirror::problem_of(self.observation).filter(|_| self.learning.mirror) {
+            diagnostics.push(Diagnostic { path: "learning.mirror".into(), message: problem.into() });
+        }
         if self.based_on.is_some() {
             let message = "is only read from a preset's own file; help: remove it here".into();
             diagnostics.push(Diagnostic { path: "based_on".into(), message });
@@ -158,6 +173,12 @@ impl Preset {
         ];
         for error in ranges.into_iter().filter_map(Result::err) {
             add(&error.field, error.problem);
+        }
+        if let Err(problem) = self.observation.check() {
+            add("observation", problem);
+        }
+        if let Err(problem) = self.actions.check() {
+            add("actions", problem);
         }
         if self.about.chars().count() > MAX_ABOUT_CHARS {
             add("about", format!("is too long; help: write at most {MAX_ABOUT_CHARS} characters"));

@@ -7,8 +7,8 @@ use std::path::Path;
 use super::preset::Preset;
 use super::shipped;
 use crate::scenario::{
-    Diagnostic, FileError, Scenario, ScenarioSet, ScenarioSetFile, SetEntry, SetMember, SetSource,
-    resemblance,
+    Diagnostic, FileError, Scenario, ScenarioSet, ScenarioSetFile, SetEntry, SetFit, SetMember, SetSource,
+    read_text, resemblance,
 };
 
 /// Whether the text of a file is meant as a set of scenarios, by its fields.
@@ -21,7 +21,7 @@ pub fn is_meant_by(text: &str) -> bool {
 /// The set in `text`, the contents of the file at `path`, with the scenarios that it names.
 ///
 /// # Errors
-/// The text is not a set, or a scenario cannot be read, is invalid, or needs another policy than the first.
+/// The text is not a set, or a scenario cannot be read or is invalid.
 pub fn parse(text: &str, path: &Path) -> Result<ScenarioSet, FileError> {
     let file = ScenarioSetFile::parse(text, path)?;
     let mut set = ScenarioSet { name: file.name.clone(), members: Vec::new() };
@@ -41,14 +41,26 @@ pub fn parse(text: &str, path: &Path) -> Result<ScenarioSet, FileError> {
         match source(entry, &wanted) {
             Ok(source) => {
                 set.members.push(SetMember { name: entry.name(), share: entry.share(), source });
-                if let Some(difference) = set.misfit(set.members.len() - 1) {
-                    problem(difference);
-                }
             }
             Err(why) => problem(format!("can't be used: {why}")),
         }
     }
     if problems.is_empty() { Ok(set) } else { Err(FileError::from_diagnostics(path, text, &problems)) }
+}
+
+/// Checks that one policy can drive in all scenarios of `set`, which comes from the file or shipped name `from`.
+///
+/// # Errors
+/// It cannot. The message names the scenario, with its line if the set has a file.
+pub fn check_fit(set: &ScenarioSet, from: &str, fit: SetFit) -> Result<(), FileError> {
+    let Some((k, message)) = set.misfit(fit) else { return Ok(()) };
+    let (path, text) = (Path::new(from), read_text(Path::new(from)).unwrap_or_default());
+    let field = match set.members[k].source {
+        SetSource::Scenario(_) => "scenario",
+        SetSource::Levels { .. } => "generator",
+    };
+    let diagnostic = Diagnostic { path: format!("scenarios[{k}].{field}"), message };
+    Err(FileError::from_diagnostics(path, &text, &[diagnostic]))
 }
 
 /// The scenario, or the generator, in the file `wanted`, which `entry` names.

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 
 use super::folder::RunConfig;
 use super::preset::Preset;
-use super::{RunError, evaluate, policy_card};
+use super::{RunError, evaluate, mirror, policy_card};
 use crate::agent::{
     ActionSelection, ActiveLearner, Decisions, TrainingFault, TrainingStats, TrainingWarning,
 };
@@ -17,7 +17,7 @@ use crate::policy::{Encoding, Policy};
 use crate::scenario::Scenario;
 use crate::sim::spawn_arenas;
 use crate::simulation::{Extensions, Simulation, SimulationBuilder};
-use crate::task::{EpisodeEnded, EpisodeSetup, ObservationLayout, TaskFault, TaskMode};
+use crate::task::{ActiveActionSet, EpisodeEnded, EpisodeSetup, ObservationLayout, TaskFault, TaskMode};
 
 /// A simulation in which `learner` trains with `preset` in parallel arenas of `scenario`.
 #[must_use]
@@ -42,6 +42,7 @@ pub fn start_training(
     learner: Learner,
 ) {
     world.resource_mut::<ObservationLayout>().encoding = preset.observation;
+    world.insert_resource(ActiveActionSet(preset.actions.clone()));
     world.insert_resource(preset.reward.clone());
     world.insert_resource(TaskMode::Continuing);
     world.insert_resource(EpisodeSetup::Random);
@@ -59,16 +60,21 @@ pub fn start_training(
 /// The learner of `config`, with the weights of `policy` if there is one.
 ///
 /// # Errors
-/// The configuration needs too much memory, or the policy does not fit it.
+/// The configuration needs too much memory, its observations or actions have no mirror image although the preset needs it, or
+/// the policy does not fit it.
 pub fn create_learner(config: &RunConfig, policy: Option<&Policy>) -> Result<Learner, RunError> {
     let inputs = config.observation_layout().width(config.scenario.lidar.beams);
-    let actions = config.scenario.robot.motions.len();
     let preset = &config.preset;
+    let actions = preset.actions.len(config.scenario.robot.motions.len());
+    if let Some((_, why)) = config.scenario_set.as_ref().and_then(|set| set.misfit(preset.fit())) {
+        return Err(RunError::InvalidInput(format!("{}: a scenario {why}", config.scenario_from)));
+    }
     config
         .check_memory()
         .map_err(|error| RunError::InvalidInput(format!("{}: {error}", config.preset_from)))?;
     let mut learner = Learner::new(&preset.learning, inputs, actions, preset.arenas, config.seed)
         .map_err(|error| RunError::InvalidInput(format!("{}: {error}", config.preset_from)))?;
+    set_mirror(&mut learner, config)?;
     if let (Some(policy), Some(transfer)) = (policy, &config.transfer) {
         evaluate::check_compatible(policy, &config.scenario, &config.observation_layout())?;
         check_encoding(policy, preset.observation)
@@ -78,6 +84,17 @@ pub fn create_learner(config: &RunConfig, policy: Option<&Policy>) -> Result<Lea
             .map_err(|error| RunError::InvalidInput(format!("{}: {error}", transfer.policy)))?;
     }
     Ok(learner)
+}
+
+/// Gives the `learner` of `config` the mirror of its observations and actions, if the preset has `learning.mirror`.
+///
+/// # Errors
+/// The observations or the actions have no mirror image.
+pub(super) fn set_mirror(learner: &mut Learner, config: &RunConfig) -> Result<(), RunError> {
+    let Some(mirror) = mirror::of_run(config)? else { return Ok(()) };
+    learner
+        .set_mirror(mirror)
+        .map_err(|error| RunError::InvalidInput(format!("{}: {error}", config.preset_from)))
 }
 
 /// Checks that `policy` was trained with the preset's encoding of observations.

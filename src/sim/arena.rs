@@ -8,7 +8,6 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::{RapierContextColliders, RapierContextSimulation, RapierRigidBodySet};
 
-use super::lidar::BeamDirections;
 use super::physics::{self, ArenaBodies, Bodies, KeptBodies};
 use super::{obstacles, robot};
 use crate::control_step::Reset;
@@ -16,8 +15,8 @@ use crate::scenario::Scenario;
 use crate::task::{
     Actions, Arena, ArenaLayout, ArenaScenario, ArenaState, Clock, CurrentScenario, Episode, EstimatedPose,
     ExtraRewards, Goal, ObservationLayout, Observations, PathLengths, Pedestrians, PendingReset, Pose, Scan,
-    ScenarioChoice, ScenarioPool, SensorReadings, StepOutcome, StepOutcomes, Streams, TaskFault, Twist,
-    observation,
+    ScanMemory, ScenarioChoice, ScenarioPool, SensorReadings, StepOutcome, StepOutcomes, Streams, TaskFault,
+    Twist, observation,
 };
 
 /// Replaces all arenas by `arenas` new arenas of `scenario` with the random streams of `seed`, and starts an episode in
@@ -28,7 +27,6 @@ pub fn spawn_arenas(world: &mut World, scenario: &Arc<Scenario>, arenas: usize, 
         world.despawn(arena);
     }
     world.insert_resource(CurrentScenario(scenario.clone()));
-    world.insert_resource(BeamDirections::from_lidar(&scenario.lidar));
     let layout = world.resource::<ObservationLayout>();
     let (width, extra) = (layout.width(scenario.lidar.beams), layout.extra_width());
     world.resource_mut::<Observations>().resize(arenas, width);
@@ -43,7 +41,7 @@ pub fn spawn_arenas(world: &mut World, scenario: &Arc<Scenario>, arenas: usize, 
             layout.clone(),
             (Pose::default(), EstimatedPose::default()),
             Twist::default(),
-            (Scan::default(), SensorReadings::zeros(extra)),
+            (Scan::default(), SensorReadings::zeros(extra), ScanMemory::default()),
             (Goal::default(), PathLengths::default()),
             (Clock::default(), Pedestrians::default()),
             Episode { pending_reset: PendingReset::Full, ..Episode::default() },
@@ -115,7 +113,7 @@ pub fn snapshot(world: &mut World) -> Vec<ArenaState> {
         (&ArenaLayout, Option<&ArenaScenario>),
         (&Pose, &EstimatedPose),
         &Twist,
-        (&Scan, &SensorReadings),
+        (&Scan, &SensorReadings, &ScanMemory),
         &Goal,
         (&Clock, &Pedestrians),
         &Episode,
@@ -129,7 +127,7 @@ pub fn snapshot(world: &mut World) -> Vec<ArenaState> {
                 (layout, scenario),
                 (pose, estimate),
                 twist,
-                (scan, readings),
+                (scan, readings, memory),
                 goal,
                 clock,
                 episode,
@@ -142,6 +140,7 @@ pub fn snapshot(world: &mut World) -> Vec<ArenaState> {
                     twist: *twist,
                     scan: scan.clone(),
                     readings: readings.as_slice().to_vec(),
+                    earlier_scans: memory.scans(),
                     goal: *goal,
                     clock: *clock,
                     pedestrians: pedestrians.clone(),
@@ -171,7 +170,7 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
             (&mut ArenaLayout, Option<&mut ArenaScenario>),
             (&mut Pose, &mut EstimatedPose),
             &mut Twist,
-            (&mut Scan, &mut SensorReadings),
+            (&mut Scan, &mut SensorReadings, &mut ScanMemory),
             &mut Goal,
             (&mut Clock, &mut Pedestrians),
             &mut Episode,
@@ -187,7 +186,7 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
             (mut layout, member),
             (mut pose, mut estimate),
             mut twist,
-            (mut scan, mut readings),
+            (mut scan, mut readings, mut memory),
             mut goal,
             (mut clock, mut pedestrians),
             mut episode,
@@ -208,6 +207,7 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
         *twist = state.twist;
         *scan = state.scan.clone();
         *readings = SensorReadings::from_saved(&state.readings);
+        memory.restore(encoding, &layout.written, &state.earlier_scans, &state.twist);
         *goal = state.goal;
         *clock = state.clock;
         pedestrians.clone_from(&state.pedestrians);
@@ -217,7 +217,7 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
         obstacles::place_generated_obstacles(&layout, &mut bodies, &mut colliders);
         obstacles::place_bodies(layout.indexed(&pedestrians), *clock, &bodies, &mut set, &mut colliders);
         let row = &mut observations.current[arena.0 * width..][..width];
-        observation::encode(encoding, &scan, &estimate.0, &goal, &readings, row);
+        observation::encode(encoding, &memory, &scan, (&estimate.0, &goal), &readings, row);
     }
     world.insert_resource(observations);
 }

@@ -14,22 +14,6 @@ use crate::random::{self, Stream};
 use crate::scenario::Lidar;
 use crate::task::{ArenaLayout, Episode, Pose, Scan, Streams};
 
-/// The directions of the beams in the robot's frame: one unit vector per beam, in the sensor's order.
-#[derive(Resource, Clone, Debug, Default)]
-pub struct BeamDirections(pub Vec<Vec2>);
-
-impl BeamDirections {
-    /// The directions of the beams of `lidar`.
-    #[must_use]
-    pub fn from_lidar(lidar: &Lidar) -> Self {
-        let direction = |beam| {
-            let (sin, cos) = libm::sincos(lidar.beam_angle_rad(beam));
-            Vec2::new(cos as f32, sin as f32)
-        };
-        Self((0..lidar.beams).map(direction).collect())
-    }
-}
-
 /// The components of an arena that a scan reads and writes.
 type Scanned = (
     &'static ArenaLayout,
@@ -42,35 +26,35 @@ type Scanned = (
 );
 
 /// `Sense`: takes the scan of every arena after the physics step.
-pub(super) fn scan(beams: Res<BeamDirections>, mut arenas: Query<Scanned>) {
+pub(super) fn scan(mut arenas: Query<Scanned>) {
     for (layout, bodies, colliders, pose, episode, mut streams, mut scan) in &mut arenas {
         if !episode.inactive {
-            take_scan(&layout.scenario.lidar, &beams, bodies, colliders, pose, &mut streams, &mut scan);
+            take_scan(layout, bodies, colliders, pose, &mut streams, &mut scan);
         }
     }
 }
 
 /// `Reset`: takes the scan of every robot that was placed.
-pub(super) fn scan_after_reset(beams: Res<BeamDirections>, mut arenas: Query<Scanned>) {
+pub(super) fn scan_after_reset(mut arenas: Query<Scanned>) {
     for (layout, bodies, colliders, pose, episode, mut streams, mut scan) in &mut arenas {
         if episode.pending_reset.moves_robot() {
             scan.touching = false;
             scan.delayed.clear();
-            take_scan(&layout.scenario.lidar, &beams, bodies, colliders, pose, &mut streams, &mut scan);
+            take_scan(layout, bodies, colliders, pose, &mut streams, &mut scan);
         }
     }
 }
 
 fn take_scan(
-    lidar: &Lidar,
-    beams: &BeamDirections,
+    layout: &ArenaLayout,
     bodies: &Bodies,
     colliders: &RapierContextColliders,
     pose: &Pose,
     streams: &mut Streams,
     scan: &mut Scan,
 ) {
-    cast_in_arena(&colliders.colliders, bodies, pose, &beams.0, lidar.max_range_m, &mut scan.ranges_m);
+    let lidar = &layout.scenario.lidar;
+    cast_in_arena(&colliders.colliders, bodies, pose, &layout.beams, lidar.max_range_m, &mut scan.ranges_m);
     scan.nearest_m = scan.ranges_m.iter().copied().fold(lidar.max_range_m, f32::min);
     add_noise(lidar, &mut streams.sensor, &mut scan.ranges_m);
     scan.sensor_pose = *pose;

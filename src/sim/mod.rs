@@ -48,20 +48,19 @@ pub(crate) struct SimPlugin;
 impl Plugin for SimPlugin {
     fn build(&self, app: &mut App) {
         physics::build(app);
-        app.init_resource::<lidar::BeamDirections>()
-            .add_systems(
-                ControlStep,
-                (
-                    (obstacles::advance, robot::actuate).chain().in_set(ControlSet::Actuate),
-                    (robot::read_pose, lidar::scan).chain().in_set(SenseSet::Scan),
-                ),
-            )
-            .add_systems(
-                Reset,
-                (
-                    (physics::replace_bodies, obstacles::place, robot::place).chain().in_set(ResetSet::Place),
-                    lidar::scan_after_reset.in_set(ResetSet::Scan),
-                ),
-            );
+        app.add_systems(
+            ControlStep,
+            (
+                (obstacles::advance, robot::actuate).chain().in_set(ControlSet::Actuate),
+                (robot::read_pose, lidar::scan).chain().in_set(SenseSet::Scan),
+            ),
+        )
+        .add_systems(
+            Reset,
+            (
+                (physics::replace_bodies, obstacles::place, robot::place).chain().in_set(ResetSet::Place),
+                lidar::scan_after_reset.in_set(ResetSet::Scan),
+            ),
+        );
     }
 }

@@ -6,14 +6,13 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::RapierContextColliders;
 
-use super::lidar::{BeamDirections, cast_in_arena};
+use super::lidar::cast_in_arena;
 use super::physics::Bodies;
 use crate::task::{Arena, ArenaLayout, Pose, Scan};
 
 /// Read access to the colliders of all arenas.
 #[derive(SystemParam)]
 pub struct Probe<'w, 's> {
-    beams: Res<'w, BeamDirections>,
     arenas: Query<
         'w,
         's,
@@ -29,7 +28,7 @@ impl Probe<'_, '_> {
         let (_, layout, bodies, context) = self.arenas.iter().find(|(other, ..)| other.0 == arena)?;
         let max_range_m = layout.scenario.lidar.max_range_m;
         Some(move |pose: &Pose, scan: &mut Scan| {
-            cast_in_arena(&context.colliders, bodies, pose, &self.beams.0, max_range_m, &mut scan.ranges_m);
+            cast_in_arena(&context.colliders, bodies, pose, &layout.beams, max_range_m, &mut scan.ranges_m);
             scan.nearest_m = scan.ranges_m.iter().copied().fold(max_range_m, f32::min);
             scan.touching = false;
         })

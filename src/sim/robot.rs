@@ -25,8 +25,8 @@ use super::contact::ContactQuery;
 use super::physics::Bodies;
 use crate::scenario::{Motion, Scenario, Slip};
 use crate::task::{
-    Actions, Arena, ArenaLayout, Clock, CommandedMotions, Episode, EstimatedPose, Pedestrians, Pose, Scan,
-    Twist, wrap_angle,
+    Actions, ActiveActionSet, Arena, ArenaLayout, Clock, CommandedMotions, Episode, EstimatedPose,
+    Pedestrians, Pose, Scan, Twist, wrap_angle,
 };
 
 /// The tolerance for rounding: in m for coordinates, relative for distances.
@@ -51,6 +51,7 @@ pub fn integrate_heading(heading_rad: f32, motion: &Motion, seconds: f32) -> f32
 #[derive(SystemParam)]
 pub(super) struct MotionCommands<'w> {
     actions: Res<'w, Actions>,
+    action_set: Res<'w, ActiveActionSet>,
     motions: Option<Res<'w, CommandedMotions>>,
 }
 
@@ -60,7 +61,7 @@ impl MotionCommands<'_> {
     fn motion(&self, arena: &Arena, scenario: &Scenario) -> Motion {
         match &self.motions {
             Some(motions) => scenario.robot.steerable(motions.0[arena.0]),
-            None => scenario.robot.motions[self.actions.0[arena.0]],
+            None => self.action_set.motion(self.actions.0[arena.0], &scenario.robot),
         }
     }
 }

@@ -33,11 +33,11 @@ pub use extension::{ExtraRewards, RewardTerm, SimulationAppExt};
 pub(crate) use fault::step_is_finite;
 pub use fault::{Fault, TaskFault};
 pub use observation::{
-    Encoding, ObservationLayout, ObservationSlice, Observations, SensorReadings, SensorSlice,
+    Encoding, ObservationLayout, ObservationSlice, Observations, ScanMemory, SensorReadings, SensorSlice,
 };
 pub use outcome::{EpisodeEnd, EpisodeEnded, StepOutcome, StepOutcomes};
 pub use reset::EpisodeSetup;
-pub use reward::{Attraction, GoalDistance, Potential, RewardConfig, RewardKind, RewardTerms};
+pub use reward::{Attraction, GoalDistance, Potential, RewardConfig, RewardKind, RewardLengths, RewardTerms};
 pub use scenario_pool::{ArenaScenario, ScenarioChoice, ScenarioPool};
 pub use state::{
     Arena, ArenaLayout, Clock, Episode, EstimatedPose, Goal, PathLengths, Pedestrians, PendingReset, Pose,
@@ -45,13 +45,44 @@ pub use state::{
 };
 
 use crate::control_step::{ControlSet, ControlStep, Reset, ResetSet, RewardSet, SenseSet};
-use crate::scenario::{Motion, Scenario};
+use crate::policy::{ActionSet, MotionLimits};
+use crate::scenario::{Motion, Robot, Scenario};
 
 /// The scenario that the arenas were spawned with. An arena's own is in its [`ArenaLayout`].
 #[derive(Resource, Clone, Debug)]
 pub struct CurrentScenario(pub Arc<Scenario>);
 
-/// The action of each arena: an index into [`Robot::motions`](crate::scenario::Robot), eq. (9).
+/// The motions that actions stand for: those of the scenario's robot, unless the policy has its own.
+#[derive(Resource, Clone, Debug, Default, PartialEq)]
+pub struct ActiveActionSet(pub ActionSet);
+
+impl ActiveActionSet {
+    /// The motion of `robot` that `action` stands for.
+    ///
+    /// # Panics
+    /// There is no such action.
+    #[must_use]
+    pub fn motion(&self, action: usize, robot: &Robot) -> Motion {
+        match &self.0 {
+            ActionSet::Robot => robot.motions[action],
+            ActionSet::Relative(motions) => {
+                let (low, high) = robot.motion_limits();
+                let limits =
+                    MotionLimits { v_m_s: (low.v_m_s, high.v_m_s), w_rad_s: (low.w_rad_s, high.w_rad_s) };
+                let (v_m_s, w_rad_s) = motions[action].of(&limits);
+                robot.steerable(Motion { v_m_s, w_rad_s })
+            }
+        }
+    }
+
+    /// The motions of all actions of `robot`.
+    #[must_use]
+    pub fn motions(&self, robot: &Robot) -> Vec<Motion> {
+        (0..self.0.len(robot.motions.len())).map(|action| self.motion(action, robot)).collect()
+    }
+}
+
+/// The action of each arena: an index into the motions of the [`ActiveActionSet`], eq. (9).
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Actions(pub Vec<usize>);
 
@@ -97,6 +128,7 @@ impl Plugin for TaskPlugin {
             .init_resource::<DeferResets>()
             .init_resource::<Observations>()
             .init_resource::<Actions>()
+            .init_resource::<ActiveActionSet>()
             .init_resource::<StepOutcomes>()
             .init_resource::<ExtraRewards>()
             .init_resource::<EpisodeSetup>()

@@ -1,25 +1,28 @@
-//! The observations of all arenas, and their layout: eq. (8), then the readings of plugins' sensors.
+//! The observations of all arenas, and their layout: eq. (8) or sectors, then the readings of plugins' sensors.
 //!
-//! In: a scan, a pose, a goal, and the readings of plugins' sensors. Out: one row of [`Observations`] per arena. The
-//! paper's numbers come first ([`wayfield_policy::observation`] lists them); each slice that a plugin has reserved in
+//! In: a scan, a pose, a goal, and the readings of plugins' sensors. Out: one row of [`Observations`] per arena. The numbers
+//! of the [`Encoding`] come first ([`wayfield_policy::observation`] lists them); each slice that a plugin has reserved in
 //! the [`ObservationLayout`] follows, in the order of reservation.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
 pub use crate::policy::observation::{DISTANCE_SCALE_M, Encoding, RANGE_SCALE_M, width};
 
-use super::{Arena, ArenaLayout, Episode, EstimatedPose, Goal, PathLengths, PendingReset, Pose, Scan};
-use crate::policy;
+use super::{Arena, ArenaLayout, Episode, EstimatedPose, Goal, PathLengths, PendingReset, Pose, Scan, Twist};
+use crate::drivers::sector_observer;
+use crate::policy::observation::{self as encodings, EarlierScan, SectorObserver, Sensed};
+use crate::scenario::Scenario;
 
-/// The parts of an observation: the paper's numbers in an encoding, then one named slice per plugin sensor.
+/// The parts of an observation: the numbers of an encoding, then one named slice per plugin sensor.
 ///
 /// Policies and run folders record the layout. A policy runs only with the layout that it was trained with.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Eq)]
 pub struct ObservationLayout {
-    /// The units of the paper's numbers.
+    /// The encoding of scan and goal.
     pub encoding: Encoding,
     slices: Vec<ObservationSlice>,
 }
@@ -103,28 +106,110 @@ impl ObservationLayout {
     /// The length of an observation with `beams` LIDAR beams.
     #[must_use]
     pub fn width(&self, beams: usize) -> usize {
-        width(beams).saturating_add(self.extra_width())
+        self.encoding.width(beams).saturating_add(self.extra_width())
     }
 
     /// A description of number `column` of an observation with `beams` LIDAR beams, for messages.
     #[must_use]
     pub(crate) fn describe_column(&self, column: usize, beams: usize) -> String {
+        if let Some(beyond) = column.checked_sub(self.encoding.width(beams)) {
+            return self.describe_reading(beyond);
+        }
+        if let Some(sectors) = self.encoding.sectors() {
+            let meaning = sectors.columns().nth(column);
+            return meaning.map_or_else(|| "outside the layout".into(), |meaning| format!("{meaning:?}"));
+        }
         match column.checked_sub(beams) {
             None => format!("d_{}, a range", column + 1),
             Some(0) => "phi_0, the goal's bearing".into(),
             Some(1) => "d_g, the goal's distance".into(),
             Some(2) => "d_o, the smallest range".into(),
-            Some(3) => "n, the index of the nearest beam".into(),
-            Some(beyond) => {
-                let mut index = beyond - 4;
-                for ObservationSlice { name, width } in &self.slices {
-                    if index < *width {
-                        return format!("number {index} of sensor `{name}`");
-                    }
-                    index -= width;
-                }
-                "outside the layout".into()
+            Some(_) => "n, the index of the nearest beam".into(),
+        }
+    }
+
+    /// A description of number `index` of the readings of plugins' sensors.
+    fn describe_reading(&self, mut index: usize) -> String {
+        for ObservationSlice { name, width } in &self.slices {
+            if index < *width {
+                return format!("number {index} of sensor `{name}`");
             }
+            index -= width;
+        }
+        "outside the layout".into()
+    }
+}
+
+/// What an arena's robot remembers for its observation by sectors; nothing for the paper's observation.
+#[derive(Component, Clone, Debug, Default, PartialEq)]
+pub struct ScanMemory {
+    sectors: Option<Box<SectorObserver>>,
+    /// The scenario that the observer was made for.
+    scenario: Option<Arc<Scenario>>,
+}
+
+impl ScanMemory {
+    /// Forgets all scans, and takes in the first one of an episode in `scenario`, or of any other start. `pose` is the one that the
+    /// robot believes in ([`EstimatedPose`]).
+    pub fn begin(
+        &mut self,
+        encoding: Encoding,
+        scenario: &Arc<Scenario>,
+        scan: &Scan,
+        pose: &Pose,
+        twist: &Twist,
+    ) {
+        self.fit(encoding, scenario);
+        if let Some(sectors) = &mut self.sectors {
+            sectors.reset();
+        }
+        self.sense(scan, pose, twist);
+    }
+
+    /// Takes in the scan after a control step.
+    fn sense(&mut self, scan: &Scan, pose: &Pose, twist: &Twist) {
+        if let Some(sectors) = &mut self.sectors {
+            sectors.sense(&Sensed {
+                ranges_m: &scan.ranges_m,
+                pose: (pose.x_m, pose.y_m, pose.heading_rad),
+                twist: (twist.v_m_s, twist.w_rad_s),
+            });
+        }
+    }
+
+    /// Makes an observer for the robot of `scenario`, if there is none yet.
+    fn fit(&mut self, encoding: Encoding, scenario: &Arc<Scenario>) {
+        let Some(sectors) = encoding.sectors() else {
+            self.sectors = None;
+            return;
+        };
+        let fits = |old: &Arc<Scenario>| {
+            let (a, b) = (&**old, &**scenario);
+            Arc::ptr_eq(old, scenario) || (&a.robot, &a.lidar, &a.task) == (&b.robot, &b.lidar, &b.task)
+        };
+        let is_fitting = self.scenario.as_ref().is_some_and(fits);
+        if !is_fitting || self.sectors.as_ref().is_none_or(|observer| observer.layout() != sectors) {
+            self.sectors = Some(Box::new(sector_observer(sectors, scenario)));
+        }
+        self.scenario = Some(scenario.clone());
+    }
+
+    /// The scans that it remembers, for checkpoints.
+    pub(crate) fn scans(&self) -> Vec<EarlierScan> {
+        self.sectors.as_ref().map(|sectors| sectors.scans().cloned().collect()).unwrap_or_default()
+    }
+
+    /// Restores the scans of a checkpoint, which fit the `encoding`.
+    pub(crate) fn restore(
+        &mut self,
+        encoding: Encoding,
+        scenario: &Arc<Scenario>,
+        scans: &[EarlierScan],
+        twist: &Twist,
+    ) {
+        self.fit(encoding, scenario);
+        if let Some(sectors) = &mut self.sectors {
+            sectors.restore(scans, (twist.v_m_s, twist.w_rad_s));
         }
     }
 }
@@ -132,18 +217,21 @@ impl ObservationLayout {
 /// Writes the observation of one arena into `row`. `pose` is the one that the robot believes in ([`EstimatedPose`]).
 ///
 /// # Panics
-/// If the length of `row` is not that of the layout.
+/// If the length of `row` is not that of the layout, or the memory has not [begun](ScanMemory::begin).
 pub fn encode(
     encoding: Encoding,
+    memory: &ScanMemory,
     scan: &Scan,
-    pose: &Pose,
-    goal: &Goal,
+    (pose, goal): (&Pose, &Goal),
     readings: &SensorReadings,
     row: &mut [f32],
 ) {
-    let (paper, extra) = row.split_at_mut(width(scan.ranges_m.len()));
+    let (encoded, extra) = row.split_at_mut(encoding.width(scan.ranges_m.len()));
     let (bearing_rad, distance_m) = (pose.bearing_rad(goal), pose.distance_m(goal));
-    policy::observation::encode(encoding, &scan.ranges_m, bearing_rad, distance_m, paper);
+    match &memory.sectors {
+        Some(sectors) => sectors.encode((bearing_rad, distance_m), encoded),
+        None => encodings::encode(encoding, &scan.ranges_m, bearing_rad, distance_m, encoded),
+    }
     extra.copy_from_slice(&readings.0);
 }
 
@@ -179,17 +267,31 @@ impl Observations {
     }
 }
 
+/// The components of an arena that its next observation is made of.
+type Sensing = (
+    &'static Arena,
+    &'static Scan,
+    (&'static EstimatedPose, &'static Twist),
+    &'static Goal,
+    &'static SensorReadings,
+    &'static Episode,
+    &'static mut ScanMemory,
+);
+
 /// `Sense`: encodes the observations after the step.
 pub(super) fn observe_next(
     layout: Res<ObservationLayout>,
     mut observations: ResMut<Observations>,
-    arenas: Query<(&Arena, &Scan, &EstimatedPose, &Goal, &SensorReadings)>,
+    mut arenas: Query<Sensing>,
 ) {
     let width = observations.width;
     // Includes inactive arenas, because `current` and `next` are swapped after every step.
-    for (arena, scan, estimate, goal, readings) in &arenas {
+    for (arena, scan, (estimate, twist), goal, readings, episode, mut memory) in &mut arenas {
         let row = &mut observations.next[arena.0 * width..][..width];
-        encode(layout.encoding, scan, &estimate.0, goal, readings, row);
+        if !episode.inactive {
+            memory.sense(scan, &estimate.0, twist);
+        }
+        encode(layout.encoding, &memory, scan, (&estimate.0, goal), readings, row);
     }
 }
 
@@ -202,11 +304,13 @@ pub(super) fn advance(mut observations: ResMut<Observations>) {
 /// The components of an arena that its first observation and potential are made of.
 type Observed = (
     &'static Arena,
+    &'static ArenaLayout,
     &'static Scan,
-    (&'static Pose, &'static EstimatedPose),
+    (&'static Pose, &'static EstimatedPose, &'static Twist),
     &'static Goal,
     &'static SensorReadings,
-    (&'static ArenaLayout, &'static mut PathLengths, &'static mut Episode),
+    &'static mut ScanMemory,
+    (&'static mut PathLengths, &'static mut Episode),
 );
 
 /// Schedule `Reset`: encodes the observations and potentials of arenas with a new goal or start.
@@ -217,14 +321,27 @@ pub(super) fn observe_first(
     mut arenas: Query<Observed>,
 ) {
     let width = observations.width;
-    for (arena, scan, (pose, estimate), goal, readings, (arena_layout, mut paths, mut episode)) in &mut arenas
+    for (
+        arena,
+        arena_layout,
+        scan,
+        (pose, estimate, twist),
+        goal,
+        readings,
+        mut memory,
+        (mut paths, mut episode),
+    ) in &mut arenas
     {
         if episode.pending_reset != PendingReset::None {
             debug_assert_eq!(width, layout.width(scan.ranges_m.len()));
             let row = &mut observations.current[arena.0 * width..][..width];
-            encode(layout.encoding, scan, &estimate.0, goal, readings, row);
+            if episode.pending_reset.moves_robot() {
+                memory.begin(layout.encoding, &arena_layout.written, scan, &estimate.0, twist);
+            }
+            encode(layout.encoding, &memory, scan, (&estimate.0, goal), readings, row);
+            let scale = reward.scale(arena_layout.robot_unit_m);
             let attracting_m = paths.distance_m(&reward, arena_layout, pose, goal);
-            episode.potential = reward.potential(attracting_m, scan.nearest_m);
+            episode.potential = reward.potential(scale * attracting_m, scale * scan.nearest_m);
         }
     }
 }
@@ -245,7 +362,7 @@ mod tests {
         let pose = Pose { x_m: 1.0, y_m: 0.0, heading_rad: 0.0 };
         let goal = Goal { x_m: 1.0, y_m: -2.0 };
         let mut row = vec![f32::NAN; layout.width(2)];
-        encode(Encoding::Raw, &scan, &pose, &goal, &readings, &mut row);
+        encode(Encoding::Raw, &ScanMemory::default(), &scan, (&pose, &goal), &readings, &mut row);
         assert_eq!(row, [3.5, 0.7, -core::f32::consts::FRAC_PI_2, 2.0, 0.7, 1.0, 0.0, 0.0, 7.0]);
         assert_eq!(layout.describe_column(3, 2), "d_g, the goal's distance");
         assert_eq!(layout.describe_column(8, 2), "number 0 of sensor `bumper`");

@@ -133,7 +133,8 @@ pub(super) fn compute_outcomes(
         }
         let d_g = pose.distance_m(goal);
         let attracting_m = paths.distance_m(&reward, layout, pose, goal);
-        let potential = reward.potential(attracting_m, scan.nearest_m);
+        let scale = reward.scale(layout.robot_unit_m);
+        let potential = reward.potential(scale * attracting_m, scale * scan.nearest_m);
         let collided = scan.nearest_m < rules.collision_range_m || scan.touching;
         let reached = !collided && d_g < rules.goal_radius_m;
         episode.steps += 1;

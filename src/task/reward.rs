@@ -17,8 +17,8 @@ pub enum RewardKind {
     Optimized,
 }
 
-/// The distance from the goal that attracts the robot. It is d_g in eq. (5). The policy observes the straight distance in any case, and
-/// a goal is reached by it. Evaluations do not use the reward.
+/// The distance to the goal that attracts the robot. It is d_g in eq. (5). The policy observes the straight distance in any case,
+/// and a goal is reached by it. Evaluations do not use the reward.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum GoalDistance {
     /// The straight distance, as in the paper.
@@ -29,15 +29,29 @@ pub enum GoalDistance {
     Geodesic,
 }
 
-/// The growth of the attraction with the distance from the goal.
+/// How the attraction of eq. (5) grows with the distance to the goal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Attraction {
-    /// Eq. (5): U_a = mu d_g^2 / 2. A step towards the goal counts the more, the farther away it is.
+    /// Eq. (5): mu d_g^2 / 2.
     #[default]
     Quadratic,
-    /// U_a = mu d_g, with mu per m: a step towards the goal counts the same everywhere, also on long paths.
+    /// mu d_g: a step towards the goal is worth as much far from it as near it.
     Linear,
 }
+
+/// The unit of the lengths in the potential.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum RewardLengths {
+    /// Metres, as in the paper.
+    #[default]
+    Metres,
+    /// Lengths are scaled to the paper's robot: with a robot that is twice as large, 2 m count as 1 m. So a reward means the same
+    /// for robots of all sizes.
+    Robot,
+}
+
+/// The distance from surfaces at which the paper's robot collides, in m.
+const PAPER_ROBOT_M: f32 = 0.13;
 
 /// The parameters of the reward (Table 1).
 #[derive(Resource, Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -49,16 +63,18 @@ pub struct RewardConfig {
     pub reached: f32,
     /// r-, the reward for a collision.
     pub collided: f32,
-    /// The distance from the goal in eq. (5). The paper: straight.
-    pub distance: GoalDistance,
-    /// How the attraction grows with this distance. The paper: quadratic.
-    pub attraction: Attraction,
-    /// mu, the gain of the attraction in eq. (5), per m^2; per m if the attraction is linear.
+    /// mu, the gain of the attraction in eq. (5), per m^2; of a linear attraction, per m.
     pub mu: f32,
     /// sigma, the gain of the repulsion in eq. (6).
     pub sigma: f32,
     /// l_r of eq. (6), in m: the distance beyond which obstacles do not repel. The paper does not give its value.
     pub l_r_m: f32,
+    /// How the attraction grows with the distance: `Quadratic`, as in eq. (5), or `Linear`.
+    pub attraction: Attraction,
+    /// The unit of the lengths: `Metres`, as in the paper, or `Robot`, for training with robots of different sizes.
+    pub lengths: RewardLengths,
+    /// The distance to the goal in eq. (5): `Straight`, as in the paper, or `Geodesic`, around walls and static obstacles.
+    pub distance: GoalDistance,
 }
 
 impl Default for RewardConfig {
@@ -67,11 +83,12 @@ impl Default for RewardConfig {
             kind: RewardKind::Optimized,
             reached: 250.0,
             collided: -200.0,
-            distance: GoalDistance::Straight,
-            attraction: Attraction::Quadratic,
             mu: 100.0,
             sigma: 100.0,
             l_r_m: 0.3,
+            attraction: Attraction::Quadratic,
+            lengths: RewardLengths::Metres,
+            distance: GoalDistance::Straight,
         }
     }
 }
@@ -127,7 +144,8 @@ impl RewardConfig {
     /// The potential of eqs. (4) to (6): U = mu d_g^2 / 2 + sigma (1 - d_o/l_r)^2 / 2, where the second term is 0 for
     /// d_o > l_r. A linear attraction is mu d_g.
     ///
-    /// `d_g` is the distance to the goal that attracts ([`RewardConfig::distance`]), and `d_o` the smallest LIDAR range, both in m.
+    /// `d_g` is the distance to the goal that attracts ([`RewardConfig::distance`]), and `d_o` the smallest LIDAR range, both in
+    /// m, or times [`scale`](Self::scale).
     #[must_use]
     pub fn potential(&self, d_g: f32, d_o: f32) -> Potential {
         let attraction = match self.attraction {
@@ -141,6 +159,16 @@ impl RewardConfig {
             0.0
         };
         Potential { attraction, repulsion }
+    }
+
+    /// The factor of the lengths for a robot whose unit is `robot_unit_m`
+    /// ([`robot_unit_m`](crate::scenario::Scenario::robot_unit_m)): 1 in metres.
+    #[must_use]
+    pub fn scale(&self, robot_unit_m: f32) -> f32 {
+        match self.lengths {
+            RewardLengths::Metres => 1.0,
+            RewardLengths::Robot => PAPER_ROBOT_M / robot_unit_m,
+        }
     }
 
     /// The reward of eq. (3) or eq. (7). `before` and `after` are the potentials U_{t-1} and U_t. A step that both collides
@@ -204,13 +232,15 @@ mod tests {
     }
 
     #[test]
-    fn a_linear_attraction_rewards_each_metre_alike() {
-        let r = RewardConfig { attraction: Attraction::Linear, mu: 40.0, ..table_1() };
-        // From 9.0 to 8.5 m, and from 1.0 to 0.5 m: 40 * 0.5 = 20.
-        for (before, after) in [(9.0, 8.5), (1.0, 0.5)] {
-            let terms = r.reward(false, false, r.potential(before, 3.0), r.potential(after, 3.0));
-            assert!((terms.attraction - 20.0).abs() < 1e-4);
-        }
+    fn a_linear_attraction_is_mu_d_and_lengths_in_units_of_the_robot_are_those_of_the_paper_s() {
+        let r = RewardConfig {
+            attraction: Attraction::Linear,
+            lengths: RewardLengths::Robot,
+            ..RewardConfig::default()
+        };
+        assert!((r.potential(1.2, 3.0).attraction - 120.0).abs() < 1e-4);
+        assert!((r.scale(0.26) - 0.5).abs() < 1e-6, "a robot twice as large as the paper's");
+        assert_eq!(RewardConfig::default().scale(0.26), 1.0);
     }
 
     #[test]

@@ -107,6 +107,20 @@ impl ScenarioPool {
         }
     }
 
+    /// Robot, LIDAR and rules of each member, in a scenario without anything else.
+    pub fn tasks(&self) -> impl Iterator<Item = Scenario> + '_ {
+        self.0.iter().map(|member| {
+            let (robot, lidar, task) = match &member.source {
+                PoolSource::Scenario(layout) => {
+                    (&layout.written.robot, &layout.written.lidar, &layout.written.task)
+                }
+                PoolSource::Levels(generator, ..) => (&generator.robot, &generator.lidar, &generator.task),
+            };
+            let (robot, lidar, task) = (robot.clone(), lidar.clone(), task.clone());
+            Scenario { name: member.name.clone(), robot, lidar, task, ..Scenario::default() }
+        })
+    }
+
     /// A scenario, before its own generators are used; `None` if there is no such member. The same choice gives the same
     /// scenario.
     ///

@@ -31,6 +31,10 @@ pub struct ArenaLayout {
     pub index: Option<Arc<SpatialIndex>>,
     /// The free cells of `scenario`, once they are needed. Clones share them.
     free_cells: Arc<OnceLock<Arc<FreeCells>>>,
+    /// The unit of lengths in units of the robot, in m ([`Scenario::robot_unit_m`]).
+    pub robot_unit_m: f32,
+    /// The directions of the LIDAR's beams in the robot's frame: unit vectors, in the sensor's order.
+    pub beams: Arc<[Vec2]>,
 }
 
 impl ArenaLayout {
@@ -38,8 +42,16 @@ impl ArenaLayout {
     #[must_use]
     pub(crate) fn as_written(scenario: &Arc<Scenario>) -> Self {
         let index = SpatialIndex::new(scenario).map(Arc::new);
-        let free_cells = Arc::default();
-        Self { written: scenario.clone(), layout_seed: 0, scenario: scenario.clone(), index, free_cells }
+        let robot_unit_m = scenario.robot_unit_m();
+        Self {
+            written: scenario.clone(),
+            layout_seed: 0,
+            scenario: scenario.clone(),
+            index,
+            free_cells: Arc::default(),
+            robot_unit_m,
+            beams: scenario.lidar.beam_directions().into(),
+        }
     }
 
     /// Replaces the generated obstacles and the drawn numbers by those of `layout_seed`. Does nothing if the scenario has neither

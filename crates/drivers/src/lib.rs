@@ -27,6 +27,7 @@
 //! |---|---|
 //! | `config` | the parameters of each driver, as RON |
 //! | `percept` | what a driver perceives |
+//! | `observer` | the observer of a scenario's robot, for policies |
 //! | `robot` | what a driver knows about its robot; arcs, and the motion that is closest to a wanted velocity |
 //! | `field` | potential field (Khatib 1986) |
 //! | `dwa` | dynamic window approach (Fox, Burgard and Thrun 1997) |
@@ -44,6 +45,7 @@ mod dwa;
 mod field;
 mod free_space;
 mod grid;
+mod observer;
 mod orca;
 mod path;
 mod path_search;
@@ -60,6 +62,7 @@ pub use config::{
     AstarParameters, DriverClass, DriverConfig, DwaParameters, FieldParameters, OrcaParameters,
     PlannerParameters, TrackingParameters,
 };
+pub use observer::sector_observer;
 pub use percept::{Odometry, Percept, Truth};
 pub use robot::Robot;
 

@@ -34,17 +34,13 @@ impl Robot {
     #[must_use]
     pub fn of(scenario: &Scenario) -> Self {
         let Scenario { robot, lidar, task, .. } = scenario;
-        let beam = |index| {
-            let (sin, cos) = libm::sincos(lidar.beam_angle_rad(index));
-            vec2(cos as f32, sin as f32)
-        };
         Self {
             motions: robot.motions.clone(),
             drive: robot.drive(task.control_period_s),
             control_period_s: task.control_period_s,
             keep_out_m: scenario.keep_out_m().max(robot.radius_m),
             goal_radius_m: task.goal_radius_m,
-            beams: (0..lidar.beams).map(beam).collect(),
+            beams: lidar.beam_directions(),
             max_range_m: lidar.max_range_m,
             beam_spacing_rad: lidar.field_of_view_rad / lidar.beams.max(1) as f32,
         }

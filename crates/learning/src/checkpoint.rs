@@ -3,7 +3,8 @@
 //! In: a learner and a writer, or a reader and the config of the saved learner. Out: bytes, or a learner.
 //!
 //! Layout, little-endian: a header ([`HeaderFormat`] without checksum: config (`checkpoint/config.rs`), sizes, counters
-//! with the random stream, weights, moments, trajectories, positions in the replay buffer), the arrays of the replay buffer
+//! with the random stream, weights, moments, trajectories, positions in the replay buffer; with mirror augmentation its random
+//! stream), the arrays of the replay buffer
 //! (states, transitions, leaves of the sum tree), and the CRC-32C of everything before it.
 //!
 //! The lengths of the arrays follow from the config and the counters, and are checked before memory is allocated. The
@@ -19,6 +20,8 @@ use std::ops::RangeInclusive;
 
 use self::arrays::write_array;
 use self::checksum::ChecksummedStream;
+use wayfield_random::Stream;
+
 use self::header::Header;
 use super::config::{ConfigError, LearningConfig};
 use super::framing::{HeaderError, HeaderFormat, decode, encode, read_array};
@@ -26,7 +29,7 @@ use super::learner::Learner;
 use super::limits::MAX_HEADER_BYTES;
 
 /// The versions of the file.
-const VERSIONS: RangeInclusive<u32> = 1..=2;
+const VERSIONS: RangeInclusive<u32> = 1..=3;
 
 /// The header format of a file of this `version`. A network has at most 2^24 parameters, and the header has four arrays of
 /// that length.
@@ -46,7 +49,7 @@ pub enum CheckpointError {
     NotCheckpoint,
     /// The file was written by another version of wayfield.
     #[error(
-        "checkpoint version {found} is not supported; this wayfield reads versions {} and {}",
+        "checkpoint version {found} is not supported; this wayfield reads versions {} to {}",
         VERSIONS.start(),
         VERSIONS.end()
     )]
@@ -94,6 +97,9 @@ impl Learner {
         let mut out = ChecksummedStream::new(writer);
         let (version, mut content) = config::encoded(&self.config)?;
         content.extend(encode(&Header::of(self))?);
+        if let Some(stream) = &self.mirror_stream {
+            content.extend(encode(stream)?);
+        }
         format(version).write_content(&mut out, &content)?;
         let states = &replay.states.values[..replay.states.used() * self.online.shape().inputs];
         write_array(&mut out, states.iter().map(|v| v.to_le_bytes()))?;
@@ -107,7 +113,8 @@ impl Learner {
     }
 
     /// The learner that [`Learner::save`] wrote. The config and the sizes must be those of the saved learner: `inputs` numbers
-    /// in an observation, `actions` Q-values, and `num_envs` environments, each with a trajectory of its own.
+    /// in an observation, `actions` Q-values, and `num_envs` environments, each with a trajectory of its own. The mirror is not
+    /// saved: as after [`Learner::new`], the caller gives it ([`Learner::set_mirror`]).
     ///
     /// # Errors
     /// The file cannot be read, is damaged, or belongs to another config. No input makes this panic.
@@ -124,14 +131,23 @@ impl Learner {
         let content = format(version).read_content(&mut file)?;
         let content = content.strip_prefix(&config[..]);
         let content = content.ok_or(CheckpointError::ConfigMismatch { field: "learning" })?;
-        let header: Header = decode(content)?;
+        let (header, mirror_stream) = if learner.mirror_stream.is_some() {
+            let (header, stream): (Header, Stream) = decode(content)?;
+            (header, Some(stream))
+        } else {
+            (decode::<Header>(content)?, None)
+        };
         header.check(&learner)?;
+        if !mirror_stream.as_ref().is_none_or(wayfield_random::is_valid) {
+            return Err(CheckpointError::Corrupt("the state of its mirror's random stream is invalid"));
+        }
         learner.replay.read(&header, inputs, actions, &mut file)?;
         let (reader, crc) = file.into_parts();
         if crc != u32::from_le_bytes(read_array(reader)?) {
             return Err(CheckpointError::Corrupt("its checksum does not match"));
         }
         header.apply_to(&mut learner);
+        learner.mirror_stream = mirror_stream;
         Ok(learner)
     }
 }

@@ -52,6 +52,9 @@ pub struct LearningConfig {
     pub target_update: TargetUpdate,
     /// The decay of epsilon, the probability of a random action.
     pub exploration: Exploration,
+    /// Mirror augmentation: each sampled transition is mirrored, left for right, with probability 1/2. It needs an observation
+    /// and actions that can be mirrored. The paper: `false`.
+    pub mirror: bool,
 }
 
 /// The layers of the Q-network.
@@ -258,6 +261,7 @@ impl Default for LearningConfig {
             gradient_steps: 1,
             target_update: TargetUpdate::Hard { every: 2000 },
             exploration: Exploration::PerEpisode { start: 1.0, decay: 0.99, end: 0.05 },
+            mirror: false,
         }
     }
 }

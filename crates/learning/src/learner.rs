@@ -8,6 +8,7 @@ mod update;
 
 use super::config::{ConfigError, LearningConfig};
 use super::limits::{MAX_ENVS, MAX_STORED_FLOATS};
+use super::mirror::{Mirror, MirrorError};
 use super::n_step::{NStepAccumulator, PendingStep, StepEnd};
 use super::network::QNetwork;
 use super::optimizer::OptimizerState;
@@ -82,6 +83,9 @@ pub struct Learner {
     /// A counter, at least 0, that a gradient step with Q-values above the return bound raises by 1, and that any other
     /// gradient step lowers by 1.
     steps_over_bound: u32,
+    /// The stream that chooses the transitions to mirror; `None` without mirror augmentation.
+    pub(crate) mirror_stream: Option<Stream>,
+    mirror: Option<Mirror>,
     scratch: Scratch,
 }
 
@@ -140,9 +144,25 @@ impl Learner {
             },
             largest_reward: 0.0,
             steps_over_bound: 0,
+            mirror_stream: config.mirror.then(|| stream(seed, "learning: mirror", 0)),
+            mirror: None,
             scratch: Scratch::default(),
             online,
         })
+    }
+
+    /// Sets the mirror image of observations and actions. A learner whose config has `mirror` needs it before it is trained; in
+    /// others it has no effect.
+    ///
+    /// # Errors
+    /// `mirror` has other numbers of inputs and actions than the learner.
+    pub fn set_mirror(&mut self, mirror: Mirror) -> Result<(), MirrorError> {
+        let expected = (self.online.shape().inputs, self.online.shape().actions);
+        if mirror.size() != expected {
+            return Err(MirrorError::Size { expected, found: mirror.size() });
+        }
+        self.mirror = Some(mirror);
+        Ok(())
     }
 
     /// Writes the Q-values of `n` observations (row-major, n x inputs) into `out` (row-major, n x actions).

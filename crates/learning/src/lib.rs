@@ -94,6 +94,7 @@
 //! | [`replay`], `state_ring` | the replay buffer: rings of states and transitions, uniform and prioritized sampling |
 //! | [`sum_tree`] | proportional sampling in O(log n) |
 //! | `n_step` | n-step returns |
+//! | `mirror` | mirrored transitions in a batch |
 //! | `exploration` | epsilon-greedy actions and the decay of epsilon |
 //! | `divergence` | errors for non-finite values, warnings about Q-values above any possible return |
 //! | `checkpoint`, `framing` | saving a learner to a file, and restoring it exactly |
@@ -108,6 +109,7 @@ mod learner;
 pub mod limits;
 #[cfg(any(test, target_arch = "wasm32"))]
 mod matmul;
+mod mirror;
 mod n_step;
 mod network;
 mod ops;
@@ -126,6 +128,7 @@ pub use config::{
 pub use divergence::{DivergenceError, Overestimate};
 pub use exploration::epsilon_greedy;
 pub use learner::{Experience, Learner, LoadWeightsError, UpdateStats};
+pub use mirror::{Mirror, MirrorError};
 pub use network::QNetwork;
 pub use wayfield_policy::{Activation, NetworkShape, ParameterView, Policy, PolicyError, greedy};
 pub use wayfield_random::{Stream, stream};

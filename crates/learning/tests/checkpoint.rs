@@ -1,8 +1,8 @@
 //! A restored learner continues exactly as the saved one would have. A damaged file is an error.
 
 use wayfield_learning::{
-    Activation, CheckpointError, Experience, Exploration, Learner, LearningConfig, NetworkConfig, Optimizer,
-    QNetwork, ReplayConfig, Sampling, Schedule, TargetUpdate, epsilon_greedy,
+    Activation, CheckpointError, Experience, Exploration, Learner, LearningConfig, Mirror, NetworkConfig,
+    Optimizer, QNetwork, ReplayConfig, Sampling, Schedule, TargetUpdate, epsilon_greedy,
 };
 use wayfield_random::{Stream, normal, stream, uniform_01};
 
@@ -196,6 +196,40 @@ fn a_checkpoint_of_a_config_with_switches_is_exact_and_belongs_to_its_config() {
             assert!(matches!(error, CheckpointError::ConfigMismatch { field: "learning" }), "{error}");
         }
     }
+}
+
+#[test]
+fn a_learner_with_a_mirror_continues_with_the_same_bits() {
+    let mirror = || {
+        let inputs = vec![(1, 1.0), (0, 1.0), (2, -1.0), (3, 1.0)];
+        Mirror::new(inputs, vec![2, 1, 0]).expect("an involution")
+    };
+    for plain in configs() {
+        let config = LearningConfig { mirror: true, ..plain.clone() };
+        let mut one = Learner::new(&config, INPUTS, ACTIONS, NUM_ENVS, 5).expect("a valid config");
+        one.set_mirror(mirror()).expect("the same sizes");
+        let mut env = NoiseEnv::new();
+        env.run(&mut one, 60);
+        let bytes = saved(&one);
+        let mut two = restored(&config, &bytes).expect("a valid checkpoint");
+        two.set_mirror(mirror()).expect("the same sizes");
+        env.clone().run(&mut one, 100);
+        env.run(&mut two, 100);
+        assert!(saved(&one) == saved(&two), "the restored learner mirrors the same transitions");
+        let error = restored(&plain, &bytes).expect_err("another config");
+        assert!(matches!(error, CheckpointError::ConfigMismatch { field: "learning" }), "{error}");
+        let mut unmirrored = Learner::new(&plain, INPUTS, ACTIONS, NUM_ENVS, 5).expect("a valid config");
+        NoiseEnv::new().run(&mut unmirrored, 60);
+        assert!(unmirrored.network() != restored(&config, &bytes).expect("a valid checkpoint").network());
+    }
+}
+
+#[test]
+fn a_mirror_of_another_size_is_rejected() {
+    let mut learner = Learner::new(&configs()[0], INPUTS, ACTIONS, NUM_ENVS, 5).expect("a valid config");
+    let mirror = Mirror::new(vec![(0, 1.0); 1], vec![0, 2, 1]).expect("an involution");
+    let error = learner.set_mirror(mirror).expect_err("one input").to_string();
+    assert!(error.contains("(1, 3)") && error.contains("(4, 3)"), "{error}");
 }
 
 #[test]

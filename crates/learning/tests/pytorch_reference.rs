@@ -76,6 +76,7 @@ fn config(case: &Value) -> LearningConfig {
             TargetUpdate::Soft { tau: 0.1 }
         },
         exploration: Exploration::PerEpisode { start: 1.0, decay: 0.99, end: 0.05 },
+        mirror: false,
     }
 }
 

@@ -2,7 +2,7 @@
 //! limit. Each task depends on one part of the algorithm.
 
 use wayfield_learning::{
-    Activation, Experience, Exploration, Learner, LearningConfig, Loss, NetworkConfig, Optimizer,
+    Activation, Experience, Exploration, Learner, LearningConfig, Loss, Mirror, NetworkConfig, Optimizer,
     ReplayConfig, Sampling, Schedule, TargetUpdate, epsilon_greedy,
 };
 use wayfield_random::{Stream, stream, uniform_01};
@@ -83,12 +83,22 @@ fn learn(
     states: usize,
     actions: usize,
     steps: usize,
+    task: impl FnMut(usize, usize, &mut Stream) -> StepResult,
+) -> Vec<Vec<f32>> {
+    let learner = Learner::new(config, states, actions, 1, 3).expect("a valid config");
+    learn_with(learner, (0, steps), task)
+}
+
+/// The same with a learner of one's own, for a task that starts in state `start`.
+fn learn_with(
+    mut learner: Learner,
+    (start, steps): (usize, usize),
     mut task: impl FnMut(usize, usize, &mut Stream) -> StepResult,
 ) -> Vec<Vec<f32>> {
+    let (states, actions) = (learner.network().shape().inputs, learner.network().shape().actions);
     let one_hot = |state: usize| (0..states).map(|i| f32::from(u8::from(i == state))).collect::<Vec<_>>();
-    let mut learner = Learner::new(config, states, actions, 1, 3).expect("a valid config");
     let mut random = stream(3, "test", 0);
-    let (mut state, mut q) = (0, Vec::new());
+    let (mut state, mut q) = (start, Vec::new());
     for _ in 0..steps {
         learner.q_values(&one_hot(state), 1, &mut q);
         let (action, _) = epsilon_greedy(&q, learner.epsilon(), &mut random);
@@ -102,7 +112,7 @@ fn learn(
             terminated,
             truncated,
         });
-        state = if terminated || truncated { 0 } else { next };
+        state = if terminated || truncated { start } else { next };
         learner.train().expect("no divergence");
     }
     let all: Vec<f32> = (0..states).flat_map(one_hot).collect();
@@ -189,5 +199,37 @@ fn a_termination_does_not_bootstrap() {
             let finite = (1.0 - 0.9_f32.powi(left)) / (1.0 - 0.9);
             close(q[0], finite, 0.1, &format!("{left} steps before the end, {n_step}-step returns"));
         }
+    }
+}
+
+/// The learned Q-values in a corridor whose goal lies in its middle, between state 2 and state 3. Action 0 moves left, action 1
+/// right. Every episode starts at the right end, in state 5, and ends at the goal with the reward 1. State 5 - s is the mirror
+/// image of state s.
+fn corridor_from_the_right(mirror: bool) -> Vec<Vec<f32>> {
+    let config = LearningConfig { mirror, ..config(0.9, PRIORITIZED) };
+    let mut learner = Learner::new(&config, 6, 2, 1, 3).expect("a valid config");
+    let inputs = (0..6).rev().map(|state| (state, 1.0)).collect();
+    learner.set_mirror(Mirror::new(inputs, vec![1, 0]).expect("an involution")).expect("the same sizes");
+    learn_with(learner, (5, 8000), |state, action, _| match (state, action) {
+        (3, 0) => (1.0, 3, true, false),
+        (_, 0) => (0.0, state - 1, false, false),
+        _ => (0.0, (state + 1).min(5), false, false),
+    })
+}
+
+#[test]
+fn with_mirror_augmentation_the_mirrored_side_is_learned_without_being_visited() {
+    let (plain, mirrored) = (corridor_from_the_right(false), corridor_from_the_right(true));
+    let error_on_the_left = |q: &[Vec<f32>]| {
+        let error = |state: usize| (q[state][1] - 0.9_f32.powi(2 - state as i32)).abs();
+        (0..3).map(error).fold(0.0, f32::max)
+    };
+    assert!(error_on_the_left(&plain) > 0.2, "without it, the left side is unknown: {plain:?}");
+    for (state, q) in mirrored.iter().enumerate() {
+        let steps = if state < 3 { 2 - state } else { state - 3 } as i32;
+        let (towards, away) = if state < 3 { (1, 0) } else { (0, 1) };
+        close(q[towards], 0.9_f32.powi(steps), 0.04, &format!("to the goal from {state}"));
+        let back = 0.9 * 0.9_f32.powi((steps + 1).min(2));
+        close(q[away], back, 0.04, &format!("away from the goal from {state}"));
     }
 }

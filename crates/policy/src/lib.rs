@@ -5,7 +5,8 @@
 //!
 //! | module | duty |
 //! |---|---|
-//! | [`observation`] | the network's inputs, from a LIDAR scan and a goal |
+//! | [`observation`] | the network's inputs, from LIDAR scans and a goal |
+//! | [`actions`] | the motions that a policy chooses among |
 //! | [`network`] | the shape of a Q-network, and its forward pass |
 //! | [`activation`] | the activation functions of the hidden layers |
 //! | [`card`] | the policy card: what the inputs and actions mean, and what the policy was trained with |
@@ -39,6 +40,7 @@
 //! # Ok::<(), wayfield_policy::PolicyError>(())
 //! ```
 
+pub mod actions;
 pub mod activation;
 pub mod card;
 pub mod file;
@@ -47,6 +49,7 @@ pub mod network;
 pub mod observation;
 pub mod range;
 
+pub use actions::{ActionSet, MotionLimits, RelativeMotion};
 pub use activation::Activation;
 pub use card::Card;
 pub use file::{Policy, PolicyError};

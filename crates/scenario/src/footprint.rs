@@ -37,6 +37,12 @@ impl Scenario {
         self.robot.shape.as_ref().map_or(range_m, |shape| range_m.max(shape.bounding_radius_m()))
     }
 
+    /// The unit of lengths in units of the robot, in m: the distance from surfaces from which on it may be anywhere.
+    #[must_use]
+    pub fn robot_unit_m(&self) -> f32 {
+        self.keep_out_m().max(self.robot.reach_m())
+    }
+
     /// The distance from surfaces, in m, below which the robot collides at every heading: the collision range, or the
     /// [`Robot::inner_radius_m`] of its shape if that is more.
     #[must_use]

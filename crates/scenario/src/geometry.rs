@@ -145,6 +145,16 @@ impl Wall {
 }
 
 impl Lidar {
+    /// The directions of all beams in the robot's frame: unit vectors, in the sensor's order.
+    #[must_use]
+    pub fn beam_directions(&self) -> Vec<Vec2> {
+        let direction = |beam| {
+            let (sin, cos) = libm::sincos(self.beam_angle_rad(beam));
+            vec2(cos as f32, sin as f32)
+        };
+        (0..self.beams).map(direction).collect()
+    }
+
     /// Angle of a beam relative to the heading, in rad, counterclockwise positive.
     #[must_use]
     pub fn beam_angle_rad(&self, beam: usize) -> f64 {

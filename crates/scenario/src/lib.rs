@@ -75,7 +75,7 @@ pub use outline::Outline;
 pub use placement::{NoFreeSpace, draw_goal, draw_start, draw_start_and_goal};
 pub use ranged::{RangeNumber, Ranged};
 pub use schema::*;
-pub use set::{ScenarioSet, ScenarioSetFile, SetEntry, SetMember, SetSource, column_name};
+pub use set::{ScenarioSet, ScenarioSetFile, SetEntry, SetFit, SetMember, SetSource, column_name};
 pub use setting::with_setting;
 pub use shape::RoundedBox;
 pub use shape_fields::Sizes;

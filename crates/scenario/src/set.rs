@@ -1,7 +1,7 @@
 //! Sets of scenarios: several scenarios and level generators in one training run, each with its share of the episodes.
 //!
-//! In: a set's file ([`ScenarioSetFile`]), which names scenarios. Out, once these are read: a [`ScenarioSet`], whose members
-//! have the same observations and actions, so that one policy can drive in all of them.
+//! In: a set's file ([`ScenarioSetFile`]), which names scenarios. Out, once these are read: a [`ScenarioSet`]. Whether one policy
+//! can drive in all members depends on the policy ([`SetFit`]).
 
 use std::path::Path;
 
@@ -26,7 +26,8 @@ pub struct ScenarioSetFile {
     /// Purpose of the set, at most 2,000 characters.
     #[serde(default)]
     pub about: String,
-    /// The scenarios and level generators, 1 to 64. They must have the same LIDAR beams and field of view, motions and control period.
+    /// The scenarios and level generators, 1 to 64. For a policy with the paper's observation, they must have the same LIDAR beams and
+    /// field of view and the same control period; for one whose actions are the robot's motions, the same motions.
     pub scenarios: Vec<SetEntry>,
 }
 
@@ -123,7 +124,7 @@ pub fn column_name(name: &str) -> String {
     name.chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect()
 }
 
-/// A set of scenarios with the same observations and actions. Each episode of each arena draws one of them.
+/// A set of scenarios. Each episode of each arena draws one of them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ScenarioSet {
@@ -208,49 +209,58 @@ impl ScenarioSet {
             if let SetSource::Levels { levels, .. } = member.source {
                 found.check_range(format_args!("members[{k}].source.levels"), levels, SET_LEVELS, "");
             }
-            let problems = member.source.diagnostics();
-            if problems.is_empty()
-                && let Some(difference) = self.misfit(k)
-            {
-                found.push(format_args!("members[{k}].source"), difference);
-            }
-            for Diagnostic { path, message } in problems {
+            for Diagnostic { path, message } in member.source.diagnostics() {
                 found.push(format_args!("members[{k}].source.{path}"), message);
             }
         }
         found.into_vec()
     }
 
-    /// The reason why one policy cannot drive in both the first member and member `k`, as the rest of a sentence that begins
-    /// with the member; `None` if it can.
+    /// The first member in which a policy cannot drive that drives in the first one, and the reason, as the rest of a sentence
+    /// that begins with the member; `None` if there is none.
     #[must_use]
-    pub fn misfit(&self, k: usize) -> Option<String> {
-        let other = self.members.get(k)?;
-        self.misfit_of(&other.name, other.source.task())
+    pub fn misfit(&self, fit: SetFit) -> Option<(usize, String)> {
+        let members = self.members.iter().enumerate();
+        members
+            .filter_map(|(k, member)| Some((k, self.misfit_of(&member.name, member.source.task(), fit)?)))
+            .next()
     }
 
     /// The same for a scenario that is not a member.
     #[must_use]
-    pub fn misfit_of(&self, name: &str, task: (&Robot, &Lidar, &TaskRules)) -> Option<String> {
+    pub fn misfit_of(&self, name: &str, task: (&Robot, &Lidar, &TaskRules), fit: SetFit) -> Option<String> {
         let first = self.members.first()?;
-        let fields = differing_fields(first.source.task(), task);
+        let fields = differing_fields(first.source.task(), task, fit);
         if fields.is_empty() {
             return None;
         }
         Some(format!(
             "(`{name}`) needs another policy than `{}`, because of its {}: give all scenarios of a set the same LIDAR beams and \
-             field of view, motions and control period",
+             field of view, motions and control period, or use a preset for all of them, such as `general`",
             first.name,
             fields.join(" and "),
         ))
     }
 }
 
+/// What the scenarios of a set must have in common, so that a policy can drive in all of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SetFit {
+    /// The LIDAR's beams and field of view, and the control period.
+    pub lidar: bool,
+    /// The robot's motions.
+    pub motions: bool,
+}
+
 /// The fields that fix observations and actions, and differ, with both values.
-fn differing_fields(first: (&Robot, &Lidar, &TaskRules), other: (&Robot, &Lidar, &TaskRules)) -> Vec<String> {
+fn differing_fields(
+    first: (&Robot, &Lidar, &TaskRules),
+    other: (&Robot, &Lidar, &TaskRules),
+    fit: SetFit,
+) -> Vec<String> {
     let mut fields = Vec::new();
     let mut compare = |field: &str, first: String, other: String| {
-        if first != other {
+        if fit.lidar && first != other {
             fields.push(format!("{field} ({other}, not {first})"));
         }
     };
@@ -260,6 +270,9 @@ fn differing_fields(first: (&Robot, &Lidar, &TaskRules), other: (&Robot, &Lidar,
     let (a, b) = (first.2, other.2);
     compare("task.control_period_s", a.control_period_s.to_string(), b.control_period_s.to_string());
     let (a, b) = (&first.0.motions, &other.0.motions);
+    if !fit.motions {
+        return fields;
+    }
     if a.len() != b.len() {
         fields.push(format!("robot.motions ({} motions, not {})", b.len(), a.len()));
     } else if a != b {

@@ -9,6 +9,19 @@ use super::schema::{Motion, Robot};
 const SLACK: f32 = 1.0 + 1e-5;
 
 impl Robot {
+    /// The lowest and the highest speed and turning rate of the robot: 0, or those of its motions if they are beyond 0.
+    #[must_use]
+    pub fn motion_limits(&self) -> (Motion, Motion) {
+        let still = Motion { v_m_s: 0.0, w_rad_s: 0.0 };
+        self.motions.iter().fold((still, still), |(low, high), motion| {
+            let least =
+                Motion { v_m_s: low.v_m_s.min(motion.v_m_s), w_rad_s: low.w_rad_s.min(motion.w_rad_s) };
+            let most =
+                Motion { v_m_s: high.v_m_s.max(motion.v_m_s), w_rad_s: high.w_rad_s.max(motion.w_rad_s) };
+            (least, most)
+        })
+    }
+
     /// The motion with its turning rate limited to what the least turning radius allows at its speed.
     #[must_use]
     pub fn steerable(&self, motion: Motion) -> Motion {

@@ -18,6 +18,7 @@ use bevy::prelude::World;
 
 use super::RunError;
 use super::folder::{RunConfig, RunFolder};
+use super::training_setup::set_mirror;
 use super::write_points::write_point;
 use crate::agent::{ActiveLearner, Decisions, TrainingStats};
 use crate::learning::Learner;
@@ -33,7 +34,7 @@ const NAMES: [&str; 4] =
 /// The file of the newest checkpoint.
 pub const LATEST: &str = NAMES[1];
 /// The version of the format. It increases whenever an older reader would misread a newer file.
-pub const VERSION: u32 = 6;
+pub const VERSION: u32 = 7;
 const FORMAT: HeaderFormat =
     HeaderFormat { magic: b"wayfrun\n", version: VERSION, max_bytes: MAX_HEAD_BYTES, checksum: true };
 
@@ -137,9 +138,10 @@ pub fn read_from(mut file: impl Read, config: &RunConfig) -> Result<(TrainerStat
     trainer_state.distribute_extensions()?;
     trainer_state.check(config)?;
     let inputs = config.observation_layout().width(config.scenario.lidar.beams);
-    let actions = config.scenario.robot.motions.len();
-    let learner = Learner::restore(&config.preset.learning, inputs, actions, config.preset.arenas, file)
+    let actions = config.preset.actions.len(config.scenario.robot.motions.len());
+    let mut learner = Learner::restore(&config.preset.learning, inputs, actions, config.preset.arenas, file)
         .map_err(|error| error.to_string())?;
+    set_mirror(&mut learner, config).map_err(|error| error.to_string())?;
     Ok((trainer_state, learner))
 }
 

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::agent::{Decisions, TrainingStats};
 use crate::learning::Policy;
 use crate::limits::{MAX_RECENT_RETURNS, MAX_TIME_S};
+use crate::policy::observation::EarlierScan;
 use crate::random::{self, Stream};
 use crate::run::folder::RunConfig;
 use crate::run::metric_rows::Milestone;
@@ -54,6 +55,8 @@ pub struct TrainerState {
     pub estimated_poses: Vec<Pose>,
     /// The pedestrians of each arena; empty if there are none.
     pub pedestrians: Vec<Pedestrians>,
+    /// The scans that each arena's robot remembers for its observation by sectors; empty without one.
+    pub earlier_scans: Vec<Vec<EarlierScan>>,
 }
 
 /// The plugin data of an arena: sensor readings, and the sums of reward terms in the current episode.
@@ -134,6 +137,10 @@ impl TrainerState {
         if self.pedestrians.iter().all(|pedestrians| *pedestrians == Pedestrians::default()) {
             self.pedestrians.clear();
         }
+        self.earlier_scans = self.arenas.iter().map(|arena| arena.earlier_scans.clone()).collect();
+        if self.earlier_scans.iter().all(Vec::is_empty) {
+            self.earlier_scans.clear();
+        }
         self.arena_scenarios = self.arenas.iter().filter_map(|arena| arena.scenario.clone()).collect();
     }
 
@@ -163,6 +170,12 @@ impl TrainerState {
         }
         for (arena, pedestrians) in self.arenas.iter_mut().zip(&self.pedestrians) {
             arena.pedestrians.clone_from(pedestrians);
+        }
+        if !self.earlier_scans.is_empty() && self.earlier_scans.len() != self.arenas.len() {
+            return Err("is damaged: it has earlier scans of a different number of arenas".into());
+        }
+        for (arena, scans) in self.arenas.iter_mut().zip(&self.earlier_scans) {
+            arena.earlier_scans.clone_from(scans);
         }
         self.collect_extensions();
         Ok(())

@@ -1,10 +1,11 @@
 //! Evaluations in which the caller chooses the actions, for example with a policy of another library.
 
+use super::evaluator::set_observation;
 use super::{EvaluationRun, Evaluator};
 use crate::agent::{ActionSelection, GreedyPolicy};
 use crate::env::{CommandRules, Commands, VecEnvError};
 use crate::policy::Encoding;
-use crate::task::{EpisodeSetup, ObservationLayout, Observations};
+use crate::task::{ActiveActionSet, EpisodeSetup, Observations};
 
 impl Evaluator {
     /// Starts an evaluation of `count` episodes whose actions the caller chooses. The starts and goals are those of
@@ -17,10 +18,12 @@ impl Evaluator {
         count: usize,
         setup: EpisodeSetup,
     ) -> EvaluationRun {
+        let (beams, arenas) = (self.scenario().lidar.beams, self.arenas());
         let world = self.world_mut();
+        set_observation(world, encoding, beams, arenas);
+        world.insert_resource(ActiveActionSet::default());
         world.remove_resource::<GreedyPolicy>();
         world.insert_resource(ActionSelection::Greedy);
-        world.resource_mut::<ObservationLayout>().encoding = encoding;
         world.insert_resource(setup);
         EvaluationRun::new(seed, count)
     }

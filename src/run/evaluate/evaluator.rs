@@ -10,7 +10,7 @@ use crate::agent::{ActionSelection, ActionSource, ActionSources, DriverSource, G
 use crate::drivers::DriverConfig;
 use crate::learning::QNetwork;
 use crate::limits::MAX_BODIES;
-use crate::policy::Policy;
+use crate::policy::{Encoding, Policy};
 use crate::random;
 use crate::run::memory::bodies_per_arena;
 use crate::run::{RunError, policy_card};
@@ -18,8 +18,8 @@ use crate::scenario::Scenario;
 use crate::sim;
 use crate::simulation::{self, Extensions, Simulation, SimulationBuilder};
 use crate::task::{
-    ArenaState, Clock, CommandedMotions, EpisodeEnd, EpisodeEnded, EpisodeSetup, ObservationLayout,
-    ScenarioPool, Streams, TaskMode,
+    ActiveActionSet, ArenaState, Clock, CommandedMotions, EpisodeEnd, EpisodeEnded, EpisodeSetup,
+    ObservationLayout, Observations, ScenarioPool, Streams, TaskMode,
 };
 
 /// Maximum number of parallel episodes. In a browser it is smaller, because the simulation is built within a
@@ -228,6 +228,10 @@ impl Evaluator {
         self.simulation.world_mut()
     }
 
+    pub(super) fn arenas(&self) -> usize {
+        self.arenas
+    }
+
     pub(super) fn scenario(&self) -> &Scenario {
         &self.scenario
     }
@@ -237,6 +241,7 @@ impl Evaluator {
         let source = |_| ActionSource::Driver(DriverSource::new(driver));
         let arenas = (0..self.arenas).map(source).collect();
         let world = self.simulation.world_mut();
+        world.insert_resource(ActiveActionSet::default());
         world.insert_resource(ActionSources { arenas, num_actions: self.scenario.robot.motions.len() });
         world.insert_resource(ActionSelection::PerArena);
     }
@@ -245,12 +250,27 @@ impl Evaluator {
     fn use_policy(&mut self, policy: &Policy) -> Result<(), RunError> {
         let layout = self.simulation.world().resource::<ObservationLayout>();
         check_compatible(policy, &self.scenario, layout)?;
+        if let Some(pool) = self.simulation.world().get_resource::<ScenarioPool>() {
+            pool.tasks().try_for_each(|scenario| check_compatible(policy, &scenario, layout))?;
+        }
         let network = QNetwork::from_policy(policy).map_err(|error| RunError::Failed(error.to_string()))?;
         let world = self.simulation.world_mut();
-        world.resource_mut::<ObservationLayout>().encoding = policy_card::encoding(policy)?;
+        set_observation(world, policy_card::encoding(policy)?, self.scenario.lidar.beams, self.arenas);
+        world.insert_resource(ActiveActionSet(policy_card::action_set(policy)));
         world.insert_resource(GreedyPolicy(network));
         world.insert_resource(ActionSelection::Greedy);
         Ok(())
+    }
+}
+
+/// Makes `encoding` that of the observations of `arenas` arenas with `beams` LIDAR beams, from the next reset on.
+pub(super) fn set_observation(world: &mut World, encoding: Encoding, beams: usize, arenas: usize) {
+    let mut layout = world.resource_mut::<ObservationLayout>();
+    layout.encoding = encoding;
+    let width = layout.width(beams);
+    let mut observations = world.resource_mut::<Observations>();
+    if observations.width != width {
+        observations.resize(arenas, width);
     }
 }
 
@@ -276,11 +296,11 @@ pub fn check_compatible(
     scenario: &Scenario,
     layout: &ObservationLayout,
 ) -> Result<(), RunError> {
-    policy_card::encoding(policy)?;
     policy_card::check_sensors(policy, layout)?;
     let shape = policy.shape();
+    let layout = ObservationLayout::new(policy_card::encoding(policy)?, layout.slices().to_vec());
     let inputs = layout.width(scenario.lidar.beams);
-    let actions = scenario.robot.motions.len();
+    let actions = policy_card::action_set(policy).len(scenario.robot.motions.len());
     if (shape.inputs, shape.actions) == (inputs, actions) {
         return policy_card::check_actions(policy, scenario);
     }

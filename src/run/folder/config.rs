@@ -10,7 +10,7 @@ use crate::run::RunError;
 use crate::run::preset::{Budget, Preset};
 use crate::run::provenance::{COMMIT, VERSION};
 use crate::run::settings::{SettingError, Settings};
-use crate::run::shipped;
+use crate::run::{scenario_set, shipped};
 use crate::scenario::{
     Diagnostic, FileError, Scenario, ScenarioSet, diagnostics_of_known, is_unprintable, parse_checked,
     read_ron_with_limit, read_text_with_limit, resemblance,
@@ -67,6 +67,9 @@ impl RunConfig {
     pub fn resolve(scenario_from: &str, preset_from: &str, seed: u64) -> Result<Self, FileError> {
         let (scenario, scenario_set) = shipped::scenario_or_set(scenario_from)?;
         let preset = shipped::preset(preset_from)?;
+        if let Some(set) = &scenario_set {
+            scenario_set::check_fit(set, scenario_from, preset.fit())?;
+        }
         let config = Self::new((scenario_from.into(), scenario), (preset_from.into(), preset), seed);
         Ok(Self { scenario_set, ..config })
     }
@@ -185,8 +188,10 @@ impl RunConfig {
         let preset = self.preset.diagnostics().into_iter().map(inside("preset"));
         let of_set = |set: &ScenarioSet| {
             let Scenario { name, robot, lidar, task, .. } = &self.scenario;
-            let misfit = set.misfit_of(name, (robot, lidar, task));
-            let misfit = misfit.map(|message| Diagnostic { path: "scenario".into(), message });
+            let fit = self.preset.fit();
+            let member = set.misfit(fit).map(|(k, why)| (format!("scenario_set.members[{k}].source"), why));
+            let first = || Some(("scenario".into(), set.misfit_of(name, (robot, lidar, task), fit)?));
+            let misfit = member.or_else(first).map(|(path, message)| Diagnostic { path, message });
             let inside = set.diagnostics().into_iter().map(inside("scenario_set"));
             inside.chain(misfit).collect()
         };

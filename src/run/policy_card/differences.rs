@@ -5,8 +5,8 @@
 //! the values on the card and in the scenario.
 
 use super::{angles_rad, parse_scenario, printable, scenario_name, write};
-use crate::policy::Policy;
 use crate::policy::card::Action;
+use crate::policy::{ActionSet, Policy};
 use crate::run::RunError;
 use crate::scenario::{OdometryDrift, Ranged, Robot, Scenario, Slip, field_names};
 
@@ -18,8 +18,10 @@ const MAX_LISTED: usize = 12;
 /// # Errors
 /// The first such action, as the card and as the scenario have it.
 pub fn check_actions(policy: &Policy, scenario: &Scenario) -> Result<(), RunError> {
-    let Some(card) = &policy.card else { return Ok(()) };
-    let here = write::actions(scenario);
+    let Some(card) = policy.card.as_ref().filter(|card| card.relative_actions.is_none()) else {
+        return Ok(());
+    };
+    let here = write::actions(scenario, &ActionSet::Robot);
     let is_reversed = |k: &usize| {
         let (card, here) = (&card.actions[*k], &here[*k]);
         card.v_m_s * here.v_m_s < 0.0 || card.w_rad_s * here.w_rad_s < 0.0
@@ -57,6 +59,10 @@ pub fn warning(policy: &Policy, scenario: &Scenario) -> Result<Option<String>, R
              control period of \"{name}\" are those it was trained with"
         )));
     };
+    if card.observation.is_some() && card.relative_actions.is_some() {
+        // Its inputs and actions are in units of the robot, and fit every LIDAR.
+        return Ok(None);
+    }
     let differences = differences(&parse_scenario(card)?, scenario);
     if differences.is_empty() {
         return Ok(None);
@@ -100,7 +106,8 @@ fn differences(trained: &Scenario, here: &Scenario) -> Vec<String> {
     let mut differ = |setting: &str, card: &str, here: &str| {
         differences.push(format!("{setting}: {card} on its card, {here} here"));
     };
-    for (k, (card, here)) in write::actions(trained).iter().zip(&write::actions(here)).enumerate() {
+    let actions = |scenario: &Scenario| write::actions(scenario, &ActionSet::Robot);
+    for (k, (card, here)) in actions(trained).iter().zip(&actions(here)).enumerate() {
         if card != here {
             differ(&format!("action {k}"), &motion(card), &motion(here));
         }

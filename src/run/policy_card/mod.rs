@@ -13,7 +13,7 @@ use serde::Deserialize;
 
 use super::RunError;
 use crate::limits::MAX_POLICY_BYTES;
-use crate::policy::{Card, Encoding, Policy};
+use crate::policy::{ActionSet, Card, Encoding, Policy};
 use crate::scenario::{Lidar, Scenario, diagnostics, read_bytes, value_diagnostics};
 use crate::task::{ObservationLayout, ObservationSlice};
 
@@ -69,9 +69,10 @@ pub fn trained_scenario(policy: &Policy) -> Result<Option<Scenario>, RunError> {
     if let Some(diagnostic) = value_diagnostics(&scenario).first() {
         return Err(contradiction(&format!("has an invalid scenario: {diagnostic}")));
     }
-    let described = card.angles_rad() == angles_rad(&scenario.lidar)
+    let has_beams = card.observation.is_some() || card.angles_rad() == angles_rad(&scenario.lidar);
+    let described = has_beams
         && card.control_period_s == scenario.task.control_period_s
-        && card.actions == write::actions(&scenario);
+        && card.actions == write::actions(&scenario, &card.action_set());
     if !described {
         return Err(contradiction("has beams, actions or a control period other than those of its scenario"));
     }
@@ -113,7 +114,7 @@ pub fn scenario_name(policy: &Policy) -> Option<String> {
 pub fn encoding(policy: &Policy) -> Result<Encoding, RunError> {
     let unknown = |how: &str| {
         RunError::InvalidInput(format!(
-            "the policy's observations are encoded {how}, which this version does not know (it knows scaled and raw); \
+            "the policy's observations are encoded {how}, which this version does not know (it knows scaled, raw and sectors); \
              help: use a newer wayfield"
         ))
     };
@@ -125,6 +126,12 @@ pub fn encoding(policy: &Policy) -> Result<Encoding, RunError> {
         Some("raw") => Ok(Encoding::Raw),
         Some(other) => Err(unknown(&format!("as \"{}\"", printable(other)))),
     }
+}
+
+/// The motions that `policy` chooses among.
+#[must_use]
+pub fn action_set(policy: &Policy) -> ActionSet {
+    policy.card.as_ref().map_or(ActionSet::Robot, |card| card.action_set())
 }
 
 /// Checks that `policy` was trained with the plugin sensors of `layout`.
@@ -157,6 +164,7 @@ pub fn encoding_name(encoding: Encoding) -> &'static str {
     match encoding {
         Encoding::Scaled => "scaled",
         Encoding::Raw => "raw",
+        Encoding::Sectors { .. } => "sector",
     }
 }
 

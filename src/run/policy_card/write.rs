@@ -1,11 +1,14 @@
 //! The card of a policy that is about to be saved.
 
 use super::{angles_rad, sensor};
+use crate::drivers::sector_observer;
 use crate::policy::card::{Action, Card, Example, Program, TrainedSet, Training, inputs, q_value_formula};
-use crate::policy::{Policy, Scratch};
+use crate::policy::observation::Sensed;
+use crate::policy::{ActionSet, Encoding, Policy, Scratch};
 use crate::run::folder::RunConfig;
 use crate::run::provenance::{COMMIT, VERSION, scenario_json, set_crc32c};
 use crate::scenario::Scenario;
+use crate::task::ActiveActionSet;
 
 /// Gives `policy`, which the run of `config` has trained for these env steps and gradient steps, its card.
 /// `success_rate` is the rate in its evaluation, 0 to 1; `None` if it was not evaluated.
@@ -43,20 +46,46 @@ fn card(policy: &Policy, config: &RunConfig, training: Training) -> Result<Card,
     Ok(Card {
         program: this_program(),
         training,
+        observation: preset.observation.sectors().map(|_| preset.observation),
         inputs: inputs(preset.observation, &angles_rad(lidar), &sensors),
         activation: policy.shape().activation.name().into(),
         q_values: q_value_formula(policy.shape().dueling).into(),
-        actions: actions(scenario),
+        actions: actions(scenario, &preset.actions),
+        relative_actions: match &preset.actions {
+            ActionSet::Robot => None,
+            ActionSet::Relative(motions) => Some(motions.clone()),
+        },
         control_period_s: task.control_period_s,
-        example: Example::new(preset.observation, (lidar.beams, lidar.max_range_m), readings, q_values),
+        example: example(preset.observation, scenario, readings, q_values),
         scenario_crc32c: json.crc32c(),
         scenario: json,
     })
 }
 
-/// The actions of the robot of `scenario`.
-pub(super) fn actions(scenario: &Scenario) -> Vec<Action> {
-    let motions = scenario.robot.motions.iter();
+/// An example of an observation in `scenario`.
+fn example(
+    encoding: Encoding,
+    scenario: &Scenario,
+    readings: usize,
+    q_values: impl FnOnce(&[f32]) -> Vec<f32>,
+) -> Example {
+    let lidar = (scenario.lidar.beams, scenario.lidar.max_range_m);
+    let Some(sectors) = encoding.sectors() else {
+        return Example::new(encoding, lidar, readings, q_values);
+    };
+    let observe = |ranges_m: &[f32], bearing_rad: f32, distance_m: f32| {
+        let mut observer = sector_observer(sectors, scenario);
+        observer.sense(&Sensed { ranges_m, pose: (0.0, 0.0, 0.0), twist: (0.0, 0.0) });
+        let mut observation = vec![0.0; sectors.width()];
+        observer.encode((bearing_rad, distance_m), &mut observation);
+        observation
+    };
+    Example::observed(observe, lidar, readings, q_values)
+}
+
+/// The actions of a policy with `action_set` for the robot of `scenario`.
+pub(super) fn actions(scenario: &Scenario, action_set: &ActionSet) -> Vec<Action> {
+    let motions = ActiveActionSet(action_set.clone()).motions(&scenario.robot).into_iter();
     motions.map(|motion| Action { v_m_s: motion.v_m_s, w_rad_s: motion.w_rad_s }).collect()
 }
 

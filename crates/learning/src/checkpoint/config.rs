@@ -8,7 +8,8 @@ use wayfield_policy::Activation;
 use crate::config::{LearningConfig, NetworkConfig};
 use crate::framing::encode;
 
-/// What configs can switch on since version 2 of the file. A config that uses none of it is written in version 1.
+/// What configs can switch on since version 2 of the file. A config that uses none of it is written in version 1. Version 3 is
+/// that of mirror augmentation.
 #[derive(Serialize, PartialEq)]
 struct Switches {
     layer_norm: bool,
@@ -43,6 +44,7 @@ pub(super) fn encoded(config: &LearningConfig) -> io::Result<(u32, Vec<u8>)> {
         gradient_steps,
         target_update,
         exploration,
+        mirror,
     } = config;
     let update = (double, gamma, n_step, reward_scale, loss, optimizer, learning_rate, batch_size);
     let version_1 = (hidden, dueling, update, replay, train_freq, gradient_steps, target_update, exploration);
@@ -52,5 +54,11 @@ pub(super) fn encoded(config: &LearningConfig) -> io::Result<(u32, Vec<u8>)> {
         max_gradient_norm: *max_gradient_norm,
         weight_decay: *weight_decay,
     };
-    if switches == OFF { Ok((1, encode(&version_1)?)) } else { Ok((2, encode(&(version_1, switches))?)) }
+    if *mirror {
+        Ok((3, encode(&(version_1, switches, mirror))?))
+    } else if switches != OFF {
+        Ok((2, encode(&(version_1, switches))?))
+    } else {
+        Ok((1, encode(&version_1)?))
+    }
 }

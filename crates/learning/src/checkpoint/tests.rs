@@ -96,6 +96,18 @@ fn invalid_values_are_rejected_even_if_the_checksum_matches() {
     }
 }
 
+#[test]
+fn an_invalid_stream_of_the_mirror_is_rejected() {
+    let (config, _) = learner();
+    let config = LearningConfig { mirror: true, ..config };
+    let mut learner = Learner::new(&config, 2, 2, 1, 1).expect("a valid config");
+    restored(&config, &learner).expect("a valid checkpoint");
+    let zero = postcard::to_allocvec(&0_u128).expect("a number");
+    learner.mirror_stream = Some(postcard::from_bytes(&zero).expect("a state"));
+    let error = restored(&config, &learner).expect_err("an invalid stream").to_string();
+    assert!(error.contains("the state of its mirror's random stream is invalid"), "{error}");
+}
+
 /// Sets the priority of the transition with the number `which(head, tail)`.
 fn set_priority(learner: &mut Learner, which: fn(u64, u64) -> u64, weight: f64) {
     let slot = learner.replay.slot(which(learner.replay.head, learner.replay.tail));

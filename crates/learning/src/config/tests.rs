@@ -13,6 +13,7 @@ fn a_config_is_read_from_ron_as_it_was_written() {
         learning_rate: Schedule::Linear { from: 5e-4, to: 1e-5, env_steps: 150_000 },
         exploration: Exploration::Linear { start: 1.0, end: 0.05, env_steps: 40_000 },
         target_update: TargetUpdate::Soft { tau: 0.005 },
+        mirror: true,
         ..LearningConfig::default()
     };
     for config in [config, LearningConfig::default()] {
@@ -110,12 +111,17 @@ fn every_value_out_of_range_is_reported_with_its_field() {
 #[test]
 fn a_config_without_the_switches_of_later_versions_has_them_off() {
     let text = ron::to_string(&LearningConfig::default()).expect("a config is RON");
-    let older = ["max_gradient_norm:None,", "weight_decay:0.0,", ",layer_norm:false,activation:Relu"]
-        .iter()
-        .fold(text.clone(), |text, field| {
-            assert!(text.contains(field), "{field} in {text}");
-            text.replace(field, "")
-        });
+    let older = [
+        ",mirror:false",
+        "max_gradient_norm:None,",
+        "weight_decay:0.0,",
+        ",layer_norm:false,activation:Relu",
+    ]
+    .iter()
+    .fold(text.clone(), |text, field| {
+        assert!(text.contains(field), "{field} in {text}");
+        text.replace(field, "")
+    });
     assert_eq!(ron::from_str(&older), Ok(LearningConfig::default()), "{older}");
 }
 

@@ -43,6 +43,9 @@ impl Learner {
     ///
     /// # Errors
     /// The loss or a weight is not finite. The learner can no longer be used.
+    ///
+    /// # Panics
+    /// If the config has `mirror`, and no mirror was set ([`Learner::set_mirror`]).
     pub fn train(&mut self) -> Result<Option<UpdateStats>, DivergenceError> {
         let pending_updates = std::mem::take(&mut self.counters.pending_updates);
         if pending_updates == 0 {
@@ -80,10 +83,13 @@ impl Learner {
 
     /// Samples a batch and computes its TD targets, loss and gradient.
     fn compute_gradient(&mut self) {
-        let Self { config, online, target, replay, counters, scratch, .. } = self;
+        let Self { config, online, target, replay, counters, mirror_stream, mirror, scratch, .. } = self;
         let Scratch { batch, gradient, online_q, target_q, targets } = scratch;
         let n = config.batch_size;
         replay.sample(n, counters.env_steps, &mut counters.sampling, batch);
+        if let Some(stream) = mirror_stream {
+            mirror.as_ref().expect("a learner with mirror augmentation has a mirror").augment(batch, stream);
+        }
         target.q_values(&batch.next_states, n, target_q);
         if config.double {
             online.q_values(&batch.next_states, n, online_q);

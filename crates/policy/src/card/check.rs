@@ -18,7 +18,9 @@ impl Card {
     #[must_use]
     pub fn encoding(&self) -> Option<Encoding> {
         let (angles, sensors) = (self.angles_rad(), self.sensors());
-        [Encoding::Scaled, Encoding::Raw].into_iter().find(|&e| inputs(e, &angles, &sensors) == self.inputs)
+        let known = [Some(Encoding::Scaled), Some(Encoding::Raw)].into_iter();
+        let mut known = known.filter(|_| self.observation.is_none()).chain([self.observation]).flatten();
+        known.find(|&e| e.check().is_ok() && inputs(e, &angles, &sensors) == self.inputs)
     }
 
     /// The directions of the LIDAR beams, in rad.
@@ -72,6 +74,13 @@ impl Card {
             format!("has a control period of {period_s} s; it must be above 0")
         })?;
         let is_finite = |k: usize| self.actions[k].v_m_s.is_finite() && self.actions[k].w_rad_s.is_finite();
+        ensure(
+            self.relative_actions.as_ref().is_none_or(|motions| motions.len() == self.actions.len()),
+            || "has other numbers of actions and of relative actions".into(),
+        )?;
+        self.action_set()
+            .check()
+            .map_err(|problem| CardError(format!("has relative actions; their list {problem}")))?;
         let infinite = (0..self.actions.len()).find(|&k| !is_finite(k));
         ensure(infinite.is_none(), || {
             format!("has a number that is not finite in action {}", infinite.unwrap_or(0))
@@ -96,6 +105,13 @@ impl Card {
                     .into(),
             )
         })?;
+        if encoding.sectors().is_some() {
+            // The observation depends on the robot, whose scenario is not read here.
+            ensure(example.observation.len() == shape.inputs, || {
+                "has an example with another number of inputs".into()
+            })?;
+            return self.check_q_values(&example.observation, shape, parameters);
+        }
         let beams = self.count(Quantity::Range);
         ensure(example.ranges_m.len() == beams, || {
             format!("has an example with {} ranges, but {beams} beams", example.ranges_m.len())
@@ -114,8 +130,19 @@ impl Card {
         ensure(example.observation == expected, || {
             "has an example whose observation is not that of its ranges and goal".into()
         })?;
+        self.check_q_values(&expected, shape, parameters)
+    }
+
+    /// Checks that the Q-values of the example are those of the network for `observation`.
+    fn check_q_values(
+        &self,
+        observation: &[f32],
+        shape: &NetworkShape,
+        parameters: &[f32],
+    ) -> Result<(), CardError> {
+        let example = &self.example;
         let mut scratch = Scratch::default();
-        let computed = forward(shape, parameters, &expected, &mut scratch);
+        let computed = forward(shape, parameters, observation, &mut scratch);
         let is_near = |(a, b): (&f32, &f32)| (a - b).abs() <= Q_TOLERANCE * (1.0 + b.abs());
         let same =
             example.q_values.len() == shape.actions && example.q_values.iter().zip(computed).all(is_near);

@@ -12,6 +12,7 @@ use serde_json::value::RawValue;
 pub use check::CardError;
 pub use inputs::{Input, Quantity, inputs};
 
+use crate::actions::{ActionSet, RelativeMotion};
 use crate::observation::{self, Encoding};
 
 /// The Q-values as a formula of the output tensors, as the card gives it.
@@ -27,6 +28,9 @@ pub struct Card {
     pub program: Program,
     /// How the policy was trained.
     pub training: Training,
+    /// The encoding of the observations, if it is not the paper's: an observation by sectors.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub observation: Option<Encoding>,
     /// The network's inputs, in their order.
     pub inputs: Vec<Input>,
     /// The activation of the hidden layers: [`Activation::name`](crate::Activation::name).
@@ -35,6 +39,10 @@ pub struct Card {
     pub q_values: String,
     /// The actions, in the order of the Q-values. An action is held for one control period.
     pub actions: Vec<Action>,
+    /// The actions in units of the robot's limits, if the policy has its own; `actions` are then those of the robot that it was
+    /// trained with.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub relative_actions: Option<Vec<RelativeMotion>>,
     /// The time between two decisions, in s.
     pub control_period_s: f32,
     /// An observation with its Q-values.
@@ -119,10 +127,25 @@ pub struct Example {
 }
 
 impl Example {
-    /// An arbitrary observation of a LIDAR with `beams` beams and a range of `max_range_m`: every range is different, the
-    /// goal is behind to the right. `q_values` computes the Q-values.
+    /// An arbitrary observation by eq. (8) of a LIDAR with `beams` beams and a range of `max_range_m`: every range is different,
+    /// the goal is behind to the right. `q_values` computes the Q-values.
     pub fn new(
         encoding: Encoding,
+        lidar: (usize, f32),
+        sensor_readings: usize,
+        q_values: impl FnOnce(&[f32]) -> Vec<f32>,
+    ) -> Self {
+        let observe = |ranges_m: &[f32], bearing_rad: f32, distance_m: f32| {
+            let mut observation = vec![0.0; observation::width(ranges_m.len())];
+            observation::encode(encoding, ranges_m, bearing_rad, distance_m, &mut observation);
+            observation
+        };
+        Self::observed(observe, lidar, sensor_readings, q_values)
+    }
+
+    /// The same with another observation: `observe` encodes the ranges in m, the bearing in rad and the distance in m of the goal.
+    pub fn observed(
+        observe: impl FnOnce(&[f32], f32, f32) -> Vec<f32>,
         (beams, max_range_m): (usize, f32),
         sensor_readings: usize,
         q_values: impl FnOnce(&[f32]) -> Vec<f32>,
@@ -134,12 +157,19 @@ impl Example {
             .collect();
         let sensor_readings: Vec<f32> = (0..sensor_readings).map(|k| 0.5 / (k + 1) as f32).collect();
         let (goal_bearing_rad, goal_distance_m) = (-2.0, 1.5);
-        let mut observation = vec![0.0; observation::width(beams)];
-        observation::encode(encoding, &ranges_m, goal_bearing_rad, goal_distance_m, &mut observation);
+        let mut observation = observe(&ranges_m, goal_bearing_rad, goal_distance_m);
         observation.extend(&sensor_readings);
         let q_values = q_values(&observation);
         let action = crate::greedy(&q_values);
         Self { ranges_m, goal_bearing_rad, goal_distance_m, sensor_readings, observation, q_values, action }
+    }
+}
+
+impl Card {
+    /// The motions that the policy chooses among.
+    #[must_use]
+    pub fn action_set(&self) -> ActionSet {
+        self.relative_actions.clone().map_or(ActionSet::Robot, ActionSet::Relative)
     }
 }
 

@@ -1,4 +1,4 @@
-//! The observation: the inputs of the policy's network, eq. (8) of the paper.
+//! The paper's observation, eq. (8).
 //!
 //! In: a scan, and the goal's bearing and distance. Out: a row in the paper's order `d_1 ... d_B, phi_0, d_g, d_o, n`, which
 //! is B + 4 numbers for B beams (28 for 24). [`Encoding::Raw`] keeps the units; [`Encoding::Scaled`] divides each number
@@ -14,29 +14,20 @@
 //!
 //! The paper does not say whether it scales its inputs; see `docs/algorithm.md`.
 
-use serde::{Deserialize, Serialize};
+use super::Encoding;
 
 /// The divisor of LIDAR ranges in [`Encoding::Scaled`], in m.
 pub const RANGE_SCALE_M: f32 = 3.5;
 /// The divisor of the goal's distance in [`Encoding::Scaled`], in m.
 pub const DISTANCE_SCALE_M: f32 = 4.0;
 
-/// The scaling of an observation. A policy needs the encoding that it was trained with.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Encoding {
-    /// Each number is divided by a constant, so that it is of the order of one.
-    #[default]
-    Scaled,
-    /// Nothing is scaled: lengths are in m, the bearing in rad, and n is the beam's index.
-    Raw,
-}
-
 impl Encoding {
-    /// The divisors of the ranges, the bearing, the goal's distance and the index of one of `beams` beams.
+    /// The divisors of the ranges, the bearing, the goal's distance and the index of one of `beams` beams in the paper's
+    /// observation.
     pub(crate) fn divisors(self, beams: usize) -> [f32; 4] {
         match self {
             Self::Scaled => [RANGE_SCALE_M, core::f32::consts::PI, DISTANCE_SCALE_M, beams as f32],
-            Self::Raw => [1.0; 4],
+            Self::Raw | Self::Sectors { .. } => [1.0; 4],
         }
     }
 }

@@ -1,0 +1,72 @@
+//! Observations: the inputs of a policy's network.
+//!
+//! | encoding | what it is |
+//! |---|---|
+//! | [`Encoding::Scaled`], [`Encoding::Raw`] | eq. (8) of the paper: a number per beam, and the goal ([`encode`]) |
+//! | [`Encoding::Sectors`] | sectors around the robot, in units of the robot, with what has moved ([`SectorObserver`]): for any LIDAR and any robot |
+
+mod observer;
+mod paper;
+mod sectors;
+
+use serde::{Deserialize, Serialize};
+
+pub use observer::{EarlierScan, SectorObserver, Sensed};
+pub use paper::{DISTANCE_SCALE_M, RANGE_SCALE_M, encode, width};
+pub use sectors::{BodyScale, Column, LidarBeams, SectorLayout};
+
+/// The encoding of an observation. A policy needs the encoding that it was trained with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Encoding {
+    /// Eq. (8) of the paper, each number divided by a constant, so that it is of the order of one.
+    #[default]
+    Scaled,
+    /// Eq. (8) of the paper without scaling: lengths are in m, the bearing in rad, and n is the beam's index.
+    Raw,
+    /// Sectors around the robot, in units of the robot, with what has moved: for any LIDAR and any robot.
+    Sectors {
+        /// Number of sectors of a full turn, 4 to 360.
+        #[serde(default = "default_count")]
+        count: u16,
+        /// Number of control steps to the earlier scan that the current one is compared with, 1 to 20; 0 for none.
+        #[serde(default = "default_earlier_steps")]
+        earlier_steps: u8,
+    },
+}
+
+fn default_count() -> u16 {
+    36
+}
+
+fn default_earlier_steps() -> u8 {
+    3
+}
+
+impl Encoding {
+    /// The length of an observation from a LIDAR with `beams` beams.
+    #[must_use]
+    pub const fn width(self, beams: usize) -> usize {
+        match self.sectors() {
+            Some(layout) => layout.width(),
+            None => width(beams),
+        }
+    }
+
+    /// The layout of the sectors; `None` for the paper's observation.
+    #[must_use]
+    pub const fn sectors(self) -> Option<SectorLayout> {
+        match self {
+            Self::Scaled | Self::Raw => None,
+            Self::Sectors { count, earlier_steps } => Some(SectorLayout { count, earlier_steps }),
+        }
+    }
+
+    /// Checks the numbers of an encoding.
+    ///
+    /// # Errors
+    /// The problem and its fix.
+    pub fn check(self) -> Result<(), String> {
+        self.sectors().map_or(Ok(()), SectorLayout::check)
+    }
+}

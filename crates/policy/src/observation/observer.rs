@@ -1,0 +1,270 @@
+//! The observer: turns scans and odometry into observations by sectors.
+//!
+//! In: per control step, a scan, the robot's pose by odometry and its motion; the goal. Out: a row of the layout of
+//! [`SectorLayout`]. It remembers the scans of the last steps, and allocates no memory after its first steps.
+
+use std::collections::VecDeque;
+use std::f32::consts::TAU;
+use std::ops::RangeInclusive;
+
+use serde::{Deserialize, Serialize};
+
+use super::sectors::{BodyScale, LidarBeams, SectorLayout, distance_at, nearness, sectors_of_beams};
+
+/// The factor of the change of nearness.
+const CHANGE_GAIN: f32 = 4.0;
+/// The distance beyond which things are too far away for their motion to matter, in units of the robot.
+const MOTION_RANGE: f32 = distance_at(0.12);
+
+/// What a robot senses at one moment, besides its goal.
+#[derive(Clone, Copy, Debug)]
+pub struct Sensed<'a> {
+    /// The reported ranges, in m, one per beam.
+    pub ranges_m: &'a [f32],
+    /// The robot's pose by odometry, in any fixed frame: x in m, y in m, heading in rad.
+    pub pose: (f32, f32, f32),
+    /// The robot's speed in m/s and turning rate in rad/s.
+    pub twist: (f32, f32),
+}
+
+/// The nearest point of a sector in a scan, in the robot's frame at that moment.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Hit {
+    /// Position, in units of the robot.
+    x: f32,
+    y: f32,
+    /// Distance from the robot's centre, in units of the robot.
+    distance: f32,
+    /// Nearness.
+    nearness: f32,
+}
+
+const NO_HIT: Hit = Hit { x: 0.0, y: 0.0, distance: f32::INFINITY, nearness: 0.0 };
+
+/// A scan of an earlier step, as an observer remembers it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EarlierScan {
+    pose: (f32, f32, f32),
+    hits: Vec<Hit>,
+}
+
+impl EarlierScan {
+    /// Whether an observer with this layout can remember the scan.
+    #[must_use]
+    pub fn fits(&self, layout: SectorLayout) -> bool {
+        let is_hit = |hit: &Hit| {
+            hit.x.is_finite()
+                && hit.y.is_finite()
+                && hit.distance >= 0.0
+                && (0.0..=1.0).contains(&hit.nearness)
+        };
+        let (x, y, heading) = self.pose;
+        let is_pose = x.is_finite() && y.is_finite() && heading.is_finite();
+        is_pose && self.hits.len() == usize::from(layout.count) && self.hits.iter().all(is_hit)
+    }
+
+    /// The nearest hit of each sector, if its sector is seen by a beam.
+    fn seen<'a>(&'a self, is_seen: &'a [bool]) -> impl Iterator<Item = (usize, &'a Hit)> {
+        self.hits.iter().enumerate().filter(|(sector, _)| is_seen[*sector])
+    }
+}
+
+/// Encodes the observations of one robot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SectorObserver {
+    layout: SectorLayout,
+    body: BodyScale,
+    beams: Vec<Beam>,
+    /// Whether a beam belongs to each sector.
+    is_seen: Vec<bool>,
+    max_range_m: f32,
+    /// The scans of the last steps, the newest last: at most one more than the steps to the earlier scan.
+    scans: VecDeque<EarlierScan>,
+    /// The nearness of the earlier scan's points in each sector of the present frame; negative where there is none.
+    earlier: Vec<f32>,
+    twist: (f32, f32),
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Beam {
+    cos: f32,
+    sin: f32,
+    extent: f32,
+    sectors: RangeInclusive<usize>,
+}
+
+impl SectorObserver {
+    /// An observer of a robot with this LIDAR and body, which has sensed nothing yet.
+    ///
+    /// # Panics
+    /// The body has not an extent for each beam.
+    #[must_use]
+    pub fn new(layout: SectorLayout, lidar: &LidarBeams, body: BodyScale) -> Self {
+        assert_eq!(lidar.angles_rad.len(), body.extents_m.len(), "one extent per beam");
+        let sectors = sectors_of_beams(layout, lidar);
+        let count = usize::from(layout.count);
+        let mut is_seen = vec![false; count];
+        sectors.iter().cloned().flatten().for_each(|sector| is_seen[sector % count] = true);
+        let beam = |((angle, extent_m), sectors): ((&f32, &f32), RangeInclusive<usize>)| Beam {
+            cos: libm::cosf(*angle),
+            sin: libm::sinf(*angle),
+            extent: extent_m / body.unit_m,
+            sectors,
+        };
+        let beams = lidar.angles_rad.iter().zip(&body.extents_m).zip(sectors).map(beam).collect();
+        Self {
+            layout,
+            body,
+            beams,
+            is_seen,
+            max_range_m: lidar.max_range_m,
+            scans: VecDeque::new(),
+            earlier: vec![-1.0; count],
+            twist: (0.0, 0.0),
+        }
+    }
+
+    /// The layout of its observations.
+    #[must_use]
+    pub fn layout(&self) -> SectorLayout {
+        self.layout
+    }
+
+    /// Forgets all scans, as at the start of an episode.
+    pub fn reset(&mut self) {
+        self.scans.clear();
+        self.earlier.fill(-1.0);
+        self.twist = (0.0, 0.0);
+    }
+
+    /// The scans that it remembers, oldest first.
+    pub fn scans(&self) -> impl Iterator<Item = &EarlierScan> {
+        self.scans.iter()
+    }
+
+    /// Remembers `scans`, which [fit](EarlierScan::fits) its layout, instead of its own, and the robot's speed in m/s and turning
+    /// rate in rad/s.
+    pub fn restore(&mut self, scans: &[EarlierScan], twist: (f32, f32)) {
+        self.reset();
+        self.scans.extend(scans.iter().cloned());
+        self.twist = twist;
+        if self.layout.earlier_steps > 0 {
+            self.move_earlier_scan();
+        }
+    }
+
+    /// Takes in what the robot senses after a control step, or at the start of an episode.
+    ///
+    /// # Panics
+    /// The number of ranges is not that of the LIDAR's beams.
+    pub fn sense(&mut self, sensed: &Sensed) {
+        self.twist = sensed.twist;
+        let steps = usize::from(self.layout.earlier_steps);
+        let mut scan = if self.scans.len() > steps { self.scans.pop_front() } else { None }
+            .unwrap_or_else(|| EarlierScan { pose: sensed.pose, hits: Vec::new() });
+        scan.pose = sensed.pose;
+        self.pool(sensed.ranges_m, &mut scan.hits);
+        self.scans.push_back(scan);
+        if steps > 0 {
+            self.move_earlier_scan();
+        }
+    }
+
+    /// Finds the nearest hit in each sector.
+    fn pool(&self, ranges_m: &[f32], hits: &mut Vec<Hit>) {
+        assert_eq!(ranges_m.len(), self.beams.len(), "one range per beam");
+        let count = usize::from(self.layout.count);
+        hits.clear();
+        hits.resize(count, NO_HIT);
+        let per_unit = 1.0 / self.body.unit_m;
+        for (beam, &range_m) in self.beams.iter().zip(ranges_m) {
+            if range_m >= self.max_range_m {
+                continue;
+            }
+            let distance = range_m * per_unit;
+            let nearness = nearness(distance - beam.extent);
+            let hit = Hit { x: beam.cos * distance, y: beam.sin * distance, distance, nearness };
+            for sector in beam.sectors.clone() {
+                let sector = &mut hits[sector % count];
+                if nearness > sector.nearness {
+                    *sector = hit;
+                }
+            }
+        }
+    }
+
+    /// Moves the points of the earlier scan into the present frame, by odometry.
+    fn move_earlier_scan(&mut self) {
+        let Self { layout, scans, earlier, body, is_seen, .. } = self;
+        earlier.fill(-1.0);
+        let (Some(before), Some(now)) = (scans.front(), scans.back()) else { return };
+        if scans.len() < 2 {
+            return;
+        }
+        let count = i32::from(layout.count);
+        let per_sector = TAU / f32::from(layout.count);
+        let (sin, cos) = libm::sincosf(now.pose.2);
+        let (dx, dy) = (now.pose.0 - before.pose.0, now.pose.1 - before.pose.1);
+        // The displacement of the robot, in its present frame and in units of the robot.
+        let moved = ((dx * cos + dy * sin) / body.unit_m, (dy * cos - dx * sin) / body.unit_m);
+        let turned = before.pose.2 - now.pose.2;
+        let (sin, cos) = libm::sincosf(turned);
+        for (sector, hit) in before.seen(is_seen) {
+            let mut widen = |first: i32, last: i32, nearness: f32| {
+                for sector in first..=last.min(first + count - 1) {
+                    let value = &mut earlier[sector.rem_euclid(count) as usize];
+                    *value = value.max(nearness);
+                }
+            };
+            if hit.distance >= MOTION_RANGE {
+                // Nothing near: in the same direction, whatever the way of the robot.
+                let sector = (sector as f32 + turned / per_sector).round() as i32;
+                widen(sector, sector, hit.nearness);
+                continue;
+            }
+            let (x, y) = (hit.x * cos - hit.y * sin - moved.0, hit.x * sin + hit.y * cos - moved.1);
+            let distance = (x * x + y * y).sqrt();
+            // It is as wide as its sector was, so that the points of a wall leave no gaps.
+            let half_width = 0.5 * hit.distance / distance.max(0.25 * hit.distance);
+            let centre = libm::atan2f(y, x) / per_sector;
+            // The extent of the body in that direction is taken from where the point was seen.
+            let extent = hit.distance - distance_at(hit.nearness);
+            let (first, last) = ((centre - half_width).round() as i32, (centre + half_width).round() as i32);
+            widen(first, last, nearness(distance - extent));
+        }
+    }
+
+    /// Writes the observation for a goal at the bearing `goal.0`, relative to the heading, counterclockwise positive, in rad,
+    /// and at the distance `goal.1`, in m.
+    ///
+    /// # Panics
+    /// The length of `row` is not [`SectorLayout::width`], or nothing was sensed yet.
+    pub fn encode(&self, (bearing_rad, distance_m): (f32, f32), row: &mut [f32]) {
+        let count = usize::from(self.layout.count);
+        let hits = &self.scans.back().expect("a scan was sensed").hits;
+        let (nearnesses, rest) = row.split_at_mut(count);
+        for (value, hit) in nearnesses.iter_mut().zip(hits) {
+            *value = hit.nearness;
+        }
+        let (changes, others) = rest.split_at_mut(if self.layout.earlier_steps > 0 { count } else { 0 });
+        for ((value, hit), &earlier) in changes.iter_mut().zip(hits).zip(&self.earlier) {
+            // Nothing is known about what was not seen before, and what is far away does not matter.
+            let is_known = earlier >= 0.0 && hit.distance < MOTION_RANGE;
+            let change = CHANGE_GAIN * (hit.nearness - earlier);
+            *value = if is_known { change.clamp(-1.0, 1.0) } else { 0.0 };
+        }
+        let body = &self.body;
+        let (sin, cos) = libm::sincosf(bearing_rad);
+        let to_edge = (distance_m - body.goal_radius_m).max(0.0) / body.unit_m;
+        others.copy_from_slice(&[
+            cos,
+            sin,
+            nearness(to_edge),
+            0.25 * libm::log1pf(to_edge),
+            self.twist.0 / body.max_speed_m_s,
+            self.twist.1 / body.max_turn_rad_s,
+            body.max_speed_m_s * body.control_period_s / body.unit_m,
+            body.max_turn_rad_s * body.control_period_s,
+        ]);
+    }
+}

@@ -1,0 +1,177 @@
+//! The layout of the observation by sectors, and the beams that each sector pools.
+//!
+//! Lengths are in units of the robot: 1 is the distance from its centre at which it collides. So one policy fits robots of any
+//! size and speed, and LIDARs with any number of beams and any field of view.
+//!
+//! | columns | meaning |
+//! |---|---|
+//! | 0 .. S-1 | nearness of the nearest thing in each of S sectors, 0 (nothing in sight) to 1 (contact); sector 0 is centred straight ahead, then counterclockwise |
+//! | S .. 2S-1 | what has moved: 4 times the nearness now minus that of the earlier scan, moved into the present frame by odometry; -1 to 1, positive for what approaches. Absent without an earlier scan |
+//! | then 4 | direction of the goal (cosine and sine of its bearing), its nearness, and the logarithm of its distance |
+//! | then 2 | the robot's speed and turning rate, in units of its highest |
+//! | then 2 | its longest way in a control step, in units of the robot, and its largest turn in a control step, in rad |
+//!
+//! The nearness of a thing x units away from the body is 1 / (1 + x / 2).
+
+use std::f32::consts::{PI, TAU};
+use std::ops::RangeInclusive;
+
+/// The range of the number of sectors.
+const COUNT: RangeInclusive<u16> = 4..=360;
+/// The largest number of control steps to the earlier scan.
+const MAX_EARLIER_STEPS: u8 = 20;
+/// The distance at which the nearness is one half, in units of the robot.
+const HALF_NEARNESS: f32 = 2.0;
+/// The number of columns after the sectors.
+const OTHER_COLUMNS: usize = 8;
+
+/// The layout of an observation by sectors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SectorLayout {
+    /// Number of sectors of a full turn.
+    pub count: u16,
+    /// Number of control steps to the earlier scan; 0 for none.
+    pub earlier_steps: u8,
+}
+
+/// The meaning of a column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Column {
+    /// The nearness of the nearest thing in a sector.
+    Nearness(usize),
+    /// The change of a sector's nearness.
+    Change(usize),
+    /// The cosine of the goal's bearing.
+    GoalCosine,
+    /// The sine of the goal's bearing.
+    GoalSine,
+    /// The nearness of the goal's edge.
+    GoalNearness,
+    /// The logarithm of the distance to the goal's edge: ln(1 + d) / 4 with d in units of the robot.
+    GoalLogDistance,
+    /// The robot's speed, in units of its highest.
+    Speed,
+    /// The robot's turning rate, in units of its highest.
+    TurningRate,
+    /// The robot's longest way in a control step, in units of the robot.
+    StepLength,
+    /// The robot's largest turn in a control step, in rad.
+    StepTurn,
+}
+
+impl SectorLayout {
+    /// The length of an observation.
+    #[must_use]
+    pub const fn width(self) -> usize {
+        let scans = if self.earlier_steps > 0 { 2 } else { 1 };
+        scans * self.count as usize + OTHER_COLUMNS
+    }
+
+    /// The direction of the centre of a sector relative to the heading, counterclockwise positive, in rad, in (-pi, pi].
+    #[must_use]
+    pub fn angle_rad(self, sector: usize) -> f32 {
+        let angle = sector as f32 * (TAU / f32::from(self.count));
+        if angle > PI { angle - TAU } else { angle }
+    }
+
+    /// The meaning of each column, in their order.
+    pub fn columns(self) -> impl Iterator<Item = Column> {
+        let count = usize::from(self.count);
+        let changes = if self.earlier_steps > 0 { count } else { 0 };
+        let others = [
+            Column::GoalCosine,
+            Column::GoalSine,
+            Column::GoalNearness,
+            Column::GoalLogDistance,
+            Column::Speed,
+            Column::TurningRate,
+            Column::StepLength,
+            Column::StepTurn,
+        ];
+        (0..count).map(Column::Nearness).chain((0..changes).map(Column::Change)).chain(others)
+    }
+
+    /// The mirror image of an observation: column k of the image is column `.0` of the original, times `.1`.
+    #[must_use]
+    pub fn mirrored_columns(self) -> Vec<(usize, f32)> {
+        let count = usize::from(self.count);
+        let mirrored = |sector: usize| (count - sector) % count;
+        let image = |(k, column): (usize, Column)| match column {
+            Column::Nearness(sector) => (mirrored(sector), 1.0),
+            Column::Change(sector) => (count + mirrored(sector), 1.0),
+            Column::GoalSine | Column::TurningRate => (k, -1.0),
+            _ => (k, 1.0),
+        };
+        self.columns().enumerate().map(image).collect()
+    }
+
+    /// Checks that the numbers are in range.
+    pub(super) fn check(self) -> Result<(), String> {
+        let (least, most) = (COUNT.start(), COUNT.end());
+        if !COUNT.contains(&self.count) {
+            return Err(format!("has a count of {}; help: give {least} to {most} sectors", self.count));
+        }
+        if self.earlier_steps > MAX_EARLIER_STEPS {
+            return Err(format!(
+                "has an earlier_steps of {}; help: give 1 to {MAX_EARLIER_STEPS} control steps, or 0 for no earlier scan",
+                self.earlier_steps
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// The nearness of a thing at distance `x` from the body, in units of the robot; 1 for a contact.
+#[must_use]
+pub(super) fn nearness(x: f32) -> f32 {
+    1.0 / (1.0 + x.max(0.0) / HALF_NEARNESS)
+}
+
+/// The distance beyond which a nearness is below `nearness`, in units of the robot.
+#[must_use]
+pub(super) const fn distance_at(nearness: f32) -> f32 {
+    HALF_NEARNESS * (1.0 / nearness - 1.0)
+}
+
+/// The LIDAR of a robot, as far as it matters for pooling its beams.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LidarBeams {
+    /// The direction of each beam relative to the heading, counterclockwise positive, in rad.
+    pub angles_rad: Vec<f32>,
+    /// The angle between neighbouring beams, in rad.
+    pub spacing_rad: f32,
+    /// The maximum range, in m. A beam that reports it has hit nothing.
+    pub max_range_m: f32,
+}
+
+/// The numbers of a robot that its observation is scaled by.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BodyScale {
+    /// The unit of length, in m: the distance from the robot's centre at which it collides.
+    pub unit_m: f32,
+    /// The extent of the body along each beam, in m: a range that is not longer is a contact.
+    pub extents_m: Vec<f32>,
+    /// The highest speed, in m/s.
+    pub max_speed_m_s: f32,
+    /// The highest turning rate, in rad/s.
+    pub max_turn_rad_s: f32,
+    /// The control period, in s.
+    pub control_period_s: f32,
+    /// The radius of the goal, in m.
+    pub goal_radius_m: f32,
+}
+
+/// The sectors that each beam belongs to: those whose angle it shares, with half the angle to its neighbours.
+pub(super) fn sectors_of_beams(layout: SectorLayout, lidar: &LidarBeams) -> Vec<RangeInclusive<usize>> {
+    let count = f32::from(layout.count);
+    let per_sector = TAU / count;
+    let half_width = 0.5 * (lidar.spacing_rad / per_sector + 1.0) - 1e-3;
+    let sectors = |&angle: &f32| {
+        // Shifted by a turn, so that it is positive; the caller takes the remainder.
+        let centre = angle / per_sector + count;
+        let first = (centre - half_width).ceil().max(0.0);
+        let last = (centre + half_width).floor().min(first + count - 1.0);
+        first as usize..=last as usize
+    };
+    lidar.angles_rad.iter().map(sectors).collect()
+}
