@@ -49,6 +49,9 @@ pub const MAX_BODIES: usize = 1_000_000;
 /// Maximum number of floats in the scans and observations of all arenas together: 1 GiB.
 pub const MAX_OBSERVED_FLOATS: usize = 1 << 28;
 
+/// Maximum number of levels of a set whose results a training keeps, to draw levels by progress. They take 100 MB.
+pub const MAX_LEVELS_BY_PROGRESS: usize = 4_000_000;
+
 /// Maximum size of `config.ron` in bytes. (A scenario of 1 MiB grows when every default is written out.)
 pub const MAX_CONFIG_BYTES: u64 = 1 << 24;
 

@@ -39,9 +39,13 @@ fn write_set(folder: &Path) -> PathBuf {
 }
 
 fn app_in(set: &Path) -> HeadlessApp {
-    let scenario = set.display().to_string();
-    let mut app =
-        HeadlessApp::new(StartOptions { scenario, seed: 4, pace: Pace::Full, ..StartOptions::default() });
+    app_with_preset(set, "fast")
+}
+
+fn app_with_preset(set: &Path, preset: &str) -> HeadlessApp {
+    let (scenario, preset) = (set.display().to_string(), preset.into());
+    let options = StartOptions { scenario, preset, seed: 4, pace: Pace::Full, ..StartOptions::default() };
+    let mut app = HeadlessApp::new(options);
     app.command(Command::Pause(true));
     frame(&mut app);
     app
@@ -101,21 +105,26 @@ fn a_training_over_a_set_is_saved_resumed_and_replayed() {
     let folder = tempfile::tempdir().expect("temporary folder");
     let set = write_set(folder.path());
     let saved = folder.path().join("run");
-    let mut app = app_in(&set);
+    let preset = folder.path().join("progress.ron");
+    std::fs::write(&preset, "(based_on: \"fast\", levels: ByProgress(uniform: 0.2))")
+        .expect("a writable folder");
+    let mut app = app_with_preset(&set, &preset.display().to_string());
     train(&mut app, 150);
     app.command(Command::Move(MoveRequest { arena: 1, object: Movable::Goal, to_m: vec2(0.0, 0.0) }));
     app.step_to(160);
-    // A demo takes the place of the arenas in between.
+    // A demo takes the place of the arenas in between. Its episodes do not count in the results of the levels.
     app.command(Command::SetMode(SessionMode::Test));
-    app.command(Command::Step);
-    frame(&mut app);
+    for _ in 0..70 {
+        app.command(Command::Step);
+        frame(&mut app);
+    }
     app.command(Command::SetMode(SessionMode::Train));
-    app.step_to(200);
+    app.step_to(250);
     app.command(Command::Save(SaveKind::Run, saved.clone()));
     frame(&mut app);
     let replayed = verify(&saved).expect("a run");
-    assert!(replayed.bit_identical && replayed.steps == 200, "{replayed:?}");
-    for file in ["set.ron", "posts.ron", "field.ron"] {
+    assert!(replayed.bit_identical && replayed.steps == 250, "{replayed:?}");
+    for file in ["set.ron", "posts.ron", "field.ron", "progress.ron"] {
         std::fs::remove_file(folder.path().join(file)).expect("the run needs none of the files");
     }
     let mut resumed = HeadlessApp::new(StartOptions { paused: true, ..StartOptions::default() });

@@ -58,6 +58,7 @@ fn invalid_presets_are_rejected() {
         ("layer.ron", ("hidden: [64, 64]", "hidden: [64, 0]")),
         ("reward.ron", ("mu: 100.0", "mu: inf")),
         ("round.ron", ("every_env_steps: 5000", "every_env_steps: 0")),
+        ("levels.ron", ("arenas: 16,", "levels: ByProgress(uniform: 1.5), arenas: 16,")),
         ("mirror.ron", ("n_step: 2", "mirror: true, n_step: 2")),
     ] {
         workspace.write(name, edited(FAST, &[edit]));

@@ -52,6 +52,62 @@ fn a_run_over_a_set_resumes_bit_identically() {
     workspace.assert_same_run("straight", "again");
 }
 
+#[test]
+fn a_run_that_draws_levels_by_progress_resumes_bit_identically() {
+    let workspace = workspace();
+    workspace.write("progress.ron", "(based_on: \"fast.ron\", levels: ByProgress(uniform: 0.2))");
+    let train = "--train --scenario clutter.ron --seed 5 --steps";
+    workspace.run_ok(&format!("{train} 9000 --preset progress.ron --out straight"));
+    workspace.run_ok(&format!("{train} 1 --preset progress.ron --out pieces"));
+    for steps in [17, 2222, 5200, 9000] {
+        workspace.run_ok(&format!("--train --resume pieces --steps {steps}"));
+    }
+    workspace.assert_same_run("straight", "pieces");
+    workspace.run_ok(&format!("{train} 9000 --preset fast.ron --out uniform"));
+    let steps = |run: &str| workspace.text(&format!("{run}/episodes.csv")).lines().count();
+    assert_ne!(steps("straight"), steps("uniform"), "other levels, other episodes");
+    // Evaluations do not depend on it: the first is that of the same initial policy.
+    let first = |run: &str| workspace.rows(&format!("{run}/evaluations.csv"))[0]["mean_cost_s"].clone();
+    assert_eq!(first("straight"), first("uniform"));
+}
+
+#[test]
+fn a_run_with_mirror_augmentation_resumes_bit_identically() {
+    let workspace = workspace();
+    let preset = |mirror: bool| {
+        format!(
+            "(based_on: \"fast.ron\", observation: Sectors(count: 12), learning: (mirror: {mirror}), actions: \
+             Relative([(speed: 1, turn: 1), (speed: 1, turn: 0), (speed: 1, turn: -1), (speed: 0, turn: 1), (speed: 0, turn: -1)]))"
+        )
+    };
+    workspace.write("mirrored.ron", preset(true));
+    workspace.write("plain.ron", preset(false));
+    let train = "--train --scenario set.ron --seed 5 --steps";
+    workspace.run_ok(&format!("{train} 4000 --preset mirrored.ron --out straight"));
+    workspace.run_ok(&format!("{train} 1 --preset mirrored.ron --out pieces"));
+    for steps in [1111, 4000] {
+        workspace.run_ok(&format!("--train --resume pieces --steps {steps}"));
+    }
+    workspace.assert_same_run("straight", "pieces");
+    workspace.run_ok(&format!("{train} 4000 --preset plain.ron --out plain"));
+    let weights = |run: &str| workspace.read(&format!("{run}/policy-last.safetensors"));
+    assert!(weights("straight") != weights("plain"), "the mirrored transitions change what is learned");
+}
+
+#[test]
+fn more_levels_than_a_training_can_keep_the_results_of_are_an_error() {
+    let workspace = workspace();
+    let entry = |k: u32| format!("(name: \"n{k}\", generator: \"clutter.ron\", levels: 900000)");
+    let entries: Vec<String> = (0..5).map(entry).collect();
+    workspace.write("many.ron", format!("(name: \"Many\", scenarios: [{}])", entries.join(", ")));
+    workspace.write("progress.ron", "(based_on: \"fast.ron\", levels: ByProgress())");
+    let done = workspace.run("--train --scenario many.ron --preset progress.ron --steps 1 --out new");
+    assert_eq!(done.status, Some(2), "{}", done.stderr);
+    let expected = "the set has 4500000 levels, more than 4000000; help: give its generators fewer `levels`";
+    assert!(done.stderr.contains(expected), "{}", done.stderr);
+    workspace.run_ok("--train --scenario many.ron --preset fast.ron --steps 1 --out uniform");
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn the_number_of_cores_does_not_change_a_run_over_a_set() {

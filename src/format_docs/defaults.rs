@@ -92,7 +92,7 @@ fn sample(entry: &Entry, sections: &[Section]) -> String {
         "String" => "\"\"".into(),
         "bool" => "true".into(),
         "f32" | "f64" => "1.0".into(),
-        "u32" | "u64" | "usize" => "1".into(),
+        "u8" | "u16" | "u32" | "u64" | "usize" => "1".into(),
         "Vec" => "[]".into(),
         // A whole number is a number, too.
         "Ranged" => "1".into(),

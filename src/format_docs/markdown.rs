@@ -107,7 +107,7 @@ fn written(kind: &Type) -> String {
         ("String", _) => "text".into(),
         ("bool", _) => "`true` or `false`".into(),
         ("f32" | "f64", _) => "number".into(),
-        ("u32" | "u64" | "usize", _) => "whole number".into(),
+        ("u8" | "u16" | "u32" | "u64" | "usize", _) => "whole number".into(),
         ("Seeds", _) => "whole number, or list of whole numbers".into(),
         ("Settings", _) => "`{\"path\": value, ...}`".into(),
         ("Option", Some(inner)) => written(inner),

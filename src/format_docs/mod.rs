@@ -23,7 +23,9 @@ const LEVEL_GENERATOR: &[&str] = &["crates/scenario/src/levels/schema.rs", "crat
 const PRESET: &[&str] = &[
     "src/run/preset.rs",
     "src/task/reward.rs",
-    "crates/policy/src/observation.rs",
+    "src/task/level_progress.rs",
+    "crates/policy/src/observation/mod.rs",
+    "crates/policy/src/actions.rs",
     "crates/policy/src/activation.rs",
     "crates/learning/src/config.rs",
 ];
@@ -35,7 +37,9 @@ const EXPERIMENT: &[&str] = &[
     "src/reproduce/measure.rs",
     "src/run/preset.rs",
     "src/task/reward.rs",
-    "crates/policy/src/observation.rs",
+    "src/task/level_progress.rs",
+    "crates/policy/src/observation/mod.rs",
+    "crates/policy/src/actions.rs",
     "crates/policy/src/activation.rs",
     "crates/learning/src/config.rs",
 ];
@@ -106,7 +110,9 @@ fn the_experiment_format_in_the_docs_is_that_of_the_types() {
 
 #[test]
 fn every_field_of_a_preset_has_a_default() {
-    for section in types("Preset", PRESET).iter().filter(|section| section.is_struct()) {
+    // A motion of a list is written as a whole.
+    let is_part = |section: &&Section| section.is_struct() && section.name != "RelativeMotion";
+    for section in types("Preset", PRESET).iter().filter(is_part) {
         for entry in &section.groups[0].entries {
             assert!(entry.optional, "{} of {} has no default", entry.name, section.name);
             assert!(!entry.about.is_empty(), "{} of {} has no description", entry.name, section.name);

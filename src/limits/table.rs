@@ -5,9 +5,9 @@ use std::ops::RangeInclusive;
 
 use super::{
     MAX_ABOUT_CHARS, MAX_ARENAS, MAX_BODIES, MAX_CONFIG_BYTES, MAX_EVAL_EPISODES, MAX_EVAL_RESULTS_BYTES,
-    MAX_EVALUATION_EPISODES, MAX_HEAD_BYTES, MAX_JOURNAL_BYTES, MAX_OBSERVED_FLOATS, MAX_PICTURE_SIDE,
-    MAX_POLICY_BYTES, MAX_RECENT_RETURNS, MAX_REWARD_PARAMETER, MAX_SHEET_LEVELS, MAX_STEPS, MAX_TIME_S,
-    experiment,
+    MAX_EVALUATION_EPISODES, MAX_HEAD_BYTES, MAX_JOURNAL_BYTES, MAX_LEVELS_BY_PROGRESS, MAX_OBSERVED_FLOATS,
+    MAX_PICTURE_SIDE, MAX_POLICY_BYTES, MAX_RECENT_RETURNS, MAX_REWARD_PARAMETER, MAX_SHEET_LEVELS,
+    MAX_STEPS, MAX_TIME_S, experiment,
 };
 use crate::import::limits as import;
 use crate::learning::limits as learning;
@@ -298,6 +298,12 @@ const TRAINING: &[Limit] = &[
         count(learning::MAX_STORED_FLOATS),
         "",
         "8 GiB; 2^28, 1 GiB, on 32-bit systems",
+    ),
+    Limit(
+        "levels of all generators of a set, if levels are drawn by progress",
+        count(MAX_LEVELS_BY_PROGRESS),
+        "",
+        "100 MB",
     ),
     Limit("environments of a learner", count(learning::MAX_ENVS), "", "memory"),
 ];

@@ -5,9 +5,9 @@
 use super::RunError;
 use super::folder::RunConfig;
 use crate::learning::Mirror;
-use crate::policy::ActionSet;
+use crate::policy::{ActionSet, RelativeMotion};
 use crate::scenario::Motion;
-use crate::task::Encoding;
+use crate::task::{ActiveActionSet, Encoding};
 
 /// Why a preset with `learning.mirror` and this encoding of observations is rejected; `None` if these can be mirrored.
 #[must_use]
@@ -38,20 +38,46 @@ pub(crate) fn of_run(config: &RunConfig) -> Result<Option<Mirror>, RunError> {
         return Err(fail(problem_of(config.preset.observation).unwrap_or_default().into()));
     };
     let inputs = sectors.mirrored_columns().into_iter().map(|(from, sign)| (from as u32, sign)).collect();
-    let motions: Vec<Motion> = match &config.preset.actions {
-        ActionSet::Robot => config.scenario.robot.motions.clone(),
+    let images = images(&config.preset.actions, &config.scenario.robot.motions).map_err(&fail)?;
+    let members = config.scenario_set.iter().flat_map(|set| &set.members);
+    let members = members.map(|member| (&member.name, member.source.task().0));
+    for (name, robot) in members.chain([(&config.scenario.name, &config.scenario.robot)]) {
+        let motions = ActiveActionSet(config.preset.actions.clone()).motions(robot);
+        if motions.iter().zip(&images).any(|(motion, &image)| !is_image(motion, &motions[image as usize])) {
+            return Err(fail(format!(
+                "is true, but the robot of \"{name}\" does not turn equally fast to both sides; help: change its \
+                 `robot.motions`, or use `mirror: false`"
+            )));
+        }
+    }
+    Mirror::new(inputs, images).map(Some).map_err(|error| fail(format!("is true, but {error}")))
+}
+
+/// For each action, the one that is its mirror image.
+///
+/// # Errors
+/// An action has none.
+fn images(actions: &ActionSet, of_robot: &[Motion]) -> Result<Vec<u32>, String> {
+    let relative: Vec<Motion>;
+    let (motions, list, [speed, turn]) = match actions {
+        ActionSet::Robot => (of_robot, "robot.motions", ["v_m_s", "w_rad_s"]),
         ActionSet::Relative(motions) => {
-            motions.iter().map(|motion| Motion { v_m_s: motion.speed, w_rad_s: motion.turn }).collect()
+            let motion = |motion: &RelativeMotion| Motion { v_m_s: motion.speed, w_rad_s: motion.turn };
+            relative = motions.iter().map(motion).collect();
+            (&relative[..], "actions", ["speed", "turn"])
         }
     };
-    let actions = actions(&motions).map_err(|Motion { v_m_s, w_rad_s }| {
-        fail(format!(
-            "is true, but the robot of scenario \"{}\" has no motion (v_m_s: {v_m_s:?}, w_rad_s: {:?}), the mirror image of \
-             (v_m_s: {v_m_s:?}, w_rad_s: {w_rad_s:?}); help: add it to `robot.motions`, or use `mirror: false`",
-            config.scenario.name, -w_rad_s
-        ))
-    })?;
-    Mirror::new(inputs, actions).map(Some).map_err(|error| fail(format!("is true, but {error}")))
+    images_of(motions).map_err(|Motion { v_m_s, w_rad_s }| {
+        format!(
+            "is true, but `{list}` lacks ({speed}: {v_m_s:?}, {turn}: {:?}), the mirror image of ({speed}: {v_m_s:?}, {turn}: \
+             {w_rad_s:?}); help: add it, or use `mirror: false`",
+            -w_rad_s
+        )
+    })
+}
+
+fn is_image(one: &Motion, other: &Motion) -> bool {
+    one.v_m_s == other.v_m_s && one.w_rad_s == -other.w_rad_s
 }
 
 /// For each motion, the index of the one that turns as fast to the other side. Of equal motions, the first mirrors the first,
@@ -59,11 +85,10 @@ pub(crate) fn of_run(config: &RunConfig) -> Result<Option<Mirror>, RunError> {
 ///
 /// # Errors
 /// A motion has no mirror image.
-fn actions(motions: &[Motion]) -> Result<Vec<u32>, Motion> {
+fn images_of(motions: &[Motion]) -> Result<Vec<u32>, Motion> {
     let image = |(k, motion): (usize, &Motion)| {
         let earlier = motions[..k].iter().filter(|other| *other == motion).count();
-        let is_image = |other: &Motion| other.v_m_s == motion.v_m_s && other.w_rad_s == -motion.w_rad_s;
-        let images = motions.iter().enumerate().filter(|(_, other)| is_image(other));
+        let images = motions.iter().enumerate().filter(|(_, other)| is_image(motion, other));
         images.map(|(index, _)| index as u32).nth(earlier).ok_or(*motion)
     };
     motions.iter().enumerate().map(image).collect()
@@ -74,6 +99,7 @@ mod tests {
     use super::*;
     use crate::run::preset::Preset;
     use crate::scenario::Scenario;
+    use crate::task::ObservationSlice;
 
     fn motions(motions: &[(f32, f32)]) -> Vec<Motion> {
         motions.iter().map(|&(v_m_s, w_rad_s)| Motion { v_m_s, w_rad_s }).collect()
@@ -81,13 +107,67 @@ mod tests {
 
     #[test]
     fn the_mirror_image_of_an_action_turns_to_the_other_side_at_the_same_speed() {
-        assert_eq!(actions(&Scenario::default().robot.motions), Ok(vec![4, 3, 2, 1, 0]), "the paper's five");
+        assert_eq!(
+            images_of(&Scenario::default().robot.motions),
+            Ok(vec![4, 3, 2, 1, 0]),
+            "the paper's five"
+        );
         let rich = motions(&[(0.0, 0.0), (0.1, 1.0), (0.2, 1.0), (0.1, -1.0), (0.2, -1.0), (0.1, -0.0)]);
-        assert_eq!(actions(&rich), Ok(vec![0, 3, 4, 1, 2, 5]));
+        assert_eq!(images_of(&rich), Ok(vec![0, 3, 4, 1, 2, 5]));
         let twice = motions(&[(0.1, 1.0), (0.1, 1.0), (0.1, -1.0), (0.1, -1.0), (0.1, 0.0), (0.1, 0.0)]);
-        assert_eq!(actions(&twice), Ok(vec![2, 3, 0, 1, 4, 5]));
+        assert_eq!(images_of(&twice), Ok(vec![2, 3, 0, 1, 4, 5]));
         let one_sided = motions(&[(0.1, 1.0), (0.2, -1.0), (0.1, 0.0)]);
-        assert_eq!(actions(&one_sided), Err(Motion { v_m_s: 0.1, w_rad_s: 1.0 }));
+        assert_eq!(images_of(&one_sided), Err(Motion { v_m_s: 0.1, w_rad_s: 1.0 }));
+    }
+
+    /// The mirror of a run in an empty room with these relative motions and the robot's `turns` at full speed, or why there is
+    /// none.
+    fn mirror(relative: &[(f32, f32)], turns: &[f32]) -> Result<Mirror, String> {
+        let mut preset = Preset {
+            observation: Encoding::Sectors { count: 4, earlier_steps: 1 },
+            actions: ActionSet::Relative(
+                relative.iter().map(|&(speed, turn)| RelativeMotion { speed, turn }).collect(),
+            ),
+            ..Preset::default()
+        };
+        preset.learning.mirror = true;
+        let mut scenario = Scenario::default();
+        scenario.robot.motions = turns.iter().map(|&w_rad_s| Motion { v_m_s: 0.5, w_rad_s }).collect();
+        let run = RunConfig::new(("empty".into(), scenario), ("mine".into(), preset), 0);
+        of_run(&run).map(|mirror| mirror.expect("the preset has it")).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn sectors_and_relative_motions_are_mirrored() {
+        let found = mirror(&[(1.0, 0.5), (1.0, 0.0), (1.0, -0.5)], &[-1.0, 1.0]);
+        // Ahead, left, behind, right; their changes; the goal's cosine, sine, nearness and distance; speed and turning rate; two
+        // lengths of the robot.
+        let from = [0, 3, 2, 1, 4, 7, 6, 5, 8, 9, 10, 11, 12, 13, 14, 15];
+        let sign = |k| if k == 9 || k == 13 { -1.0 } else { 1.0 };
+        let inputs = from.into_iter().map(|k| (k, sign(k))).collect();
+        assert_eq!(found, Ok(Mirror::new(inputs, vec![2, 1, 0]).expect("an involution")));
+    }
+
+    #[test]
+    fn motions_without_a_mirror_image_are_rejected_with_the_fix() {
+        let error = mirror(&[(1.0, 0.5), (1.0, 0.0)], &[-1.0, 1.0]).expect_err("only to the left");
+        let expected =
+            "`actions` lacks (speed: 1.0, turn: -0.5), the mirror image of (speed: 1.0, turn: 0.5); help: ";
+        assert!(error.contains(expected), "{error}");
+        let error = mirror(&[(1.0, 0.5), (1.0, -0.5)], &[-1.0, 2.0]).expect_err("faster to the left");
+        assert!(error.contains("does not turn equally fast to both sides; help: "), "{error}");
+    }
+
+    #[test]
+    fn what_plugins_sense_has_no_known_mirror_image() {
+        let mut preset =
+            Preset { observation: Encoding::Sectors { count: 4, earlier_steps: 0 }, ..Preset::default() };
+        preset.learning.mirror = true;
+        let mut run = RunConfig::new(("empty".into(), Scenario::default()), ("mine".into(), preset), 0);
+        assert!(matches!(of_run(&run), Ok(Some(_))));
+        run.sensors = vec![ObservationSlice { name: "bumper".into(), width: 1 }];
+        let error = of_run(&run).expect_err("a plugin's sensor").to_string();
+        assert!(error.contains("the plugin sensor `bumper` is unknown; help: "), "{error}");
     }
 
     #[test]

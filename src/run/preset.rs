@@ -14,7 +14,7 @@ use crate::limits::{MAX_ABOUT_CHARS, MAX_ARENAS, MAX_EVALUATION_EPISODES, MAX_ST
 use crate::policy::ActionSet;
 use crate::policy::range::{ConfigError, within};
 use crate::scenario::{Diagnostic, FileError, LocatedDiagnostic, SetFit, read_text};
-use crate::task::{Encoding, RewardConfig};
+use crate::task::{Encoding, LevelSampling, RewardConfig};
 
 /// A training preset: all settings of a training run except the scenario, of which it may name a default, and the seed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -43,6 +43,8 @@ pub struct Preset {
     pub reward: RewardConfig,
     /// The algorithm and its hyperparameters.
     pub learning: LearningConfig,
+    /// The draw of levels in a training over a level generator or a set with generators.
+    pub levels: LevelSampling,
     /// The scenario, the level generator or the set of scenarios of a training for which `--scenario` names no other: a file,
     /// relative to this one, or a shipped name, such as `"clutter"`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -93,6 +95,7 @@ impl Default for Preset {
             actions: ActionSet::default(),
             reward: RewardConfig::default(),
             learning: LearningConfig::default(),
+            levels: LevelSampling::default(),
             scenario: None,
         }
     }
@@ -171,7 +174,11 @@ impl Preset {
             within("evaluation.episodes", episodes, 1..=MAX_EVALUATION_EPISODES),
             within("evaluation.final_episodes", final_episodes, 0..=MAX_EVALUATION_EPISODES),
         ];
-        for error in ranges.into_iter().filter_map(Result::err) {
+        let uniform = match self.levels {
+            LevelSampling::Uniform => Ok(()),
+            LevelSampling::ByProgress { uniform } => within("levels.uniform", uniform, 0.0..=1.0),
+        };
+        for error in ranges.into_iter().chain([uniform]).filter_map(Result::err) {
             add(&error.field, error.problem);
         }
         if let Err(problem) = self.observation.check() {

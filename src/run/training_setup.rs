@@ -17,7 +17,10 @@ use crate::policy::{Encoding, Policy};
 use crate::scenario::Scenario;
 use crate::sim::spawn_arenas;
 use crate::simulation::{Extensions, Simulation, SimulationBuilder};
-use crate::task::{ActiveActionSet, EpisodeEnded, EpisodeSetup, ObservationLayout, TaskFault, TaskMode};
+use crate::task::{
+    ActiveActionSet, EpisodeEnded, EpisodeSetup, LevelProgress, ObservationLayout, ScenarioPool, TaskFault,
+    TaskMode,
+};
 
 /// A simulation in which `learner` trains with `preset` in parallel arenas of `scenario`.
 #[must_use]
@@ -54,6 +57,11 @@ pub fn start_training(
     world.insert_resource(TrainingWarning::default());
     world.insert_resource(ActiveLearner(learner));
     world.resource_mut::<Messages<EpisodeEnded>>().clear();
+    let pool = world.get_resource::<ScenarioPool>();
+    match pool.and_then(|pool| LevelProgress::new(preset.levels, pool)) {
+        Some(progress) => world.insert_resource(progress),
+        None => drop(world.remove_resource::<LevelProgress>()),
+    }
     spawn_arenas(world, scenario, preset.arenas, seed);
 }
 

@@ -11,12 +11,15 @@
 //! | `reward.rs` | the reward of eqs. (3) to (7), term by term |
 //! | `outcome.rs` | the outcome of a step: reward, collision, goal, time limit |
 //! | `reset.rs` | new starts and goals |
+//! | `scenario_pool.rs` | sets of scenarios, from which episodes draw |
+//! | `level_progress.rs` | level sampling by learning progress |
 //! | `fault.rs` | detection of non-finite numbers and of scenarios without free space |
 //! | `extension.rs` | sensors and reward terms of plugins |
 
 mod arena_state;
 mod extension;
 mod fault;
+mod level_progress;
 pub mod observation;
 mod outcome;
 mod reset;
@@ -32,6 +35,7 @@ pub use arena_state::ArenaState;
 pub use extension::{ExtraRewards, RewardTerm, SimulationAppExt};
 pub(crate) use fault::step_is_finite;
 pub use fault::{Fault, TaskFault};
+pub use level_progress::{LevelProgress, LevelResults, LevelSampling};
 pub use observation::{
     Encoding, ObservationLayout, ObservationSlice, Observations, ScanMemory, SensorReadings, SensorSlice,
 };
@@ -140,7 +144,11 @@ impl Plugin for TaskPlugin {
                     observation::observe_next.in_set(SenseSet::Observe),
                     outcome::compute_outcomes.in_set(RewardSet::Outcome),
                     fault::detect_faults.in_set(RewardSet::Sum),
-                    (outcome::close_episodes.run_if(step_is_finite), observation::advance, reset::run_reset)
+                    (
+                        (outcome::close_episodes, level_progress::record).chain().run_if(step_is_finite),
+                        observation::advance,
+                        reset::run_reset,
+                    )
                         .chain()
                         .in_set(ControlSet::Reset),
                 ),

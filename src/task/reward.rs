@@ -29,7 +29,7 @@ pub enum GoalDistance {
     Geodesic,
 }
 
-/// How the attraction of eq. (5) grows with the distance to the goal.
+/// The growth of the attraction with the distance to the goal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Attraction {
     /// Eq. (5): mu d_g^2 / 2.

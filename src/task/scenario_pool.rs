@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::{Arena, ArenaLayout, Clock, Episode, Fault, TaskFault};
+use super::{Arena, ArenaLayout, Clock, Episode, Fault, LevelProgress, TaskFault};
 use crate::random::{self, Stream};
 use crate::scenario::{
     FIRST_EVALUATION_LEVEL, LevelError, LevelGenerator, Scenario, ScenarioSet, SetMember, SetSource,
@@ -79,6 +79,14 @@ impl ScenarioPool {
     #[must_use]
     pub fn members(&self) -> usize {
         self.0.len()
+    }
+
+    /// The number of levels of a training in each member; 0 of a scenario.
+    pub(crate) fn numbers_of_levels(&self) -> impl Iterator<Item = usize> {
+        self.0.iter().map(|member| match member.source {
+            PoolSource::Scenario(_) => 0,
+            PoolSource::Levels(_, levels, _) => levels as usize,
+        })
     }
 
     /// The name of a member.
@@ -172,8 +180,8 @@ impl ScenarioPool {
         self.in_fixed_shares(count).into_iter().enumerate().map(choice).collect()
     }
 
-    /// A random scenario of a training, by the shares.
-    fn draw(&self, stream: &mut Stream) -> ScenarioChoice {
+    /// A random scenario of a training, by the shares; of a generator a level by its progress, if that is known.
+    fn draw(&self, progress: Option<&LevelProgress>, stream: &mut Stream) -> ScenarioChoice {
         let total: f64 = self.0.iter().map(|member| member.share).sum();
         let mut left = f64::from(random::uniform_01(stream)) * total;
         let is_reached = |member: &PoolMember| {
@@ -181,9 +189,12 @@ impl ScenarioPool {
             left < 0.0
         };
         let member = self.0.iter().position(is_reached).unwrap_or(self.0.len() - 1);
-        let level = match &self.0[member].source {
-            PoolSource::Scenario(_) => 0,
-            PoolSource::Levels(_, levels, _) => random::uniform_index(stream, *levels as usize) as u64,
+        let level = match (&self.0[member].source, progress) {
+            (PoolSource::Scenario(_), _) => 0,
+            (PoolSource::Levels(..), Some(progress)) => progress.draw(member, stream),
+            (PoolSource::Levels(_, levels, _), None) => {
+                random::uniform_index(stream, *levels as usize) as u64
+            }
         };
         ScenarioChoice { member: member as u32, level }
     }
@@ -222,6 +233,7 @@ impl ArenaScenario {
 /// `Draw`, first: the scenario of every new episode.
 pub(super) fn draw_scenarios(
     pool: Option<Res<ScenarioPool>>,
+    progress: Option<Res<LevelProgress>>,
     mut fault: ResMut<TaskFault>,
     mut arenas: Query<(&Arena, &Clock, &Episode, &mut ArenaScenario, &mut ArenaLayout)>,
 ) {
@@ -231,7 +243,7 @@ pub(super) fn draw_scenarios(
             continue;
         }
         if let Some(stream) = &mut scenario.stream {
-            scenario.choice = pool.draw(stream);
+            scenario.choice = pool.draw(progress.as_deref(), stream);
         }
         match pool.layout(scenario.choice) {
             Ok(Some(drawn)) => *layout = drawn,
@@ -264,7 +276,7 @@ mod tests {
     #[test]
     fn members_are_drawn_by_their_shares() {
         let (pool, mut stream) = (pool(&[2.0, 1.0, 0.001, 1.0]), random::stream(5, "scenario", 0));
-        let drawn: Vec<usize> = (0..8_000).map(|_| pool.draw(&mut stream).member as usize).collect();
+        let drawn: Vec<usize> = (0..8_000).map(|_| pool.draw(None, &mut stream).member as usize).collect();
         for (member, expected) in [(0, 4_000_usize), (1, 2_000), (3, 2_000)] {
             // Four standard deviations of a binomial distribution are below 180.
             assert!(

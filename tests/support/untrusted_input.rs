@@ -12,7 +12,7 @@ use std::sync::Arc;
 use bevy::prelude::{Messages, World};
 use wayfield::agent::{ActiveLearner, TrainingFault};
 use wayfield::import::{ImportOptions, Imported, barn_path_length_m, import_bytes, import_map};
-use wayfield::learning::{Experience, Learner, Policy, QNetwork};
+use wayfield::learning::{Experience, Learner, Mirror, Policy, QNetwork};
 use wayfield::random::stream;
 use wayfield::reproduce::Experiment;
 use wayfield::reproduce::plan::RunPlan;
@@ -195,6 +195,8 @@ pub fn preset(bytes: &[u8]) -> bool {
 /// fast.
 fn train_learner(preset: &Preset) {
     let mut learner = Learner::new(&preset.learning, 2, 2, preset.arenas, 1).expect("a valid configuration");
+    let mirror = Mirror::new(vec![(1, -1.0), (0, -1.0)], vec![1, 0]).expect("an involution");
+    learner.set_mirror(mirror).expect("the same sizes");
     for step in 0..12 {
         for env_index in 0..preset.arenas {
             learner.store(&Experience {

@@ -12,7 +12,7 @@ pub use super::n_step::Transition;
 pub use super::state_ring::StateId;
 use super::state_ring::StateRing;
 use super::sum_tree::SumTree;
-use wayfield_random::{Stream, uniform_index};
+use wayfield_random::{Stream, uniform_f64, uniform_index};
 
 /// A transition as it is stored. `state` and `next` are slots of the state ring.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -238,11 +238,6 @@ impl Batch {
             values.clear();
         }
     }
-}
-
-/// A draw from [0, 1) in steps of 2^-53, which are fine enough to reach each of 10^6 transitions.
-fn uniform_f64(stream: &mut Stream) -> f64 {
-    (wayfield_random::random_u64(stream) >> 11) as f64 * (1.0 / (1_u64 << 53) as f64)
 }
 
 /// base^exponent for a base of at least 0 and a moderate exponent. A base of 0 is replaced by the smallest normal number.

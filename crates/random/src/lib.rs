@@ -53,6 +53,11 @@ pub fn uniform_01(stream: &mut Stream) -> f32 {
     (stream.next_u32() >> 8) as f32 * (1.0 / 16_777_216.0)
 }
 
+/// A uniform draw from [0, 1) in steps of 2^-53, which are fine enough to reach each of 10^6 indices of a sum tree.
+pub fn uniform_f64(stream: &mut Stream) -> f64 {
+    (random_u64(stream) >> 11) as f64 * (1.0 / (1_u64 << 53) as f64)
+}
+
 /// A uniform draw from [low, high).
 pub fn uniform(stream: &mut Stream, low: f32, high: f32) -> f32 {
     low + (high - low) * uniform_01(stream)

@@ -20,7 +20,7 @@ use crate::run::RunError;
 use crate::run::checkpoint::TrainerState;
 use crate::scenario::Scenario;
 use crate::sim;
-use crate::task::{Actions, ArenaState, CurrentScenario, EpisodeEnded, TaskMode};
+use crate::task::{Actions, ArenaState, CurrentScenario, EpisodeEnded, LevelProgress, TaskMode};
 
 /// The mode that is active now.
 #[derive(Resource, Default)]
@@ -50,12 +50,14 @@ struct SuspendedTraining {
     exploration: Vec<Stream>,
     actions: Actions,
     stats: TrainingStats,
+    /// The results in the levels of the set, if levels are drawn by them. The episodes of a demo are not among them.
+    level_progress: Option<LevelProgress>,
     /// Changes of the scenario during the demo. The training adopts them when it resumes.
     interventions: Vec<Intervention>,
 }
 
 impl SuspendedTraining {
-    /// Captures the training that runs in `world`.
+    /// Captures the training that runs in `world`, whose levels the demo then does not draw by progress.
     fn capture(world: &mut World) -> Self {
         Self {
             pace: world.resource::<Pacer>().pace,
@@ -64,6 +66,7 @@ impl SuspendedTraining {
             exploration: world.resource::<Decisions>().streams.clone(),
             actions: world.resource::<Actions>().clone(),
             stats: *world.resource::<TrainingStats>(),
+            level_progress: world.remove_resource(),
             interventions: Vec::new(),
         }
     }
@@ -106,6 +109,8 @@ impl ActiveMode {
             Self::Train => state.update(world),
             Self::Demo(demo) => {
                 let training = &demo.training;
+                let progress = training.level_progress.as_ref();
+                state.level_results = progress.map(LevelProgress::results).unwrap_or_default();
                 state.update_with(training.arenas.clone(), training.exploration.clone(), training.stats);
             }
         }
@@ -198,6 +203,9 @@ fn resume_training(world: &mut World) {
         world.insert_resource(decisions);
         world.insert_resource(training.actions);
         world.insert_resource(training.stats);
+        if let Some(progress) = training.level_progress {
+            world.insert_resource(progress);
+        }
         for intervention in &training.interventions {
             interventions::apply(world, intervention);
         }

@@ -25,6 +25,7 @@ use crate::learning::Learner;
 use crate::learning::framing::{HeaderError, HeaderFormat};
 use crate::limits::MAX_HEAD_BYTES;
 use crate::sim;
+use crate::task::LevelProgress;
 
 pub use state::{ArenaExtension, BestPolicy, TrainerState};
 
@@ -165,4 +166,7 @@ pub fn restore(world: &mut World, trainer_state: &TrainerState) {
     sim::restore(world, &trainer_state.arenas);
     world.resource_mut::<Decisions>().streams.clone_from(&trainer_state.exploration);
     *world.resource_mut::<TrainingStats>() = trainer_state.stats;
+    if let Some(mut progress) = world.get_resource_mut::<LevelProgress>() {
+        progress.restore(&trainer_state.level_results);
+    }
 }

@@ -14,7 +14,7 @@ use crate::random::{self, Stream};
 use crate::run::folder::RunConfig;
 use crate::run::metric_rows::Milestone;
 use crate::sim;
-use crate::task::{ArenaScenario, ArenaState, Pedestrians, Pose, ScenarioPool};
+use crate::task::{ArenaScenario, ArenaState, LevelProgress, LevelResults, Pedestrians, Pose, ScenarioPool};
 
 /// The state of a run, apart from its learner.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -57,6 +57,8 @@ pub struct TrainerState {
     pub pedestrians: Vec<Pedestrians>,
     /// The scans that each arena's robot remembers for its observation by sectors; empty without one.
     pub earlier_scans: Vec<Vec<EarlierScan>>,
+    /// The results in the levels of each member of the run's set; empty unless levels are drawn by them.
+    pub level_results: Vec<Vec<LevelResults>>,
 }
 
 /// The plugin data of an arena: sensor readings, and the sums of reward terms in the current episode.
@@ -113,6 +115,8 @@ impl TrainerState {
     pub fn update(&mut self, world: &mut World) {
         let arenas = sim::snapshot(world);
         let exploration = world.resource::<Decisions>().streams.clone();
+        let progress = world.get_resource::<LevelProgress>();
+        self.level_results = progress.map(LevelProgress::results).unwrap_or_default();
         self.update_with(arenas, exploration, *world.resource::<TrainingStats>());
     }
 
@@ -200,6 +204,10 @@ impl TrainerState {
             arena
                 .check(&scenario, &config.observation_layout())
                 .map_err(|what| format!("is damaged: arena {number} has an invalid value for {what}"))?;
+        }
+        let progress = pool.as_ref().and_then(|pool| LevelProgress::new(config.preset.levels, pool));
+        if !progress.map_or(self.level_results.is_empty(), |progress| progress.fit(&self.level_results)) {
+            return Err("is damaged: invalid value for the results in the levels".into());
         }
         let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
         let TrainingStats { loss, td_error, q_value, .. } = self.stats;

@@ -5,18 +5,18 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::RunFolder;
-use crate::limits::MAX_CONFIG_BYTES;
+use crate::limits::{MAX_CONFIG_BYTES, MAX_LEVELS_BY_PROGRESS};
 use crate::run::RunError;
 use crate::run::preset::{Budget, Preset};
 use crate::run::provenance::{COMMIT, VERSION};
 use crate::run::settings::{SettingError, Settings};
 use crate::run::{scenario_set, shipped};
 use crate::scenario::{
-    Diagnostic, FileError, Scenario, ScenarioSet, diagnostics_of_known, is_unprintable, parse_checked,
-    read_ron_with_limit, read_text_with_limit, resemblance,
+    Diagnostic, FileError, Scenario, ScenarioSet, SetMember, SetSource, diagnostics_of_known, is_unprintable,
+    parse_checked, read_ron_with_limit, read_text_with_limit, resemblance,
 };
 use crate::simulation::Extensions;
-use crate::task::{ObservationLayout, ObservationSlice, ScenarioPool};
+use crate::task::{LevelSampling, ObservationLayout, ObservationSlice, ScenarioPool};
 
 /// The resolved configuration of a run: everything needed to repeat the run bit for bit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -274,12 +274,29 @@ impl RunConfig {
     /// # Errors
     /// It needs too much memory. The message names the fields to reduce.
     pub fn check_memory(&self) -> Result<(), String> {
+        self.check_levels()?;
         let layout = self.observation_layout();
         for member in self.scenario_set.iter().flat_map(|set| &set.members) {
             let scenario = member.source.first().map_err(|error| error.to_string())?;
             self.preset.check_memory(&scenario, &layout)?;
         }
         self.preset.check_memory(&self.scenario, &layout)
+    }
+
+    /// Checks that the results in all levels can be kept, if the preset draws levels by them.
+    fn check_levels(&self) -> Result<(), String> {
+        let levels = |member: &SetMember| match member.source {
+            SetSource::Scenario(_) => 0,
+            SetSource::Levels { levels, .. } => levels as usize,
+        };
+        let levels: usize = self.scenario_set.iter().flat_map(|set| &set.members).map(levels).sum();
+        if self.preset.levels == LevelSampling::Uniform || levels <= MAX_LEVELS_BY_PROGRESS {
+            return Ok(());
+        }
+        Err(format!(
+            "`levels` draws by progress, but the set has {levels} levels, more than {MAX_LEVELS_BY_PROGRESS}; help: give its \
+             generators fewer `levels`, or use `levels: Uniform`"
+        ))
     }
 
     /// A name for the run's folder: `<scenario>-<preset>-<seed>`.
