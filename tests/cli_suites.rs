@@ -307,7 +307,12 @@ fn a_report_shows_every_failure_and_its_scenario_has_the_same_start_and_goal() {
             workspace.text(&format!("report/failures/failure-{number:04}.ron")).contains(&caption)
         });
         let file = format!("report/failures/failure-{:04}.ron", number.expect("its scenario"));
-        assert!(page.contains(&format!("wayfield --scenario {file} --open report/drivers/")), "{file}");
+        assert!(
+            page.contains(&format!(
+                "wayfield --scenario {file} --seed 0 --episode {episode} --open report/drivers/"
+            )),
+            "{file}"
+        );
         workspace
             .run_ok(&format!("--eval {policy} --scenario {file} --rounds 1 --episodes 1 --csv again.csv"));
         let again: Vec<BTreeMap<String, String>> = csv::Reader::from_path(workspace.path("again.csv"))

@@ -4,8 +4,9 @@ mod common;
 
 use std::collections::BTreeSet;
 
+use bevy::math::vec2;
 use common::{Lab, bits};
-use wayfield::scenario::{Ranged, Scenario, with_setting};
+use wayfield::scenario::{Obstacle, ObstacleMotion, Ranged, Scenario, Shape, with_setting};
 use wayfield::task::{Arena, ArenaLayout, ArenaState};
 
 /// Moving obstacles, of which each episode draws the speeds, and a robot and a LIDAR that differ from episode to episode.
@@ -95,4 +96,30 @@ fn episodes_between_fixed_positions_draw_new_numbers_too() {
         noises.extend(layouts(&mut lab).iter().map(|layout| layout.lidar.noise_std_m.value().to_bits()));
     }
     assert!(noises.len() >= 10, "{} different noises", noises.len());
+}
+
+#[test]
+fn a_pedestrian_walks_at_the_speed_that_its_episode_draws() {
+    let motion = ObstacleMotion::Pedestrian {
+        goals_m: vec![vec2(1.5, 1.5)],
+        speed_m_s: Ranged::Range(0.2, 0.6),
+        loops: true,
+        sees_robot: false,
+    };
+    let circle = common::static_obstacle(Shape::Circle { radius_m: 0.1 }, vec2(-1.5, 1.5), 0.0);
+    let mut scenario = Scenario { obstacles: vec![Obstacle { motion, ..circle }], ..Scenario::default() };
+    scenario.task.max_episode_steps = 4;
+    let mut lab = Lab::new(&scenario, 4, 3);
+    let mut speeds = BTreeSet::new();
+    for _ in 0..40 {
+        lab.step(&[0; 4]);
+        for (state, layout) in lab.states().iter().zip(layouts(&mut lab)) {
+            let drawn = layout.obstacles[0].motion.ranged_speed().expect("a speed").value();
+            let walked = state.pedestrians.0.pedestrian(0).expect("a pedestrian").velocity_m_s.length();
+            // It stands when an episode begins.
+            assert!((0.2..=0.6).contains(&drawn) && (walked == 0.0 || (walked - drawn).abs() < 1e-5));
+            speeds.extend((walked > 0.0).then_some(drawn.to_bits()));
+        }
+    }
+    assert!(speeds.len() >= 20, "{} different speeds", speeds.len());
 }

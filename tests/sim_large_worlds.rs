@@ -9,6 +9,7 @@ use common::{Lab, bits, large_worlds, static_obstacle};
 use proptest::prelude::*;
 use wayfield::scenario::{
     Enclosure, Generator, Obstacle, ObstacleMotion, PlacementRule, RandomShape, Scenario, Shape, Wall,
+    WallCells,
 };
 use wayfield::sim::{Bodies, lidar};
 use wayfield::task::{ArenaLayout, Pose};
@@ -69,6 +70,39 @@ fn a_simulation_in_an_office_with_a_moving_obstacle_has_the_same_bits_with_and_w
     assert!(contacts > 30, "{contacts}");
 }
 
+/// Drives the same robots in a wall of cells, and among the rectangles that they form as static obstacles.
+#[test]
+fn a_wall_of_cells_is_seen_and_touched_as_its_rectangles() {
+    let rows = ["#########", "#...#...#", "#.#.#.#.#", "#.#...#.#", "#.##.##.#", "#.......#", "#########"];
+    let cells = WallCells::new(rows.map(String::from).to_vec(), 0.75, vec2(0.125, 0.0));
+    let wall = Wall { cells: Some(cells), ..Wall::default() };
+    let small = PlacementRule::Random { clearance_m: 0.2 };
+    let empty = Scenario {
+        enclosure: Enclosure::Rectangle { width_m: 7.0, height_m: 5.25 },
+        starts: small.clone(),
+        goals: small,
+        ..Scenario::default()
+    };
+    let obstacles = wall.segments().collect();
+    let (walled, boxed) = (Scenario { walls: vec![wall], ..empty.clone() }, Scenario { obstacles, ..empty });
+    let (mut cells, mut boxes) = (Lab::new(&walled, 8, 1), Lab::new(&boxed, 8, 1));
+    let mut streams = common::action_streams(8);
+    let mut contacts = 0;
+    for step in 0..500 {
+        let actions = common::random_actions(&mut streams);
+        cells.step(&actions);
+        boxes.step(&actions);
+        for (state, expected) in cells.states().iter().zip(boxes.states()) {
+            let place = |pose: &Pose| bits(&[pose.x_m, pose.y_m, pose.heading_rad]);
+            assert_eq!(place(&state.pose), place(&expected.pose), "step {step}");
+            assert_eq!(bits(&state.scan.ranges_m), bits(&expected.scan.ranges_m), "step {step}");
+            assert_eq!((state.goal, state.scan.touching), (expected.goal, expected.scan.touching));
+        }
+        contacts += cells.outcomes().iter().filter(|outcome| outcome.collided).count();
+    }
+    assert!(contacts > 20, "{contacts}");
+}
+
 /// A pose on a lattice of 0.5 m, so that beams run along sides, or anywhere.
 fn pose() -> impl Strategy<Value = Pose> {
     let place = || prop_oneof![-9.9_f32..9.9, (-19_i8..=19).prop_map(|k| 0.5 * f32::from(k))];
@@ -95,7 +129,7 @@ fn world() -> impl Strategy<Value = Scenario> {
         |(shape, position_m, rotation_rad, motion)| Obstacle { shape, position_m, rotation_rad, motion },
     );
     let wall = (prop::collection::vec(point(), 2..6), 0.01_f32..0.3)
-        .prop_map(|(corners_m, thickness_m)| Wall { corners_m, thickness_m });
+        .prop_map(|(corners_m, thickness_m)| Wall { corners_m, thickness_m, ..Wall::default() });
     let square = Enclosure::Rectangle { width_m: 20.0, height_m: 20.0 };
     let corners_m = vec![vec2(-10.0, -10.0), vec2(10.0, -10.0), vec2(0.0, 10.0)];
     let enclosure = prop_oneof![Just(square), Just(Enclosure::Polygon { corners_m })];

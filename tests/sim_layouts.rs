@@ -34,6 +34,7 @@ fn irregular_walls() -> Scenario {
         walls: vec![Wall {
             corners_m: vec![vec2(-2.0, 0.2), vec2(-1.2, 0.2), vec2(-1.2, 0.9)],
             thickness_m: 0.1,
+            ..Wall::default()
         }],
         obstacles: vec![
             common::static_obstacle(capsule.clone(), vec2(-0.6, 0.9), 0.6),

@@ -93,7 +93,7 @@ proptest! {
         let polygon = one_obstacle(Shape::Polygon { corners_m }, vec2(x, y), turn);
         assert_closed_form(&mut Lab::new(&polygon, 1, 1), &from);
         let corners_m = vec![vec2(x, y), vec2(0.0, 1.9), vec2(-1.5, turn / 5.0)];
-        let walls = vec![Wall { corners_m, thickness_m: r / 2.0 }];
+        let walls = vec![Wall { corners_m, thickness_m: r / 2.0, ..Wall::default() }];
         assert_closed_form(&mut Lab::new(&Scenario { walls, ..Scenario::default() }, 1, 1), &from);
     }
 

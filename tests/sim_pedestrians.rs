@@ -50,7 +50,7 @@ fn colliders_follow_the_pedestrians_who_stand_at_their_positions_when_an_episode
 fn walk_into_the_robot(sees_robot: bool) -> (bool, Vec2) {
     let motion = ObstacleMotion::Pedestrian {
         goals_m: vec![vec2(1.5, 0.0)],
-        speed_m_s: 0.5,
+        speed_m_s: 0.5.into(),
         loops: false,
         sees_robot,
     };

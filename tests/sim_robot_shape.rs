@@ -63,7 +63,11 @@ fn a_box_that_turns_on_the_spot_stops_where_its_corner_touches_the_wall() {
 
 #[test]
 fn a_long_robot_passes_a_gap_that_is_narrower_than_it_is_long() {
-    let wall = |from, to| Wall { corners_m: vec![vec2(0.0, from), vec2(0.0, to)], thickness_m: 0.1 };
+    let wall = |from, to| Wall {
+        corners_m: vec![vec2(0.0, from), vec2(0.0, to)],
+        thickness_m: 0.1,
+        ..Wall::default()
+    };
     // The gap is 0.3 m wide.
     let mut gap = scenario(Shape::Rectangle { width_m: 0.8, height_m: 0.28 }, 0.15, 0.0);
     gap.walls = vec![wall(-2.0, -0.2), wall(0.2, 2.0)];

@@ -187,7 +187,8 @@ mod tests {
             rotation_rad: TURNED_RAD,
             motion: ObstacleMotion::Static,
         };
-        let wall = Wall { corners_m: vec![vec2(-2.0, -1.5), vec2(0.0, -1.5)], thickness_m: 0.2 };
+        let wall =
+            Wall { corners_m: vec![vec2(-2.0, -1.5), vec2(0.0, -1.5)], thickness_m: 0.2, ..Wall::default() };
         Scenario { obstacles: vec![obstacle], walls: vec![wall], ..Scenario::default() }
     }
 

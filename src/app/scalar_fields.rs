@@ -276,7 +276,8 @@ mod tests {
             vec2(3.0, 2.0),
             vec2(1.0, 2.0),
         ];
-        let wall = Wall { corners_m: vec![vec2(1.0, 0.5), vec2(2.0, 0.5)], thickness_m: 0.1 };
+        let wall =
+            Wall { corners_m: vec![vec2(1.0, 0.5), vec2(2.0, 0.5)], thickness_m: 0.1, ..Wall::default() };
         let scenario = Scenario {
             enclosure: Enclosure::Polygon { corners_m },
             walls: vec![wall],

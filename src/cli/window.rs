@@ -14,7 +14,7 @@ use crate::app::{
     view_state::{Overlays, ThemeChoice},
     window::{self, WindowOptions},
 };
-use crate::limits::MAX_STEPS;
+use crate::limits::{MAX_EVAL_EPISODES, MAX_STEPS};
 use crate::run::folder::RunConfig;
 use crate::run::output_file::check_writable;
 use crate::run::progress::print_stderr;
@@ -29,6 +29,10 @@ pub struct WindowArgs {
     /// Open a policy, a run folder, a scenario, a preset or a classical driver
     #[arg(long, value_name = "PATH")]
     open: Option<PathBuf>,
+
+    /// Begin comparisons with episode N of an evaluation with --seed: its start, goal, obstacles and noise
+    #[arg(long, value_name = "N", value_parser = values::whole::<u64>(1..=MAX_EVAL_EPISODES), allow_negative_numbers = true)]
+    episode: Option<u64>,
 
     /// Open the scenario in the editor
     #[arg(long)]
@@ -93,6 +97,7 @@ pub fn run(args: WindowArgs, shared: SharedArgs, save_every: Option<Duration>) -
         seed: shared.seed.unwrap_or(defaults.seed),
         pace: args.pace.unwrap_or(defaults.pace),
         open: args.open.clone(),
+        episode: args.episode.map_or(0, |number| number - 1),
         edit: args.edit,
         autosave: args.screenshot.is_none().then_some(autosave),
         extensions: shared.extensions,

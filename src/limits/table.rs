@@ -116,8 +116,10 @@ const SCENARIOS: &[Limit] = &[
     Limit("corners of a polygonal enclosure", counts(&scenario::ENCLOSURE_CORNERS), "", "time of the checks"),
     Limit("inner walls", count(scenario::MAX_WALLS), "", "memory, time of the checks"),
     Limit("corners of an inner wall", counts(&scenario::WALL_CORNERS), "", "memory, time of the checks"),
+    Limit("cells of an inner wall", count(scenario::MAX_WALL_CELLS), "", "memory, time of the checks"),
+    Limit("side of a cell of an inner wall", reals(&scenario::WALL_CELL_M), "m", "mistyped values"),
     Limit(
-        "segments of all inner walls",
+        "segments of all inner walls, and rectangles of their cells",
         count(scenario::MAX_WALL_SEGMENTS),
         "",
         "memory, time of the checks",

@@ -5,13 +5,13 @@
 use super::preset::Preset;
 use crate::learning::limits::MAX_STORED_FLOATS;
 use crate::limits::{MAX_BODIES, MAX_OBSERVED_FLOATS};
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, Wall};
 use crate::task::{ObservationLayout, observation};
 
 /// Maximum number of bodies in one arena of `scenario`: the robot, wall segments and obstacles.
 #[must_use]
 pub fn bodies_per_arena(scenario: &Scenario) -> usize {
-    let segments: usize = scenario.walls.iter().map(|wall| wall.corners_m.len().saturating_sub(1)).sum();
+    let segments: usize = scenario.walls.iter().map(Wall::segment_count).sum();
     1 + segments + scenario.max_obstacles()
 }
 

@@ -227,7 +227,11 @@ mod tests {
         let capsule = Shape::Capsule { length_m: 1.0, radius_m: 0.25 };
         let scenario = Scenario {
             enclosure: Enclosure::Polygon { corners_m },
-            walls: vec![Wall { corners_m: vec![vec2(0.0, 0.0), vec2(0.0, 1.0)], thickness_m: 0.2 }],
+            walls: vec![Wall {
+                corners_m: vec![vec2(0.0, 0.0), vec2(0.0, 1.0)],
+                thickness_m: 0.2,
+                ..Wall::default()
+            }],
             obstacles: vec![
                 obstacle(rectangle, ObstacleMotion::Static),
                 obstacle(capsule, ObstacleMotion::Patrol { waypoints_m, speed_m_s: 0.5.into() }),

@@ -26,10 +26,9 @@ pub fn cast(
     max_range_m: f32,
     ranges_m: &mut Vec<f32>,
 ) {
-    ranges_m.clear();
-    ranges_m.resize(beams.len(), max_range_m);
+    let (origin, heading) = start(pose, beams, max_range_m, ranges_m);
     let solids = solids.iter().filter_map(|&handle| colliders.get(handle));
-    shorten(solids, origin_of(pose), heading_of(pose), beams, ranges_m);
+    shorten(solids, origin, heading, beams, ranges_m);
 }
 
 /// [`cast`] against everything in an arena.
@@ -41,9 +40,7 @@ pub fn cast_in_arena(
     max_range_m: f32,
     ranges_m: &mut Vec<f32>,
 ) {
-    ranges_m.clear();
-    ranges_m.resize(beams.len(), max_range_m);
-    let (origin, heading) = (origin_of(pose), heading_of(pose));
+    let (origin, heading) = start(pose, beams, max_range_m, ranges_m);
     if let Some(still) = &bodies.still {
         still.cast(origin, heading, beams, ranges_m);
     }
@@ -51,13 +48,12 @@ pub fn cast_in_arena(
     shorten(solids, origin, heading, beams, ranges_m);
 }
 
-fn origin_of(pose: &Pose) -> Vec2 {
-    Vec2::new(pose.x_m, pose.y_m)
-}
-
-fn heading_of(pose: &Pose) -> Vec2 {
+/// Fills `ranges_m` with the range of a beam that hits nothing. Returns the position and the heading (as a unit vector) of `pose`.
+fn start(pose: &Pose, beams: &[Vec2], max_range_m: f32, ranges_m: &mut Vec<f32>) -> (Vec2, Vec2) {
+    ranges_m.clear();
+    ranges_m.resize(beams.len(), max_range_m);
     let (sin, cos) = libm::sincosf(pose.heading_rad);
-    Vec2::new(cos, sin)
+    (Vec2::new(pose.x_m, pose.y_m), Vec2::new(cos, sin))
 }
 
 /// Shortens `ranges_m`, one per beam, to the nearest of `solids`.

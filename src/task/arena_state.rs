@@ -148,7 +148,7 @@ mod tests {
     fn with_a_pedestrian() -> Scenario {
         let motion = ObstacleMotion::Pedestrian {
             goals_m: vec![Vec2::ONE],
-            speed_m_s: 0.1,
+            speed_m_s: 0.1.into(),
             loops: true,
             sees_robot: false,
         };

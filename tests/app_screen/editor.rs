@@ -13,7 +13,7 @@ use wayfield::app::editor::{Editor, PlacementKind, PlacementRole, Selection, Too
 use wayfield::app::view_state::ViewCamera;
 use wayfield::scenario::limits::{COLLISION_RANGE_M, SHAPE_SIZE_M};
 use wayfield::scenario::{
-    Enclosure, Motion, Obstacle, ObstacleMotion, PlacementRule, Ranged, Scenario, Shape,
+    Enclosure, Motion, Obstacle, ObstacleMotion, PlacementRule, Ranged, Scenario, Shape, Wall, WallCells,
 };
 
 use super::{Window, click, press, release_event, sent_commands, settle, window, window_with_size};
@@ -190,6 +190,37 @@ fn a_wall_is_drawn_with_the_tool() {
     write(&mut window, "Corner 2 y", "1");
     assert_eq!(edited_scenario(&mut window).walls[0].corners_m, [vec2(-1.0, 1.2), vec2(1.0, 1.0)]);
     assert!(window.query_by_label("Remove corner 1").is_none(), "a wall keeps two corners");
+}
+
+#[test]
+fn cells_are_edited_as_numbers_and_as_text() {
+    let mut screen_fixture = ScreenFixture::default();
+    let rows = vec!["##.".to_owned(), "#..".to_owned()];
+    let wall = Wall { cells: Some(WallCells::new(rows, 0.25, vec2(1.0, -1.0))), ..Wall::default() };
+    let scenario = Scenario { walls: vec![wall], ..Scenario::default() };
+    let editor = Editor::open(Arc::new(scenario), "mine.ron".into(), true);
+    screen_fixture.view_state.editor = Some(Box::new(editor));
+    let mut window = window(screen_fixture);
+    select(&mut window, Selection::Wall(0));
+    assert!(window.query_by_label("Thickness").is_none());
+    write(&mut window, "Cell", "0.3");
+    write(&mut window, "Centre x", "0.5");
+    window.get_by_label("Cells").click();
+    settle(&mut window);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, Key::A);
+    window.get_by_label("Cells").type_text(".#\n#.");
+    settle(&mut window);
+    let cells = edited_scenario(&mut window).walls[0].cells.clone().expect("cells");
+    assert_eq!(
+        (cells.rows().join(" "), cells.cell_m(), cells.centre_m()),
+        (".# #.".into(), 0.3, vec2(0.5, -1.0))
+    );
+    // A row that is shorter than the first is an error of this wall.
+    window.get_by_label("Cells").type_text("#\n#");
+    settle(&mut window);
+    assert!(
+        self::editor(&mut window).diagnostics().iter().any(|found| found.path == "walls[0].cells.rows[2]")
+    );
 }
 
 #[test]

@@ -72,7 +72,11 @@ pub fn office() -> Scenario {
             let at = |along: f32| if turned { vec2(along, corner(line)) } else { vec2(corner(line), along) };
             let door = corner(room) + uniform(&mut stream, 0.3, ROOM_M - door_m - 0.3);
             for ends in [(corner(room), door), (door + door_m, corner(room + 1))] {
-                walls.push(Wall { corners_m: vec![at(ends.0), at(ends.1)], thickness_m: 0.1 });
+                walls.push(Wall {
+                    corners_m: vec![at(ends.0), at(ends.1)],
+                    thickness_m: 0.1,
+                    ..Wall::default()
+                });
             }
         }
     }

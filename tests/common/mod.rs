@@ -203,7 +203,7 @@ pub fn moving_obstacles() -> Scenario {
 /// The moving obstacles with two pedestrians among them, of whom one sees the robot, and a generated obstacle.
 pub fn pedestrians() -> Scenario {
     let walker = |position_m, goals_m: Vec<_>, sees_robot| {
-        let motion = ObstacleMotion::Pedestrian { goals_m, speed_m_s: 0.2, loops: true, sees_robot };
+        let motion = ObstacleMotion::Pedestrian { goals_m, speed_m_s: 0.2.into(), loops: true, sees_robot };
         Obstacle { motion, ..static_obstacle(Shape::Circle { radius_m: 0.1 }, position_m, 0.0) }
     };
     let shape = RandomShape::Circle { radius_m: (0.1, 0.1) };

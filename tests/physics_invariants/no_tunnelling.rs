@@ -176,7 +176,7 @@ fn longest_step() -> Scenario {
 
 #[test]
 fn the_longest_step_ends_at_the_thinnest_obstacle() {
-    let wall = |corners_m| Wall { corners_m, thickness_m: 0.01 };
+    let wall = |corners_m| Wall { corners_m, thickness_m: 0.01, ..Wall::default() };
     let thin = |shape: Shape, turn| static_obstacle(shape, vec2(0.0, 0.0), turn);
     let l_shape = vec![
         vec2(-60.0, -60.0),

@@ -37,10 +37,10 @@ pub fn at_max_speed(mut scenario: Scenario) -> Option<Scenario> {
             }
             ObstacleMotion::Patrol { speed_m_s, .. }
             | ObstacleMotion::BackAndForth { speed_m_s, .. }
-            | ObstacleMotion::RandomWalk { speed_m_s, .. } => {
+            | ObstacleMotion::RandomWalk { speed_m_s, .. }
+            | ObstacleMotion::Pedestrian { speed_m_s, .. } => {
                 *speed_m_s = (0.5 / period).min(5.0).into();
             }
-            ObstacleMotion::Pedestrian { speed_m_s, .. } => *speed_m_s = (0.5 / period).min(5.0),
             ObstacleMotion::KeyFrames { frames, end } => {
                 let path_m: Vec<_> = frames.iter().map(|frame| frame.position_m).collect();
                 let is_loop = *end != KeyFrameEnd::Stop;

@@ -156,8 +156,12 @@ pub fn mixed_scenario() -> Scenario {
             ],
         },
         walls: vec![
-            Wall { corners_m: vec![vec2(-0.4, -1.5), vec2(-0.4, -0.6), vec2(0.5, -0.6)], thickness_m: 0.1 },
-            Wall { corners_m: vec![vec2(-2.0, 1.3), vec2(-1.2, 1.0)], thickness_m: 0.2 },
+            Wall {
+                corners_m: vec![vec2(-0.4, -1.5), vec2(-0.4, -0.6), vec2(0.5, -0.6)],
+                thickness_m: 0.1,
+                ..Wall::default()
+            },
+            Wall { corners_m: vec![vec2(-2.0, 1.3), vec2(-1.2, 1.0)], thickness_m: 0.2, ..Wall::default() },
         ],
         obstacles: vec![
             obstacle(disc(0.15), vec2(-1.4, 0.2), 0.0, still.clone()),

@@ -189,7 +189,11 @@ mod tests {
         let orbit = ObstacleMotion::Orbit { centre_m: Vec2::ZERO, speed_rad_s: (-0.5).into() };
         let scenario = Scenario {
             obstacles: vec![circle(ObstacleMotion::Static), circle(orbit)],
-            walls: vec![Wall { corners_m: vec![vec2(-1.0, -1.0), vec2(0.0, -1.0)], thickness_m: 0.1 }],
+            walls: vec![Wall {
+                corners_m: vec![vec2(-1.0, -1.0), vec2(0.0, -1.0)],
+                thickness_m: 0.1,
+                ..Wall::default()
+            }],
             ..Scenario::default()
         };
         let robot = Robot::of(&scenario);

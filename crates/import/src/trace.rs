@@ -147,8 +147,11 @@ impl Surroundings {
         let mut from = 0;
         while from + 1 < corners_m.len() {
             let to = (from + WALL_CORNERS.end()).min(corners_m.len());
-            self.walls
-                .push(Wall { corners_m: corners_m[from..to].to_vec(), thickness_m: THICKNESS_M as f32 });
+            self.walls.push(Wall {
+                corners_m: corners_m[from..to].to_vec(),
+                thickness_m: THICKNESS_M as f32,
+                ..Wall::default()
+            });
             from = to - 1;
         }
     }

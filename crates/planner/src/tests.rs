@@ -149,17 +149,28 @@ fn the_path_around_a_box_has_the_length_computed_by_hand() {
     assert!((77..=78).contains(&plan.steps), "{} steps", plan.steps);
 }
 
-/// The box of the test above, without the robot's heading: 2.30874 m. A wall of the same size is no different.
+/// The box of the test above, without the robot's heading: 2.30874 m. A wall of the same size is no different, and neither are cells.
 #[test]
 fn the_shortest_path_goes_round_obstacles_and_walls_to_the_edge_of_the_goal() {
     let (start, goal) = ((-1.0, 0.0, 2.0), vec2(1.0, 0.0));
     let boxed = Scenario { obstacles: vec![static_box(vec2(0.0, -0.7), 0.1, 2.6)], ..Scenario::default() };
     let corners_m = vec![vec2(0.0, -1.95), vec2(0.0, 0.55)];
     let walled = Scenario {
-        walls: vec![wayfield_scenario::Wall { corners_m, thickness_m: 0.1 }],
+        walls: vec![wayfield_scenario::Wall {
+            corners_m,
+            thickness_m: 0.1,
+            ..wayfield_scenario::Wall::default()
+        }],
         ..Scenario::default()
     };
-    for scenario in [&boxed, &walled] {
+    // 27 cells of 0.1 m from y = -2.1 to y = 0.6, of which the lowest one is outside the enclosure and so free.
+    let rows = (0..27).map(|row| if row < 26 { "#" } else { "." }.to_owned()).collect();
+    let cells = wayfield_scenario::WallCells::new(rows, 0.1, vec2(0.0, -0.75));
+    let cells = Scenario {
+        walls: vec![wayfield_scenario::Wall { cells: Some(cells), ..Default::default() }],
+        ..Scenario::default()
+    };
+    for scenario in [&boxed, &walled, &cells] {
         let length = shortest_path_m(scenario, start, goal).expect("a path");
         assert!((2.30874 * 0.995..=2.30875).contains(&length), "{length}");
     }

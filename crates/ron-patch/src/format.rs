@@ -1,7 +1,7 @@
 //! The canonical text of a value.
 //!
 //! Each level is indented by four spaces. A value that fits into a line of 110 columns is written on one line; only a list
-//! of structs always has one line per struct. Fields that equal their defaults are left out.
+//! of structs, or of several texts, always has one line per element. Fields that equal their defaults are left out.
 
 use crate::literal::{columns, quoted, wrapped};
 use crate::style::Style;
@@ -102,7 +102,7 @@ impl<'a> Formatter<'a> {
         text + indent + close
     }
 
-    /// The text of `value` on one line; `None` if it contains a list of structs.
+    /// The text of `value` on one line; `None` if it contains a list of structs, or of several texts.
     fn line(&self, value: &Value) -> Option<String> {
         Some(match value {
             Value::Scalar(literal) => literal.clone(),
@@ -110,6 +110,7 @@ impl<'a> Formatter<'a> {
             Value::Null => "None".into(),
             Value::Tuple(parts) => format!("({})", self.comma_separated(parts)?),
             Value::List(parts) if parts.iter().any(|part| part.record().is_some()) => return None,
+            Value::List(parts) if parts.len() > 1 && matches!(parts[0], Value::Text(_)) => return None,
             Value::List(parts) => format!("[{}]", self.comma_separated(parts)?),
             Value::Record(record) if record.fields.is_empty() => record.variant.into(),
             Value::Record(record) => {

@@ -165,7 +165,8 @@ impl<'a> Walk<'a> {
     fn of(obstacle: &'a Obstacle) -> Option<Self> {
         match &obstacle.motion {
             &ObstacleMotion::Pedestrian { ref goals_m, speed_m_s, loops, sees_robot } => {
-                Some(Self { start_m: obstacle.position_m, goals_m, speed_m_s, loops, sees_robot })
+                let (start_m, speed_m_s) = (obstacle.position_m, speed_m_s.value());
+                Some(Self { start_m, goals_m, speed_m_s, loops, sees_robot })
             }
             _ => None,
         }

@@ -4,9 +4,10 @@
 //! that random placement gives the same result on every platform.
 
 use super::polygon;
-use super::schema::{Enclosure, Lidar, Obstacle, ObstacleMotion, Scenario, Shape, Wall};
+use super::schema::{Enclosure, Lidar, Obstacle, ObstacleMotion, Scenario, Shape, Wall, WallCells};
 use super::shape::to_local;
 use super::spatial_index::IndexedScenario;
+use super::wall_cells::CellBlock;
 use glam::{Vec2, vec2};
 use serde::{Deserialize, Serialize};
 
@@ -68,11 +69,12 @@ pub fn enclosure_distance(enclosure: &Enclosure, Vec2 { x, y }: Vec2) -> f32 {
 #[must_use]
 pub fn inner_wall_distance(wall: &Wall, point: Vec2) -> f32 {
     let to_segment = |ends: &[Vec2]| wall_segment_distance(ends[0], ends[1], wall.thickness_m, point);
-    wall.corners_m.windows(2).map(to_segment).fold(f32::INFINITY, f32::min)
+    let blocks = wall.blocks().iter().map(|block| block.distance_m(point));
+    wall.corners_m.windows(2).map(to_segment).chain(blocks).fold(f32::INFINITY, f32::min)
 }
 
 /// Distance from a point to a segment of a wall between two of its corners, in m; negative inside it.
-pub(super) fn wall_segment_distance(from: Vec2, to: Vec2, thickness_m: f32, point: Vec2) -> f32 {
+fn wall_segment_distance(from: Vec2, to: Vec2, thickness_m: f32, point: Vec2) -> f32 {
     let half = thickness_m / 2.0;
     let (dx, dy) = (to.x - from.x, to.y - from.y);
     let long = length(dx, dy);
@@ -126,9 +128,37 @@ impl Enclosure {
 }
 
 impl Wall {
-    /// Its segments as static rectangular obstacles, each extended by half the thickness at both ends.
+    /// Number of its [`segments`](Self::segments).
+    #[must_use]
+    pub fn segment_count(&self) -> usize {
+        self.corners_m.len().saturating_sub(1) + self.blocks().len()
+    }
+
+    /// Distance from a point to the segment with this index, in m; negative inside it.
+    pub(super) fn segment_distance_m(&self, index: usize, point: Vec2) -> f32 {
+        match self.corners_m.get(index..index + 2) {
+            Some(ends) => wall_segment_distance(ends[0], ends[1], self.thickness_m, point),
+            None => self.blocks()[index + 1 - self.corners_m.len().max(1)].distance_m(point),
+        }
+    }
+
+    /// Lower left and upper right corner of a box around the segment with this index, in m.
+    pub(super) fn segment_bounds_m(&self, index: usize) -> (Vec2, Vec2) {
+        match self.corners_m.get(index..index + 2) {
+            Some(ends) => (ends[0].min(ends[1]) - self.thickness_m, ends[0].max(ends[1]) + self.thickness_m),
+            None => self.blocks()[index + 1 - self.corners_m.len().max(1)].bounds_m(),
+        }
+    }
+
+    /// The rectangles that its cells form.
+    pub(super) fn blocks(&self) -> &[CellBlock] {
+        self.cells.as_ref().map_or(&[], WallCells::blocks)
+    }
+
+    /// Its segments as static rectangular obstacles, each extended by half the thickness at both ends; of cells, the rectangles
+    /// that they form.
     pub fn segments(&self) -> impl Iterator<Item = Obstacle> {
-        self.corners_m.windows(2).map(|ends| {
+        let segments = self.corners_m.windows(2).map(|ends| {
             let (from, to) = (ends[0], ends[1]);
             let (dx, dy) = (to.x - from.x, to.y - from.y);
             Obstacle {
@@ -140,7 +170,8 @@ impl Wall {
                 rotation_rad: libm::atan2f(dy, dx),
                 motion: ObstacleMotion::Static,
             }
-        })
+        });
+        segments.chain(self.blocks().iter().map(CellBlock::obstacle))
     }
 }
 
@@ -212,7 +243,11 @@ mod tests {
         assert!(near(clearance(&scenario, vec2(0.0, 2.5), 0), -0.5), "outside is negative");
         assert_eq!(nearest(&scenario, vec2(1.5, 0.0), 0).0, Solid::Enclosure);
         scenario.task.control_period_s = 1.0;
-        scenario.walls.push(Wall { corners_m: vec![vec2(-1.5, -1.0), vec2(-1.5, 1.0)], thickness_m: 0.2 });
+        scenario.walls.push(Wall {
+            corners_m: vec![vec2(-1.5, -1.0), vec2(-1.5, 1.0)],
+            thickness_m: 0.2,
+            ..Wall::default()
+        });
         scenario.obstacles.push(Obstacle {
             shape: Shape::Circle { radius_m: 0.2 },
             position_m: vec2(1.0, 0.0),
@@ -260,7 +295,11 @@ mod tests {
 
     #[test]
     fn an_inner_wall_equals_its_segments() {
-        let wall = Wall { corners_m: vec![vec2(0.0, 0.0), vec2(2.0, 0.0), vec2(2.0, 3.0)], thickness_m: 0.2 };
+        let wall = Wall {
+            corners_m: vec![vec2(0.0, 0.0), vec2(2.0, 0.0), vec2(2.0, 3.0)],
+            thickness_m: 0.2,
+            ..Wall::default()
+        };
         for (point, expected) in [
             (vec2(1.0, 1.0), 0.9),
             (vec2(1.0, -0.5), 0.4),

@@ -40,10 +40,12 @@ mod spatial_index;
 mod steering;
 mod suite;
 mod text;
+mod text_rows;
 mod track;
 mod uniform_grid;
 #[cfg(target_arch = "wasm32")]
 pub mod virtual_files;
+mod wall_cells;
 mod waypoints;
 mod write;
 

@@ -57,7 +57,11 @@ pub const MAX_WALLS: usize = 1_000;
 pub const WALL_CORNERS: RangeInclusive<usize> = 2..=256;
 /// Thickness of an inner wall, in m.
 pub const WALL_THICKNESS_M: RangeInclusive<f32> = 0.01..=100.0;
-/// Most segments of all inner walls together.
+/// Most cells of an inner wall.
+pub const MAX_WALL_CELLS: usize = 250_000;
+/// Side of a cell of an inner wall, in m.
+pub const WALL_CELL_M: RangeInclusive<f32> = 0.01..=100.0;
+/// Most segments of all inner walls together; of cells, the rectangles that they form.
 pub const MAX_WALL_SEGMENTS: usize = 10_000;
 
 // Obstacles.

@@ -88,7 +88,7 @@ impl ObstacleMotion {
                 ]
             }
             Self::Pedestrian { goals_m, speed_m_s, loops, sees_robot } => {
-                let speed = Number(speed_m_s, Quantity::Speed);
+                let speed = Ranged(speed_m_s, Quantity::Speed);
                 let (repeat, sees) = ("Return to the position and start again", "Avoid the robot, too");
                 vec![
                     field(&["speed_m_s"], "Speed", "Highest speed", speed),

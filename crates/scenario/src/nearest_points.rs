@@ -60,7 +60,11 @@ mod tests {
     #[test]
     fn the_nearest_points_of_walls_and_obstacles_are_those_worked_out_by_hand() {
         let scenario = Scenario {
-            walls: vec![Wall { corners_m: vec![vec2(-1.0, -1.0), vec2(1.0, -1.0)], thickness_m: 0.2 }],
+            walls: vec![Wall {
+                corners_m: vec![vec2(-1.0, -1.0), vec2(1.0, -1.0)],
+                thickness_m: 0.2,
+                ..Wall::default()
+            }],
             obstacles: vec![Obstacle {
                 shape: Shape::Circle { radius_m: 0.2 },
                 position_m: vec2(0.6, 0.8),

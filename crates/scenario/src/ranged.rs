@@ -166,11 +166,12 @@ impl ObstacleMotion {
     /// The speed, if the motion has one, in m/s or rad/s.
     pub(super) fn ranged_speed_mut(&mut self) -> Option<&mut Ranged<f32>> {
         match self {
-            Self::Static | Self::KeyFrames { .. } | Self::Pedestrian { .. } => None,
+            Self::Static | Self::KeyFrames { .. } => None,
             Self::Orbit { speed_rad_s: speed, .. }
             | Self::Patrol { speed_m_s: speed, .. }
             | Self::BackAndForth { speed_m_s: speed, .. }
-            | Self::RandomWalk { speed_m_s: speed, .. } => Some(speed),
+            | Self::RandomWalk { speed_m_s: speed, .. }
+            | Self::Pedestrian { speed_m_s: speed, .. } => Some(speed),
         }
     }
 
@@ -178,11 +179,12 @@ impl ObstacleMotion {
     #[must_use]
     pub fn ranged_speed(&self) -> Option<Ranged<f32>> {
         match *self {
-            Self::Static | Self::KeyFrames { .. } | Self::Pedestrian { .. } => None,
+            Self::Static | Self::KeyFrames { .. } => None,
             Self::Orbit { speed_rad_s: speed, .. }
             | Self::Patrol { speed_m_s: speed, .. }
             | Self::BackAndForth { speed_m_s: speed, .. }
-            | Self::RandomWalk { speed_m_s: speed, .. } => Some(speed),
+            | Self::RandomWalk { speed_m_s: speed, .. }
+            | Self::Pedestrian { speed_m_s: speed, .. } => Some(speed),
         }
     }
 }

@@ -12,6 +12,7 @@ use glam::{Vec2, vec2};
 use serde::{Deserialize, Serialize};
 
 use super::ranged::Ranged;
+use super::wall_cells::CellBlocks;
 
 /// A scenario: enclosure, walls, obstacles, robot, LIDAR, and the rules of the task.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -99,20 +100,47 @@ impl Default for Enclosure {
     }
 }
 
-/// An inner wall: straight segments from corner to corner.
+/// An inner wall: straight segments from corner to corner, or solid cells.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Wall {
     /// The 2 to 256 corners of its centre line. Each segment extends half the thickness beyond its ends, which closes the
-    /// corners.
+    /// corners. Omit them for a wall of `cells`.
+    #[serde(default)]
     pub corners_m: Vec<Vec2>,
-    /// Thickness, 0.01 to 100 m.
+    /// Thickness of the segments, 0.01 to 100 m.
     #[serde(default = "default_thickness_m")]
     pub thickness_m: f32,
+    /// Solid cells of a grid, instead of segments.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cells: Option<WallCells>,
+}
+
+impl Default for Wall {
+    fn default() -> Self {
+        Self { corners_m: Vec::new(), thickness_m: default_thickness_m(), cells: None }
+    }
 }
 
 fn default_thickness_m() -> f32 {
     0.1
+}
+
+/// The solid cells of a grid that is written as text: a map in one wall. The cells form as few rectangles as possible, which
+/// count as segments.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WallCells {
+    /// The rows of cells, the upper one first, all of the same length: `#` is a solid cell, `.` or a space a free one. 1 to
+    /// 250,000 cells, of which at least one is solid.
+    pub(super) rows: Vec<String>,
+    /// Side of a cell, 0.01 to 100 m.
+    pub(super) cell_m: f32,
+    /// Centre of the grid.
+    #[serde(default)]
+    pub(super) centre_m: Vec2,
+    #[serde(skip)]
+    pub(super) blocks: CellBlocks,
 }
 
 /// An obstacle.
@@ -210,7 +238,7 @@ pub enum ObstacleMotion {
         /// The goals, 1 to 256.
         goals_m: Vec<Vec2>,
         /// Highest speed, 0 to 5 m/s.
-        speed_m_s: f32,
+        speed_m_s: Ranged<f32>,
         /// Whether it returns from the last goal to its position and begins again. Otherwise it stops at the last goal.
         #[serde(default = "default_loops")]
         loops: bool,

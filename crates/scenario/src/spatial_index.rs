@@ -3,7 +3,7 @@
 //! In: a [`Scenario`]. Out: a [`SpatialIndex`], which gives the same results as a test of all parts, to the bit.
 
 use super::crowd::{Crowd, Pedestrian};
-use super::geometry::{enclosure_distance, is_clear, nearest_of, shape_distance, wall_segment_distance};
+use super::geometry::{enclosure_distance, is_clear, nearest_of, shape_distance};
 use super::motion::pose_at;
 use super::schema::{ObstacleMotion, Scenario, Wall};
 use super::uniform_grid::UniformGrid;
@@ -24,8 +24,8 @@ pub struct SpatialIndex {
 /// A still part of a scenario.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Part {
-    /// The segment between corner `corner` of wall `wall` and the next one.
-    Segment { wall: usize, corner: usize },
+    /// A segment of a wall, by the index of the wall and its own.
+    Segment { wall: usize, index: usize },
     /// A static obstacle.
     Obstacle(usize),
 }
@@ -33,9 +33,8 @@ pub(super) enum Part {
 impl Part {
     /// The still parts of `scenario` except the enclosure: segments of walls, then static obstacles.
     pub(super) fn still(scenario: &Scenario) -> impl Iterator<Item = Self> {
-        let of_wall = |(wall, walls): (usize, &Wall)| {
-            let segments = walls.corners_m.len().saturating_sub(1);
-            (0..segments).map(move |corner| Self::Segment { wall, corner })
+        let of_wall = |(wall, of_index): (usize, &Wall)| {
+            (0..of_index.segment_count()).map(move |index| Self::Segment { wall, index })
         };
         let is_static = |index: &usize| scenario.obstacles[*index].motion == ObstacleMotion::Static;
         let still = (0..scenario.obstacles.len()).filter(is_static);
@@ -52,28 +51,21 @@ impl Part {
     /// Its distance from a point, in m; negative inside it.
     pub(super) fn distance_m(self, scenario: &Scenario, point_m: Vec2) -> f32 {
         match self {
-            Self::Segment { wall, corner } => {
-                let wall = &scenario.walls[wall];
-                let (from, to) = (wall.corners_m[corner], wall.corners_m[corner + 1]);
-                wall_segment_distance(from, to, wall.thickness_m, point_m)
-            }
+            Self::Segment { wall, index } => scenario.walls[wall].segment_distance_m(index, point_m),
             Self::Obstacle(index) => IndexedScenario::from(scenario).obstacle_distance(index, point_m, 0),
         }
     }
 
     /// Lower left and upper right corner of a box around it, in m.
     pub(super) fn bounds_m(self, scenario: &Scenario) -> (Vec2, Vec2) {
-        let (from, to, reach_m) = match self {
-            Self::Segment { wall, corner } => {
-                let wall = &scenario.walls[wall];
-                (wall.corners_m[corner], wall.corners_m[corner + 1], wall.thickness_m)
-            }
+        match self {
+            Self::Segment { wall, index } => scenario.walls[wall].segment_bounds_m(index),
             Self::Obstacle(index) => {
                 let obstacle = &scenario.obstacles[index];
-                (obstacle.position_m, obstacle.position_m, obstacle.shape.bounding_radius_m())
+                let reach_m = obstacle.shape.bounding_radius_m();
+                (obstacle.position_m - reach_m, obstacle.position_m + reach_m)
             }
-        };
-        (from.min(to) - reach_m, from.max(to) + reach_m)
+        }
     }
 }
 

@@ -61,8 +61,8 @@ impl ObstacleMotion {
             }
             Self::Patrol { speed_m_s, .. }
             | Self::BackAndForth { speed_m_s, .. }
-            | Self::RandomWalk { speed_m_s, .. } => MotionSpeed::Translation(speed_m_s.value()),
-            Self::Pedestrian { speed_m_s, .. } => MotionSpeed::Translation(speed_m_s),
+            | Self::RandomWalk { speed_m_s, .. }
+            | Self::Pedestrian { speed_m_s, .. } => MotionSpeed::Translation(speed_m_s.value()),
             Self::KeyFrames { .. } => MotionSpeed::Variable,
         }
     }

@@ -96,10 +96,9 @@ impl Obstacle {
     #[must_use]
     pub fn mean_speed_m_s(&self) -> Option<f32> {
         let speed_m_s = match self.motion {
-            ObstacleMotion::Patrol { speed_m_s, .. } | ObstacleMotion::BackAndForth { speed_m_s, .. } => {
-                speed_m_s.value()
-            }
-            ObstacleMotion::Pedestrian { speed_m_s, .. } => speed_m_s,
+            ObstacleMotion::Patrol { speed_m_s, .. }
+            | ObstacleMotion::BackAndForth { speed_m_s, .. }
+            | ObstacleMotion::Pedestrian { speed_m_s, .. } => speed_m_s.value(),
             ObstacleMotion::KeyFrames { .. } => {
                 let whole = self.legs().reduce(key_frames::Leg::then)?;
                 whole.speed_m_s()? as f32

@@ -7,7 +7,7 @@ use wayfield_ron_patch::{Style, patch};
 use super::load::{parse_ron, to_ron};
 use super::schema::{
     BenchmarkRoute, Generator, Lidar, Obstacle, ObstacleMotion, PlacementRule, Robot, Scenario, TaskRules,
-    Wall,
+    Wall, WallCells,
 };
 use super::text::without_mark;
 
@@ -34,7 +34,8 @@ pub fn to_text(scenario: &Scenario, old_text: Option<&str>) -> String {
 fn style() -> Style {
     let style = Style::default().with_blank_lines_except(&[("name", "about"), ("starts", "goals")]);
     let style = with_defaults::<Scenario>(style, "(name: \"\")", &["name"]);
-    let style = with_defaults::<Wall>(style, "(corners_m: [])", &["corners_m"]);
+    let style = with_defaults::<Wall>(style, "()", &[]);
+    let style = with_defaults::<WallCells>(style, "(rows: [], cell_m: 1.0)", &["rows", "cell_m"]);
     let obstacle = "(shape: Circle(radius_m: 1.0), position_m: (0.0, 0.0))";
     let style = with_defaults::<Obstacle>(style, obstacle, &["shape", "position_m"]);
     let random_walk = "RandomWalk(radius_m: 1.0, speed_m_s: 1.0)";

@@ -72,7 +72,8 @@ fn a_polygonal_enclosure_must_be_an_outline() {
 
 #[test]
 fn too_many_walls_and_generators_are_rejected() {
-    let wall = |corners| Wall { corners_m: vec![vec2(0.0, 0.0); corners], thickness_m: 0.1 };
+    let wall =
+        |corners| Wall { corners_m: vec![vec2(0.0, 0.0); corners], thickness_m: 0.1, ..Wall::default() };
     let generator = |count| Generator {
         count,
         shape: RandomShape::Circle { radius_m: (0.1, 0.1) },
@@ -200,7 +201,7 @@ fn generators_that_may_fill_the_arena_are_reported() {
 
 #[test]
 fn unreachable_goals_are_reported_with_two_points() {
-    let wall = |corners: &[Vec2]| Wall { corners_m: corners.into(), thickness_m: 0.1 };
+    let wall = |corners: &[Vec2]| Wall { corners_m: corners.into(), thickness_m: 0.1, ..Wall::default() };
     // A closed area in the upper right corner, 1 m x 1 m inside.
     let closet = wall(&[vec2(0.95, 2.0), vec2(0.95, 0.95), vec2(2.0, 0.95)]);
     let needs = "the robot needs a gap of more than 0.26 m, twice the collision range; widen a gap";
@@ -246,7 +247,7 @@ fn unreachable_goals_are_reported_with_two_points() {
 #[test]
 fn a_gap_must_be_at_least_twice_the_collision_range() {
     // The robot needs 2 x 0.13 m. Moving obstacles do not block a path permanently.
-    let wall = |from, to| Wall { corners_m: vec![from, to], thickness_m: 0.02 };
+    let wall = |from, to| Wall { corners_m: vec![from, to], thickness_m: 0.02, ..Wall::default() };
     for (gap_m, turned, passes) in
         [(0.25, false, false), (0.25, true, false), (0.262, false, true), (0.262, true, true)]
     {
@@ -470,7 +471,11 @@ fn key_frames_have_increasing_times_and_no_jumps() {
 
 #[test]
 fn obstacles_that_overlap_or_cross_something_are_noted_with_the_place() {
-    let wall = Wall { corners_m: vec![vec2(-0.5, 0.0), vec2(0.5, 0.0), vec2(0.5, 0.5)], thickness_m: 0.1 };
+    let wall = Wall {
+        corners_m: vec![vec2(-0.5, 0.0), vec2(0.5, 0.0), vec2(0.5, 0.5)],
+        thickness_m: 0.1,
+        ..Wall::default()
+    };
     let (ball, crate_) = (Shape::Circle { radius_m: 0.2 }, Shape::Rectangle { width_m: 0.4, height_m: 0.4 });
     let with = |obstacles: Vec<Obstacle>| {
         let mut scenario = Scenario { walls: vec![wall.clone()], obstacles, ..Scenario::default() };
@@ -542,8 +547,11 @@ fn notes_on_large_scenarios_are_found_quickly() {
     let waypoints_m: Vec<Vec2> =
         (0..256).map(|k| vec2(k as f32 % 90.0 - 45.0, k as f32 % 50.0 - 25.0)).collect();
     let patrol = ObstacleMotion::Patrol { waypoints_m, speed_m_s: 0.1.into() };
-    let walls = (0..1_000)
-        .map(|k| Wall { corners_m: vec![vec2(k as f32 / 10.0 - 50.0, -20.0); 11], thickness_m: 0.01 });
+    let walls = (0..1_000).map(|k| Wall {
+        corners_m: vec![vec2(k as f32 / 10.0 - 50.0, -20.0); 11],
+        thickness_m: 0.01,
+        ..Wall::default()
+    });
     let large = Scenario { enclosure: square(200.0), robot: robot(&[(0.5, 1e-3)]), ..Scenario::default() };
     let still = Scenario {
         obstacles: (0..10_000).map(|k| ball(k, ObstacleMotion::Static)).collect(),

@@ -13,7 +13,12 @@ fn pedestrian(position_m: Vec2, goals_m: &[Vec2], loops: bool, sees_robot: bool)
         shape: Shape::Circle { radius_m: RADIUS_M },
         position_m,
         rotation_rad: 0.0,
-        motion: ObstacleMotion::Pedestrian { goals_m: goals_m.into(), speed_m_s: 0.5, loops, sees_robot },
+        motion: ObstacleMotion::Pedestrian {
+            goals_m: goals_m.into(),
+            speed_m_s: 0.5.into(),
+            loops,
+            sees_robot,
+        },
     }
 }
 
@@ -96,7 +101,8 @@ fn a_robot_is_avoided_only_by_pedestrians_who_see_it() {
 
 #[test]
 fn pedestrians_keep_clear_of_walls_and_static_obstacles() {
-    let walls = vec![Wall { corners_m: vec![vec2(-1.0, 0.4), vec2(1.0, 0.4)], thickness_m: 0.1 }];
+    let walls =
+        vec![Wall { corners_m: vec![vec2(-1.0, 0.4), vec2(1.0, 0.4)], thickness_m: 0.1, ..Wall::default() }];
     let goals = [vec2(0.0, 0.0), vec2(3.9, 0.0)];
     let obstacles = vec![pedestrian(vec2(-2.0, 0.8), &goals, true, false), post(vec2(-1.2, 0.45))];
     let scenario = Scenario { walls, ..scenario(obstacles) };
@@ -122,7 +128,8 @@ fn a_crowd_on_a_circle_crosses_it_without_touching() {
 
 #[test]
 fn a_way_through_a_wall_is_noted_and_too_many_pedestrians_are_an_error() {
-    let walls = vec![Wall { corners_m: vec![vec2(0.0, -1.0), vec2(0.0, 1.0)], thickness_m: 0.1 }];
+    let walls =
+        vec![Wall { corners_m: vec![vec2(0.0, -1.0), vec2(0.0, 1.0)], thickness_m: 0.1, ..Wall::default() }];
     let one = pedestrian(vec2(-2.0, 0.0), &[vec2(2.0, 0.0)], true, false);
     let through = Scenario { walls, ..scenario(vec![one.clone()]) };
     let found: Vec<String> = notes(&through).iter().map(ToString::to_string).collect();

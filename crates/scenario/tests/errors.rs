@@ -120,7 +120,7 @@ fn syntax_errors_have_a_position_and_a_fix() {
         ),
         (
             r#"(name: "a", walls: [(thickness_m: 1)])"#,
-            "1:21: `walls[0]` lacks the field `corners_m`: add `corners_m: ...`",
+            "1:21: `walls[0]` has neither corners nor cells: write `corners_m` or `cells`",
         ),
         ("(about: \"a\",\n)", "1:1: the file lacks the field `name`: add `name: ...`"),
         (

@@ -22,7 +22,7 @@ fn motions() -> [ObstacleMotion; 7] {
         ObstacleMotion::RandomWalk { radius_m: 0.4, speed_m_s: 0.2.into(), seed: 3 },
         ObstacleMotion::Pedestrian {
             goals_m: waypoints_m.clone(),
-            speed_m_s: 0.3,
+            speed_m_s: 0.3.into(),
             loops: false,
             sees_robot: true,
         },

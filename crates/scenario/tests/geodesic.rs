@@ -14,7 +14,7 @@ use wayfield_scenario::{
 const KEPT_M: f32 = 0.13;
 
 fn scenario(walls: &[&[Vec2]]) -> Scenario {
-    let wall = |corners: &&[Vec2]| Wall { corners_m: corners.to_vec(), thickness_m: 0.1 };
+    let wall = |corners: &&[Vec2]| Wall { corners_m: corners.to_vec(), thickness_m: 0.1, ..Wall::default() };
     Scenario { walls: walls.iter().map(wall).collect(), ..Scenario::default() }
 }
 

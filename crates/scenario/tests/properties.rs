@@ -233,7 +233,7 @@ proptest! {
         while enclosure_distance(&scenario.enclosure, vec2(x, top)) > 0.0 {
             top += 0.001;
         }
-        scenario.walls.push(Wall { corners_m: vec![vec2(x, low.y), vec2(x, top - gap_m - 0.01)], thickness_m: 0.02 });
+        scenario.walls.push(Wall { corners_m: vec![vec2(x, low.y), vec2(x, top - gap_m - 0.01)], thickness_m: 0.02, ..Wall::default() });
         prop_assume!(scenario.benchmark_route.is_some());
         let BenchmarkRoute { start_m, goal_m, .. } = scenario.benchmark_route.unwrap_or_default();
         scenario.starts = PlacementRule::Fixed { position_m: start_m, heading_rad: None };

@@ -101,7 +101,11 @@ fn a_goal_is_out_of_reach_only_if_no_heading_fits_through_the_gap() {
     // A box of 0.6 m x 0.3 m and a wall across the enclosure with one gap.
     let behind = |gap_m: f32| {
         let walls = [(-2.0, -gap_m / 2.0 - 0.05), (gap_m / 2.0 + 0.05, 2.0)];
-        let wall = |(from, to)| Wall { corners_m: vec![vec2(0.0, from), vec2(0.0, to)], thickness_m: 0.1 };
+        let wall = |(from, to)| Wall {
+            corners_m: vec![vec2(0.0, from), vec2(0.0, to)],
+            thickness_m: 0.1,
+            ..Wall::default()
+        };
         let fixed = |x: f32| PlacementRule::Fixed { position_m: vec2(x, 0.0), heading_rad: None };
         Scenario {
             walls: walls.into_iter().map(wall).collect(),
@@ -157,7 +161,11 @@ fn the_body_is_as_far_from_everything_as_its_nearest_point() {
     let l = [(-2.0, -2.0), (2.0, -2.0), (2.0, 0.0), (0.0, 0.0), (0.0, 2.0), (-2.0, 2.0)];
     let mut scenario = Scenario {
         enclosure: Enclosure::Polygon { corners_m: l.into_iter().map(Vec2::from).collect() },
-        walls: vec![Wall { corners_m: vec![vec2(-1.0, -2.0), vec2(-1.0, -1.4)], thickness_m: 0.1 }],
+        walls: vec![Wall {
+            corners_m: vec![vec2(-1.0, -2.0), vec2(-1.0, -1.4)],
+            thickness_m: 0.1,
+            ..Wall::default()
+        }],
         obstacles: vec![
             still(Shape::Capsule { length_m: 0.4, radius_m: 0.1 }, vec2(-1.5, 1.0), 0.3),
             still(Shape::Circle { radius_m: 0.2 }, vec2(1.2, -1.2), 0.0),

@@ -39,7 +39,7 @@ fn obstacle() -> impl Strategy<Value = Obstacle> {
 /// A world of 20 m x 20 m with 32 to 120 obstacles and some walls.
 fn world() -> impl Strategy<Value = Scenario> {
     let wall = (prop::collection::vec(point(10.0), 2..6), prop_oneof![0.01_f32..0.5, Just(3.0)])
-        .prop_map(|(corners_m, thickness_m)| Wall { corners_m, thickness_m });
+        .prop_map(|(corners_m, thickness_m)| Wall { corners_m, thickness_m, ..Wall::default() });
     let parts = (prop::collection::vec(obstacle(), 60..120), prop::collection::vec(wall, 0..9));
     parts.prop_map(|(obstacles, walls)| Scenario {
         enclosure: Enclosure::Rectangle { width_m: 20.0, height_m: 20.0 },

@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use wayfield_scenario::{
     BenchmarkRoute, Enclosure, Generator, KeyFrame, KeyFrameEnd, Lidar, Motion, Obstacle, ObstacleMotion,
     OdometryDrift, PlacementRule, RandomShape, Ranged, Region, Robot, Scenario, Shape, Slip, TaskRules, Wall,
-    parse_ron, to_text,
+    WallCells, parse_ron, to_text,
 };
 
 fn read(text: &str) -> Scenario {
@@ -65,6 +65,11 @@ fn key_frames(end: KeyFrameEnd) -> ObstacleMotion {
     ObstacleMotion::KeyFrames { frames: vec![frame(0.5, 1.0, 0.0), frame(1.0, 1.25, -0.5)], end }
 }
 
+fn cells(rows: &[&str], centre_m: Vec2) -> Wall {
+    let rows = rows.iter().map(ToString::to_string).collect();
+    Wall { cells: Some(WallCells::new(rows, 0.25, centre_m)), ..Wall::default() }
+}
+
 /// A scenario in which no field has its default.
 fn everything() -> Scenario {
     let moving = |shape, motion| Obstacle { shape, position_m: vec2(1.0, -2.5), rotation_rad: 0.1, motion };
@@ -73,8 +78,13 @@ fn everything() -> Scenario {
         about: "Said \"so\", with a \\ and a line's end\nin it.".into(),
         enclosure: Enclosure::Polygon { corners_m: vec![vec2(-3.0, -3.0), vec2(3.0, -3.0), vec2(0.0, 1e-7)] },
         walls: vec![
-            Wall { corners_m: vec![vec2(0.0, 0.0), vec2(1.0, 0.0)], thickness_m: 0.1 },
-            Wall { corners_m: (0..8).map(|k| vec2(k as f32, 0.25)).collect(), thickness_m: 0.3 },
+            Wall { corners_m: vec![vec2(0.0, 0.0), vec2(1.0, 0.0)], thickness_m: 0.1, ..Wall::default() },
+            Wall {
+                corners_m: (0..8).map(|k| vec2(k as f32, 0.25)).collect(),
+                thickness_m: 0.3,
+                ..Wall::default()
+            },
+            cells(&["#..", "..#"], vec2(0.5, -0.25)),
         ],
         obstacles: vec![
             circle(0.6, 0.6),
@@ -100,7 +110,7 @@ fn everything() -> Scenario {
             Obstacle {
                 motion: ObstacleMotion::Pedestrian {
                     goals_m: vec![vec2(1.0, 1.0)],
-                    speed_m_s: 0.1,
+                    speed_m_s: 0.1.into(),
                     loops: false,
                     sees_robot: true,
                 },
@@ -164,7 +174,7 @@ fn everything() -> Scenario {
     }
 }
 
-const EVERYTHING: &str = r#"(
+const EVERYTHING: &str = r##"(
     name: "All of it",
     about: "Said \"so\", with a \\ and a line's end\nin it.",
 
@@ -184,6 +194,16 @@ const EVERYTHING: &str = r#"(
                 (7.0, 0.25),
             ],
             thickness_m: 0.3,
+        ),
+        (
+            cells: (
+                rows: [
+                    "#..",
+                    "..#",
+                ],
+                cell_m: 0.25,
+                centre_m: (0.5, -0.25),
+            ),
         ),
     ],
 
@@ -288,7 +308,7 @@ const EVERYTHING: &str = r#"(
 
     benchmark_route: (start_m: (0.0, 1.0), heading_rad: 0.785, goal_m: (1.2, -1.2)),
 )
-"#;
+"##;
 
 #[test]
 fn the_canonical_text_of_every_field() {
@@ -375,7 +395,7 @@ fn changing_one_number_keeps_everything_else() {
 #[test]
 fn a_new_field_is_inserted_in_the_order_of_the_schema() {
     let text = file("scenario-1.ron");
-    let wall = Wall { corners_m: vec![vec2(0.0, 0.0), vec2(1.0, 0.0)], thickness_m: 0.1 };
+    let wall = Wall { corners_m: vec![vec2(0.0, 0.0), vec2(1.0, 0.0)], thickness_m: 0.1, ..Wall::default() };
     let walled = edited(&text, |scenario| scenario.walls.push(wall));
     assert_eq!(
         diff(&text, &walled),
@@ -593,7 +613,7 @@ fn motion() -> impl Strategy<Value = ObstacleMotion> {
             seed
         }),
         (points(), number(), any::<(bool, bool)>()).prop_map(|(goals_m, speed_m_s, (loops, sees_robot))| {
-            ObstacleMotion::Pedestrian { goals_m, speed_m_s, loops, sees_robot }
+            ObstacleMotion::Pedestrian { goals_m, speed_m_s: speed_m_s.into(), loops, sees_robot }
         }),
     ]
 }
@@ -674,8 +694,16 @@ fn scenario() -> impl Strategy<Value = Scenario> {
         pair().prop_map(|(width_m, height_m)| Enclosure::Rectangle { width_m, height_m }),
         points().prop_map(|corners_m| Enclosure::Polygon { corners_m }),
     ];
-    let wall = (points(), prop_oneof![Just(0.1), number()])
-        .prop_map(|(corners_m, thickness_m)| Wall { corners_m, thickness_m });
+    let wall = (points(), prop_oneof![Just(0.1), number()]).prop_map(|(corners_m, thickness_m)| Wall {
+        corners_m,
+        thickness_m,
+        ..Wall::default()
+    });
+    let cells = (vec("[#. x\"]{0,4}", 0..3), number(), point()).prop_map(|(rows, cell_m, centre_m)| Wall {
+        cells: Some(WallCells::new(rows, cell_m, centre_m)),
+        ..Wall::default()
+    });
+    let wall = prop_oneof![2 => wall, 1 => cells];
     let task = (number(), any::<u32>()).prop_map(|(control_period_s, max_episode_steps)| TaskRules {
         control_period_s,
         max_episode_steps,

@@ -83,7 +83,11 @@ impl Editor {
     pub fn finish_tool(&mut self) {
         match std::mem::take(&mut self.tool) {
             Tool::Wall { corners_m } if corners_m.len() >= *WALL_CORNERS.start() => {
-                self.append(ListItem::Wall(Wall { corners_m, thickness_m: NEW_WALL_THICKNESS_M }));
+                self.append(ListItem::Wall(Wall {
+                    corners_m,
+                    thickness_m: NEW_WALL_THICKNESS_M,
+                    ..Wall::default()
+                }));
             }
             Tool::Path { waypoints_m } if !waypoints_m.is_empty() => self.set_path(waypoints_m),
             _ => {}

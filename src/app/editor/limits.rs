@@ -4,7 +4,7 @@ use crate::scenario::limits::ENCLOSURE_SIDE_M;
 pub(super) use crate::scenario::limits::{
     ENCLOSURE_CORNERS, MAX_SPEED_M_S, POLYGON_CORNERS, WALL_CORNERS, WAYPOINTS,
 };
-use crate::scenario::{Obstacle, ObstacleMotion, Scenario};
+use crate::scenario::{Obstacle, ObstacleMotion, Scenario, Wall};
 
 /// Maximum number of points of a path, and of positions of a start or goal rule.
 pub(super) const MAX_POINTS: usize = *WAYPOINTS.end();
@@ -30,9 +30,11 @@ pub(super) const MAX_UNDO_STEPS: usize = 500;
 /// Maximum number of items in all undo snapshots together. Very large scenarios therefore have fewer undo steps.
 pub(super) const MAX_SNAPSHOT_ITEMS: usize = 1_000_000;
 
-/// Number of obstacles, wall corners and key frames in a scenario.
+/// Number of obstacles, wall corners, rows and rectangles of cells, and key frames in a scenario.
 pub(super) fn item_count(scenario: &Scenario) -> usize {
-    let corners = scenario.walls.iter().map(|wall| wall.corners_m.len()).sum::<usize>();
+    let cells =
+        |wall: &Wall| wall.cells.as_ref().map_or(0, |cells| cells.rows().len()) + wall.segment_count();
+    let corners = scenario.walls.iter().map(|wall| wall.corners_m.len().max(cells(wall))).sum::<usize>();
     let frames = |obstacle: &Obstacle| match &obstacle.motion {
         ObstacleMotion::KeyFrames { frames, .. } => frames.len(),
         _ => 0,

@@ -43,7 +43,6 @@ pub(super) fn of_kind(scenario: &Scenario, index: usize, kind: MotionKind) -> Ob
         }
         MotionKind::Pedestrian => {
             let (goals_m, speed_m_s) = waypoints(false);
-            let speed_m_s = speed_m_s.value();
             ObstacleMotion::Pedestrian { goals_m, speed_m_s, loops: true, sees_robot: false }
         }
         MotionKind::KeyFrames => {

@@ -87,7 +87,11 @@ mod tests {
         };
         Scenario {
             obstacles: vec![disc(vec2(-1.0, 0.0), 0.3), disc(vec2(-0.8, 0.0), 0.3)],
-            walls: vec![Wall { corners_m: vec![vec2(0.0, -1.5), vec2(1.0, -1.5)], thickness_m: 0.1 }],
+            walls: vec![Wall {
+                corners_m: vec![vec2(0.0, -1.5), vec2(1.0, -1.5)],
+                thickness_m: 0.1,
+                ..Wall::default()
+            }],
             generators: vec![Generator {
                 count: 1,
                 shape: RandomShape::Circle { radius_m: (0.1, 0.2) },

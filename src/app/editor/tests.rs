@@ -18,7 +18,7 @@ use super::points::to_mm;
 use super::*;
 use crate::scenario::{
     BenchmarkRoute, Diagnostic, Enclosure, Generator, MotionKind, Obstacle, ObstacleMotion, PlacementRule,
-    RandomShape, Region, Scenario, Shape, Wall, clearance, diagnostics, parse_ron, to_ron,
+    RandomShape, Region, Scenario, Shape, Wall, WallCells, clearance, diagnostics, parse_ron, to_ron,
 };
 
 /// An editor of a scenario opened from a file.
@@ -49,6 +49,7 @@ fn full() -> Scenario {
         walls: vec![Wall {
             corners_m: vec![vec2(-1.5, 0.5), vec2(-1.0, 0.5), vec2(-1.0, 1.0)],
             thickness_m: 0.1,
+            ..Wall::default()
         }],
         generators: vec![Generator {
             count: 2,

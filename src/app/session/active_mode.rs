@@ -7,7 +7,7 @@ use std::sync::Arc;
 use bevy::prelude::*;
 
 use super::comparison;
-use super::demo::{self, Rounds};
+use super::demo::{self, FirstRound, Rounds};
 use super::interventions::{self, Intervention};
 use super::pacer::Pacer;
 use super::trails::Trails;
@@ -176,8 +176,9 @@ fn enter_demo(world: &mut World, mode: SessionMode) -> Result<(), RunError> {
         ActiveMode::Train => SuspendedTraining::capture(world),
         ActiveMode::Demo(demo) => demo.training,
     };
+    let rounds = Rounds::new(*world.resource::<FirstRound>());
     *world.resource_mut::<ActiveMode>() =
-        ActiveMode::Demo(Box::new(Demo { mode, drivers, training, rounds: Rounds::default() }));
+        ActiveMode::Demo(Box::new(Demo { mode, drivers, training, rounds }));
     let mut pacer = world.resource_mut::<Pacer>();
     pacer.pace = demo::watchable_pace(pacer.pace, mode);
     demo::spawn_arenas(world, mode, sources);

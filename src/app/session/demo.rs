@@ -26,8 +26,12 @@ use crate::task::{Arena, CurrentScenario, Episode, EpisodeEnded, ScenarioPool, T
 /// Control steps between two rounds, so that the user sees how a round ended.
 const PAUSE_BETWEEN_ROUNDS: u32 = 4;
 
+/// The first round of every demo: the number of an episode of an evaluation with the seed of the training, from 0.
+#[derive(Resource, Clone, Copy, Debug, Default)]
+pub(super) struct FirstRound(pub u64);
+
 /// The rounds of a demo.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Rounds {
     round: u64,
     /// Control steps since all drivers finished the round.
@@ -35,6 +39,11 @@ pub(super) struct Rounds {
 }
 
 impl Rounds {
+    /// The rounds from `first` on.
+    pub(super) fn new(FirstRound(first): FirstRound) -> Self {
+        Self { round: first, waited: 0 }
+    }
+
     /// Counts a control step after which every driver has finished. Returns the index of the next round if it begins now.
     fn next(&mut self) -> Option<u64> {
         self.waited += 1;
@@ -60,7 +69,8 @@ pub(super) fn spawn_arenas(world: &mut World, mode: SessionMode, sources: Vec<Ac
         TaskMode::SingleGoal
     });
     sim::spawn_arenas(world, &scenario, arenas, seed);
-    begin_round(world, 0);
+    let FirstRound(first) = *world.resource::<FirstRound>();
+    begin_round(world, first);
     world.resource_mut::<Trails>().restart(arenas);
 }
 

@@ -8,6 +8,7 @@ use bevy::prelude::*;
 
 use super::StartOptions;
 use super::autosave::Autosave;
+use super::demo::FirstRound;
 use super::editor_files;
 #[cfg(not(target_arch = "wasm32"))]
 use super::file_watch::{self, RetryAction};
@@ -35,6 +36,7 @@ pub(super) fn start_first(world: &mut World, start: &StartOptions) {
         Ok(prepared) => {
             world.insert_resource(Pacer::new(start.pace, start.paused));
             world.insert_resource(Autosave::new(start.autosave.clone(), start.open.is_none()));
+            world.insert_resource(FirstRound(start.episode));
             insert_run(world, prepared);
             run_notices::show_notes(world);
             open::list_user_files(world);

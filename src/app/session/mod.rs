@@ -102,6 +102,8 @@ pub struct StartOptions {
     pub paused: bool,
     /// A policy or a run to open at once.
     pub open: Option<PathBuf>,
+    /// The episode of an evaluation with this seed, from 0, with which comparisons begin.
+    pub episode: u64,
     /// Whether to open the scenario in the editor. The scenario may then be invalid.
     pub edit: bool,
     /// Messages about invalid options, which are replaced by their defaults.
@@ -123,6 +125,7 @@ impl Default for StartOptions {
             pace: Pace::Times(5.0),
             paused: false,
             open: None,
+            episode: 0,
             edit: false,
             invalid_options: Vec::new(),
             autosave: None,

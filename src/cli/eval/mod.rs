@@ -47,9 +47,9 @@ pub struct EvalArgs {
     #[arg(long, value_name = "NAME", conflicts_with = "scenario")]
     suite: Option<String>,
 
-    /// Write a report of a test in a suite into DIR: the results, and a picture of every failure with the command that
-    /// repeats it in the window. A test that was interrupted goes on there
-    #[arg(long, value_name = "DIR", requires = "suite")]
+    /// Write a report of a test in a suite, or in what --scenario names, into DIR: the results, and a picture of every failure with
+    /// the command that repeats it in the window. A test that was interrupted goes on there
+    #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
 
     /// Rounds of episodes [default: 5]
@@ -120,10 +120,16 @@ pub fn run(paths: &[PathBuf], args: &EvalArgs, shared: &SharedArgs) -> Result<()
     }
 }
 
-/// The suite of the test, or the set of scenarios that is given in place of a scenario.
+/// The suite of the test, or what is given in place of a scenario and makes a suite: a set of scenarios, or for a report anything.
 fn suite_name<'a>(args: &'a EvalArgs, shared: &'a SharedArgs) -> Result<Option<&'a str>, RunError> {
     match (&args.suite, &shared.scenario) {
-        (None, Some(name)) if matches!(Source::load(name)?, Source::Set(..)) => Ok(Some(name)),
+        (None, Some(name)) if args.report.is_some() || matches!(Source::load(name)?, Source::Set(..)) => {
+            Ok(Some(name))
+        }
+        (None, None) if args.report.is_some() => Err(RunError::InvalidInput(
+            "--report needs what to test in; help: give --suite NAME, or --scenario NAME with a scenario, a set or a level generator"
+                .into(),
+        )),
         (suite, _) => Ok(suite.as_deref()),
     }
 }

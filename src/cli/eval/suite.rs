@@ -202,8 +202,8 @@ fn check_options(args: &EvalArgs) -> Result<(), RunError> {
         [("--trace", args.trace.is_some()), ("--course", args.course), ("--rounds", args.rounds.is_some())];
     match refused.into_iter().find(|(_, is_given)| *is_given) {
         Some((flag, _)) => Err(RunError::InvalidInput(format!(
-            "{flag} is for a test in one scenario, not for a suite or a set of scenarios; help: leave it out, or give one scenario \
-             with --scenario"
+            "{flag} is for a test in one scenario, not for a suite, a set of scenarios or a report; help: leave it out, or give one \
+             scenario with --scenario and no --report"
         ))),
         None => Ok(()),
     }

@@ -16,6 +16,8 @@ pub struct Failure {
     /// The number of the driver under test, and of the scenario's family.
     pub driver: usize,
     pub family: usize,
+    /// The number of the episode in its scenario, from 1.
+    pub episode: usize,
     /// The stem of the names of its files.
     pub file: String,
     /// What happened.
@@ -79,15 +81,17 @@ impl Place<'_> {
         let (episode, svg) = evaluator.picture(under_test.evaluated, tested.test.seed, index, setup)?;
         let time_s = f64::from(episode.steps) * period_s(of.scenario.task.control_period_s);
         let file = format!("failure-{number:04}");
-        let title = format!("{name}, episode {}", index + 1);
+        let number = index + 1;
+        let title = format!("{name}, episode {number}");
         let text =
             format!("{} in {title}: {} after {time_s:.1} s", under_test.name, outcome_name(episode.end));
         let scenario = to_text(&repeatable(&of.scenario, &episode, &text), None);
-        Ok(Failure { driver, family, file, text, svg, scenario })
+        Ok(Failure { driver, family, episode: number, file, text, svg, scenario })
     }
 }
 
-/// `scenario` with the start, the goal and the generated obstacles of `episode`. Moving obstacles begin at their own start.
+/// `scenario` with the start, the goal and the generated obstacles of `episode`. What else is random in it, the window takes from
+/// the seed and the number of the episode: where moving obstacles begin, and noise.
 fn repeatable(scenario: &Scenario, episode: &EpisodeResult, text: &str) -> Scenario {
     let EpisodeResult { start, goal, layout_seed, .. } = episode;
     let fixed = |x_m, y_m, heading_rad| PlacementRule::Fixed { position_m: vec2(x_m, y_m), heading_rad };
@@ -99,8 +103,9 @@ fn repeatable(scenario: &Scenario, episode: &EpisodeResult, text: &str) -> Scena
     }
 }
 
-/// The command that repeats a failure in the window.
-pub fn command(report: &Path, failure: &Failure, driver: &Path) -> String {
+/// The command that repeats a failure of the test with `seed` in the window.
+pub fn command(report: &Path, failure: &Failure, seed: u64, driver: &Path) -> String {
     let scenario: PathBuf = report.join(FOLDER).join(format!("{}.ron", failure.file));
-    format!("wayfield --scenario {} --open {}", scenario.display(), driver.display())
+    let (scenario, episode, driver) = (scenario.display(), failure.episode, driver.display());
+    format!("wayfield --scenario {scenario} --seed {seed} --episode {episode} --open {driver}")
 }

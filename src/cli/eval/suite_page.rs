@@ -66,7 +66,7 @@ impl SuiteFolder {
             caption: format!(
                 "{}. To repeat it: {}",
                 failure.text,
-                command(&self.path, failure, &drivers[failure.driver])
+                command(&self.path, failure, tested.test.seed, &drivers[failure.driver])
             ),
             claim_results: Vec::new(),
         };

@@ -12,19 +12,9 @@ use crate::schema::*;
 pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     diagnostics.check_count(format_args!("walls"), scenario.walls.len(), 0..=MAX_WALLS);
     for (k, wall) in scenario.walls.iter().enumerate().take(MAX_WALLS) {
-        diagnostics.check_points(format_args!("walls[{k}].corners_m"), &wall.corners_m, WALL_CORNERS);
-        diagnostics.check_range(
-            format_args!("walls[{k}].thickness_m"),
-            wall.thickness_m,
-            WALL_THICKNESS_M,
-            METRES,
-        );
+        check_wall(k, wall, diagnostics);
     }
-    let pieces: usize = scenario.walls.iter().map(|wall| wall.corners_m.len().saturating_sub(1)).sum();
-    if pieces > MAX_WALL_SEGMENTS {
-        let message = format!("have {pieces} segments in total: write at most {MAX_WALL_SEGMENTS}");
-        diagnostics.push(format_args!("walls"), message);
-    }
+    check_segments(&scenario.walls, diagnostics);
     diagnostics.check_count(format_args!("obstacles"), scenario.obstacles.len(), 0..=MAX_OBSTACLES);
     for (k, obstacle) in scenario.obstacles.iter().enumerate().take(MAX_OBSTACLES) {
         check_obstacle(k, obstacle, diagnostics);
@@ -47,6 +37,38 @@ pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
             "ask for {asked} obstacles in total: write counts that add up to at most {MAX_GENERATED_OBSTACLES}"
         );
         diagnostics.push(format_args!("generators"), message);
+    }
+}
+
+fn check_wall(k: usize, wall: &Wall, diagnostics: &mut Diagnostics) {
+    let path = format_args!("walls[{k}].thickness_m");
+    match &wall.cells {
+        Some(cells) => {
+            cells.check(format_args!("walls[{k}].cells"), diagnostics);
+            if !wall.corners_m.is_empty() {
+                let message = "has corners and cells: write only one of them, or two walls";
+                diagnostics.push(format_args!("walls[{k}]"), message);
+            }
+        }
+        None if wall.corners_m.is_empty() => {
+            let message = "has neither corners nor cells: write `corners_m` or `cells`";
+            diagnostics.push(format_args!("walls[{k}]"), message);
+        }
+        None => {
+            diagnostics.check_points(format_args!("walls[{k}].corners_m"), &wall.corners_m, WALL_CORNERS);
+        }
+    }
+    diagnostics.check_range(path, wall.thickness_m, WALL_THICKNESS_M, METRES);
+}
+
+/// Checks the number of segments of all walls, with the rectangles of cells.
+fn check_segments(walls: &[Wall], diagnostics: &mut Diagnostics) {
+    let segments: usize = walls.iter().map(Wall::segment_count).sum();
+    if segments > MAX_WALL_SEGMENTS {
+        let has_cells = walls.iter().any(|wall| wall.cells.is_some());
+        let counted = if has_cells { "segments and rectangles of cells" } else { "segments" };
+        let message = format!("have {segments} {counted} in total: write at most {MAX_WALL_SEGMENTS}");
+        diagnostics.push(format_args!("walls"), message);
     }
 }
 

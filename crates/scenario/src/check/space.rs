@@ -60,7 +60,8 @@ pub(super) fn check_paths(valid: &ValidPart, diagnostics: &mut Diagnostics) {
     }
 }
 
-/// Checks that the centre line of every inner wall is inside the enclosure; it may end in the enclosure's own walls.
+/// Checks that the centre line of every inner wall is inside the enclosure; it may end in the enclosure's own walls. Solid
+/// cells must be inside.
 pub(super) fn check_walls(valid: &ValidPart, diagnostics: &mut Diagnostics) {
     if !valid.has("enclosure") {
         return;
@@ -68,6 +69,14 @@ pub(super) fn check_walls(valid: &ValidPart, diagnostics: &mut Diagnostics) {
     let scenario = &valid.scenario;
     let inside = EnclosureExtent::new(&scenario.enclosure);
     for (k, wall) in scenario.walls.iter().enumerate() {
+        let blocks = wall.blocks().iter().map(|block| inside.overhang_m(&block.obstacle()));
+        let over = blocks.fold(0.0, f32::max);
+        if over > TOLERANCE_M {
+            let message = format!(
+                "extend {over:.3} m outside the enclosure: move `centre_m`, write a smaller `cell_m`, or free the cells there"
+            );
+            diagnostics.push(format_args!("walls[{k}].cells"), message);
+        }
         let before = diagnostics.found.len();
         for (j, &corner) in wall.corners_m.iter().enumerate() {
             let over = inside.segment_overhang_m(corner, corner, 0.0);
@@ -338,7 +347,7 @@ pub(super) fn possible_positions(scenario: &Scenario, rule: &PlacementRule) -> V
 /// Number of sides of all obstacles and inner walls.
 pub(super) fn sides(scenario: &Scenario) -> usize {
     scenario.obstacles.iter().map(|obstacle| obstacle.shape.side_count()).sum::<usize>()
-        + scenario.walls.iter().map(|wall| wall.corners_m.len()).sum::<usize>()
+        + scenario.walls.iter().map(|wall| wall.corners_m.len() + 2 * wall.blocks().len()).sum::<usize>()
 }
 
 /// The scenario without its moving obstacles.

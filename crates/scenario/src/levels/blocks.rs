@@ -4,6 +4,7 @@ use glam::vec2;
 
 use super::draft::Draft;
 use crate::schema::{Obstacle, ObstacleMotion, Shape};
+use crate::text_rows::merged;
 
 /// A grid of blocks, row by row, some of which are solid.
 pub(super) struct Blocks {
@@ -60,20 +61,8 @@ impl Blocks {
 
     /// Adds the solid blocks to the level, as few rectangles: each is as wide as possible, then as high as possible.
     pub(super) fn add_to(&self, draft: &mut Draft) {
-        let columns = self.columns();
-        let mut left = self.solid.clone();
-        for block in 0..left.len() {
-            if !left[block] {
-                continue;
-            }
-            let (row, column) = (block / columns, block % columns);
-            let right = (column..columns).find(|&other| !left[row * columns + other]).unwrap_or(columns);
-            let is_solid = |row: usize| (column..right).all(|other| left[row * columns + other]);
-            let top = (row..self.rows()).find(|&other| !is_solid(other)).unwrap_or(self.rows());
-            for row in row..top {
-                left[row * columns + column..row * columns + right].fill(false);
-            }
-            draft.add_obstacle(self.rectangle(column..right, row..top));
+        for (columns, rows) in merged(self.solid.clone(), self.columns()) {
+            draft.add_obstacle(self.rectangle(columns, rows));
         }
     }
 

@@ -108,5 +108,6 @@ fn is_spaced(start: Vec2, radius_m: f32, taken: &[End]) -> bool {
 
 fn pedestrian(walker: Walker, start: Vec2, goals_m: Vec<Vec2>, behavior: Behavior) -> Obstacle {
     let Behavior { loops, sees_robot } = behavior;
-    walker.at(start, ObstacleMotion::Pedestrian { goals_m, speed_m_s: walker.speed_m_s, loops, sees_robot })
+    let speed_m_s = walker.speed_m_s.into();
+    walker.at(start, ObstacleMotion::Pedestrian { goals_m, speed_m_s, loops, sees_robot })
 }

@@ -111,7 +111,11 @@ impl Partition {
         let ends = self.doors_m.iter().map(|door| door.0 - rim).chain([to]);
         let pieces = starts.zip(ends).filter(|(start, end)| end > start);
         pieces
-            .map(|(start, end)| Wall { corners_m: vec![point(start), point(end)], thickness_m: THICKNESS_M })
+            .map(|(start, end)| Wall {
+                corners_m: vec![point(start), point(end)],
+                thickness_m: THICKNESS_M,
+                ..Wall::default()
+            })
             .collect()
     }
 }

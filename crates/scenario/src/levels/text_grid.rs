@@ -8,19 +8,13 @@ use super::draft::Draft;
 use super::schema::LevelGenerator;
 use crate::check::Diagnostics;
 use crate::limits::{LEVEL_CELL_M, MAX_LEVEL_CELLS};
-use crate::text::printable;
-
-/// Characters of solid and of free cells.
-const SOLID: char = '#';
-const FREE: [char; 2] = ['.', ' '];
+use crate::text_rows;
 
 /// Adds the solid cells of the `rows`, the upper one first, which cover the enclosure.
 pub(super) fn add(draft: &mut Draft, rows: &[String]) {
     let size = draft.size_m();
-    let columns = rows.first().map_or(0, |row| row.chars().count());
-    let solid = rows.iter().rev().flat_map(|row| row.chars().map(|cell| cell == SOLID)).collect();
-    let (xs, ys) = (even_edges(size.x, columns), even_edges(size.y, rows.len()));
-    let mut blocks = Blocks { xs, ys, solid };
+    let (xs, ys) = (even_edges(size.x, text_rows::columns(rows)), even_edges(size.y, rows.len()));
+    let mut blocks = Blocks { xs, ys, solid: text_rows::solid_cells(rows) };
     blocks.fill_pockets();
     blocks.add_to(draft);
 }
@@ -32,29 +26,10 @@ pub(super) fn check(
     generator: &LevelGenerator,
     diagnostics: &mut Diagnostics,
 ) {
-    let columns = rows.first().map_or(0, |row| row.chars().count());
-    let cells = rows.len().saturating_mul(columns);
-    if cells == 0 || cells > MAX_LEVEL_CELLS as usize {
-        let message = format!("has {cells} cells: write 1 to {MAX_LEVEL_CELLS}");
-        return diagnostics.push(path, message);
+    if !text_rows::check(path, rows, MAX_LEVEL_CELLS as usize, diagnostics) {
+        return;
     }
-    for (k, row) in rows.iter().enumerate() {
-        let path = format_args!("{path}[{k}]");
-        let count = row.chars().count();
-        let unknown = row.chars().enumerate().find(|(_, cell)| *cell != SOLID && !FREE.contains(cell));
-        if let Some((column, cell)) = unknown {
-            let cell = printable(&cell.to_string()).into_owned();
-            let message = format!(
-                "has `{cell}` in column {}: write # for a solid cell, or . for a free one",
-                column + 1
-            );
-            diagnostics.push(path, message);
-        } else if count != columns {
-            let message =
-                format!("has {count} cells, but the first row has {columns}: write rows of the same length");
-            diagnostics.push(path, message);
-        }
-    }
+    let columns = text_rows::columns(rows);
     let least_m = *LEVEL_CELL_M.start();
     let sizes = [(generator.width_m.0, columns, "wide"), (generator.height_m.0, rows.len(), "high")];
     for (size_m, count, wide) in sizes {

@@ -38,5 +38,5 @@ fn trap(draft: &Draft, size: Vec2, stream: &mut Stream) -> Wall {
     let (x, y) = (size.x / 2.0, size.y / 2.0);
     let corners = [vec2(-x, y), vec2(-x, -y), vec2(x, -y), vec2(x, y)];
     let place = |at: Vec2| middle + vec2(at.x * cos - at.y * sin, at.x * sin + at.y * cos);
-    Wall { corners_m: corners.map(place).to_vec(), thickness_m: THICKNESS_M }
+    Wall { corners_m: corners.map(place).to_vec(), thickness_m: THICKNESS_M, ..Wall::default() }
 }

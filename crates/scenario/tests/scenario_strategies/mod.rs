@@ -8,8 +8,8 @@ use proptest::prelude::*;
 use wayfield_random::stream;
 use wayfield_scenario::{
     BenchmarkRoute, Enclosure, Generator, Lidar, Motion, Obstacle, ObstacleMotion, PlacementRule,
-    RandomShape, Region, Robot, Scenario, Shape, TaskRules, Vec2, Wall, diagnostics, draw_start_and_goal,
-    pose_at, vec2,
+    RandomShape, Region, Robot, Scenario, Shape, TaskRules, Vec2, Wall, WallCells, diagnostics,
+    draw_start_and_goal, pose_at, vec2,
 };
 
 /// Numbers of a kind: those that a world may have, or any at all.
@@ -72,9 +72,20 @@ impl ValueRange {
 
     fn wall(self) -> BoxedStrategy<Wall> {
         let corners = vec(self.place(1.6), if matches!(self, Self::Plausible) { 2..4 } else { 0..6 });
-        (corners, self.within(0.02, 0.2))
-            .prop_map(|(corners_m, thickness_m)| Wall { corners_m, thickness_m })
-            .boxed()
+        let segments = (corners, self.within(0.02, 0.2)).prop_map(|(corners_m, thickness_m)| Wall {
+            corners_m,
+            thickness_m,
+            ..Wall::default()
+        });
+        let rows = if matches!(self, Self::Plausible) {
+            vec("[#. ]{3}", 2..4).boxed()
+        } else {
+            vec("[#. x]{0,4}", 0..4).boxed()
+        };
+        let cells = (rows, self.within(0.02, 0.2), self.place(1.4)).prop_map(|(rows, cell_m, centre_m)| {
+            Wall { cells: Some(WallCells::new(rows, cell_m, centre_m)), ..Wall::default() }
+        });
+        prop_oneof![3 => segments, 1 => cells].boxed()
     }
 
     fn shape(self) -> BoxedStrategy<Shape> {

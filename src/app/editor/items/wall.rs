@@ -4,9 +4,10 @@ use bevy::math::Vec2;
 
 use super::super::handle::{Handle, HandleKind};
 use super::super::limits::WALL_CORNERS;
+use super::super::points::point_to_mm;
 use super::corners;
 use super::editable::{Body, DragTarget, Editable, ListItem, numbered, remove_at};
-use crate::scenario::{Scenario, inner_wall_distance};
+use crate::scenario::{Scenario, WallCells, inner_wall_distance};
 
 pub(super) struct WallItem(pub usize);
 
@@ -32,7 +33,8 @@ impl Editable for WallItem {
         wall.map_or_else(Vec::new, |wall| corners::handles(&wall.corners_m, false, *WALL_CORNERS.end()))
     }
 
-    /// The middle handle is not drawn, but the wall can be dragged by its body: then the first corner is the handle.
+    /// The middle handle is not drawn, but the wall can be dragged by its body: then the first corner is the handle, or the centre
+    /// of cells.
     fn handle_position_m(&self, scenario: &Scenario, kind: HandleKind) -> Option<Vec2> {
         if kind == HandleKind::Middle {
             return self.anchor_m(scenario);
@@ -42,12 +44,13 @@ impl Editable for WallItem {
     }
 
     fn drag(&self, scenario: &mut Scenario, kind: HandleKind, target: DragTarget) -> Option<()> {
-        let corners_m = &mut scenario.walls.get_mut(self.0)?.corners_m;
         match kind {
-            HandleKind::Corner(k) => *corners_m.get_mut(k)? = target.snapped_m,
+            HandleKind::Corner(k) => {
+                *scenario.walls.get_mut(self.0)?.corners_m.get_mut(k)? = target.snapped_m;
+            }
             HandleKind::Middle => {
-                let by = target.snapped_m - *corners_m.first()?;
-                corners::translate(corners_m, by);
+                let by_m = target.snapped_m - self.anchor_m(scenario)?;
+                self.translate(scenario, by_m)?;
             }
             _ => return None,
         }
@@ -65,7 +68,12 @@ impl Editable for WallItem {
     }
 
     fn translate(&self, scenario: &mut Scenario, by_m: Vec2) -> Option<()> {
-        corners::translate(&mut scenario.walls.get_mut(self.0)?.corners_m, by_m);
+        let wall = scenario.walls.get_mut(self.0)?;
+        corners::translate(&mut wall.corners_m, by_m);
+        if let Some(cells) = wall.cells.take() {
+            let centre_m = point_to_mm(cells.centre_m() + by_m);
+            wall.cells = Some(cells.with_centre(centre_m));
+        }
         Some(())
     }
 
@@ -73,9 +81,10 @@ impl Editable for WallItem {
         scenario.walls.get(self.0).cloned().map(ListItem::Wall)
     }
 
-    /// The first corner.
+    /// The first corner, or the centre of cells.
     fn anchor_m(&self, scenario: &Scenario) -> Option<Vec2> {
-        scenario.walls.get(self.0)?.corners_m.first().copied()
+        let wall = scenario.walls.get(self.0)?;
+        wall.corners_m.first().copied().or_else(|| wall.cells.as_ref().map(WallCells::centre_m))
     }
 
     fn delete(&self, scenario: &mut Scenario) -> Option<()> {

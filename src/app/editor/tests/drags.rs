@@ -245,6 +245,26 @@ fn a_wall_is_dragged_by_its_corners_or_as_a_whole() {
 }
 
 #[test]
+fn a_wall_of_cells_is_picked_dragged_copied_and_deleted_as_a_whole() {
+    let rows = vec!["#.".to_owned(), "##".to_owned()];
+    let cells = WallCells::new(rows, 0.5, vec2(1.0, 1.0));
+    let wall = Wall { cells: Some(cells.clone()), ..Wall::default() };
+    let mut editor = editor(Scenario { walls: vec![wall], ..Scenario::default() });
+    let at = |point| editor.pick(point, 0.02);
+    assert_eq!((at(vec2(0.75, 1.25)), at(vec2(1.25, 1.25))), (Selection::Wall(0), Selection::Nothing));
+    editor.select(Selection::Wall(0));
+    assert!(editor.handles().is_empty() && editor.begin_drag(HandleKind::Middle, vec2(0.75, 0.75)));
+    editor.drag_to(vec2(0.25, 0.25), false);
+    editor.end_drag();
+    let found = |editor: &Editor, wall: usize| editor.scenario().walls[wall].cells.clone();
+    assert_eq!(found(&editor, 0), Some(cells.clone().with_centre(vec2(0.5, 0.5))));
+    editor.duplicate();
+    assert_eq!(found(&editor, 1).map(|copy| copy.rows().to_vec()), Some(cells.rows().to_vec()));
+    one_step(&mut editor, Editor::delete);
+    assert_eq!(editor.scenario().walls.len(), 1);
+}
+
+#[test]
 fn a_path_is_dragged_by_its_waypoints_or_as_a_whole() {
     let mut editor = editor(full());
     editor.select(Selection::Obstacle(1));

@@ -99,7 +99,11 @@ fn drawing_a_wall_is_one_undo_step() {
     let after = one_step(&mut editor, Editor::finish_tool);
     assert_eq!(
         after.walls,
-        [Wall { corners_m: vec![vec2(0.0, 0.5), vec2(1.0, 0.5), vec2(1.0, 1.0)], thickness_m: 0.1 }]
+        [Wall {
+            corners_m: vec![vec2(0.0, 0.5), vec2(1.0, 0.5), vec2(1.0, 1.0)],
+            thickness_m: 0.1,
+            ..Wall::default()
+        }]
     );
     assert_eq!(*editor.tool(), Tool::Select);
     // One corner does not make a wall.

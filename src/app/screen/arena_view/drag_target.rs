@@ -96,7 +96,8 @@ mod tests {
             rotation_rad: quarter_turn,
             motion: ObstacleMotion::Static,
         };
-        let wall = Wall { corners_m: vec![vec2(-2.0, -1.5), vec2(0.0, -1.5)], thickness_m: 0.2 };
+        let wall =
+            Wall { corners_m: vec![vec2(-2.0, -1.5), vec2(0.0, -1.5)], thickness_m: 0.2, ..Wall::default() };
         let scenario = Scenario { obstacles: vec![obstacle], walls: vec![wall], ..Scenario::default() };
         let scenario = Arc::new(scenario);
         let pose = Pose { x_m: 0.0, y_m: 0.0, heading_rad: 0.0 };

@@ -6,7 +6,7 @@
 use std::ops::RangeInclusive;
 
 use bevy::math;
-use egui::{Align, Id, Label, Layout, Response, Sense, Ui, vec2};
+use egui::{Align, Id, Label, Layout, Response, Sense, TextEdit, Ui, vec2};
 
 use super::number::{FieldEvents, FieldName, HEIGHT, NumberSpec, count_ui, number_ui, with_tip};
 use crate::app::editor::Editor;
@@ -160,6 +160,17 @@ impl<'u> FieldRows<'u> {
         self.list(name, positions, min, "drag them on the canvas", specs, |math::Vec2 { x, y }| {
             [("x", x), ("y", y)]
         });
+    }
+
+    /// A field for lines of text in a font of equal widths, below its label.
+    pub fn text(&mut self, name: &str, tip: &str, text: &mut String) {
+        let label = with_tip(self.ui.add(Label::new(weak_text(name)).selectable(false)), tip);
+        let field = TextEdit::multiline(text).code_editor().lock_focus(false).desired_width(f32::INFINITY);
+        let response = self.ui.add(field.desired_rows(3)).labelled_by(label.id);
+        if response.changed() {
+            self.changed_field = Some(name.to_owned());
+        }
+        self.left |= response.lost_focus();
     }
 
     /// Records a change that is a complete undo step.

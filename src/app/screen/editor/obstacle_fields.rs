@@ -8,10 +8,15 @@ use super::fields::{FieldRows, MAX_SHOWN};
 use super::number::NumberSpec;
 use crate::app::editor::{Editor, Tool, format_metres};
 use crate::app::screen::widgets::text::weak_text;
-use crate::scenario::limits::{KEY_FRAME_TIME_S, POLYGON_CORNERS, WALL_CORNERS, WALL_THICKNESS_M, WAYPOINTS};
-use crate::scenario::{
-    Field, FieldValue, KeyFrame, KeyFrameEnd, MotionKind, Obstacle, ObstacleMotion, Track,
+use crate::scenario::limits::{
+    KEY_FRAME_TIME_S, POLYGON_CORNERS, WALL_CELL_M, WALL_CORNERS, WALL_THICKNESS_M, WAYPOINTS,
 };
+use crate::scenario::{
+    Field, FieldValue, KeyFrame, KeyFrameEnd, MotionKind, Obstacle, ObstacleMotion, Track, WallCells,
+};
+
+/// Longest text of cells that is shown, in bytes.
+const MAX_SHOWN_CELLS: usize = 10_000;
 
 /// Shows the fields of an obstacle.
 pub fn obstacle_ui(ui: &mut Ui, editor: &mut Editor, index: usize) {
@@ -150,13 +155,30 @@ fn round_trip(corners: &[Vec2], closed: bool, speed_m_s: f32) -> String {
 pub fn wall_ui(ui: &mut Ui, editor: &mut Editor, index: usize) {
     let Some(mut wall) = editor.scenario().walls.get(index).cloned() else { return };
     let mut rows = FieldRows::new(ui);
-    rows.number("Thickness", "", &mut wall.thickness_m, NumberSpec::length(WALL_THICKNESS_M));
-    rows.positions("Corner", &mut wall.corners_m, *WALL_CORNERS.start());
+    if let Some(cells) = &mut wall.cells {
+        cell_rows(&mut rows, cells);
+    } else {
+        rows.number("Thickness", "", &mut wall.thickness_m, NumberSpec::length(WALL_THICKNESS_M));
+        rows.positions("Corner", &mut wall.corners_m, *WALL_CORNERS.start());
+    }
     rows.commit(editor, &format!("wall {index}"), |scenario| {
         if let Some(old) = scenario.walls.get_mut(index) {
             *old = wall;
         }
     });
+}
+
+/// The size, the place and the text of cells.
+fn cell_rows(rows: &mut FieldRows<'_>, cells: &mut WallCells) {
+    let (mut cell_m, mut centre_m, mut text) = (cells.cell_m(), cells.centre_m(), cells.rows().join("\n"));
+    rows.number("Cell", "Side of a cell", &mut cell_m, NumberSpec::length(WALL_CELL_M));
+    rows.position("Centre", "Centre of the grid", &mut centre_m);
+    if text.len() > MAX_SHOWN_CELLS {
+        rows.ui.label(weak_text(&format!("{} rows of cells: edit them in the file", cells.rows().len())));
+    } else {
+        rows.text("Cells", "# is solid, . is free", &mut text);
+    }
+    *cells = WallCells::new(text.split('\n').map(String::from).collect(), cell_m, centre_m);
 }
 
 #[cfg(test)]

@@ -119,7 +119,8 @@ pub fn screen_rect(canvas: &Canvas, scenario: &Scenario, selection: Selection) -
         Body::Nothing | Body::Outline(_) => return None,
         Body::Obstacle(obstacle) => Silhouette::from_obstacle(&obstacle).screen_rect(canvas),
         Body::Wall(wall) => {
-            let corners: Vec<Pos2> = wall.corners_m.iter().map(|&corner| to_screen(corner)).collect();
+            let grid = wall.cells.iter().flat_map(|cells| <[math::Vec2; 2]>::from(cells.bounds_m()));
+            let corners: Vec<Pos2> = wall.corners_m.iter().copied().chain(grid).map(to_screen).collect();
             Rect::from_points(&corners)
         }
         Body::Region(region) => canvas.transform.to_screen_rect(region.min_m.into(), region.max_m.into()),
