@@ -216,8 +216,10 @@ impl ScanMemory {
 
 /// Writes the observation of one arena into `row`. `pose` is the one that the robot believes in ([`EstimatedPose`]).
 ///
+/// A row of another length than that of the layout is filled with zeros.
+///
 /// # Panics
-/// If the length of `row` is not that of the layout, or the memory has not [begun](ScanMemory::begin).
+/// If the memory has not [begun](ScanMemory::begin).
 pub fn encode(
     encoding: Encoding,
     memory: &ScanMemory,
@@ -226,7 +228,13 @@ pub fn encode(
     readings: &SensorReadings,
     row: &mut [f32],
 ) {
-    let (encoded, extra) = row.split_at_mut(encoding.width(scan.ranges_m.len()));
+    let width = encoding.width(scan.ranges_m.len());
+    if width + readings.0.len() != row.len() {
+        // In a set of scenarios with different LIDARs, only classical drivers drive by the paper's observation.
+        row.fill(0.0);
+        return;
+    }
+    let (encoded, extra) = row.split_at_mut(width);
     let (bearing_rad, distance_m) = (pose.bearing_rad(goal), pose.distance_m(goal));
     match &memory.sectors {
         Some(sectors) => sectors.encode((bearing_rad, distance_m), encoded),
@@ -333,7 +341,6 @@ pub(super) fn observe_first(
     ) in &mut arenas
     {
         if episode.pending_reset != PendingReset::None {
-            debug_assert_eq!(width, layout.width(scan.ranges_m.len()));
             let row = &mut observations.current[arena.0 * width..][..width];
             if episode.pending_reset.moves_robot() {
                 memory.begin(layout.encoding, &arena_layout.written, scan, &estimate.0, twist);
