@@ -82,6 +82,12 @@ impl NativePolicy {
         bearing_rad: f32,
         distance_m: f32,
     ) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        if self.encoding.sectors().is_some() {
+            return Err(PyValueError::new_err(
+                "this policy observes by sectors, with what the robot has seen before, so that one scan is not enough; help: use \
+                 wayfield.evaluate, or the observations of an environment made with this policy's preset",
+            ));
+        }
         let (width, inputs) = (observation::width(ranges_m.len()), self.inputs());
         if width != inputs {
             return Err(PyValueError::new_err(format!(
