@@ -3,7 +3,7 @@
 use bevy::math;
 use egui::{Event, PointerButton, Pos2, pos2, vec2};
 use egui_kittest::kittest::Queryable;
-use wayfield::app::commands::{Command, SessionMode};
+use wayfield::app::commands::Command;
 use wayfield::app::moves::{Movable, MoveRequest};
 
 use super::{Window, release_event, sent_commands, settle, window};
