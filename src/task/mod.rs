@@ -41,11 +41,11 @@ pub use observation::{
 };
 pub use outcome::{EpisodeEnd, EpisodeEnded, StepOutcome, StepOutcomes};
 pub use reset::EpisodeSetup;
-pub use reward::{Attraction, Potential, RewardConfig, RewardKind, RewardLengths, RewardTerms};
+pub use reward::{Attraction, GoalDistance, Potential, RewardConfig, RewardKind, RewardLengths, RewardTerms};
 pub use scenario_pool::{ArenaScenario, ScenarioChoice, ScenarioPool};
 pub use state::{
-    Arena, ArenaLayout, Clock, Episode, EstimatedPose, Goal, Pedestrians, PendingReset, Pose, Scan, Streams,
-    Twist, wrap_angle,
+    Arena, ArenaLayout, Clock, Episode, EstimatedPose, Goal, PathLengths, Pedestrians, PendingReset, Pose,
+    Scan, Streams, Twist, wrap_angle,
 };
 
 use crate::control_step::{ControlSet, ControlStep, Reset, ResetSet, RewardSet, SenseSet};

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 pub use crate::policy::observation::{DISTANCE_SCALE_M, Encoding, RANGE_SCALE_M, width};
 
-use super::{Arena, ArenaLayout, Episode, EstimatedPose, Goal, PendingReset, Pose, Scan, Twist};
+use super::{Arena, ArenaLayout, Episode, EstimatedPose, Goal, PathLengths, PendingReset, Pose, Scan, Twist};
 use crate::drivers::sector_observer;
 use crate::policy::observation::{self as encodings, EarlierScan, SectorObserver, Sensed};
 use crate::scenario::Scenario;
@@ -318,7 +318,7 @@ type Observed = (
     &'static Goal,
     &'static SensorReadings,
     &'static mut ScanMemory,
-    &'static mut Episode,
+    (&'static mut PathLengths, &'static mut Episode),
 );
 
 /// Schedule `Reset`: encodes the observations and potentials of arenas with a new goal or start.
@@ -329,8 +329,16 @@ pub(super) fn observe_first(
     mut arenas: Query<Observed>,
 ) {
     let width = observations.width;
-    for (arena, arena_layout, scan, (pose, estimate, twist), goal, readings, mut memory, mut episode) in
-        &mut arenas
+    for (
+        arena,
+        arena_layout,
+        scan,
+        (pose, estimate, twist),
+        goal,
+        readings,
+        mut memory,
+        (mut paths, mut episode),
+    ) in &mut arenas
     {
         if episode.pending_reset != PendingReset::None {
             let row = &mut observations.current[arena.0 * width..][..width];
@@ -339,7 +347,8 @@ pub(super) fn observe_first(
             }
             encode(layout.encoding, &memory, scan, (&estimate.0, goal), readings, row);
             let scale = reward.scale(arena_layout.robot_unit_m);
-            episode.potential = reward.potential(scale * pose.distance_m(goal), scale * scan.nearest_m);
+            let attracting_m = paths.distance_m(&reward, arena_layout, pose, goal);
+            episode.potential = reward.potential(scale * attracting_m, scale * scan.nearest_m);
         }
     }
 }

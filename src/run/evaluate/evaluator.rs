@@ -178,7 +178,7 @@ impl Evaluator {
         if let Some(query) = &mut self.path_query {
             let mut starts = Vec::new();
             query.read(world, |arena, pose, clearance| {
-                starts.push((arena, PathTracker::new(pose, clearance)));
+                starts.push((arena, PathTracker::new(pose, clearance())));
             });
             starts.sort_by_key(|(arena, _)| *arena);
             run.paths = starts.into_iter().map(|(_, path)| path).collect();
@@ -192,7 +192,7 @@ impl Evaluator {
         if let Some(query) = &mut self.path_query {
             query.read(world, |arena, pose, clearance| {
                 if let (Some(None), Some(path)) = (run.ends.get(arena), run.paths.get_mut(arena)) {
-                    path.add(pose, clearance);
+                    path.add(pose, clearance());
                 }
             });
         }
