@@ -50,11 +50,11 @@ fn scan(
     cast: impl Fn(&ColliderSet, &Bodies, &Pose, &[Vec2], &mut Vec<f32>),
 ) {
     let mut lab = lab_after_a_step(obstacles);
-    let beams = lidar::BeamDirections::from_lidar(&Lidar { beams: BEAMS, ..Lidar::default() });
+    let beams = Lidar { beams: BEAMS, ..Lidar::default() }.beam_directions();
     lab.with_physics(0, |bodies, _, colliders| {
         let mut ranges_m = Vec::new();
         bencher.counter(ItemsCount::new(BEAMS)).bench_local(|| {
-            cast(&colliders.colliders, bodies, black_box(&POSE), &beams.0, &mut ranges_m);
+            cast(&colliders.colliders, bodies, black_box(&POSE), &beams, &mut ranges_m);
             ranges_m[0]
         });
     });
@@ -63,7 +63,7 @@ fn scan(
 #[divan::bench(args = WORLDS)]
 fn rapier_query_pipeline(bencher: Bencher, obstacles: &str) {
     let mut lab = lab_after_a_step(obstacles);
-    let beams = lidar::BeamDirections::from_lidar(&Lidar { beams: BEAMS, ..Lidar::default() });
+    let beams = Lidar { beams: BEAMS, ..Lidar::default() }.beam_directions();
     let world = lab.simulation.world_mut();
     let mut arenas =
         world.query::<(&Bodies, &RapierContextSimulation, &RapierRigidBodySet, &RapierContextColliders)>();
@@ -79,7 +79,7 @@ fn rapier_query_pipeline(bencher: Bencher, obstacles: &str) {
     bencher.counter(ItemsCount::new(BEAMS)).bench_local(|| {
         let pose = black_box(&POSE);
         let heading = Vec2::from_angle(pose.heading_rad);
-        for (beam, range) in beams.0.iter().zip(&mut ranges_m) {
+        for (beam, range) in beams.iter().zip(&mut ranges_m) {
             let ray = Ray::new(Vec2::new(pose.x_m, pose.y_m), heading.rotate(*beam));
             *range = pipeline.cast_ray(&ray, MAX_RANGE_M, true).map_or(MAX_RANGE_M, |(_, distance)| distance);
         }

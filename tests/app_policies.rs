@@ -158,6 +158,71 @@ fn a_classical_driver_drives_next_to_the_policy_with_its_class_and_the_map_that_
     assert!(driver(&app, 1).0.ends_with(" expert"), "a policy takes the place of the driver");
 }
 
+/// Takes `count` control steps.
+fn step(app: &mut HeadlessApp, count: usize) {
+    for _ in 0..count {
+        app.command(Command::Step);
+        frame(app);
+    }
+}
+
+#[test]
+fn a_policy_drives_next_to_itself_with_a_map_that_is_shown() {
+    let start = StartOptions { scenario: "u-trap".into(), paused: true, ..StartOptions::default() };
+    let mut app = HeadlessApp::new(start);
+    frame(&mut app);
+    let class = "Class B: builds a map";
+    for (command, name) in [
+        (Command::OpenWithMap, "Current policy with a map"),
+        (Command::OpenExpertWithMap, "Scenario I expert with a map"),
+    ] {
+        app.command(command);
+        step(&mut app, 3);
+        assert_eq!(app.shown().1.mode, SessionMode::Compare);
+        assert_eq!(driver(&app, 1), (name.into(), class.into()));
+        let plan = app.shown().0.arenas[1].plan.as_ref().expect("it builds a map");
+        assert!(!plan.occupied_m.is_empty(), "walls are in sight: {plan:?}");
+    }
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let path = folder.path().join("mine.safetensors");
+    app.command(Command::Save(SaveKind::Policy, path));
+    frame(&mut app);
+    app.command(Command::Open(folder.path().join("mine.safetensors+map")));
+    step(&mut app, 1);
+    assert_eq!(driver(&app, 1), ("mine.safetensors+map".into(), class.into()));
+}
+
+#[test]
+fn a_policy_with_other_observations_and_actions_drives_next_to_the_current_one() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let [preset, path] = ["sectors.ron", "sectors.safetensors"].map(|name| folder.path().join(name));
+    // It only turns in place to the left, because a network that has learned nothing chooses one of equal motions.
+    let left = "(speed: 0, turn: 1)";
+    let text =
+        format!("(budget: EnvSteps(1000), observation: Sectors(), actions: Relative([{left}, {left}]))");
+    std::fs::write(&preset, text).expect("a writable folder");
+    let preset = preset.display().to_string();
+    let scenario = "empty".to_string();
+    let start = StartOptions { scenario: scenario.clone(), preset, paused: true, ..StartOptions::default() };
+    let mut app = HeadlessApp::new(start);
+    frame(&mut app);
+    app.command(Command::Save(SaveKind::Policy, path.clone()));
+    frame(&mut app);
+    let mut app = HeadlessApp::new(StartOptions { scenario, paused: true, ..StartOptions::default() });
+    frame(&mut app);
+    app.command(Command::Open(path));
+    step(&mut app, 1);
+    let before = app.shown().0.arenas[1].pose;
+    step(&mut app, 4);
+    let after = app.shown().0.arenas[1].pose;
+    assert_eq!((before.x_m, before.y_m), (after.x_m, after.y_m), "it turns in place");
+    assert_ne!(before.heading_rad, after.heading_rad);
+    let ours = app.shown().0.arenas[0].clone();
+    assert_eq!(ours.q_values.len(), 5, "the current policy has the motions of the robot");
+    app.command(Command::SetMode(SessionMode::Train));
+    step(&mut app, 2);
+}
+
 #[test]
 fn a_classical_drivers_file_is_opened_like_a_policy() {
     let folder = tempfile::tempdir().expect("temporary folder");

@@ -52,7 +52,7 @@ fn drive(level: &Scenario) -> Option<f32> {
                 if velocity == Vec2::ZERO { heading_rad } else { wrap_angle(velocity.to_angle()) };
         });
         let motion = Motion { v_m_s: velocity.length(), w_rad_s: 0.0 };
-        lab.simulation.world_mut().insert_resource(CommandedMotions(vec![motion]));
+        lab.simulation.world_mut().insert_resource(CommandedMotions(vec![Some(motion)]));
         lab.step(&[0]);
         let outcome = lab.outcomes()[0];
         if outcome.collided {

@@ -437,7 +437,7 @@ fn classical_drivers_are_tested_in_the_same_episodes_as_a_policy() {
 #[test]
 fn a_classical_driver_gives_the_same_steps_whether_or_not_they_are_traced() {
     let workspace = Workspace::new();
-    for driver in ["dwa-cv", "grid-dwa"] {
+    for driver in ["dwa-cv", "grid-dwa", "scenario-2+map"] {
         let command = format!("--eval {driver} --scenario scenario-2 --rounds 1 --episodes 4 --json");
         let together = workspace.run_ok(&command).json();
         let alone = workspace.run_ok(&format!("{command} --trace steps.jsonl")).json();

@@ -155,13 +155,13 @@ fn world() -> impl Strategy<Value = Scenario> {
 
 /// Asserts that ranges from `poses` have the bits of casts against every shape.
 fn assert_ranges_of_all_shapes(lab: &mut Lab, poses: &[Pose]) {
-    let beams = lidar::BeamDirections::from_lidar(&lab.scenario.lidar);
+    let beams = lab.scenario.lidar.beam_directions();
     let max_range_m = lab.scenario.lidar.max_range_m;
     for pose in poses {
         let ranges_m = lab.cast(0, pose);
         let mut expected_m = Vec::new();
         lab.with_physics(0, |bodies, _, colliders| {
-            lidar::cast(&colliders.colliders, &bodies.solids, pose, &beams.0, max_range_m, &mut expected_m);
+            lidar::cast(&colliders.colliders, &bodies.solids, pose, &beams, max_range_m, &mut expected_m);
         });
         assert_eq!(bits(&ranges_m), bits(&expected_m), "{pose:?}: {ranges_m:?}, expected {expected_m:?}");
     }

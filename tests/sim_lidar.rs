@@ -13,10 +13,7 @@ use bevy_rapier2d::rapier::prelude::{
 use common::{Lab, bits, closed_form};
 use proptest::prelude::*;
 use wayfield::scenario::{Enclosure, Lidar, Scenario, Shape, Wall};
-use wayfield::sim::{
-    Bodies,
-    lidar::{self, BeamDirections},
-};
+use wayfield::sim::{Bodies, lidar};
 use wayfield::task::{Pose, RewardConfig, TaskMode};
 
 fn pose(x_m: f32, y_m: f32, heading_rad: f32) -> Pose {
@@ -135,7 +132,7 @@ proptest! {
             lab.step(&[2]);
         }
         let ours = lab.cast(0, &pose(px, py, heading));
-        let beams = BeamDirections::from_lidar(&Lidar::default());
+        let beams = Lidar::default().beam_directions();
         let world = lab.simulation.world_mut();
         let mut arenas =
             world.query::<(&Bodies, &RapierContextSimulation, &RapierRigidBodySet, &RapierContextColliders)>();
@@ -144,7 +141,7 @@ proptest! {
         let pipeline = context.broad_phase.as_query_pipeline(
             &DefaultQueryDispatcher, &set.bodies, &colliders.colliders, filter,
         );
-        for (i, beam) in beams.0.iter().enumerate() {
+        for (i, beam) in beams.iter().enumerate() {
             let theirs = |offset: f32| {
                 let ray = Ray::new(Vec2::new(px, py), Vec2::from_angle(heading + offset).rotate(*beam));
                 pipeline.cast_ray(&ray, 3.5, true).map_or(3.5, |(_, distance)| distance)
@@ -325,7 +322,7 @@ proptest! {
         let middle = near.map_or(Vec2::ZERO, |k| colliders[solids[k % solids.len()]].translation());
         let scale = if shrink == 6 { 0.0 } else { 0.2_f32.powi(shrink) };
         let from = pose(middle.x + dx * scale, middle.y + dy * scale, heading);
-        let beams = BeamDirections::from_lidar(&Lidar { beams: count, ..Lidar::default() }).0;
+        let beams = Lidar { beams: count, ..Lidar::default() }.beam_directions();
         let mut ranges = Vec::new();
         lidar::cast(&colliders, &solids, &from, &beams, max_m, &mut ranges);
         prop_assert_eq!(bits(&ranges), bits(&cast_every_beam(&colliders, &solids, &from, &beams, max_m)));

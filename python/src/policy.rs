@@ -20,6 +20,9 @@ use crate::errors::{detached, file_error, run_error};
 pub struct NativePolicy {
     pub policy: Policy,
     encoding: Encoding,
+    /// Whether it is tested with a map that it builds.
+    #[pyo3(get)]
+    pub with_map: bool,
 }
 
 impl TryFrom<Policy> for NativePolicy {
@@ -27,7 +30,14 @@ impl TryFrom<Policy> for NativePolicy {
 
     fn try_from(policy: Policy) -> PyResult<Self> {
         let encoding = policy_card::encoding(&policy).map_err(run_error)?;
-        Ok(Self { policy, encoding })
+        Ok(Self { policy, encoding, with_map: false })
+    }
+}
+
+impl NativePolicy {
+    /// The policy, tested with a map if `with_map`.
+    pub fn given_map(self, with_map: bool) -> Self {
+        Self { with_map, ..self }
     }
 }
 
@@ -40,11 +50,13 @@ impl NativePolicy {
         Self::try_from(policy)
     }
 
-    /// The policy in the bytes of a file.
+    /// The policy in the bytes of a file; `with_map`, if it is tested with a map that it builds.
     #[staticmethod]
-    fn from_bytes(contents: &[u8]) -> PyResult<Self> {
+    #[pyo3(signature = (contents, with_map=false))]
+    fn from_bytes(contents: &[u8], with_map: bool) -> PyResult<Self> {
         let policy = Policy::from_bytes(contents);
-        Self::try_from(policy.map_err(|error| PyValueError::new_err(error.to_string()))?)
+        let policy = Self::try_from(policy.map_err(|error| PyValueError::new_err(error.to_string()))?)?;
+        Ok(policy.given_map(with_map))
     }
 
     /// The Q-values (rows x actions) of `observations` (rows x inputs).
@@ -70,6 +82,12 @@ impl NativePolicy {
         bearing_rad: f32,
         distance_m: f32,
     ) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        if self.encoding.sectors().is_some() {
+            return Err(PyValueError::new_err(
+                "this policy observes by sectors, with what the robot has seen before, so that one scan is not enough; help: use \
+                 wayfield.evaluate, or the observations of an environment made with this policy's preset",
+            ));
+        }
         let (width, inputs) = (observation::width(ranges_m.len()), self.inputs());
         if width != inputs {
             return Err(PyValueError::new_err(format!(

@@ -1,10 +1,12 @@
-//! What is evaluated: a policy, or a classical driver. A driver is its RON text, so that a task for another machine has all of it.
+//! What is evaluated: a policy, also with a map, or a classical driver. A driver is its RON text, so that a task for another machine has all of it.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use wayfield::cli::TestDriver;
+use wayfield::drivers::DrivingPolicy;
 use wayfield::scenario::to_ron;
 
 use crate::env_options::{TEXT, is_text};
@@ -25,7 +27,8 @@ pub enum Loaded {
     Driver(String),
 }
 
-/// The policy or the classical driver `wanted`: a shipped name, a file's path, or the RON text of a driver.
+/// The policy or the classical driver `wanted`: a shipped name, a file's path, these with `+map` for a policy with a map, or the RON
+/// text of a driver.
 #[pyfunction]
 pub fn load_tested(wanted: &str) -> PyResult<Loaded> {
     let driver = match is_text(wanted) {
@@ -34,6 +37,10 @@ pub fn load_tested(wanted: &str) -> PyResult<Loaded> {
     };
     match driver? {
         TestDriver::Policy(policy) => NativePolicy::try_from(policy).map(Loaded::Policy),
+        TestDriver::PolicyWithMap(DrivingPolicy { policy, .. }) => {
+            let policy = NativePolicy::try_from(Arc::unwrap_or_clone(policy))?;
+            Ok(Loaded::Policy(policy.given_map(true)))
+        }
         TestDriver::Classical(config) => {
             to_ron(&config).map(Loaded::Driver).map_err(|error| PyRuntimeError::new_err(error.to_string()))
         }
@@ -44,7 +51,10 @@ impl Tested<'_> {
     /// The driver for a test.
     pub fn driver(&self) -> PyResult<TestDriver> {
         match self {
-            Self::Policy(policy) => Ok(TestDriver::Policy(policy.policy.clone())),
+            Self::Policy(policy) => {
+                let driver = TestDriver::Policy(policy.policy.clone());
+                if policy.with_map { driver.with_map(Path::new(TEXT)).map_err(run_error) } else { Ok(driver) }
+            }
             Self::Driver(text) => TestDriver::parse(text, Path::new(TEXT)).map_err(run_error),
         }
     }

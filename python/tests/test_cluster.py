@@ -186,12 +186,13 @@ def test_a_set_of_evaluations_has_the_numbers_of_evaluate(folder):
     cases = [{"policy": "scenario-1", "scenario": name, "episodes": 5, "rounds": 2} for name in ("empty", "hall")]
     cases.append({"policy": wayfield.Policy.load("scenario-2"), "episodes": 3, "rounds": 1, "seed": 9})
     cases.append({"policy": "dwa", "scenario": "empty", "episodes": 3, "rounds": 1})
+    cases.append({"policy": "scenario-1+map", "scenario": "empty", "episodes": 5, "rounds": 2})
     pool, again = OneProcess(), OneProcess()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         results = cluster.evaluate(cases, "tests", progress=False, pool=pool)
         alone = [wayfield.evaluate(**case) for case in cases]
-    assert len(pool.names) == 4
+    assert len(pool.names) == 5, "with a map it is another test"
     for result, expected in zip(results, alone, strict=True):
         assert (result.scenario, result.success_rate, result.mean_cost_s) == (
             expected.scenario,
@@ -205,7 +206,7 @@ def test_a_set_of_evaluations_has_the_numbers_of_evaluate(folder):
         cluster.evaluate([{**cases[0], "seed": 1}], "tests", progress=False, pool=again)
     assert len(again.names) == 1, "another seed is another test"
     stored = [json.loads(path.read_text())["scenario"] for path in (folder / "tests").glob("*.json")]
-    assert len(stored) == 5 and len(set(stored)) == 3
+    assert len(stored) == 6 and len(set(stored)) == 3
 
 
 def test_a_folder_is_sent_as_it_is(tmp_path):

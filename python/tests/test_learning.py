@@ -155,14 +155,14 @@ def test_several_policies_drive_the_same_episodes(run):
 
 def test_classical_drivers_have_the_numbers_of_the_command_line(tmp_path):
     (tmp_path / "mine.ron").write_text("Dwa(horizon_s: 1.0)")
-    drivers = ["field", "scenario-1", str(tmp_path / "mine.ron")]
+    drivers = ["field", "scenario-1", str(tmp_path / "mine.ron"), "scenario-1+map"]
     printed = cli("--eval", *drivers, "orca", "--seed", 3, "--episodes", 8, "--rounds", 2)["policies"]
     ours = wayfield.evaluate([*drivers, "orca"], seed=3, episodes=8, rounds=2)
     for result, expected in zip(ours, printed, strict=True):
         for key in ("success_rate", "mean_cost_s", "spl", "weights_crc32c", "scenario"):
             assert getattr(result, key) == expected[key], key
         assert result.driver_class == expected["class"]
-    assert [result.driver_class for result in ours] == ["A", "A", "A", "C"]
+    assert [result.driver_class for result in ours] == ["A", "A", "A", "B", "C"]
     by_text = wayfield.evaluate("Dwa(horizon_s: 1.0)", seed=3, episodes=8, rounds=2)
     assert (by_text.mean_cost_s, by_text.scenario) == (ours[2].mean_cost_s, "Scenario I")
     with pytest.raises(FileNotFoundError, match="a driver .field, dwa.* or its RON file"):

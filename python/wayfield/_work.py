@@ -28,11 +28,11 @@ def train(build: str, cpus: int, text: str, inputs: dict[str, bytes]) -> bytes:
         return pack(runs / _native.run_task(text, folder))
 
 
-def evaluate(build: str, cpus: int, policy: bytes | str, options: dict[str, Any]) -> str:
-    """Tests a policy, or the driver with that RON text. Returns the list of reports, with one report, as JSON."""
+def evaluate(build: str, cpus: int, policy: tuple[bytes, bool] | str, options: dict[str, Any]) -> str:
+    """Tests a policy, given as its bytes and whether it has a map, or the driver with that RON text. Returns the list of reports, with one report, as JSON."""
     _check_build(build)
     os.environ.setdefault("RAYON_NUM_THREADS", str(cpus))
-    tested = policy if isinstance(policy, str) else _native.NativePolicy.from_bytes(policy)
+    tested = policy if isinstance(policy, str) else _native.NativePolicy.from_bytes(*policy)
     return _native.evaluate([tested], options)
 
 

@@ -203,9 +203,11 @@ def _evaluation(case: dict[str, Any], folder: Path, cpus: int) -> Task:
     # The whole scenario: its file may change, and need not be on the node.
     options["scenario"] = _native.evaluation_scenario([policy], options["names"], scenario, settings)
     options["settings"] = []
-    contents = policy if isinstance(policy, str) else policy.to_bytes()
+    # A classical driver is its text; a policy is its bytes, and whether it has a map.
+    contents = policy if isinstance(policy, str) else (policy.to_bytes(), policy.with_map)
     identity = json.dumps([_native.build(), {**options, "names": []}], sort_keys=True).encode()
-    name = f"evaluation-{_checksum(identity + (contents.encode() if isinstance(contents, str) else contents))}"
+    parts = contents.encode() if isinstance(contents, str) else contents[0] + b"+map" * contents[1]
+    name = f"evaluation-{_checksum(identity + parts)}"
     path = folder / f"{name}.json"
 
     def store(text: str) -> None:

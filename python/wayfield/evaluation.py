@@ -23,7 +23,7 @@ class Evaluation:
     """The results of a policy or a driver over episodes: the numbers of ``wayfield --eval --json``.
 
     Attributes:
-        driver_class: What it may perceive (docs/drivers.md): "A", as all policies, "B" or "C".
+        driver_class: What it may perceive (docs/drivers.md): "A", as all policies without a map, "B" or "C".
         weights_crc32c: The checksum of the policy's weights; None for a classical driver or a function.
         scenario: The scenario's name.
         success_rate, collision_rate, timeout_rate: Shares of the episodes, 0 to 1.
@@ -128,7 +128,8 @@ def evaluate(
     the same episodes.
 
     Args:
-        policy: A policy, its file, or the name of a shipped one; or a classical driver: its name (``"dwa"``; docs/drivers.md
+        policy: A policy, its file, or the name of a shipped one, these two also with ``+map`` behind them, which gives the policy
+            a map that it builds as it drives (docs/drivers.md); or a classical driver: its name (``"dwa"``; docs/drivers.md
             lists them), its RON file or its RON text; or a list of them.
         scenario: A shipped name, a path or RON text; None for the scenario that the policies were trained in, or Scenario I if
             there are none.

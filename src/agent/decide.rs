@@ -41,7 +41,7 @@ pub enum ActionSource {
     Policy(QNetwork),
     /// The user, with the action that is selected at the moment.
     Manual(usize),
-    /// A classical driver.
+    /// A classical driver, or a policy with a map.
     Driver(DriverSource),
 }
 

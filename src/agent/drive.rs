@@ -1,20 +1,53 @@
-//! Classical drivers as action sources (`Decide`).
+//! Classical drivers, and policies with a map, as action sources (`Decide`).
 //!
 //! In: the components of an arena. Out: its action. A driver of class A or B gets what a policy's observation is made of and the
 //! robot's own motion; one of class C also gets the true scenario.
 
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
 use super::{ActionSource, ActionSources};
-use crate::drivers::{Driver, DriverClass, DriverConfig, DriverPlan, Odometry, Percept, Robot, Truth};
-use crate::scenario::Motion;
+use crate::drivers::{
+    Driver, DriverClass, DriverConfig, DriverPlan, DrivingPolicy, Odometry, Percept, Robot, Truth,
+};
+use crate::policy::ActionSet;
+use crate::scenario::{self, Motion, Scenario};
 use crate::task::{
-    Actions, Arena, ArenaLayout, Clock, Episode, EstimatedPose, Goal, Pedestrians, Pose, Scan, Twist,
+    Actions, ActiveActionSet, Arena, ArenaLayout, Clock, CommandedMotions, Episode, EstimatedPose, Goal,
+    Pedestrians, Pose, Scan, Twist,
 };
 
-/// A classical driver in one arena. It starts anew with every episode.
+/// What drives by percepts.
+#[derive(Clone, Debug)]
+pub enum DriverKind {
+    /// A classical driver with its parameters.
+    Classical(DriverConfig),
+    /// A policy, also with a map that it builds.
+    Policy(DrivingPolicy),
+}
+
+impl DriverKind {
+    /// What it may perceive.
+    #[must_use]
+    pub fn class(&self) -> DriverClass {
+        match self {
+            Self::Classical(config) => config.class(),
+            Self::Policy(policy) => policy.class(),
+        }
+    }
+
+    /// A driver of the robot of `scenario` for one episode.
+    fn driver(&self, scenario: &Scenario) -> Box<dyn Driver> {
+        match self {
+            Self::Classical(config) => config.driver(&Robot::of(scenario)),
+            Self::Policy(policy) => policy.driver(scenario),
+        }
+    }
+}
+
+/// A driver in one arena. It starts anew with every episode.
 pub struct DriverSource {
-    config: DriverConfig,
+    kind: DriverKind,
     /// The driver of the current episode; `None` before the first step.
     driver: Option<Box<dyn Driver>>,
     /// The pose that the robot believed in at the last decision.
@@ -22,10 +55,10 @@ pub struct DriverSource {
 }
 
 impl DriverSource {
-    /// A driver with the parameters `config`.
+    /// A driver of the kind `kind`.
     #[must_use]
-    pub fn new(config: &DriverConfig) -> Self {
-        Self { config: config.clone(), driver: None, last_pose: Pose::default() }
+    pub fn new(kind: DriverKind) -> Self {
+        Self { kind, driver: None, last_pose: Pose::default() }
     }
 
     /// What it plans with, in the arena's frame; `None` before the first step, or if it plans no path.
@@ -51,22 +84,54 @@ type Perceived = (
     &'static Episode,
 );
 
-/// `Decide`: lets the classical drivers choose the actions of their arenas.
+/// The commands that [`drive`] writes.
+#[derive(SystemParam)]
+pub(super) struct Commanded<'w> {
+    actions: ResMut<'w, Actions>,
+    motions: ResMut<'w, CommandedMotions>,
+    /// The action set of the networks.
+    action_set: Res<'w, ActiveActionSet>,
+}
+
+impl Commanded<'_> {
+    /// Commands `action` in `arena`: one of `motions`, or else of the motions of `robot`.
+    fn set(&mut self, arena: usize, action: usize, motions: Option<&[Motion]>, robot: &scenario::Robot) {
+        let all = motions.unwrap_or(&robot.motions);
+        let action = action.min(all.len().saturating_sub(1));
+        let is_networks = motions.is_none() && self.action_set.0 == ActionSet::Robot;
+        let motion = if is_networks { None } else { all.get(action).copied() };
+        if let Some(place) = self.actions.0.get_mut(arena) {
+            *place = action;
+        }
+        let commanded = &mut self.motions.0;
+        commanded.resize(commanded.len().max(arena + 1), None);
+        commanded[arena] = motion;
+    }
+}
+
+/// `Decide`: lets the drivers choose the actions of their arenas.
 pub(super) fn drive(
     sources: Option<ResMut<ActionSources>>,
     arenas: Query<Perceived>,
-    mut actions: ResMut<Actions>,
+    mut commanded: Commanded,
 ) {
     let Some(mut sources) = sources else { return };
     for (arena, layout, (pose, estimate), twist, scan, goal, clock, episode) in &arenas {
         let estimate = &estimate.0;
-        let Some(ActionSource::Driver(source)) = sources.arenas.get_mut(arena.0) else { continue };
+        let source = match sources.arenas.get_mut(arena.0) {
+            Some(ActionSource::Driver(source)) => source,
+            Some(ActionSource::Manual(action)) => {
+                commanded.set(arena.0, *action, None, &layout.scenario.robot);
+                continue;
+            }
+            _ => continue,
+        };
         if episode.inactive {
             continue;
         }
         if episode.steps == 0 || source.driver.is_none() {
             // As a policy, it does not know what is drawn for the episode.
-            source.driver = Some(source.config.driver(&Robot::of(&layout.written)));
+            source.driver = Some(source.kind.driver(&layout.written));
             source.last_pose = *estimate;
         }
         let (clock, pedestrians) = clock;
@@ -82,11 +147,12 @@ pub(super) fn drive(
             goal_bearing_rad: estimate.bearing_rad(goal),
             twist: Motion { v_m_s: twist.v_m_s, w_rad_s: twist.w_rad_s },
             odometry: Odometry::between(tuple(&source.last_pose), tuple(estimate)),
-            truth: (source.config.class() == DriverClass::C).then_some(truth),
+            truth: (source.kind.class() == DriverClass::C).then_some(truth),
         };
         source.last_pose = *estimate;
-        if let (Some(driver), Some(action)) = (&mut source.driver, actions.0.get_mut(arena.0)) {
-            *action = driver.act(&percept);
+        if let Some(driver) = &mut source.driver {
+            let action = driver.act(&percept);
+            commanded.set(arena.0, action, driver.motions(), &layout.scenario.robot);
         }
     }
 }

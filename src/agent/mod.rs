@@ -5,7 +5,7 @@
 //! | file | responsible for |
 //! |---|---|
 //! | `decide.rs` | `Decide`: observations -> actions, epsilon-greedy or greedy |
-//! | `drive.rs` | `Decide`: the actions of classical drivers |
+//! | `drive.rs` | `Decide`: the actions of classical drivers, and of policies with a map |
 //! | `train.rs` | `Store` and `Learn`: transitions -> replay buffer -> gradient steps |
 
 mod decide;
@@ -15,7 +15,7 @@ mod train;
 use bevy::prelude::*;
 
 pub use decide::{ActionSelection, ActionSource, ActionSources, Decisions, GreedyPolicy};
-pub use drive::DriverSource;
+pub use drive::{DriverKind, DriverSource};
 pub use train::{ActiveLearner, TrainingFault, TrainingStats, TrainingWarning};
 
 use crate::control_step::{ControlSet, ControlStep};

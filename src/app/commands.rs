@@ -108,6 +108,10 @@ pub enum Command {
     OpenExpert,
     /// Lets the classical driver of this name drive next to the current policy.
     OpenDriver(&'static str),
+    /// Lets the current or the best policy with a map drive next to itself.
+    OpenWithMap,
+    /// Lets a shipped policy with a map drive next to the current policy.
+    OpenExpertWithMap,
     /// Opens the best policy of the training so far, to compare with.
     OpenBest,
     /// Opens a policy file, a run folder, a checkpoint, a scenario or a preset.

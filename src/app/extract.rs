@@ -108,13 +108,13 @@ fn arena_scenes(session: &SessionView, world: &WorldView, view_state: &CurrentVi
     shown.truncate(MAX_ARENAS_SHOWN);
     let part = session.pacer.interpolation();
     let mode = session.mode.mode();
-    let motions = world.scenario.0.robot.motions.len();
+    let actions = world.decisions.q_values.len() / world.actions.0.len().max(1);
     let no_trails = ArenaTrails::default();
     let arena_scenes =
         shown.into_iter().map(|(arena, layout, pose, goal, (clock, pedestrians), scan, episode, member)| {
             let k = arena.0;
             let trails = world.trails.0.get(k).unwrap_or(&no_trails);
-            let q_values = world.decisions.q_values.get(k * motions..(k + 1) * motions).unwrap_or_default();
+            let q_values = world.decisions.q_values.get(k * actions..(k + 1) * actions).unwrap_or_default();
             let is_large = view_state.0.followed == k || mode != SessionMode::Train;
             ArenaScene {
                 scenario: layout.scenario.clone(),

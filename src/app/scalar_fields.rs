@@ -18,8 +18,8 @@ use crate::learning::QNetwork;
 use crate::scenario::{Scenario, enclosure_distance, inner_wall_distance};
 use crate::sim::Probe;
 use crate::task::{
-    Arena, ArenaLayout, Clock, Goal, ObservationLayout, Pose, RewardConfig, Scan, ScanMemory, SensorReadings,
-    Twist, observation,
+    Arena, ArenaLayout, Clock, Goal, ObservationLayout, PathLengths, Pose, RewardConfig, Scan, ScanMemory,
+    SensorReadings, Twist, observation,
 };
 
 /// Number of grid points along the longer side.
@@ -201,6 +201,9 @@ fn sample(
     let (scenario, goal) = (&*inputs.scenario, &inputs.goal);
     let width = sources.layout.width(scenario.lidar.beams);
     let (mut potentials, mut observations) = (Vec::new(), Vec::new());
+    let layout =
+        sources.arenas.iter().find(|(arena, ..)| arena.0 == inputs.arena).map(|(_, layout, ..)| layout);
+    let mut paths = PathLengths::default();
     // One scan per point serves both fields.
     let (mut scan, mut memory) = (Scan::default(), ScanMemory::default());
     for Vec2 { x: x_m, y: y_m } in grid.points_m() {
@@ -208,9 +211,12 @@ fn sample(
         scan_from(&pose, &mut scan);
         // From outside or inside a wall the beams may see far, so the floor is checked separately.
         let free = scan.nearest_m >= scenario.sure_collision_m() && is_floor(scenario, vec2(x_m, y_m));
+        let attracting_m = layout.map_or_else(
+            || pose.distance_m(goal),
+            |layout| paths.distance_m(&sources.reward, layout, &pose, goal),
+        );
         let scale = sources.reward.scale(scenario.robot_unit_m());
-        let potential =
-            sources.reward.potential(scale * pose.distance_m(goal), scale * scan.nearest_m).total();
+        let potential = sources.reward.potential(scale * attracting_m, scale * scan.nearest_m).total();
         potentials.push(if free { potential } else { f32::NAN });
         if inputs.value {
             let start = observations.len();

@@ -1,11 +1,12 @@
-//! What drives in a test: a policy, or a classical driver, given on the command line.
+//! What drives in a test: a policy, also with a map, or a classical driver, given on the command line.
 
 use std::path::Path;
 
 use super::policy;
-use crate::drivers::DriverConfig;
+use crate::drivers::{DriverConfig, DrivingPolicy};
 use crate::policy::Policy;
 use crate::run::evaluate::Evaluated;
+use crate::run::policy_card::{self, WITH_MAP};
 use crate::run::{RunError, shipped};
 use crate::scenario::{Scenario, path_exists, read_text};
 use crate::simulation::Extensions;
@@ -14,19 +15,24 @@ use crate::simulation::Extensions;
 pub enum TestDriver {
     /// A policy.
     Policy(Policy),
+    /// A policy with a map that it builds.
+    PolicyWithMap(DrivingPolicy),
     /// A classical driver.
     Classical(DriverConfig),
 }
 
 impl TestDriver {
     /// The policy in the file at `path`, the driver whose parameters are in that RON file, or the shipped policy or driver of
-    /// that name. A file comes first.
+    /// that name. A file comes first. `+map` after a policy gives it a map.
     ///
     /// # Errors
     /// There is no such file or name, or the file is neither a policy nor a driver.
     pub fn load(path: &Path) -> Result<Self, RunError> {
         let exists = path_exists(path) && !path.is_dir();
         let name = path.to_str().unwrap_or_default();
+        if !exists && let Some(name) = name.strip_suffix(WITH_MAP) {
+            return Self::load(Path::new(name))?.with_map(path);
+        }
         if !exists && let Some(driver) = DriverConfig::shipped(name) {
             return Ok(Self::Classical(driver));
         }
@@ -55,10 +61,27 @@ impl TestDriver {
         Ok(Self::Classical(DriverConfig::parse(text, path)?))
     }
 
+    /// This policy with a map; `path` is what was given.
+    ///
+    /// # Errors
+    /// It is a classical driver, or has a map already.
+    pub fn with_map(self, path: &Path) -> Result<Self, RunError> {
+        match self {
+            Self::Policy(policy) => policy_card::driving(policy, true).map(Self::PolicyWithMap),
+            Self::PolicyWithMap(_) | Self::Classical(_) => Err(RunError::invalid_input(
+                path,
+                format!(
+                    "only a policy gets a map by {WITH_MAP}; help: grid-dwa is a classical driver with a map"
+                ),
+            )),
+        }
+    }
+
     /// Its policy.
     pub fn policy(&self) -> Option<&Policy> {
         match self {
             Self::Policy(policy) => Some(policy),
+            Self::PolicyWithMap(with_map) => Some(&with_map.policy),
             Self::Classical(_) => None,
         }
     }
@@ -68,13 +91,19 @@ impl TestDriver {
     /// # Errors
     /// The policy's inputs or actions do not match `scenario`.
     pub fn check(&self, path: &Path, scenario: &Scenario, extensions: &Extensions) -> Result<(), RunError> {
-        self.policy().map_or(Ok(()), |policy| policy::check(path, policy, scenario, extensions))
+        self.policy().map_or(Ok(()), |policy| policy::check(path, policy, scenario, extensions))?;
+        match self {
+            Self::PolicyWithMap(with_map) => policy_card::check_without_sensors(&with_map.policy)
+                .map_err(|error| RunError::invalid_input(path, error)),
+            _ => Ok(()),
+        }
     }
 
     /// What is evaluated.
     pub fn evaluated(&self) -> Evaluated<'_> {
         match self {
             Self::Policy(policy) => policy.into(),
+            Self::PolicyWithMap(with_map) => with_map.into(),
             Self::Classical(driver) => driver.into(),
         }
     }

@@ -18,7 +18,7 @@ pub struct ModeArgs {
 
     /// Test policies (files, or shipped ones by name) and classical drivers (field, dwa, dwa-cv, grid-dwa, astar-dwa,
     /// astar, orca, or RON files) over rounds of episodes that they have not been trained on; all drive the same episodes
-    /// and act greedily
+    /// and act greedily. POLICY+map gives a policy a map that it builds, and points of a path to drive to (class B)
     #[arg(long, value_name = "POLICY", num_args = 1..)]
     pub eval: Vec<PathBuf>,
 

@@ -43,7 +43,7 @@ impl CommandRules {
         match commands {
             Commands::Actions(actions) => {
                 self.check_actions(actions, num_envs)?;
-                world.remove_resource::<CommandedMotions>();
+                world.resource_mut::<CommandedMotions>().0.clear();
                 world.resource_mut::<Actions>().0[..num_envs].copy_from_slice(actions);
             }
             Commands::Motions(motions) => {
@@ -53,10 +53,10 @@ impl CommandRules {
                     w_rad_s: motion.w_rad_s.clamp(self.low.w_rad_s, self.high.w_rad_s),
                 });
                 let arenas = world.resource::<Actions>().0.len();
-                let mut commanded = world.get_resource_or_init::<CommandedMotions>();
+                let mut commanded = world.resource_mut::<CommandedMotions>();
                 commanded.0.clear();
-                commanded.0.extend(limited);
-                commanded.0.resize(arenas, Motion { v_m_s: 0.0, w_rad_s: 0.0 });
+                commanded.0.extend(limited.map(Some));
+                commanded.0.resize(arenas, Some(Motion { v_m_s: 0.0, w_rad_s: 0.0 }));
             }
         }
         Ok(())

@@ -14,9 +14,9 @@ use crate::control_step::Reset;
 use crate::scenario::Scenario;
 use crate::task::{
     Actions, Arena, ArenaLayout, ArenaScenario, ArenaState, Clock, CurrentScenario, Episode, EstimatedPose,
-    ExtraRewards, Goal, ObservationLayout, Observations, Pedestrians, PendingReset, Pose, Scan, ScanMemory,
-    ScenarioChoice, ScenarioPool, SensorReadings, StepOutcome, StepOutcomes, Streams, TaskFault, Twist,
-    observation,
+    ExtraRewards, Goal, ObservationLayout, Observations, PathLengths, Pedestrians, PendingReset, Pose, Scan,
+    ScanMemory, ScenarioChoice, ScenarioPool, SensorReadings, StepOutcome, StepOutcomes, Streams, TaskFault,
+    Twist, observation,
 };
 
 /// Replaces all arenas by `arenas` new arenas of `scenario` with the random streams of `seed`, and starts an episode in
@@ -42,7 +42,7 @@ pub fn spawn_arenas(world: &mut World, scenario: &Arc<Scenario>, arenas: usize, 
             (Pose::default(), EstimatedPose::default()),
             Twist::default(),
             (Scan::default(), SensorReadings::zeros(extra), ScanMemory::default()),
-            Goal::default(),
+            (Goal::default(), PathLengths::default()),
             (Clock::default(), Pedestrians::default()),
             Episode { pending_reset: PendingReset::Full, ..Episode::default() },
             Streams::new(seed, index as u64),

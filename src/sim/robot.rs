@@ -52,15 +52,15 @@ pub fn integrate_heading(heading_rad: f32, motion: &Motion, seconds: f32) -> f32
 pub(super) struct MotionCommands<'w> {
     actions: Res<'w, Actions>,
     action_set: Res<'w, ActiveActionSet>,
-    motions: Option<Res<'w, CommandedMotions>>,
+    motions: Res<'w, CommandedMotions>,
 }
 
 impl MotionCommands<'_> {
     /// The motion that is commanded in `arena`, whose scenario is `scenario`. A motion that the caller sets is limited to what
     /// the robot's least turning radius allows.
     fn motion(&self, arena: &Arena, scenario: &Scenario) -> Motion {
-        match &self.motions {
-            Some(motions) => scenario.robot.steerable(motions.0[arena.0]),
+        match self.motions.0.get(arena.0).copied().flatten() {
+            Some(motion) => scenario.robot.steerable(motion),
             None => self.action_set.motion(self.actions.0[arena.0], &scenario.robot),
         }
     }

@@ -41,15 +41,16 @@ pub use observation::{
 };
 pub use outcome::{EpisodeEnd, EpisodeEnded, StepOutcome, StepOutcomes};
 pub use reset::EpisodeSetup;
-pub use reward::{Attraction, Potential, RewardConfig, RewardKind, RewardLengths, RewardTerms};
+pub use reward::{Attraction, GoalDistance, Potential, RewardConfig, RewardKind, RewardLengths, RewardTerms};
 pub use scenario_pool::{ArenaScenario, ScenarioChoice, ScenarioPool};
 pub use state::{
-    Arena, ArenaLayout, Clock, Episode, EstimatedPose, Goal, Pedestrians, PendingReset, Pose, Scan, Streams,
-    Twist, wrap_angle,
+    Arena, ArenaLayout, Clock, Episode, EstimatedPose, Goal, PathLengths, Pedestrians, PendingReset, Pose,
+    Scan, Streams, Twist, wrap_angle,
 };
 
 use crate::control_step::{ControlSet, ControlStep, Reset, ResetSet, RewardSet, SenseSet};
-use crate::policy::{ActionSet, MotionLimits};
+use crate::drivers::{action_motion, action_motions};
+use crate::policy::ActionSet;
 use crate::scenario::{Motion, Robot, Scenario};
 
 /// The scenario that the arenas were spawned with. An arena's own is in its [`ArenaLayout`].
@@ -67,22 +68,13 @@ impl ActiveActionSet {
     /// There is no such action.
     #[must_use]
     pub fn motion(&self, action: usize, robot: &Robot) -> Motion {
-        match &self.0 {
-            ActionSet::Robot => robot.motions[action],
-            ActionSet::Relative(motions) => {
-                let (low, high) = robot.motion_limits();
-                let limits =
-                    MotionLimits { v_m_s: (low.v_m_s, high.v_m_s), w_rad_s: (low.w_rad_s, high.w_rad_s) };
-                let (v_m_s, w_rad_s) = motions[action].of(&limits);
-                robot.steerable(Motion { v_m_s, w_rad_s })
-            }
-        }
+        action_motion(&self.0, action, robot)
     }
 
     /// The motions of all actions of `robot`.
     #[must_use]
     pub fn motions(&self, robot: &Robot) -> Vec<Motion> {
-        (0..self.0.len(robot.motions.len())).map(|action| self.motion(action, robot)).collect()
+        action_motions(&self.0, robot)
     }
 }
 
@@ -90,10 +82,10 @@ impl ActiveActionSet {
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Actions(pub Vec<usize>);
 
-/// The motion that the caller commands each arena's robot, in place of one of the scenario's motions. Without this resource,
-/// [`Actions`] choose the motions.
+/// The motion that each arena's robot is commanded in place of one that [`Actions`] choose. `None`, or no element for an arena:
+/// its action chooses.
 #[derive(Resource, Clone, Debug, Default)]
-pub struct CommandedMotions(pub Vec<Motion>);
+pub struct CommandedMotions(pub Vec<Option<Motion>>);
 
 /// Whether an arena whose return has ended waits, inactive, until the caller restarts it
 /// ([`restart_arenas`](crate::sim::restart_arenas)).
@@ -133,6 +125,7 @@ impl Plugin for TaskPlugin {
             .init_resource::<Observations>()
             .init_resource::<Actions>()
             .init_resource::<ActiveActionSet>()
+            .init_resource::<CommandedMotions>()
             .init_resource::<StepOutcomes>()
             .init_resource::<ExtraRewards>()
             .init_resource::<EpisodeSetup>()

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 pub use crate::policy::observation::{DISTANCE_SCALE_M, Encoding, RANGE_SCALE_M, width};
 
-use super::{Arena, ArenaLayout, Episode, EstimatedPose, Goal, PendingReset, Pose, Scan, Twist};
+use super::{Arena, ArenaLayout, Episode, EstimatedPose, Goal, PathLengths, PendingReset, Pose, Scan, Twist};
 use crate::drivers::sector_observer;
 use crate::policy::observation::{self as encodings, EarlierScan, SectorObserver, Sensed};
 use crate::scenario::Scenario;
@@ -216,8 +216,10 @@ impl ScanMemory {
 
 /// Writes the observation of one arena into `row`. `pose` is the one that the robot believes in ([`EstimatedPose`]).
 ///
+/// A row of another length than that of the layout is filled with zeros.
+///
 /// # Panics
-/// If the length of `row` is not that of the layout, or the memory has not [begun](ScanMemory::begin).
+/// If the memory has not [begun](ScanMemory::begin).
 pub fn encode(
     encoding: Encoding,
     memory: &ScanMemory,
@@ -226,7 +228,13 @@ pub fn encode(
     readings: &SensorReadings,
     row: &mut [f32],
 ) {
-    let (encoded, extra) = row.split_at_mut(encoding.width(scan.ranges_m.len()));
+    let width = encoding.width(scan.ranges_m.len());
+    if width + readings.0.len() != row.len() {
+        // In a set of scenarios with different LIDARs, only classical drivers drive by the paper's observation.
+        row.fill(0.0);
+        return;
+    }
+    let (encoded, extra) = row.split_at_mut(width);
     let (bearing_rad, distance_m) = (pose.bearing_rad(goal), pose.distance_m(goal));
     match &memory.sectors {
         Some(sectors) => sectors.encode((bearing_rad, distance_m), encoded),
@@ -310,7 +318,7 @@ type Observed = (
     &'static Goal,
     &'static SensorReadings,
     &'static mut ScanMemory,
-    &'static mut Episode,
+    (&'static mut PathLengths, &'static mut Episode),
 );
 
 /// Schedule `Reset`: encodes the observations and potentials of arenas with a new goal or start.
@@ -321,18 +329,26 @@ pub(super) fn observe_first(
     mut arenas: Query<Observed>,
 ) {
     let width = observations.width;
-    for (arena, arena_layout, scan, (pose, estimate, twist), goal, readings, mut memory, mut episode) in
-        &mut arenas
+    for (
+        arena,
+        arena_layout,
+        scan,
+        (pose, estimate, twist),
+        goal,
+        readings,
+        mut memory,
+        (mut paths, mut episode),
+    ) in &mut arenas
     {
         if episode.pending_reset != PendingReset::None {
-            debug_assert_eq!(width, layout.width(scan.ranges_m.len()));
             let row = &mut observations.current[arena.0 * width..][..width];
             if episode.pending_reset.moves_robot() {
                 memory.begin(layout.encoding, &arena_layout.written, scan, &estimate.0, twist);
             }
             encode(layout.encoding, &memory, scan, (&estimate.0, goal), readings, row);
             let scale = reward.scale(arena_layout.robot_unit_m);
-            episode.potential = reward.potential(scale * pose.distance_m(goal), scale * scan.nearest_m);
+            let attracting_m = paths.distance_m(&reward, arena_layout, pose, goal);
+            episode.potential = reward.potential(scale * attracting_m, scale * scan.nearest_m);
         }
     }
 }

@@ -7,8 +7,8 @@ use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Arena, ArenaLayout, ArenaScenario, DeferResets, Episode, Goal, PendingReset, Pose, RewardConfig,
-    RewardTerms, Scan, TaskMode,
+    Arena, ArenaLayout, ArenaScenario, DeferResets, Episode, Goal, PathLengths, PendingReset, Pose,
+    RewardConfig, RewardTerms, Scan, TaskMode,
 };
 
 /// The outcome of one step in one arena.
@@ -122,9 +122,9 @@ impl EpisodeEnded {
 pub(super) fn compute_outcomes(
     reward: Res<RewardConfig>,
     mut outcomes: ResMut<StepOutcomes>,
-    mut arenas: Query<(&Arena, &ArenaLayout, &Pose, &Scan, &Goal, &mut Episode)>,
+    mut arenas: Query<(&Arena, &ArenaLayout, &Pose, &Scan, &Goal, &mut PathLengths, &mut Episode)>,
 ) {
-    for (arena, layout, pose, scan, goal, mut episode) in &mut arenas {
+    for (arena, layout, pose, scan, goal, mut paths, mut episode) in &mut arenas {
         let rules = &layout.scenario.task;
         let outcome = &mut outcomes.0[arena.0];
         if episode.inactive {
@@ -132,8 +132,9 @@ pub(super) fn compute_outcomes(
             continue;
         }
         let d_g = pose.distance_m(goal);
+        let attracting_m = paths.distance_m(&reward, layout, pose, goal);
         let scale = reward.scale(layout.robot_unit_m);
-        let potential = reward.potential(scale * d_g, scale * scan.nearest_m);
+        let potential = reward.potential(scale * attracting_m, scale * scan.nearest_m);
         let collided = scan.nearest_m < rules.collision_range_m || scan.touching;
         let reached = !collided && d_g < rules.goal_radius_m;
         episode.steps += 1;

@@ -17,6 +17,18 @@ pub enum RewardKind {
     Optimized,
 }
 
+/// The distance to the goal that attracts the robot. It is d_g in eq. (5). The policy observes the straight distance in any case,
+/// and a goal is reached by it. Evaluations do not use the reward.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum GoalDistance {
+    /// The straight distance, as in the paper.
+    #[default]
+    Straight,
+    /// The length of the shortest path around walls and static obstacles, for a disc as large as the robot. Then the attraction
+    /// leads out of dead ends instead of into them. Moving obstacles are left out.
+    Geodesic,
+}
+
 /// The growth of the attraction with the distance to the goal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Attraction {
@@ -61,6 +73,8 @@ pub struct RewardConfig {
     pub attraction: Attraction,
     /// The unit of the lengths: `Metres`, as in the paper, or `Robot`, for training with robots of different sizes.
     pub lengths: RewardLengths,
+    /// The distance to the goal in eq. (5): `Straight`, as in the paper, or `Geodesic`, around walls and static obstacles.
+    pub distance: GoalDistance,
 }
 
 impl Default for RewardConfig {
@@ -74,6 +88,7 @@ impl Default for RewardConfig {
             l_r_m: 0.3,
             attraction: Attraction::Quadratic,
             lengths: RewardLengths::Metres,
+            distance: GoalDistance::Straight,
         }
     }
 }
@@ -127,9 +142,10 @@ impl core::ops::AddAssign for RewardTerms {
 
 impl RewardConfig {
     /// The potential of eqs. (4) to (6): U = mu d_g^2 / 2 + sigma (1 - d_o/l_r)^2 / 2, where the second term is 0 for
-    /// d_o > l_r.
+    /// d_o > l_r. A linear attraction is mu d_g.
     ///
-    /// `d_g` is the distance to the goal, and `d_o` the smallest LIDAR range, both in m, or times [`scale`](Self::scale).
+    /// `d_g` is the distance to the goal that attracts ([`RewardConfig::distance`]), and `d_o` the smallest LIDAR range, both in
+    /// m, or times [`scale`](Self::scale).
     #[must_use]
     pub fn potential(&self, d_g: f32, d_o: f32) -> Potential {
         let attraction = match self.attraction {

@@ -4,14 +4,14 @@
 //! the arena's frame, with the origin at the centre of the enclosure.
 
 use std::collections::VecDeque;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::reward::{Potential, RewardTerms};
+use super::reward::{GoalDistance, Potential, RewardConfig, RewardTerms};
 use crate::random::{self, Stream};
-use crate::scenario::{Crowd, IndexedScenario, Motion, Scenario, SpatialIndex};
+use crate::scenario::{Crowd, FreeCells, Geodesic, IndexedScenario, Motion, Scenario, SpatialIndex};
 
 /// The number of an arena: one robot in one enclosure. It is the arena's row in every batch.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,6 +29,8 @@ pub struct ArenaLayout {
     pub scenario: Arc<Scenario>,
     /// The spatial index of `scenario`, if it has many still parts.
     pub index: Option<Arc<SpatialIndex>>,
+    /// The free cells of `scenario`, once they are needed. Clones share them.
+    free_cells: Arc<OnceLock<Arc<FreeCells>>>,
     /// The unit of lengths in units of the robot, in m ([`Scenario::robot_unit_m`]).
     pub robot_unit_m: f32,
     /// The directions of the LIDAR's beams in the robot's frame: unit vectors, in the sensor's order.
@@ -46,6 +48,7 @@ impl ArenaLayout {
             layout_seed: 0,
             scenario: scenario.clone(),
             index,
+            free_cells: Arc::default(),
             robot_unit_m,
             beams: scenario.lidar.beam_directions().into(),
         }
@@ -60,7 +63,13 @@ impl ArenaLayout {
         }
         if !self.written.generators.is_empty() {
             self.index = SpatialIndex::new(&self.scenario).map(Arc::new);
+            self.free_cells = Arc::default();
         }
+    }
+
+    /// The cells of the layout in which the robot has room.
+    fn free_cells(&self) -> &Arc<FreeCells> {
+        self.free_cells.get_or_init(|| Arc::new(FreeCells::new(&self.scenario)))
     }
 
     /// The scenario with the generated obstacles and the pedestrians, for questions about poses and clearance.
@@ -97,6 +106,29 @@ impl Pose {
     #[must_use]
     pub fn bearing_rad(&self, goal: &Goal) -> f32 {
         wrap_angle(libm::atan2f(goal.y_m - self.y_m, goal.x_m - self.x_m) - self.heading_rad)
+    }
+}
+
+/// The lengths of the shortest paths to an arena's goal. They are a function of layout and goal, computed when they are needed.
+#[derive(Component, Debug, Default)]
+pub struct PathLengths(Geodesic);
+
+impl PathLengths {
+    /// The distance from the goal, in m, that attracts a robot at `pose`.
+    pub(crate) fn distance_m(
+        &mut self,
+        reward: &RewardConfig,
+        layout: &ArenaLayout,
+        pose: &Pose,
+        goal: &Goal,
+    ) -> f32 {
+        match reward.distance {
+            GoalDistance::Straight => pose.distance_m(goal),
+            GoalDistance::Geodesic => {
+                let (goal_m, from_m) = (vec2(goal.x_m, goal.y_m), vec2(pose.x_m, pose.y_m));
+                self.0.distance_m(layout.free_cells(), goal_m, from_m)
+            }
+        }
     }
 }
 

@@ -21,7 +21,7 @@ use wayfield::sim::{self, Bodies, lidar};
 use wayfield::simulation::{Simulation, SimulationBuilder};
 use wayfield::task::{
     Actions, Arena, ArenaState, EpisodeEnded, ObservationLayout, Observations, Pose, RewardConfig,
-    SensorReadings, StepOutcome, StepOutcomes, TaskMode, observation,
+    ScanMemory, SensorReadings, StepOutcome, StepOutcomes, TaskMode, observation,
 };
 
 /// A headless simulation and its scenario.
@@ -86,11 +86,11 @@ impl Lab {
 
     /// The ranges of a new scan from `pose` in `arena`, in m, without noise.
     pub fn cast(&mut self, arena: usize, pose: &Pose) -> Vec<f32> {
-        let beams = lidar::BeamDirections::from_lidar(&self.scenario.lidar);
+        let beams = self.scenario.lidar.beam_directions();
         let max_range_m = self.scenario.lidar.max_range_m;
         self.with_physics(arena, |bodies, _, colliders| {
             let mut ranges_m = Vec::new();
-            lidar::cast_in_arena(&colliders.colliders, bodies, pose, &beams.0, max_range_m, &mut ranges_m);
+            lidar::cast_in_arena(&colliders.colliders, bodies, pose, &beams, max_range_m, &mut ranges_m);
             ranges_m
         })
     }
@@ -116,9 +116,9 @@ impl Lab {
             let readings = SensorReadings::default();
             observation::encode(
                 layout.encoding,
+                &ScanMemory::default(),
                 &state.scan,
-                &state.pose,
-                &state.goal,
+                (&state.pose, &state.goal),
                 &readings,
                 &mut expected,
             );

@@ -304,7 +304,7 @@ impl DriverConfig {
             Self::Dwa(parameters) => Box::new(DwaDriver::new(robot, parameters)),
             Self::DwaCv(parameters) => Box::new(TrackingDwaDriver::new(robot, parameters)),
             Self::GridDwa(p) => {
-                let map = RollingMap::new(&robot, &p);
+                let map = RollingMap::new(&robot, p.cell, p.margin);
                 Box::new(Planned::new(map, Steering::Dwa(p.dwa), robot, &p))
             }
             Self::AstarDwa(p) => {

@@ -30,6 +30,12 @@ impl Grid {
         self.columns * self.rows
     }
 
+    /// Whether `point_m` lies in the rectangle.
+    pub(crate) fn contains(&self, point_m: Vec2) -> bool {
+        let at = (point_m - self.min_m) / self.cell_m;
+        at.cmpge(Vec2::ZERO).all() && at.x < self.columns as f32 && at.y < self.rows as f32
+    }
+
     /// The cell at `point_m`, or the nearest one for a point outside.
     pub(crate) fn cell(&self, point_m: Vec2) -> usize {
         let (column, row) = self.column_row(point_m);

@@ -1,4 +1,4 @@
-//! Classical drivers: baselines for trained policies, behind the same interface.
+//! Classical drivers: baselines for trained policies, behind the same interface; and policies behind it, also with a map.
 //!
 //! In: a [`Percept`] per control step. Out: an action, an index into the robot's motions. A driver knows its [`Robot`] and
 //! what it has perceived since its episode began, nothing else, so that its numbers can be compared with a policy's. What it
@@ -25,6 +25,7 @@
 //!
 //! | module | duty |
 //! |---|---|
+//! | `actions` | the motions that the actions of a policy stand for |
 //! | `config` | the parameters of each driver, as RON |
 //! | `percept` | what a driver perceives |
 //! | `observer` | the observer of a scenario's robot, for policies |
@@ -38,8 +39,11 @@
 //! | `true_map` | a map of the true scenario |
 //! | `path` | the way along a path: the point to pursue (Coulter 1992) |
 //! | `planned` | the drivers with a map: A* with DWA or pure pursuit |
+//! | `policy_driver` | a policy as a driver, without and with a map that it builds |
+//! | `waypoints` | the point to drive to, in place of a goal that is out of sight in the map |
 //! | `orca` | a robot that follows the velocities of [`wayfield_orca`] (van den Berg et al. 2011) |
 
+mod actions;
 mod config;
 mod dwa;
 mod field;
@@ -51,27 +55,37 @@ mod path;
 mod path_search;
 mod percept;
 mod planned;
+mod policy_driver;
 mod robot;
 mod rolling_map;
 mod tracks;
 mod true_map;
+mod waypoints;
 
 use glam::Vec2;
+use wayfield_scenario::Motion;
 
+pub use actions::{action_motion, action_motions};
 pub use config::{
     AstarParameters, DriverClass, DriverConfig, DwaParameters, FieldParameters, OrcaParameters,
     PlannerParameters, TrackingParameters,
 };
 pub use observer::sector_observer;
 pub use percept::{Odometry, Percept, Truth};
+pub use policy_driver::DrivingPolicy;
 pub use robot::Robot;
 
 /// A driver in one episode. A new episode gets a [new driver](DriverConfig::driver).
 pub trait Driver: Send + Sync {
-    /// The action for the next control step, an index into the robot's motions.
+    /// The action for the next control step, an index into its [motions](Driver::motions) or else the robot's.
     ///
     /// It depends on the percepts of the episode alone: not on time, threads or chance.
     fn act(&mut self, percept: &Percept) -> usize;
+
+    /// The motions that its actions are indices of, if they are its own; `None` for those of the robot.
+    fn motions(&self) -> Option<&[Motion]> {
+        None
+    }
 
     /// What it plans with; `None` if it plans no path.
     ///
@@ -93,4 +107,24 @@ pub struct DriverPlan {
     pub cell_m: f32,
     /// Rotation of the cells, counterclockwise, in rad.
     pub rotation_rad: f32,
+}
+
+impl DriverPlan {
+    /// The plan of a robot at `pose` (x in m, y in m, heading in rad) that has the pose `in_map` in the frame of its `path` and of
+    /// the cells of its map (their centres and their side, in m).
+    fn seen_from(
+        (x_m, y_m, heading_rad): (f32, f32, f32),
+        in_map: &Odometry,
+        path: &[Vec2],
+        (occupied, cell_m): (Vec<Vec2>, f32),
+    ) -> Self {
+        let robot = Odometry { translation_m: Vec2::new(x_m, y_m), rotation_rad: heading_rad };
+        let moved = |points: &[Vec2]| points.iter().map(|at| robot.to_outer(in_map.to_inner(*at))).collect();
+        Self {
+            path_m: moved(path),
+            occupied_m: moved(&occupied),
+            cell_m,
+            rotation_rad: heading_rad - in_map.rotation_rad,
+        }
+    }
 }

@@ -16,40 +16,71 @@ const SIDE: u32 = 10;
 /// The cost of a diagonal step, without extra costs.
 const DIAGONAL: u32 = 14;
 
-/// The cheapest path from the cell `from` to the cell `to`, both included, in a grid with `columns` columns. A step to a cell
-/// costs 10 (to the side) or 14 (diagonally) times 1 plus its entry in `extra_costs`. Of equally cheap paths, always the
-/// same.
-pub(crate) fn cheapest_path(columns: usize, extra_costs: &[u16], from: usize, to: usize) -> Vec<usize> {
-    let mut costs = vec![u32::MAX; extra_costs.len()];
-    let mut parents = vec![from as u32; extra_costs.len()];
-    let mut queue = BinaryHeap::new();
-    costs[from] = 0;
-    queue.push(Reverse((estimate(columns, from, to), from)));
-    while let Some(Reverse((_, cell))) = queue.pop() {
-        if cell == to {
-            break;
-        }
-        for (next, step) in neighbours(columns, extra_costs.len(), cell) {
-            let cost = costs[cell].saturating_add(step * (1 + u32::from(extra_costs[next])));
-            if cost < costs[next] {
-                costs[next] = cost;
-                parents[next] = cell as u32;
-                queue.push(Reverse((cost + estimate(columns, next, to), next)));
+/// A search for cheapest paths, with the memory that the next one uses again.
+#[derive(Default)]
+pub(crate) struct PathSearch {
+    costs: Vec<u32>,
+    parents: Vec<u32>,
+    queue: BinaryHeap<Reverse<(u32, usize)>>,
+}
+
+impl PathSearch {
+    /// The cheapest path from the cell `from` to the cell `to`, both included, in a grid with `columns` columns. A step to a
+    /// cell costs 10 (to the side) or 14 (diagonally) times 1 plus its entry in `extra_costs`. Of equally cheap paths, always
+    /// the same.
+    pub(crate) fn cheapest_path(
+        &mut self,
+        columns: usize,
+        extra_costs: &[u16],
+        from: usize,
+        to: usize,
+    ) -> Vec<usize> {
+        let Self { costs, parents, queue } = self;
+        costs.clear();
+        costs.resize(extra_costs.len(), u32::MAX);
+        parents.clear();
+        parents.resize(extra_costs.len(), from as u32);
+        queue.clear();
+        costs[from] = 0;
+        queue.push(Reverse((estimate(columns, from, to), from)));
+        while let Some(Reverse((_, cell))) = queue.pop() {
+            if cell == to {
+                break;
+            }
+            for (next, step) in neighbours(columns, extra_costs.len(), cell) {
+                let cost = costs[cell].saturating_add(step * (1 + u32::from(extra_costs[next])));
+                if cost < costs[next] {
+                    costs[next] = cost;
+                    parents[next] = cell as u32;
+                    queue.push(Reverse((cost + estimate(columns, next, to), next)));
+                }
             }
         }
+        let mut path = vec![to];
+        let mut at = to;
+        while at != from {
+            at = parents[at] as usize;
+            path.push(at);
+        }
+        path.reverse();
+        path
     }
-    let mut path = vec![to];
-    let mut at = to;
-    while at != from {
-        at = parents[at] as usize;
-        path.push(at);
+}
+
+/// The cost of `path`, a list of neighbouring cells, as [`PathSearch::cheapest_path`] counts it.
+pub(crate) fn path_cost(columns: usize, extra_costs: &[u16], path: impl Iterator<Item = usize>) -> u32 {
+    let mut path = path.peekable();
+    let mut cost = 0_u32;
+    while let Some(from) = path.next() {
+        let Some(&to) = path.peek() else { break };
+        let step = estimate(columns, from, to);
+        cost = cost.saturating_add(step * (1 + u32::from(extra_costs[to])));
     }
-    path.reverse();
-    path
+    cost
 }
 
 /// The cost of the shortest path without extra costs: no path costs less.
-fn estimate(columns: usize, from: usize, to: usize) -> u32 {
+pub(crate) fn estimate(columns: usize, from: usize, to: usize) -> u32 {
     let dx = (from % columns).abs_diff(to % columns) as u32;
     let dy = (from / columns).abs_diff(to / columns) as u32;
     SIDE * dx.abs_diff(dy) + DIAGONAL * dx.min(dy)
@@ -80,15 +111,12 @@ fn neighbours(columns: usize, cells: usize, cell: usize) -> impl Iterator<Item =
 mod tests {
     use super::*;
 
-    /// The cost of `path`, step by step.
+    fn cheapest_path(columns: usize, extra_costs: &[u16], from: usize, to: usize) -> Vec<usize> {
+        PathSearch::default().cheapest_path(columns, extra_costs, from, to)
+    }
+
     fn cost(columns: usize, extra_costs: &[u16], path: &[usize]) -> u32 {
-        let step = |ends: &[usize]| {
-            let (_, step) = neighbours(columns, extra_costs.len(), ends[0])
-                .find(|(next, _)| *next == ends[1])
-                .expect("neighbours");
-            step * (1 + u32::from(extra_costs[ends[1]]))
-        };
-        path.windows(2).map(step).sum()
+        path_cost(columns, extra_costs, path.iter().copied())
     }
 
     #[test]

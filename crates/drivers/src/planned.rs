@@ -1,6 +1,6 @@
 //! The drivers with a map: a path by A*, and a way of steering along it.
 
-use glam::{Vec2, vec2};
+use glam::Vec2;
 
 use crate::config::{DwaParameters, PlannerParameters};
 use crate::dwa::Dwa;
@@ -114,16 +114,7 @@ impl<M: Map + Send + Sync> Driver for Planned<M> {
         }
     }
 
-    fn plan(&self, (x_m, y_m, heading_rad): (f32, f32, f32)) -> Option<DriverPlan> {
-        let robot = Odometry { translation_m: vec2(x_m, y_m), rotation_rad: heading_rad };
-        let moved =
-            |points: &[Vec2]| points.iter().map(|at| robot.to_outer(self.pose.to_inner(*at))).collect();
-        let (occupied_m, cell_m) = self.map.built();
-        Some(DriverPlan {
-            path_m: moved(&self.path),
-            occupied_m: moved(&occupied_m),
-            cell_m,
-            rotation_rad: heading_rad - self.pose.rotation_rad,
-        })
+    fn plan(&self, pose: (f32, f32, f32)) -> Option<DriverPlan> {
+        Some(DriverPlan::seen_from(pose, &self.pose, &self.path, self.map.built()))
     }
 }

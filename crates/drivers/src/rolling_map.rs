@@ -6,10 +6,9 @@
 
 use glam::{IVec2, Vec2, ivec2};
 
-use crate::config::PlannerParameters;
 use crate::dwa::MovingPoint;
 use crate::grid::{Grid, MAX_CELLS};
-use crate::path_search::{TOO_CLOSE, cheapest_path};
+use crate::path_search::{PathSearch, TOO_CLOSE, estimate, path_cost};
 use crate::percept::{Odometry, Percept};
 use crate::planned::{Map, closeness_cost};
 use crate::robot::Robot;
@@ -41,12 +40,15 @@ pub(crate) struct RollingMap {
     /// The window of the last plan and its costs.
     window: Grid,
     costs: Vec<u16>,
+    search: PathSearch,
 }
 
 impl RollingMap {
-    pub(crate) fn new(robot: &Robot, parameters: &PlannerParameters) -> Self {
+    /// An empty map with cells of `cell` keep-out distances. Paths keep a distance of `margin` keep-out distances in addition if
+    /// they can.
+    pub(crate) fn new(robot: &Robot, cell: f32, margin: f32) -> Self {
         let half_m = 1.5 * robot.max_range_m;
-        let wanted_m = parameters.cell * robot.keep_out_m;
+        let wanted_m = cell * robot.keep_out_m;
         let cell_m = wanted_m.max(2.0 * half_m / (MAX_CELLS as f32).sqrt());
         let side = ((2.0 * half_m / cell_m).ceil() as i32).max(1);
         let nothing = Cell { at: IVec2::MAX, evidence: 0 };
@@ -57,9 +59,10 @@ impl RollingMap {
             side,
             cells: vec![nothing; window.len()],
             pose: Odometry::default(),
-            stamp: stamp(robot.keep_out_m, parameters.margin * robot.keep_out_m, cell_m),
+            stamp: stamp(robot.keep_out_m, margin * robot.keep_out_m, cell_m),
             window,
             costs: vec![0; window.len()],
+            search: PathSearch::default(),
         }
     }
 
@@ -116,8 +119,43 @@ impl RollingMap {
         self.cells.iter().filter(move |cell| cell.evidence > 0 && is_near(cell.at)).map(|cell| cell.at)
     }
 
+    /// The cheapest path in the window of the last [`RollingMap::make_costs`], by the centres of its cells.
+    pub(crate) fn cheapest_path(&mut self, from_m: Vec2, to_m: Vec2) -> Vec<Vec2> {
+        let (from, to) = (self.window.cell(from_m), self.window.cell(to_m));
+        let path = self.search.cheapest_path(self.window.columns, &self.costs, from, to);
+        path.into_iter().map(|cell| self.window.centre_m(cell)).collect()
+    }
+
+    /// The cost of the way from `at_m` straight to the first point of `path`, as if nothing were there, and along it.
+    pub(crate) fn path_cost(&self, at_m: Vec2, path: &[Vec2]) -> u32 {
+        let columns = self.window.columns;
+        let cells = path.iter().map(|point| self.window.cell(*point));
+        let first = path
+            .first()
+            .map_or(0, |first| estimate(columns, self.window.cell(at_m), self.window.cell(*first)));
+        first.saturating_add(path_cost(columns, &self.costs, cells))
+    }
+
+    /// Whether the straight line from `from_m`, the robot's position, to `to_m` passes only through cells with extra costs of at
+    /// most `most`. What is closer to the robot than its keep-out distance and is left does not count; nor what is outside the
+    /// window.
+    pub(crate) fn is_clear(&self, from_m: Vec2, to_m: Vec2, most: u16) -> bool {
+        let way = to_m - from_m;
+        let samples = (2.0 * way.length() / self.cell_m).ceil().clamp(1.0, MAX_CELLS as f32);
+        let mut is_leaving = true;
+        (0..=samples as usize).all(|k| {
+            let step = way * (k as f32 / samples);
+            let at_m = from_m + step;
+            if !self.window.contains(at_m) || self.costs[self.window.cell(at_m)] <= most {
+                is_leaving = false;
+                return true;
+            }
+            is_leaving && step.length() <= self.robot.keep_out_m
+        })
+    }
+
     /// Sets the window around the robot, and the costs of its cells.
-    fn make_costs(&mut self) {
+    pub(crate) fn make_costs(&mut self) {
         let low = self.at(self.pose.translation_m) - self.side / 2;
         self.window.min_m = low.as_vec2() * self.cell_m;
         let mut costs = std::mem::take(&mut self.costs);
@@ -152,9 +190,7 @@ impl Map for RollingMap {
 
     fn plan(&mut self, from_m: Vec2, to_m: Vec2) -> Vec<Vec2> {
         self.make_costs();
-        let (from, to) = (self.window.cell(from_m), self.window.cell(to_m));
-        let path = cheapest_path(self.window.columns, &self.costs, from, to);
-        path.into_iter().map(|cell| self.window.centre_m(cell)).collect()
+        self.cheapest_path(from_m, to_m)
     }
 
     fn sees(&self, from_m: Vec2, to_m: Vec2) -> bool {
@@ -198,7 +234,7 @@ mod tests {
     #[test]
     fn what_was_seen_stays_where_it_was_while_the_robot_drives_and_turns() {
         let robot = Robot::of(&Scenario::default());
-        let mut map = RollingMap::new(&robot, &PlannerParameters::default());
+        let mut map = RollingMap::new(&robot, 0.34, 1.0);
         let mut ranges_m = [3.5; 24];
         ranges_m[0] = 1.0;
         map.update(&percept(&ranges_m, Odometry::default()));

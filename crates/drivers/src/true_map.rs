@@ -8,7 +8,7 @@ use wayfield_scenario::{
 
 use crate::config::PlannerParameters;
 use crate::grid::Grid;
-use crate::path_search::{TOO_CLOSE, cheapest_path};
+use crate::path_search::{PathSearch, TOO_CLOSE};
 use crate::percept::{Odometry, Percept};
 use crate::planned::{Map, closeness_cost};
 use crate::robot::Robot;
@@ -25,6 +25,7 @@ pub(crate) struct TrueMap {
     reach_m: f32,
     /// The extra costs of the last plan.
     costs: Vec<u16>,
+    search: PathSearch,
     moving: Vec<Moving>,
     clock: u64,
     pose: Odometry,
@@ -64,6 +65,7 @@ impl TrueMap {
             clearances_m: Vec::new(),
             reach_m: 2.0 * (keep_out_m + margin_m),
             costs: Vec::new(),
+            search: PathSearch::default(),
             moving: Vec::new(),
             clock: 0,
             pose: Odometry::default(),
@@ -151,7 +153,7 @@ impl Map for TrueMap {
         }
         self.costs = costs;
         let (from, to) = (self.grid.cell(from_m), self.grid.cell(to_m));
-        let path = cheapest_path(self.grid.columns, &self.costs, from, to);
+        let path = self.search.cheapest_path(self.grid.columns, &self.costs, from, to);
         path.into_iter().map(|cell| self.grid.centre_m(cell)).collect()
     }
 

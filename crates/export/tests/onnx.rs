@@ -35,6 +35,8 @@ fn random(shape: NetworkShape, encoding: Encoding, sensors: &[(&str, usize)]) ->
         RawJson::new(r#"{"name": "A <b>\"room\"</b> | 迷路", "lidar": {"max_range_m": 2.5}}"#.into());
     let scenario = scenario.expect("JSON");
     policy.card = Some(Box::new(Card {
+        observation: None,
+        relative_actions: None,
         program: Program { name: "wayfield".into(), version: "1.2.3".into(), commit: None },
         training: Training {
             scenario_from: "room.ron".into(),

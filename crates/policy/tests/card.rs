@@ -31,6 +31,8 @@ fn policy_of(shape: NetworkShape, encoding: Encoding) -> Policy {
     let q_values = |row: &[f32]| policy.q_values(row, &mut Scratch::default()).to_vec();
     let scenario = RawJson::new("{ \"name\": \"Mine\" }".into()).expect("JSON");
     let card = Card {
+        observation: None,
+        relative_actions: None,
         program: Program { name: "wayfield".into(), version: "1.2.3".into(), commit: None },
         training: Training {
             scenario_from: "mine.ron".into(),

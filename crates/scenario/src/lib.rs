@@ -11,7 +11,9 @@ mod explain;
 mod fields;
 mod file_error;
 mod footprint;
+mod free_cells;
 mod generate;
+mod geodesic;
 mod geometry;
 #[cfg(not(target_arch = "wasm32"))]
 mod input;
@@ -53,6 +55,8 @@ pub use drive::Drive;
 pub use explain::{choose, closest_name, whole_number};
 pub use fields::{Field, FieldValue, Quantity};
 pub use file_error::{Diagnostic, FileError, LocatedDiagnostic, has_field, locate, overlap, utf8};
+pub use free_cells::FreeCells;
+pub use geodesic::Geodesic;
 pub use geometry::{Solid, clearance, enclosure_distance, inner_wall_distance, nearest, shape_distance};
 pub use glam::{Vec2, vec2};
 #[cfg(not(target_arch = "wasm32"))]

@@ -5,7 +5,7 @@
 use super::crowd::{Crowd, Pedestrian};
 use super::geometry::{enclosure_distance, is_clear, nearest_of, shape_distance};
 use super::motion::pose_at;
-use super::schema::{ObstacleMotion, Scenario};
+use super::schema::{ObstacleMotion, Scenario, Wall};
 use super::uniform_grid::UniformGrid;
 use super::{Solid, Vec2};
 
@@ -23,7 +23,7 @@ pub struct SpatialIndex {
 
 /// A still part of a scenario.
 #[derive(Clone, Copy, Debug)]
-enum Part {
+pub(super) enum Part {
     /// A segment of a wall, by the index of the wall and its own.
     Segment { wall: usize, index: usize },
     /// A static obstacle.
@@ -31,6 +31,16 @@ enum Part {
 }
 
 impl Part {
+    /// The still parts of `scenario` except the enclosure: segments of walls, then static obstacles.
+    pub(super) fn still(scenario: &Scenario) -> impl Iterator<Item = Self> {
+        let of_wall = |(wall, of_index): (usize, &Wall)| {
+            (0..of_index.segment_count()).map(move |index| Self::Segment { wall, index })
+        };
+        let is_static = |index: &usize| scenario.obstacles[*index].motion == ObstacleMotion::Static;
+        let still = (0..scenario.obstacles.len()).filter(is_static);
+        scenario.walls.iter().enumerate().flat_map(of_wall).chain(still.map(Self::Obstacle))
+    }
+
     fn solid(self) -> Solid {
         match self {
             Self::Segment { wall, .. } => Solid::Wall(wall),
@@ -38,7 +48,8 @@ impl Part {
         }
     }
 
-    fn distance_m(self, scenario: &Scenario, point_m: Vec2) -> f32 {
+    /// Its distance from a point, in m; negative inside it.
+    pub(super) fn distance_m(self, scenario: &Scenario, point_m: Vec2) -> f32 {
         match self {
             Self::Segment { wall, index } => scenario.walls[wall].segment_distance_m(index, point_m),
             Self::Obstacle(index) => IndexedScenario::from(scenario).obstacle_distance(index, point_m, 0),
@@ -46,7 +57,7 @@ impl Part {
     }
 
     /// Lower left and upper right corner of a box around it, in m.
-    fn bounds_m(self, scenario: &Scenario) -> (Vec2, Vec2) {
+    pub(super) fn bounds_m(self, scenario: &Scenario) -> (Vec2, Vec2) {
         match self {
             Self::Segment { wall, index } => scenario.walls[wall].segment_bounds_m(index),
             Self::Obstacle(index) => {
@@ -62,14 +73,7 @@ impl SpatialIndex {
     /// The index of `scenario`. None if the scenario has so few still parts that testing all of them is as fast.
     #[must_use]
     pub fn new(scenario: &Scenario) -> Option<Self> {
-        let of_wall = |wall: usize| {
-            let segments = 0..scenario.walls[wall].segment_count();
-            segments.map(move |index| Part::Segment { wall, index })
-        };
-        let is_static = |index: &usize| scenario.obstacles[*index].motion == ObstacleMotion::Static;
-        let (still, moving): (Vec<_>, Vec<_>) = (0..scenario.obstacles.len()).partition(is_static);
-        let walls = (0..scenario.walls.len()).flat_map(of_wall);
-        let parts: Vec<Part> = walls.chain(still.into_iter().map(Part::Obstacle)).collect();
+        let parts: Vec<Part> = Part::still(scenario).collect();
         if parts.len() < UniformGrid::MIN_ITEMS {
             return None;
         }
@@ -77,6 +81,8 @@ impl SpatialIndex {
         let farthest_m = boxes.iter().flat_map(|(low, high)| [low, high]).map(|at| at.abs().max_element());
         let margin_m = ROUNDING * farthest_m.fold(1.0, f32::max);
         let grid = UniformGrid::new(&boxes, margin_m, |part, point| parts[part].distance_m(scenario, point))?;
+        let is_moving = |index: &usize| scenario.obstacles[*index].motion != ObstacleMotion::Static;
+        let moving = (0..scenario.obstacles.len()).filter(is_moving).collect();
         Some(Self { grid, parts, moving })
     }
 

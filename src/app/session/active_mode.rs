@@ -20,7 +20,9 @@ use crate::run::RunError;
 use crate::run::checkpoint::TrainerState;
 use crate::scenario::Scenario;
 use crate::sim;
-use crate::task::{Actions, ArenaState, CurrentScenario, EpisodeEnded, LevelProgress, TaskMode};
+use crate::task::{
+    Actions, ArenaState, CommandedMotions, CurrentScenario, EpisodeEnded, LevelProgress, TaskMode,
+};
 
 /// The mode that is active now.
 #[derive(Resource, Default)]
@@ -192,6 +194,7 @@ fn resume_training(world: &mut World) {
         (config.preset.arenas, config.seed)
     };
     world.insert_resource(ActionSelection::EpsilonGreedy);
+    world.resource_mut::<CommandedMotions>().0.clear();
     world.insert_resource(TaskMode::Continuing);
     world.resource_mut::<Messages<EpisodeEnded>>().clear();
     if let ActiveMode::Demo(demo) = std::mem::take(&mut *world.resource_mut::<ActiveMode>()) {

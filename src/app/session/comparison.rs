@@ -1,15 +1,17 @@
 //! The second driver, which drives next to the current policy: an expert, the best policy so far, a policy that the user opens,
-//! or a classical driver.
+//! a policy with a map, or a classical driver.
 //!
 //! In: a command. Out: [`OpenedFiles::policy`] or [`OpenedFiles::driver`], and the mode Compare.
 
 use bevy::prelude::World;
 
 use super::active_mode::{ActiveMode, restart_demo, set_mode};
+use super::evaluations::Evaluations;
 use super::notices::{NoticeTopic, Notices, notify};
-use super::open::{OpenedFiles, check_can_drive};
+use super::open::{OpenedFiles, check_can_drive, check_driver};
 use super::session_policy;
 use super::training_run::TrainingRun;
+use crate::agent::DriverKind;
 use crate::app::app_snapshot::Severity;
 use crate::app::commands::{PolicySource, SessionMode};
 use crate::drivers::DriverConfig;
@@ -24,11 +26,7 @@ use crate::run::{RunError, policy_card, shipped};
 /// No shipped policy can drive here.
 pub(super) fn open_expert(world: &mut World) -> Result<(), RunError> {
     let config = &world.resource::<TrainingRun>().config;
-    let Some(expert) = expert(config) else {
-        let why = "No shipped policy can drive here: they were trained with another LIDAR, another robot or other \
-                   observations";
-        return Err(RunError::InvalidInput(why.into()));
-    };
+    let expert = expert_here(config)?;
     let (name, here) = (expert_name(expert), config.scenario_title());
     let text = if expert.trained_in == here {
         format!("The {name} drives next to the current policy")
@@ -46,7 +44,7 @@ pub(super) fn open_expert(world: &mut World) -> Result<(), RunError> {
 pub(super) fn open_driver(world: &mut World, name: &str) -> Result<String, RunError> {
     let unknown = || RunError::InvalidInput(format!("{name}: no such driver"));
     let driver = DriverConfig::shipped(name).ok_or_else(unknown)?;
-    compare_with_driver(world, driver.title().into(), driver)
+    compare_with_driver(world, driver.title().into(), DriverKind::Classical(driver))
 }
 
 /// Lets `driver` drive next to the current policy. Returns a confirmation.
@@ -56,12 +54,47 @@ pub(super) fn open_driver(world: &mut World, name: &str) -> Result<String, RunEr
 pub(super) fn compare_with_driver(
     world: &mut World,
     name: String,
-    driver: DriverConfig,
+    driver: DriverKind,
 ) -> Result<String, RunError> {
     let text = format!("{name} drives next to the current policy. {}", driver.class().about());
     world.resource_mut::<OpenedFiles>().driver = Some((name, driver));
     compare(world)?;
     Ok(text)
+}
+
+/// Lets the policy that is tested, the current or the best one, with a map that it builds drive next to itself. Returns a
+/// confirmation.
+///
+/// # Errors
+/// It was trained with sensors of plugins.
+pub(super) fn open_with_map(world: &mut World) -> Result<String, RunError> {
+    let run = world.resource::<TrainingRun>();
+    let best = world.resource::<Evaluations>().best(&run.trainer_state).is_some();
+    let (source, name) = match run.tested {
+        PolicySource::Best if best => (PolicySource::Best, "Best policy with a map"),
+        _ => (PolicySource::Current, "Current policy with a map"),
+    };
+    let (_, policy) = session_policy::policy(world, source)?;
+    compare_with_map(world, name, policy)
+}
+
+/// Lets a shipped policy with a map that it builds drive next to the current policy. Returns a confirmation.
+///
+/// # Errors
+/// No shipped policy can drive here.
+pub(super) fn open_expert_with_map(world: &mut World) -> Result<String, RunError> {
+    let expert = expert_here(&world.resource::<TrainingRun>().config)?;
+    compare_with_map(world, &format!("{} with a map", expert_name(expert)), expert.policy.clone())
+}
+
+/// Lets `policy`, called `name`, with a map that it builds drive next to the current policy. Returns a confirmation.
+///
+/// # Errors
+/// It cannot drive here.
+pub(super) fn compare_with_map(world: &mut World, name: &str, policy: Policy) -> Result<String, RunError> {
+    let driver = DriverKind::Policy(policy_card::driving(policy, true)?);
+    check_driver(&world.resource::<TrainingRun>().config, name, &driver)?;
+    compare_with_driver(world, name.into(), driver)
 }
 
 /// Lets the best policy of the training so far drive next to the current one.
@@ -81,6 +114,14 @@ pub(crate) fn expert(config: &RunConfig) -> Option<&'static ShippedPolicy> {
     of_this_scenario
         .chain(all)
         .find(|shipped| check_can_drive(config, shipped.scenario_from, &shipped.policy).is_ok())
+}
+
+fn expert_here(config: &RunConfig) -> Result<&'static ShippedPolicy, RunError> {
+    expert(config).ok_or_else(|| {
+        let why = "No shipped policy can drive here: they were trained with another LIDAR, another robot or other \
+                   observations";
+        RunError::InvalidInput(why.into())
+    })
 }
 
 /// The name of a shipped policy in a comparison.

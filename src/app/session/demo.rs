@@ -8,20 +8,24 @@ use bevy::prelude::*;
 use super::active_mode::ActiveMode;
 use super::comparison::origin;
 use super::evaluations::Evaluations;
-use super::open::{OpenedFiles, check_can_drive};
+use super::open::{OpenedFiles, check_can_drive, check_driver, is_in_session};
 use super::session_policy;
 use super::trails::Trails;
 use super::training_run::TrainingRun;
-use crate::agent::{ActionSelection, ActionSource, ActionSources, ActiveLearner, Decisions, DriverSource};
+use crate::agent::{
+    ActionSelection, ActionSource, ActionSources, ActiveLearner, Decisions, DriverKind, DriverSource,
+};
 use crate::app::commands::{Pace, PolicySource, SessionMode};
 use crate::app::scene::DriverLabel;
 use crate::learning::QNetwork;
 use crate::policy::Policy;
 use crate::report::format::{number, percent};
-use crate::run::{RunError, evaluate};
+use crate::run::{RunError, evaluate, policy_card};
 use crate::scenario::Motion;
 use crate::sim;
-use crate::task::{Arena, CurrentScenario, Episode, EpisodeEnded, ScenarioPool, TaskMode};
+use crate::task::{
+    ActiveActionSet, Arena, CommandedMotions, CurrentScenario, Episode, EpisodeEnded, ScenarioPool, TaskMode,
+};
 
 /// Control steps between two rounds, so that the user sees how a round ended.
 const PAUSE_BETWEEN_ROUNDS: u32 = 4;
@@ -60,7 +64,9 @@ pub(super) fn spawn_arenas(world: &mut World, mode: SessionMode, sources: Vec<Ac
     let seed = world.resource::<TrainingRun>().config.seed;
     let scenario = world.resource::<CurrentScenario>().0.clone();
     let arenas = sources.len();
-    world.insert_resource(ActionSources { arenas: sources, num_actions: scenario.robot.motions.len() });
+    let num_actions = world.resource::<ActiveActionSet>().0.len(scenario.robot.motions.len());
+    world.insert_resource(ActionSources { arenas: sources, num_actions });
+    world.resource_mut::<CommandedMotions>().0.clear();
     world.insert_resource(ActionSelection::PerArena);
     world.insert_resource(Decisions::new(seed, arenas));
     world.insert_resource(if mode == SessionMode::Test {
@@ -96,19 +102,26 @@ pub(super) fn drivers(
 /// The second driver of a comparison: the classical driver that the user has chosen, or else the opened policy.
 fn second(world: &World) -> Result<(DriverLabel, ActionSource), RunError> {
     let opened = world.resource::<OpenedFiles>();
+    let config = &world.resource::<TrainingRun>().config;
     if let Some((name, driver)) = &opened.driver {
+        check_driver(config, name, driver)?;
         let label = DriverLabel::Policy { name: name.clone(), origin: driver.class().about().into() };
-        return Ok((label, ActionSource::Driver(DriverSource::new(driver))));
+        return Ok((label, ActionSource::Driver(DriverSource::new(driver.clone()))));
     }
     let Some((name, policy)) = &opened.policy else {
         return Err(RunError::InvalidInput(
             "Nothing to compare with\nhelp: open a policy file, or choose a classical driver".into(),
         ));
     };
-    let config = &world.resource::<TrainingRun>().config;
     check_can_drive(config, name, policy)?;
     let label = DriverLabel::Policy { name: name.clone(), origin: origin(config, policy) };
-    Ok((label, ActionSource::Policy(network(policy)?)))
+    let source = if is_in_session(config, policy)? {
+        ActionSource::Policy(network(policy)?)
+    } else {
+        let policy = policy_card::driving(policy.clone(), false)?;
+        ActionSource::Driver(DriverSource::new(DriverKind::Policy(policy)))
+    };
+    Ok((label, source))
 }
 
 /// The policy that is tested: the best one so far if the user has chosen it, or else the current one.

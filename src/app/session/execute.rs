@@ -70,6 +70,14 @@ fn try_execute(world: &mut World, command: Command) -> Result<(), RunError> {
             let text = comparison::open_driver(world, name)?;
             notify(world, NoticeTopic::General, Severity::Info, text);
         }
+        Command::OpenWithMap => {
+            let text = comparison::open_with_map(world)?;
+            notify(world, NoticeTopic::General, Severity::Info, text);
+        }
+        Command::OpenExpertWithMap => {
+            let text = comparison::open_expert_with_map(world)?;
+            notify(world, NoticeTopic::General, Severity::Info, text);
+        }
         Command::Open(path) => open::open_or_notify(world, &path),
         Command::Save(what, path) => save_to(world, what, &path)?,
         Command::ApplyScenario { scenario, from, restart } => {

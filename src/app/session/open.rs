@@ -7,15 +7,16 @@ use std::path::{Path, PathBuf};
 
 use bevy::prelude::*;
 
-use super::comparison::{compare_with, compare_with_driver, open_driver};
+use super::comparison::{compare_with, compare_with_driver, compare_with_map, open_driver};
 use super::notices::{NoticeTopic, notify};
 use super::start_training;
 use super::training_run::TrainingRun;
-use crate::agent::ActiveLearner;
+use crate::agent::{ActiveLearner, DriverKind};
 use crate::app::app_snapshot::{Choice, Severity};
-use crate::drivers::DriverConfig;
+use crate::drivers::{DriverConfig, DrivingPolicy};
 use crate::policy::Policy;
 use crate::run::folder::{RunConfig, RunFolder};
+use crate::run::policy_card::WITH_MAP;
 use crate::run::preset::Preset;
 use crate::run::{RunError, evaluate, policy_card, scenario_set, shipped};
 use crate::scenario::{LevelGenerator, Scenario, path_exists, read_text, resemblance, utf8};
@@ -29,8 +30,8 @@ const OPENABLE: &str =
 pub struct OpenedFiles {
     /// A second policy to compare with, and its name.
     pub policy: Option<(String, Policy)>,
-    /// A classical driver to compare with in place of that policy, and its name.
-    pub driver: Option<(String, DriverConfig)>,
+    /// A classical driver, or a policy with a map, to compare with in place of that policy, and its name.
+    pub driver: Option<(String, DriverKind)>,
     /// The user's own scenarios.
     pub scenarios: Vec<Choice>,
     /// The user's own presets.
@@ -83,6 +84,12 @@ fn open(world: &mut World, path: &Path) -> Result<String, RunError> {
     if path.is_dir() {
         return resume(world, path, path);
     }
+    if let Some(policy) = name.strip_suffix(WITH_MAP)
+        && !path_exists(path)
+    {
+        let policy = policy_card::read(&path.with_file_name(policy))?;
+        return compare_with_map(world, &name, policy);
+    }
     match path.extension().and_then(|extension| extension.to_str()) {
         Some("bin") => {
             let folder = path.parent().and_then(Path::parent);
@@ -131,7 +138,11 @@ fn open_ron(world: &mut World, path: &Path) -> Result<String, RunError> {
     if DriverConfig::is_meant_by(&text) {
         let driver = DriverConfig::parse(&text, path)?;
         let file = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-        return compare_with_driver(world, format!("{}, {file}", driver.title()), driver);
+        return compare_with_driver(
+            world,
+            format!("{}, {file}", driver.title()),
+            DriverKind::Classical(driver),
+        );
     }
     let RunConfig { scenario_from, preset_from, seed, .. } = &world.resource::<TrainingRun>().config;
     let (scenario_from, preset_from, seed) = (scenario_from.clone(), preset_from.clone(), *seed);
@@ -161,20 +172,33 @@ fn open_ron(world: &mut World, path: &Path) -> Result<String, RunError> {
     }
 }
 
-/// Checks that `policy`, called `name`, can drive in the scenario of `config` with the observations of its preset.
+/// Checks that `policy`, called `name`, can drive in the scenario of `config`.
 ///
 /// # Errors
 /// The reason why the policy cannot drive there.
 pub(super) fn check_can_drive(config: &RunConfig, name: &str, policy: &Policy) -> Result<(), RunError> {
-    let unusable = |why: String| RunError::InvalidInput(format!("{name}: {why}"));
-    evaluate::check_compatible(policy, &config.scenario, &config.observation_layout())
-        .map_err(|error| unusable(error.to_string()))?;
-    if policy_card::encoding(policy)? != config.preset.observation {
-        return Err(unusable(
-            "its observations are encoded differently from those of the current preset".into(),
-        ));
-    }
-    Ok(())
+    let check = || {
+        evaluate::check_compatible(policy, &config.scenario, &config.observation_layout())?;
+        if is_in_session(config, policy)? { Ok(()) } else { policy_card::check_without_sensors(policy) }
+    };
+    check().map_err(|error: RunError| RunError::InvalidInput(format!("{name}: {error}")))
+}
+
+/// Whether `policy` has the observations and actions of the training of `config`. Otherwise it drives by percepts.
+pub(super) fn is_in_session(config: &RunConfig, policy: &Policy) -> Result<bool, RunError> {
+    let own = (policy_card::encoding(policy)?, policy_card::action_set(policy));
+    Ok(own == (config.preset.observation, config.preset.actions.clone()))
+}
+
+/// Checks that `driver`, called `name`, can drive in the scenario of `config`: a policy must fit.
+///
+/// # Errors
+/// The reason why it cannot drive there.
+pub(super) fn check_driver(config: &RunConfig, name: &str, driver: &DriverKind) -> Result<(), RunError> {
+    let DriverKind::Policy(DrivingPolicy { policy, .. }) = driver else { return Ok(()) };
+    check_can_drive(config, name, policy)?;
+    policy_card::check_without_sensors(policy)
+        .map_err(|error| RunError::InvalidInput(format!("{name}: {error}")))
 }
 
 /// Lists the current scenario or set of scenarios, and the current preset, among the user's own, if they are not shipped.

@@ -9,12 +9,14 @@ use std::path::{Path, PathBuf};
 
 use super::suite::{SuiteReport, Tested};
 use super::suite_failures::{self, Failure, command, failures};
+use crate::policy::Policy;
 use crate::report::page::{Item, Page, Section};
 use crate::report::table::{Cell, Column, ColumnKind, Table};
 use crate::reproduce::report_files;
 use crate::run::evaluate::Evaluated;
 use crate::run::lock::Lock;
 use crate::run::output_file::{remove_temporary_files, replace};
+use crate::run::policy_card::WITH_MAP;
 use crate::run::suite::{FamilyResult, TestStore};
 use crate::run::{RunError, provenance};
 use crate::scenario::to_ron;
@@ -103,26 +105,30 @@ impl SuiteFolder {
         Ok(self.path.join("report.html"))
     }
 
-    /// Writes what drives, so that the commands of the failures need no other file. Returns the paths.
+    /// Writes what drives, so that the commands of the failures need no other file. Returns the paths, as they are given on the
+    /// command line.
     fn write_drivers(&self, tested: &Tested<'_>) -> Result<Vec<PathBuf>, RunError> {
         let folder = made(&self.path.join(DRIVERS))?;
         let mut paths = Vec::new();
         for (k, driver) in tested.drivers.iter().enumerate() {
-            let stem = Path::new(&driver.name).file_stem().unwrap_or_default().to_string_lossy();
+            let name = driver.name.strip_suffix(WITH_MAP).unwrap_or(&driver.name);
+            let stem = Path::new(name).file_stem().unwrap_or_default().to_string_lossy();
             let failed =
                 |error: &dyn std::fmt::Display| RunError::Failed(format!("{}: {error}", driver.name));
-            let (extension, bytes) = match driver.evaluated {
-                Evaluated::Policy(policy) => {
-                    ("safetensors", policy.to_bytes().map_err(|error| failed(&error))?)
-                }
+            let of_policy = |policy: &Policy| policy.to_bytes().map_err(|error| failed(&error));
+            let (extension, bytes, suffix) = match driver.evaluated {
+                Evaluated::Policy(policy) => ("safetensors", of_policy(policy)?, ""),
+                Evaluated::PolicyWithMap(with_map) => ("safetensors", of_policy(&with_map.policy)?, WITH_MAP),
                 Evaluated::Driver(driver) => {
-                    ("ron", to_ron(driver).map_err(|error| failed(&error))?.into_bytes())
+                    ("ron", to_ron(driver).map_err(|error| failed(&error))?.into_bytes(), "")
                 }
             };
             let path = folder.join(format!("{}-{stem}.{extension}", k + 1));
             replace(&path, |file| file.write_all(&bytes))
                 .map_err(|error| RunError::not_written(&path, error))?;
-            paths.push(path);
+            let mut given = path.into_os_string();
+            given.push(suffix);
+            paths.push(given.into());
         }
         Ok(paths)
     }

@@ -6,8 +6,8 @@ use bevy::prelude::*;
 
 use super::path::{PathQuery, PathTracker};
 use super::{EpisodeResult, Evaluated, Evaluation};
-use crate::agent::{ActionSelection, ActionSource, ActionSources, DriverSource, GreedyPolicy};
-use crate::drivers::DriverConfig;
+use crate::agent::{ActionSelection, ActionSource, ActionSources, DriverKind, DriverSource, GreedyPolicy};
+use crate::drivers::DrivingPolicy;
 use crate::learning::QNetwork;
 use crate::limits::MAX_BODIES;
 use crate::policy::{Encoding, Policy};
@@ -132,10 +132,11 @@ impl Evaluator {
     ) -> Result<EvaluationRun, RunError> {
         match evaluated.into() {
             Evaluated::Policy(policy) => self.use_policy(policy)?,
-            Evaluated::Driver(driver) => self.use_driver(driver),
+            Evaluated::PolicyWithMap(policy) => self.use_policy_with_map(policy)?,
+            Evaluated::Driver(driver) => self.use_driver(&DriverKind::Classical(driver.clone())),
         }
         let world = self.simulation.world_mut();
-        world.remove_resource::<CommandedMotions>();
+        world.resource_mut::<CommandedMotions>().0.clear();
         world.insert_resource(setup);
         Ok(EvaluationRun::new(seed, count))
     }
@@ -178,7 +179,7 @@ impl Evaluator {
         if let Some(query) = &mut self.path_query {
             let mut starts = Vec::new();
             query.read(world, |arena, pose, clearance| {
-                starts.push((arena, PathTracker::new(pose, clearance)));
+                starts.push((arena, PathTracker::new(pose, clearance())));
             });
             starts.sort_by_key(|(arena, _)| *arena);
             run.paths = starts.into_iter().map(|(_, path)| path).collect();
@@ -192,7 +193,7 @@ impl Evaluator {
         if let Some(query) = &mut self.path_query {
             query.read(world, |arena, pose, clearance| {
                 if let (Some(None), Some(path)) = (run.ends.get(arena), run.paths.get_mut(arena)) {
-                    path.add(pose, clearance);
+                    path.add(pose, clearance());
                 }
             });
         }
@@ -237,8 +238,8 @@ impl Evaluator {
     }
 
     /// Makes a driver choose the actions of the next episodes.
-    fn use_driver(&mut self, driver: &DriverConfig) {
-        let source = |_| ActionSource::Driver(DriverSource::new(driver));
+    fn use_driver(&mut self, driver: &DriverKind) {
+        let source = |_| ActionSource::Driver(DriverSource::new(driver.clone()));
         let arenas = (0..self.arenas).map(source).collect();
         let world = self.simulation.world_mut();
         world.insert_resource(ActiveActionSet::default());
@@ -246,13 +247,28 @@ impl Evaluator {
         world.insert_resource(ActionSelection::PerArena);
     }
 
+    /// Makes `policy` with a map choose the actions of the next episodes.
+    fn use_policy_with_map(&mut self, policy: &DrivingPolicy) -> Result<(), RunError> {
+        self.check_policy(&policy.policy)?;
+        policy_card::check_without_sensors(&policy.policy)?;
+        self.use_driver(&DriverKind::Policy(policy.clone()));
+        Ok(())
+    }
+
+    /// Checks that `policy` fits the scenario, or all scenarios of the pool.
+    fn check_policy(&self, policy: &Policy) -> Result<(), RunError> {
+        let world = self.simulation.world();
+        let layout = world.resource::<ObservationLayout>();
+        check_compatible(policy, &self.scenario, layout)?;
+        match world.get_resource::<ScenarioPool>() {
+            Some(pool) => pool.tasks().try_for_each(|scenario| check_compatible(policy, &scenario, layout)),
+            None => Ok(()),
+        }
+    }
+
     /// Makes `policy` choose the actions of the next episodes.
     fn use_policy(&mut self, policy: &Policy) -> Result<(), RunError> {
-        let layout = self.simulation.world().resource::<ObservationLayout>();
-        check_compatible(policy, &self.scenario, layout)?;
-        if let Some(pool) = self.simulation.world().get_resource::<ScenarioPool>() {
-            pool.tasks().try_for_each(|scenario| check_compatible(policy, &scenario, layout))?;
-        }
+        self.check_policy(policy)?;
         let network = QNetwork::from_policy(policy).map_err(|error| RunError::Failed(error.to_string()))?;
         let world = self.simulation.world_mut();
         set_observation(world, policy_card::encoding(policy)?, self.scenario.lidar.beams, self.arenas);

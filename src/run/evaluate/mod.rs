@@ -21,7 +21,7 @@ mod trace;
 
 use serde::{Deserialize, Serialize};
 
-use crate::drivers::{DriverClass, DriverConfig};
+use crate::drivers::{DriverClass, DriverConfig, DrivingPolicy};
 use crate::policy::Policy;
 use crate::report::rate::rate_interval;
 use crate::scenario::TaskRules;
@@ -37,21 +37,24 @@ pub use trace::TraceStep;
 /// The physics of the simulation, as reports name it: numbers of other simulators do not belong into one column with these.
 pub const PHYSICS: &str = "kinematic, rapier contact";
 
-/// What is evaluated: a policy, or a classical driver.
+/// What is evaluated: a policy, also with a map, or a classical driver.
 #[derive(Clone, Copy, Debug)]
 pub enum Evaluated<'a> {
     /// The greedy actions of a policy.
     Policy(&'a Policy),
+    /// A policy that drives by percepts, with a map that it builds.
+    PolicyWithMap(&'a DrivingPolicy),
     /// A classical driver.
     Driver(&'a DriverConfig),
 }
 
 impl Evaluated<'_> {
-    /// What it may perceive. A policy has class A.
+    /// What it may perceive. A policy has class A; with a map, B.
     #[must_use]
     pub fn class(&self) -> DriverClass {
         match self {
             Self::Policy(_) => DriverClass::A,
+            Self::PolicyWithMap(policy) => policy.class(),
             Self::Driver(driver) => driver.class(),
         }
     }
@@ -60,6 +63,12 @@ impl Evaluated<'_> {
 impl<'a> From<&'a Policy> for Evaluated<'a> {
     fn from(policy: &'a Policy) -> Self {
         Self::Policy(policy)
+    }
+}
+
+impl<'a> From<&'a DrivingPolicy> for Evaluated<'a> {
+    fn from(policy: &'a DrivingPolicy) -> Self {
+        Self::PolicyWithMap(policy)
     }
 }
 

@@ -37,10 +37,11 @@ impl PathQuery {
         Self(world.query())
     }
 
-    /// Calls `each` with the number of every arena, the robot's pose, and its distance from the nearest wall or obstacle.
-    pub(super) fn read(&mut self, world: &World, mut each: impl FnMut(usize, &Pose, Clearance)) {
+    /// Calls `each` with the number of every arena, the robot's pose, and a function that measures its distance from the nearest
+    /// wall or obstacle, which takes time in large worlds.
+    pub(super) fn read(&mut self, world: &World, mut each: impl FnMut(usize, &Pose, &dyn Fn() -> Clearance)) {
         for (arena, (layout, pedestrians), pose, clock, scan) in self.0.iter(world) {
-            each(arena.0, pose, Clearance::new(layout.indexed(pedestrians), pose, *clock, scan));
+            each(arena.0, pose, &|| Clearance::new(layout.indexed(pedestrians), pose, *clock, scan));
         }
     }
 }

@@ -8,10 +8,12 @@ mod differences;
 mod write;
 
 use std::path::Path;
+use std::sync::Arc;
 
 use serde::Deserialize;
 
 use super::RunError;
+use crate::drivers::DrivingPolicy;
 use crate::limits::MAX_POLICY_BYTES;
 use crate::policy::{ActionSet, Card, Encoding, Policy};
 use crate::scenario::{Lidar, Scenario, diagnostics, read_bytes, value_diagnostics};
@@ -27,6 +29,9 @@ const ENCODING: &str = "encoding";
 
 /// The key for the plugin sensors there, with their widths, such as `speed:2, bumper:1`. A policy without it uses none.
 const SENSORS: &str = "sensors";
+
+/// What follows the name of a policy that gets a map, wherever a policy or a driver is given.
+pub const WITH_MAP: &str = "+map";
 
 /// The policy in the file at `path`, whose card agrees with its network and its scenario.
 ///
@@ -128,6 +133,30 @@ pub fn encoding(policy: &Policy) -> Result<Encoding, RunError> {
     }
 }
 
+/// `policy` as a driver by percepts, with or without a map that it builds.
+///
+/// # Errors
+/// The policy has an encoding that this version does not support.
+pub fn driving(policy: Policy, has_map: bool) -> Result<DrivingPolicy, RunError> {
+    let (encoding, actions) = (encoding(&policy)?, action_set(&policy));
+    Ok(DrivingPolicy { policy: Arc::new(policy), encoding, actions, has_map })
+}
+
+/// Checks that `policy` was trained without plugin sensors, whose readings a policy that drives by percepts does not get.
+///
+/// # Errors
+/// It was trained with some; the message names them.
+pub fn check_without_sensors(policy: &Policy) -> Result<(), RunError> {
+    let sensors = recorded_sensors(policy);
+    if sensors.is_empty() {
+        return Ok(());
+    }
+    Err(RunError::InvalidInput(format!(
+        "the policy was trained with `{}`, whose readings it does not get here; help: test it by --eval, without a map",
+        printable(&sensors)
+    )))
+}
+
 /// The motions that `policy` chooses among.
 #[must_use]
 pub fn action_set(policy: &Policy) -> ActionSet {
@@ -139,10 +168,7 @@ pub fn action_set(policy: &Policy) -> ActionSet {
 /// # Errors
 /// The sensors differ. The message names both.
 pub fn check_sensors(policy: &Policy, layout: &ObservationLayout) -> Result<(), RunError> {
-    let recorded = match &policy.card {
-        Some(card) => describe_sensors(card.sensors()),
-        None => policy.metadata.get(SENSORS).cloned().unwrap_or_default(),
-    };
+    let recorded = recorded_sensors(policy);
     let present = describe_sensors(layout.slices().iter().map(sensor));
     if recorded == present {
         return Ok(());
@@ -156,6 +182,14 @@ pub fn check_sensors(policy: &Policy, layout: &ObservationLayout) -> Result<(), 
         named(&recorded),
         named(&present)
     )))
+}
+
+/// The plugin sensors that `policy` was trained with, as text.
+fn recorded_sensors(policy: &Policy) -> String {
+    match &policy.card {
+        Some(card) => describe_sensors(card.sensors()),
+        None => policy.metadata.get(SENSORS).cloned().unwrap_or_default(),
+    }
 }
 
 /// The name of `encoding` in messages.

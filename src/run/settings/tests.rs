@@ -3,7 +3,7 @@ use crate::learning::{Loss, Sampling, Schedule};
 use crate::run::preset::Budget;
 use crate::run::shipped;
 use crate::scenario::{ObstacleMotion, to_ron};
-use crate::task::RewardKind;
+use crate::task::{GoalDistance, RewardKind};
 
 fn settings(texts: &[&str]) -> Settings {
     Settings(
@@ -30,6 +30,7 @@ fn any_field_can_be_set_and_the_others_stay() {
         "learning.gamma=0.97",
         "learning.replay.sampling.alpha=0.3",
         "reward.kind=Traditional",
+        "reward.distance=Geodesic",
         "arenas = 4",
         "evaluation.every_env_steps=1k",
         "budget=EnvSteps(6e5)",
@@ -50,6 +51,7 @@ fn any_field_can_be_set_and_the_others_stay() {
     };
     *alpha = 0.3;
     expected.reward.kind = RewardKind::Traditional;
+    expected.reward.distance = GoalDistance::Geodesic;
     expected.arenas = 4;
     expected.evaluation.every_env_steps = 1000;
     expected.budget = Budget::EnvSteps(600_000);

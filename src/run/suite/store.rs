@@ -80,6 +80,7 @@ pub fn key(evaluated: Evaluated<'_>, scenario: &Scenario, options: &str) -> Resu
     let failed = |error: serde_json::Error| RunError::Failed(error.to_string());
     let driver = match evaluated {
         Evaluated::Policy(policy) => format!("policy {}", policy.weights_crc32c()),
+        Evaluated::PolicyWithMap(policy) => format!("policy {} with map", policy.policy.weights_crc32c()),
         Evaluated::Driver(driver) => {
             let json = serde_json::to_string(driver).and_then(RawJson::new).map_err(failed)?;
             format!("{} {}", driver.name(), json.crc32c())

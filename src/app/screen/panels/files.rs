@@ -11,7 +11,7 @@ use crate::app::screen::key_bindings::{Shortcut, with_key_hint};
 use crate::app::screen::numbers::{format_count, format_percent};
 use crate::app::screen::widgets::buttons::wide_button_ui;
 use crate::app::screen::widgets::text::{section_title_ui, weak_text};
-use crate::drivers::DriverConfig;
+use crate::drivers::{DriverClass, DriverConfig};
 
 /// The height of the buttons, in points.
 const HEIGHT: f32 = 26.0;
@@ -28,7 +28,7 @@ const SAVE_POLICY: &str = "Save policy…";
 pub(super) fn files_ui(ui: &mut Ui, status: &AppSnapshot, commands: &mut Vec<Command>) {
     section_title_ui(ui, "Files");
     expert_button_ui(ui, status, commands);
-    driver_menu_ui(ui, commands);
+    driver_menu_ui(ui, status, commands);
     let open = if status.has_disk { OPEN_HELP } else { OPEN_HELP_WITHOUT_DISK };
     let run = "Save the whole run, so that it can be resumed";
     let scenario = "Save the scenario, including objects you moved";
@@ -70,8 +70,8 @@ fn expert_button_ui(ui: &mut Ui, status: &AppSnapshot, commands: &mut Vec<Comman
     }
 }
 
-/// Draws the menu of the classical drivers, by class.
-fn driver_menu_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
+/// Draws the menu of the classical drivers and of policies with a map, by class.
+fn driver_menu_ui(ui: &mut Ui, status: &AppSnapshot, commands: &mut Vec<Command>) {
     let text = (Atom::grow(), "Watch a classical driver", Atom::grow());
     let button = Button::new(text).min_size(vec2(ui.available_width(), HEIGHT));
     let (response, _) = MenuButton::from_button(button).ui(ui, |ui| {
@@ -81,13 +81,29 @@ fn driver_menu_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
         {
             if class.replace(driver.class()) != Some(driver.class()) {
                 ui.label(weak_text(driver.class().about()));
+                if driver.class() == DriverClass::B {
+                    policies_with_map_ui(ui, status, commands);
+                }
             }
             if ui.button(driver.title()).clicked() {
                 commands.push(Command::OpenDriver(name));
             }
         }
     });
-    response.on_hover_text("Compare the current policy with a classical driver, on the same goals");
+    response.on_hover_text(
+        "Compare the current policy with a classical driver, or a policy with a map, on the same goals",
+    );
+}
+
+/// Draws the buttons of the policies that get a map.
+fn policies_with_map_ui(ui: &mut Ui, status: &AppSnapshot, commands: &mut Vec<Command>) {
+    if ui.button("This policy with a map").clicked() {
+        commands.push(Command::OpenWithMap);
+    }
+    let Some(expert) = &status.expert else { return };
+    if ui.button(format!("{} with a map", expert.name)).clicked() {
+        commands.push(Command::OpenExpertWithMap);
+    }
 }
 
 fn button_ui(

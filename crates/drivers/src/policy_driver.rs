@@ -1,0 +1,141 @@
+//! A policy as a driver: from a percept to the network's inputs, and to its greedy action; and the same policy with a map.
+
+use std::sync::Arc;
+
+use wayfield_policy::observation::{self, SectorObserver, Sensed};
+use wayfield_policy::{ActionSet, Encoding, Policy, Scratch};
+use wayfield_scenario::{Motion, Scenario};
+
+use crate::actions::action_motions;
+use crate::observer::sector_observer;
+use crate::percept::{Odometry, Percept};
+use crate::robot::Robot;
+use crate::waypoints::Waypoints;
+use crate::{Driver, DriverClass, DriverPlan};
+
+/// A policy that drives by percepts. It must have been trained without sensors of plugins.
+#[derive(Clone, Debug)]
+pub struct DrivingPolicy {
+    /// The policy.
+    pub policy: Arc<Policy>,
+    /// The encoding of its observations.
+    pub encoding: Encoding,
+    /// The motions that it chooses among.
+    pub actions: ActionSet,
+    /// Whether it builds a map as it drives. While the straight way to the goal is not free in the map, it drives to a point of
+    /// the shortest path instead, with the same weights.
+    pub has_map: bool,
+}
+
+impl DrivingPolicy {
+    /// What it perceives.
+    #[must_use]
+    pub fn class(&self) -> DriverClass {
+        if self.has_map { DriverClass::B } else { DriverClass::A }
+    }
+
+    /// A driver of the robot of `scenario` for one episode. The policy must fit the scenario.
+    #[must_use]
+    pub fn driver(&self, scenario: &Scenario) -> Box<dyn Driver> {
+        let driver = PolicyDriver::new(self, scenario);
+        if self.has_map {
+            let waypoints = Waypoints::new(&Robot::of(scenario));
+            return Box::new(MapDriver { driver, waypoints });
+        }
+        Box::new(driver)
+    }
+}
+
+/// What turns percepts into observations.
+enum Observer {
+    /// The paper's observation, which needs no memory.
+    Paper(Encoding),
+    /// Observations by sectors.
+    Sectors {
+        observer: Box<SectorObserver>,
+        /// The robot's pose since the episode's start.
+        pose: Odometry,
+    },
+}
+
+/// A policy in one episode: class A. After its first steps, a decision allocates no memory.
+struct PolicyDriver {
+    policy: Arc<Policy>,
+    observer: Observer,
+    /// The motions of its actions; `None` for those of the robot.
+    motions: Option<Vec<Motion>>,
+    observation: Vec<f32>,
+    scratch: Scratch,
+}
+
+impl PolicyDriver {
+    fn new(of: &DrivingPolicy, scenario: &Scenario) -> Self {
+        let DrivingPolicy { policy, encoding, actions, .. } = of;
+        let observer = match encoding.sectors() {
+            Some(layout) => Observer::Sectors {
+                observer: Box::new(sector_observer(layout, scenario)),
+                pose: Odometry::default(),
+            },
+            None => Observer::Paper(*encoding),
+        };
+        let motions = (*actions != ActionSet::Robot).then(|| action_motions(actions, &scenario.robot));
+        let observation = vec![0.0; encoding.width(scenario.lidar.beams)];
+        Self { policy: policy.clone(), observer, motions, observation, scratch: Scratch::default() }
+    }
+
+    /// The action towards a goal at the bearing `goal.0`, in rad, and at the distance `goal.1`, in m.
+    fn act_towards(&mut self, percept: &Percept, goal: (f32, f32)) -> usize {
+        let row = &mut self.observation;
+        match &mut self.observer {
+            Observer::Paper(encoding) => {
+                observation::encode(*encoding, percept.ranges_m, goal.0, goal.1, row);
+            }
+            Observer::Sectors { observer, pose } => {
+                *pose = pose.then(&percept.odometry);
+                observer.sense(&Sensed {
+                    ranges_m: percept.ranges_m,
+                    pose: (pose.translation_m.x, pose.translation_m.y, pose.rotation_rad),
+                    twist: (percept.twist.v_m_s, percept.twist.w_rad_s),
+                });
+                observer.encode(goal, row);
+            }
+        }
+        self.policy.act(row, &mut self.scratch)
+    }
+}
+
+impl Driver for PolicyDriver {
+    fn act(&mut self, percept: &Percept) -> usize {
+        self.act_towards(percept, (percept.goal_bearing_rad, percept.goal_distance_m))
+    }
+
+    fn motions(&self) -> Option<&[Motion]> {
+        self.motions.as_deref()
+    }
+}
+
+/// A policy with a map, in one episode: class B.
+struct MapDriver {
+    driver: PolicyDriver,
+    waypoints: Waypoints,
+}
+
+impl Driver for MapDriver {
+    fn act(&mut self, percept: &Percept) -> usize {
+        match self.waypoints.update(percept) {
+            Some(point) => {
+                let bearing_rad = libm::atan2f(point.y, point.x);
+                self.driver.act_towards(percept, (bearing_rad, point.length()))
+            }
+            None => self.driver.act(percept),
+        }
+    }
+
+    fn motions(&self) -> Option<&[Motion]> {
+        self.driver.motions()
+    }
+
+    fn plan(&self, pose: (f32, f32, f32)) -> Option<DriverPlan> {
+        Some(self.waypoints.plan(pose))
+    }
+}

@@ -1,0 +1,242 @@
+//! The point to drive to, in place of a goal that is out of sight in a map that is built as the robot drives.
+//!
+//! While the straight way to the goal is free in the map, there is none. Otherwise it is the farthest point in sight on the
+//! cheapest path, within a distance along it. What is unknown is free.
+
+use glam::Vec2;
+
+use crate::DriverPlan;
+use crate::path_search::TOO_CLOSE;
+use crate::percept::{Odometry, Percept};
+use crate::planned::Map;
+use crate::robot::Robot;
+use crate::rolling_map::RollingMap;
+
+/// Side of a cell of the map, in keep-out distances.
+const CELL: f32 = 0.34;
+/// Distance that a path keeps beyond the keep-out distance if it can, in keep-out distances.
+const MARGIN: f32 = 1.0;
+/// Control steps between two plans.
+const REPLAN_STEPS: u32 = 3;
+/// The farthest waypoint along the path, in keep-out distances.
+const LOOKAHEAD: f32 = 8.0;
+/// The nearest waypoint along the path if none is in sight, in keep-out distances.
+const NEAREST: f32 = 2.0;
+/// The most extra costs of a cell on a way that is in sight: it is not too close to anything.
+const IN_SIGHT: u16 = TOO_CLOSE - 1;
+/// The same for the way to a goal that was out of sight: half the margin. A goal on the edge of sight does not come and go.
+const IN_SIGHT_AGAIN: u16 = 4;
+/// A path is kept until another one costs less than this part of it, so that the robot does not turn between equal ways.
+const BETTER: f32 = 0.8;
+
+/// The choice of waypoints in one episode, and its map.
+pub(crate) struct Waypoints {
+    map: RollingMap,
+    keep_out_m: f32,
+    goal_radius_m: f32,
+    /// The robot's pose in the map's frame, which the following points also have.
+    pose: Odometry,
+    goal_m: Vec2,
+    /// The path to the goal; empty while the goal is in sight.
+    path: Vec<Vec2>,
+    waypoint_m: Option<Vec2>,
+    /// Control steps until the next plan.
+    steps_left: u32,
+}
+
+impl Waypoints {
+    pub(crate) fn new(robot: &Robot) -> Self {
+        Self {
+            map: RollingMap::new(robot, CELL, MARGIN),
+            keep_out_m: robot.keep_out_m,
+            goal_radius_m: robot.goal_radius_m,
+            pose: Odometry::default(),
+            goal_m: Vec2::ZERO,
+            path: Vec::new(),
+            waypoint_m: None,
+            steps_left: 0,
+        }
+    }
+
+    /// Enters a percept. Returns the waypoint in the robot's frame, in m; `None` if the robot is to drive to its goal.
+    pub(crate) fn update(&mut self, percept: &Percept) -> Option<Vec2> {
+        self.pose = self.map.update(percept);
+        let goal_m = self.pose.to_outer(percept.goal_m());
+        if (goal_m - self.goal_m).length() > self.goal_radius_m {
+            (self.steps_left, self.waypoint_m) = (0, None);
+            self.path.clear();
+        }
+        if self.steps_left == 0 {
+            self.goal_m = goal_m;
+            self.choose();
+            self.steps_left = REPLAN_STEPS;
+        }
+        self.steps_left -= 1;
+        self.waypoint_m.map(|point_m| self.pose.to_inner(point_m))
+    }
+
+    /// What it plans with, as [`crate::Driver::plan`].
+    pub(crate) fn plan(&self, pose: (f32, f32, f32)) -> DriverPlan {
+        DriverPlan::seen_from(pose, &self.pose, &self.path, self.map.built())
+    }
+
+    fn choose(&mut self) {
+        self.map.make_costs();
+        let at_m = self.pose.translation_m;
+        let most = if self.waypoint_m.is_some() { IN_SIGHT_AGAIN } else { IN_SIGHT };
+        if self.map.is_clear(at_m, self.goals_edge_m(), most) {
+            self.waypoint_m = None;
+            self.path.clear();
+            return;
+        }
+        let found = self.map.cheapest_path(at_m, self.goal_m);
+        self.path.drain(..nearest(&self.path, at_m));
+        let (cost, kept) = (self.map.path_cost(at_m, &found), self.map.path_cost(at_m, &self.path));
+        if self.path.is_empty() || (cost as f32) < BETTER * kept as f32 {
+            self.path = found;
+        }
+        self.waypoint_m = Some(self.farthest_in_sight(at_m));
+    }
+
+    /// The point within the goal's radius that is closest to the robot.
+    fn goals_edge_m(&self) -> Vec2 {
+        let way = self.goal_m - self.pose.translation_m;
+        self.pose.translation_m + way * (1.0 - self.goal_radius_m / way.length().max(self.goal_radius_m))
+    }
+
+    /// The farthest point in sight on the path, within the distance ahead; at least the one at the nearest distance. The last
+    /// point is the goal.
+    fn farthest_in_sight(&self, at_m: Vec2) -> Vec2 {
+        let mut chosen = None;
+        let mut along_m = 0.0;
+        for (k, ends) in self.path.windows(2).enumerate() {
+            along_m += (ends[1] - ends[0]).length();
+            let is_last = k + 2 == self.path.len();
+            let point = if is_last { self.goal_m } else { ends[1] };
+            if along_m > LOOKAHEAD * self.keep_out_m {
+                break;
+            }
+            if along_m <= NEAREST * self.keep_out_m || self.map.is_clear(at_m, point, IN_SIGHT) {
+                chosen = Some(point);
+            }
+        }
+        chosen.unwrap_or(self.goal_m)
+    }
+}
+
+/// The index of the first point of `path` that is nearest to `at_m`; 0 if there are none.
+fn nearest(path: &[Vec2], at_m: Vec2) -> usize {
+    let distance = |index: &usize| (path[*index] - at_m).length_squared();
+    (0..path.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::vec2;
+    use wayfield_scenario::{Lidar, Motion, Scenario};
+
+    use super::*;
+
+    /// A robot that keeps 0.13 m from walls and has 360 beams.
+    fn robot() -> Robot {
+        Robot::of(&Scenario { lidar: Lidar { beams: 360, ..Lidar::default() }, ..Scenario::default() })
+    }
+
+    /// A robot that always faces along x, at `at_m`, before a wall along x = 1 from `low` to `high`. Its goal is at (2, 0).
+    struct Place {
+        robot: Robot,
+        waypoints: Waypoints,
+        at_m: Vec2,
+    }
+
+    impl Place {
+        fn new(at_m: Vec2) -> Self {
+            let robot = robot();
+            Self { waypoints: Waypoints::new(&robot), robot, at_m }
+        }
+
+        /// The waypoint in the world after the robot has moved to `to_m` and seen the wall, if any.
+        fn waypoint(&mut self, to_m: Vec2, wall: Option<(f32, f32)>) -> Option<Vec2> {
+            let range = |beam: &Vec2| {
+                let range_m = (1.0 - to_m.x) / beam.x;
+                let y = to_m.y + range_m * beam.y;
+                let is_hit = wall.is_some_and(|(low, high)| (low..=high).contains(&y));
+                if is_hit && range_m > 0.0 { range_m.min(3.5) } else { 3.5 }
+            };
+            let ranges_m: Vec<f32> = self.robot.beams.iter().map(range).collect();
+            let goal_m = vec2(2.0, 0.0) - to_m;
+            let percept = Percept {
+                ranges_m: &ranges_m,
+                goal_distance_m: goal_m.length(),
+                goal_bearing_rad: goal_m.to_angle(),
+                twist: Motion { v_m_s: 0.0, w_rad_s: 0.0 },
+                odometry: Odometry { translation_m: to_m - self.at_m, rotation_rad: 0.0 },
+                truth: None,
+            };
+            self.at_m = to_m;
+            self.waypoints.update(&percept).map(|point_m| point_m + to_m)
+        }
+
+        /// The waypoint after the robot has stood there until the next plan.
+        fn planned(&mut self, to_m: Vec2, wall: Option<(f32, f32)>) -> Option<Vec2> {
+            (0..=REPLAN_STEPS).map(|_| self.waypoint(to_m, wall)).last().flatten()
+        }
+    }
+
+    #[test]
+    fn the_waypoint_is_the_farthest_point_in_sight_of_the_way_around() {
+        let wall = Some((-0.9, 0.3));
+        let mut place = Place::new(Vec2::ZERO);
+        assert_eq!(place.waypoint(Vec2::ZERO, None), None, "the goal is in sight");
+        // The shorter way leads past the upper end, (1, 0.3). The corner at the keep-out distance from it is 1.04 m along the
+        // path or farther, so the waypoint lies near there, at 8 x 0.13 = 1.04 m along the path.
+        let point = place.planned(Vec2::ZERO, wall).expect("the wall is in the way");
+        assert!((0.9..=1.05).contains(&point.length()), "{point}");
+        assert!((0.35..=0.75).contains(&point.y), "{point}");
+        // The straight way there keeps clear of the end of the wall.
+        let end = vec2(1.0, 0.3);
+        let along = end.dot(point.normalize()).min(point.length());
+        assert!((end - point.normalize() * along).length() > 0.13 - 0.03, "{point}");
+        // From there the way to the goal passes the end at 0.36 m.
+        assert_eq!(place.planned(vec2(1.0, 0.75), wall), None);
+    }
+
+    #[test]
+    fn a_goal_on_the_edge_of_sight_does_not_come_and_go() {
+        // From (0.6, 0.67) the way to the goal passes the wall's end at (0.67 - 0.42) / |(1.4, 0.67)| = 0.16 m: farther than the
+        // robot must keep, but within half the margin.
+        let (wall, edge) = (Some((-0.9, 0.3)), vec2(0.6, 0.67));
+        assert_eq!(Place::new(edge).planned(edge, wall), None, "it was never out of sight");
+        let mut place = Place::new(Vec2::ZERO);
+        assert!(place.planned(Vec2::ZERO, wall).is_some());
+        assert!(place.planned(edge, wall).is_some(), "it is not yet in sight again");
+    }
+
+    #[test]
+    fn of_two_equally_good_ways_the_first_is_kept_until_it_is_closed() {
+        let wall = Some((-0.6, 0.6));
+        let mut place = Place::new(Vec2::ZERO);
+        let side = place.planned(Vec2::ZERO, wall).expect("out of sight").y.signum();
+        // A step to the other side, which makes that way the shorter one.
+        for step in 1..5 {
+            let point = place.planned(vec2(0.0, -0.02 * side * step as f32), wall).expect("out of sight");
+            assert_eq!(point.y.signum(), side, "{point}");
+        }
+        // The wall turns out to go on on this side.
+        let longer = Some(if side > 0.0 { (-0.6, 3.0) } else { (-3.0, 0.6) });
+        let point = place.planned(Vec2::ZERO, longer).expect("out of sight");
+        assert_eq!(point.y.signum(), -side, "{point}");
+    }
+
+    #[test]
+    fn what_has_gone_is_forgotten() {
+        let mut place = Place::new(Vec2::ZERO);
+        assert!(place.planned(Vec2::ZERO, Some((-0.9, 0.3))).is_some());
+        for _ in 0..10 {
+            place.waypoint(Vec2::ZERO, None);
+        }
+        assert_eq!(place.waypoint(Vec2::ZERO, None), None);
+        let plan = place.waypoints.plan((0.0, 0.0, 0.0));
+        assert!(plan.path_m.is_empty() && plan.occupied_m.is_empty(), "{plan:?}");
+    }
+}

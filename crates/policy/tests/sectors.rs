@@ -1,0 +1,187 @@
+//! The observation by sectors: hand-worked numbers, and what it promises about robots, LIDARs and motion.
+
+use std::f32::consts::{FRAC_PI_2, PI, TAU};
+
+use wayfield_policy::observation::{
+    BodyScale, Column, EarlierScan, LidarBeams, SectorLayout, SectorObserver, Sensed,
+};
+
+const LAYOUT: SectorLayout = SectorLayout { count: 36, earlier_steps: 2 };
+
+/// An observer of a disc that collides at `unit_m`, with `beams` beams all around and a range of `27 * unit_m`.
+fn observer(layout: SectorLayout, beams: usize, unit_m: f32) -> SectorObserver {
+    let spacing_rad = TAU / beams as f32;
+    let angles_rad = (0..beams).map(|beam| beam as f32 * spacing_rad).collect();
+    let body = BodyScale {
+        unit_m,
+        extents_m: vec![unit_m; beams],
+        max_speed_m_s: unit_m,
+        max_turn_rad_s: 1.5,
+        control_period_s: 0.2,
+        goal_radius_m: 1.5 * unit_m,
+    };
+    SectorObserver::new(layout, &LidarBeams { angles_rad, spacing_rad, max_range_m: 27.0 * unit_m }, body)
+}
+
+fn row(observer: &SectorObserver, goal: (f32, f32)) -> Vec<f32> {
+    let mut row = vec![f32::NAN; observer.layout().width()];
+    observer.encode(goal, &mut row);
+    row
+}
+
+/// The ranges, in m, from `pose` in a room of 2 m x 2 m around the origin, with a disc of radius 0.2 m at `disc_m`.
+fn ranges(beams: usize, (x, y, heading): (f32, f32, f32), disc_m: (f32, f32)) -> Vec<f32> {
+    let range = |beam: usize| {
+        let angle = heading + beam as f32 * TAU / beams as f32;
+        let (sin, cos) = angle.sin_cos();
+        let to_wall = |at: f32, step: f32| {
+            if step.abs() < 1e-6 { f32::INFINITY } else { (step.signum() - at) / step }
+        };
+        let (dx, dy) = (disc_m.0 - x, disc_m.1 - y);
+        let (along, across) = (dx * cos + dy * sin, dy * cos - dx * sin);
+        let to_disc = if along > 0.0 && across.abs() < 0.2 {
+            along - (0.04 - across * across).sqrt()
+        } else {
+            f32::INFINITY
+        };
+        to_wall(x, cos).min(to_wall(y, sin)).min(to_disc)
+    };
+    (0..beams).map(range).collect()
+}
+
+#[test]
+fn an_observation_is_what_its_columns_say() {
+    let mut observer = observer(LAYOUT, 36, 0.1);
+    let mut ranges_m = vec![2.7; 36];
+    ranges_m[9] = 0.5; // 90 degrees to the left
+    observer.sense(&Sensed { ranges_m: &ranges_m, pose: (0.0, 0.0, 0.0), twist: (0.05, -0.75) });
+    let row = row(&observer, (FRAC_PI_2, 0.55));
+    let columns: Vec<Column> = LAYOUT.columns().collect();
+    assert_eq!((row.len(), columns.len()), (80, 80));
+    for (column, value) in columns.into_iter().zip(row) {
+        let expected = match column {
+            // 0.4 m from the body is 4 units: 1 / (1 + 4 / 2).
+            Column::Nearness(9) => 1.0 / 3.0,
+            Column::Nearness(_) | Column::Change(_) | Column::GoalCosine => 0.0,
+            Column::GoalSine => 1.0,
+            // The goal's edge is 0.4 m away.
+            Column::GoalNearness => 1.0 / 3.0,
+            Column::GoalLogDistance => 5.0_f32.ln() / 4.0,
+            Column::Speed => 0.5,
+            Column::TurningRate => -0.5,
+            Column::StepLength => 0.2,
+            Column::StepTurn => 0.3,
+        };
+        assert!((value - expected).abs() < 1e-6, "{column:?} is {value}, not {expected}");
+    }
+}
+
+#[test]
+fn a_robot_of_twice_the_size_in_a_world_of_twice_the_size_observes_the_same() {
+    let observe = |scale: f32| {
+        let mut observer = observer(LAYOUT, 24, 0.1 * scale);
+        for step in 0..4 {
+            let pose = (0.1 * step as f32, 0.0, 0.2 * step as f32);
+            let ranges_m: Vec<f32> = ranges(24, pose, (0.7, 0.5)).iter().map(|range| range * scale).collect();
+            let pose = (pose.0 * scale, pose.1 * scale, pose.2);
+            observer.sense(&Sensed { ranges_m: &ranges_m, pose, twist: (0.1 * scale, 0.5) });
+        }
+        row(&observer, (1.0, 0.8 * scale))
+    };
+    for (k, (one, two)) in observe(1.0).iter().zip(observe(2.0)).enumerate() {
+        assert!((one - two).abs() < 1e-5, "number {k}: {one} and {two}");
+    }
+}
+
+#[test]
+fn every_lidar_gives_the_same_nearness_of_a_wall() {
+    let nearness = |beams: usize| {
+        let mut observer = observer(LAYOUT, beams, 0.1);
+        let ranges_m = ranges(beams, (0.3, 0.0, 0.4), (9.0, 9.0));
+        observer.sense(&Sensed { ranges_m: &ranges_m, pose: (0.0, 0.0, 0.0), twist: (0.0, 0.0) });
+        row(&observer, (0.0, 1.0))[..36].to_vec()
+    };
+    let fine = nearness(720);
+    for beams in [24, 36, 90, 360] {
+        for (sector, (coarse, fine)) in nearness(beams).iter().zip(&fine).enumerate() {
+            assert!((coarse - fine).abs() < 0.07, "sector {sector}, {beams} beams: {coarse} and {fine}");
+        }
+    }
+}
+
+#[test]
+fn a_change_shows_what_approaches_and_not_the_robot_s_own_motion() {
+    let changes = |disc_speed: f32| {
+        let mut observer = observer(LAYOUT, 180, 0.1);
+        for step in 0..3 {
+            // The robot drives and turns; the disc ahead of it approaches.
+            let pose = (-0.5 + 0.03 * step as f32, 0.0, 0.3 * step as f32);
+            let disc_m = (0.5 - disc_speed * step as f32, 0.0);
+            let ranges_m = ranges(180, pose, disc_m);
+            observer.sense(&Sensed { ranges_m: &ranges_m, pose, twist: (0.1, 1.5) });
+        }
+        row(&observer, (0.0, 1.0))[36..72].to_vec()
+    };
+    // After the turn of 0.6 rad, the disc is 0.6 rad to the right: 3.4 sectors.
+    let towards = 36 - 3;
+    let still = changes(0.0);
+    assert!(still.iter().all(|change| change.abs() < 0.1), "nothing moves: {still:?}");
+    let moving = changes(0.1);
+    assert!(moving[towards] > 0.2, "it approaches: {moving:?}");
+    let leaving = changes(-0.1);
+    assert!(leaving[towards] < -0.1, "it leaves: {leaving:?}");
+}
+
+#[test]
+fn the_mirror_image_of_an_observation_is_the_observation_of_the_mirrored_world() {
+    let observe = |side: f32| {
+        let mut observer = observer(LAYOUT, 36, 0.1);
+        for step in 0..3 {
+            let pose = (-0.5 + 0.05 * step as f32, 0.1 * side, 0.2 * side * step as f32);
+            let ranges_m = ranges(36, pose, (0.3, 0.4 * side - 0.1 * side * step as f32));
+            observer.sense(&Sensed { ranges_m: &ranges_m, pose, twist: (0.1, 1.0 * side) });
+        }
+        row(&observer, (0.7 * side, 1.0))
+    };
+    let (left, right) = (observe(1.0), observe(-1.0));
+    for (k, (from, sign)) in LAYOUT.mirrored_columns().into_iter().enumerate() {
+        assert!((right[k] - sign * left[from]).abs() < 1e-4, "number {k}: {} and {}", right[k], left[from]);
+    }
+}
+
+#[test]
+fn a_restored_observer_goes_on_to_the_bit() {
+    let sense = |observer: &mut SectorObserver, step: u8| {
+        let pose = (0.05 * f32::from(step), 0.0, 0.3 * f32::from(step));
+        let ranges_m = ranges(36, pose, (0.5, 0.3));
+        observer.sense(&Sensed { ranges_m: &ranges_m, pose, twist: (0.1, f32::from(step)) });
+    };
+    let mut original = observer(LAYOUT, 36, 0.1);
+    (0..5).for_each(|step| sense(&mut original, step));
+    let saved: Vec<EarlierScan> = original.scans().cloned().collect();
+    assert!(saved.len() == 3 && saved.iter().all(|scan| scan.fits(LAYOUT)));
+    let mut restored = observer(LAYOUT, 36, 0.1);
+    restored.restore(&saved, (0.1, 4.0));
+    assert_eq!(row(&restored, (1.0, 1.0)), row(&original, (1.0, 1.0)));
+    [&mut original, &mut restored].into_iter().for_each(|observer| sense(observer, 5));
+    assert_eq!(row(&restored, (1.0, 1.0)), row(&original, (1.0, 1.0)));
+}
+
+#[test]
+fn behind_a_narrow_field_of_view_nothing_is_seen() {
+    let angles_rad: Vec<f32> = (0..31).map(|beam| (beam as f32 - 15.0) * PI / 30.0).collect();
+    let body = BodyScale {
+        unit_m: 0.1,
+        extents_m: vec![0.1; 31],
+        max_speed_m_s: 0.1,
+        max_turn_rad_s: 1.0,
+        control_period_s: 0.2,
+        goal_radius_m: 0.1,
+    };
+    let lidar = LidarBeams { angles_rad, spacing_rad: PI / 30.0, max_range_m: 2.0 };
+    let mut observer = SectorObserver::new(LAYOUT, &lidar, body);
+    observer.sense(&Sensed { ranges_m: &[0.5; 31], pose: (0.0, 0.0, 0.0), twist: (0.0, 0.0) });
+    let row = row(&observer, (0.0, 1.0));
+    assert!(row[..10].iter().chain(&row[27..36]).all(|nearness| *nearness > 0.3), "ahead: {row:?}");
+    assert!(row[11..26].iter().all(|nearness| *nearness == 0.0), "behind: {row:?}");
+}
