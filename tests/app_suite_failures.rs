@@ -66,7 +66,7 @@ fn replayed(start: StartOptions) -> (u32, &'static str, u64) {
 #[test]
 fn the_command_of_a_failure_repeats_it_exactly_in_the_window() {
     let workspace = Workspace::new();
-    workspace.write("moving.ron", noisy(SCENARIO_2).replace("0.15)", "0.8)"));
+    workspace.write("moving.ron", noisy(SCENARIO_2).replace("speed_rad_s: 0.15", "speed_rad_s: 0.4"));
     workspace.run_ok(
         "--eval field --scenario moving.ron --episodes 30 --seed 5 --report report --csv episodes.csv",
     );
