@@ -268,6 +268,15 @@ fn what_a_suite_does_not_take_is_refused_with_a_fix() {
             "--eval dwa --scenario suite.ron",
             "suite.ron: is a suite, not a scenario; help: --eval POLICY --suite suite.ron",
         ),
+        (
+            "--eval dwa --scenario suite.ron --report report",
+            "suite.ron: is a suite, not a scenario; help: --eval POLICY --suite suite.ron",
+        ),
+        (
+            "--eval dwa --report report",
+            "--report needs what to test in; help: give --suite NAME, or --scenario",
+        ),
+        ("--eval dwa --scenario maze --report report --course", "--course is for a test in one scenario"),
         ("--eval dwa --suite empty", "empty: this folder has no .ron file; help: "),
         ("--eval dwa --suite mzae", "did you mean `maze`?"),
         ("--eval scenario-1 --suite suite.ron", "but scenario"),
@@ -325,6 +334,24 @@ fn a_report_shows_every_failure_and_its_scenario_has_the_same_start_and_goal() {
         }
         // Nothing moves in these scenarios, and nothing is noisy.
         assert_eq!((&again[0]["outcome"], &again[0]["steps"]), (&row["outcome"], &row["steps"]), "{file}");
+    }
+}
+
+#[test]
+fn a_report_of_a_scenario_a_set_or_a_generator_is_that_of_a_suite_of_it() {
+    let workspace = workspace();
+    let set = "(name: \"Both\", scenarios: [(scenario: \"one.ron\"), (scenario: \"two.ron\", share: 2)])";
+    workspace.write("both.ron", set);
+    for (given, families) in [("both.ron", 2), ("clutter.ron", 1), ("one.ron", 1)] {
+        let eval = format!("--eval field --episodes 2 --json --report {given}-report");
+        let report = workspace.run_ok(&format!("{eval} --scenario {given}")).json();
+        assert_eq!(report["families"].as_object().map(serde_json::Map::len), Some(families), "{report}");
+        let page = workspace.text(&format!("{given}-report/report.html"));
+        let failures =
+            std::fs::read_dir(workspace.path(&format!("{given}-report/failures"))).map_or(0, Iterator::count);
+        assert_eq!(page.matches("To repeat it: ").count(), failures, "{given}");
+        let suite = format!("--eval field --episodes 2 --json --suite {given}");
+        assert_eq!(workspace.run_ok(&suite).json(), report, "{given}");
     }
 }
 

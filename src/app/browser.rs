@@ -134,7 +134,7 @@ fn update_share_link(config: &RunConfig) {
     let RunConfig { scenario_from, preset_from, seed, scenario, transfer, .. } = config;
     let is_set = config.scenario_set.is_some();
     let as_shipped = match is_set {
-        true => shipped::is_level_generator(scenario_from),
+        true => shipped::is_level_generator(scenario_from) || shipped::is_set(scenario_from),
         false => {
             shipped::is_scenario(scenario_from)
                 && shipped::scenario(scenario_from).is_ok_and(|shipped| shipped == *scenario)

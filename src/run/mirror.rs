@@ -124,7 +124,7 @@ mod tests {
     /// none.
     fn mirror(relative: &[(f32, f32)], turns: &[f32]) -> Result<Mirror, String> {
         let mut preset = Preset {
-            observation: Encoding::Sectors { count: 4, earlier_steps: 1 },
+            observation: Encoding::Sectors { count: 4, earlier_steps: 1, free_paths: false },
             actions: ActionSet::Relative(
                 relative.iter().map(|&(speed, turn)| RelativeMotion { speed, turn }).collect(),
             ),
@@ -160,8 +160,10 @@ mod tests {
 
     #[test]
     fn what_plugins_sense_has_no_known_mirror_image() {
-        let mut preset =
-            Preset { observation: Encoding::Sectors { count: 4, earlier_steps: 0 }, ..Preset::default() };
+        let mut preset = Preset {
+            observation: Encoding::Sectors { count: 4, earlier_steps: 0, free_paths: false },
+            ..Preset::default()
+        };
         preset.learning.mirror = true;
         let mut run = RunConfig::new(("empty".into(), Scenario::default()), ("mine".into(), preset), 0);
         assert!(matches!(of_run(&run), Ok(Some(_))));

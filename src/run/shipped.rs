@@ -41,8 +41,18 @@ const SCENARIOS: &[Shipped] = shipped!(
 const GENERATORS: &[Shipped] = shipped!(
     "scenarios/generators": "clutter", "rooms", "traffic", "mixed", "pedestrians", "circle-crossing"
 );
-const SUITES: &[Shipped] = shipped!("scenarios/suites": "shipped", "validation", "circle-crossing");
-const PRESETS: &[Shipped] = shipped!("assets/presets": "fast", "dqn", "per_d3qn", "per_d3qn_tuned");
+/// The level generators of the training set `general`.
+const GENERAL_GENERATORS: &[Shipped] = shipped!(
+    "scenarios/generators": "general/clutter-small", "general/clutter-noisy", "general/clutter-fast", "general/clutter-agile",
+    "general/caves-small", "general/caves-fast", "general/rooms-small", "general/rooms-noisy", "general/traffic-small",
+    "general/traffic-agile", "general/traffic-noisy", "general/mixed-small", "general/mixed-noisy", "general/crowd-small",
+    "general/crowd-agile"
+);
+const SETS: &[Shipped] = shipped!("scenarios/sets": "general");
+const SUITES: &[Shipped] =
+    shipped!("scenarios/suites": "shipped", "validation", "general", "circle-crossing");
+const PRESETS: &[Shipped] =
+    shipped!("assets/presets": "fast", "general", "dqn", "per_d3qn", "per_d3qn_tuned");
 
 const EXPERIMENTS: &[Shipped] = shipped!("assets/experiments": "fig8", "fig9", "fig10", "best", "ablation", "conditions", "hard", "transfer");
 
@@ -108,6 +118,11 @@ pub fn is_level_generator(name: &str) -> bool {
     GENERATORS.iter().any(|file| file.name == name)
 }
 
+/// Whether `name` is a shipped set of scenarios.
+pub fn is_set(name: &str) -> bool {
+    SETS.iter().any(|file| file.name == name)
+}
+
 /// Whether `name` is a shipped preset.
 pub fn is_preset(name: &str) -> bool {
     PRESETS.iter().any(|file| file.name == name)
@@ -127,6 +142,7 @@ pub fn preset_text(name: &str) -> Option<(&'static str, &'static str)> {
 pub fn preset_title(name: &str) -> Option<&'static str> {
     match name {
         "fast" => Some("Fast"),
+        "general" => Some("General"),
         "dqn" => Some("DQN"),
         "per_d3qn" => Some("PER-D3QN"),
         "per_d3qn_tuned" => Some("PER-D3QN, tuned"),
@@ -273,6 +289,12 @@ mod tests {
             }
         }
         assert_eq!(level_generators().count(), GENERATORS.len(), "every level generator is valid");
+        for file in GENERAL_GENERATORS {
+            assert!(matches!(Source::load(file.name), Ok(Source::Levels(_))), "{}", file.name);
+        }
+        for file in SETS {
+            assert!(matches!(Source::load(file.name), Ok(Source::Set(..))), "{}", file.name);
+        }
         for file in SUITES {
             if let Err(error) = Suite::load(file.name, &Settings::default(), None) {
                 panic!("{error}");

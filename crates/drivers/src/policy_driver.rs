@@ -64,6 +64,8 @@ struct PolicyDriver {
     observer: Observer,
     /// The motions of its actions; `None` for those of the robot.
     motions: Option<Vec<Motion>>,
+    /// The length of an observation.
+    width: usize,
     observation: Vec<f32>,
     scratch: Scratch,
 }
@@ -79,13 +81,15 @@ impl PolicyDriver {
             None => Observer::Paper(*encoding),
         };
         let motions = (*actions != ActionSet::Robot).then(|| action_motions(actions, &scenario.robot));
-        let observation = vec![0.0; encoding.width(scenario.lidar.beams)];
-        Self { policy: policy.clone(), observer, motions, observation, scratch: Scratch::default() }
+        let width = encoding.width(scenario.lidar.beams);
+        // A policy that does not fit one of the scenarios of a set drives badly there, but it drives.
+        let observation = vec![0.0; width.max(policy.shape().inputs)];
+        Self { policy: policy.clone(), observer, motions, width, observation, scratch: Scratch::default() }
     }
 
     /// The action towards a goal at the bearing `goal.0`, in rad, and at the distance `goal.1`, in m.
     fn act_towards(&mut self, percept: &Percept, goal: (f32, f32)) -> usize {
-        let row = &mut self.observation;
+        let row = &mut self.observation[..self.width];
         match &mut self.observer {
             Observer::Paper(encoding) => {
                 observation::encode(*encoding, percept.ranges_m, goal.0, goal.1, row);
@@ -100,7 +104,7 @@ impl PolicyDriver {
                 observer.encode(goal, row);
             }
         }
-        self.policy.act(row, &mut self.scratch)
+        self.policy.act(&self.observation, &mut self.scratch)
     }
 }
 

@@ -231,7 +231,9 @@ pub(super) fn check_driver(config: &RunConfig, name: &str, driver: &DriverKind) 
 pub(super) fn list_user_files(world: &mut World) {
     let config = &world.resource::<TrainingRun>().config;
     let RunConfig { scenario_from, preset_from, scenario, preset, .. } = config;
-    let is_shipped = shipped::is_scenario(scenario_from) || shipped::is_level_generator(scenario_from);
+    let is_shipped = shipped::is_scenario(scenario_from)
+        || shipped::is_level_generator(scenario_from)
+        || shipped::is_set(scenario_from);
     let scenario = (!is_shipped).then(|| Choice {
         from: scenario_from.clone(),
         title: config.scenario_title().into(),

@@ -11,8 +11,8 @@ use crate::run::policy_card;
 use crate::run::preset::Preset;
 use crate::run::{scenario_set, shipped, suite};
 use crate::scenario::{
-    Diagnostic, FileError, LevelGenerator, LocatedDiagnostic, Note, NoteLevel, Scenario, ScenarioSetFile,
-    SuiteFile, locate, notes, quoted, read_text, resemblance,
+    Diagnostic, FileError, LevelGenerator, LocatedDiagnostic, Note, NoteLevel, Scenario, ScenarioSet,
+    ScenarioSetFile, SuiteFile, locate, notes, quoted, read_text, resemblance,
 };
 
 /// Number of levels that are made to check a level generator.
@@ -153,7 +153,7 @@ pub fn check(path: &Path) -> (Option<FileKind>, Result<LocatedNotes, FileError>)
         FileKind::Experiment => Experiment::check(&text, path),
         FileKind::LevelGenerator => check_levels(&text, path).map(|()| Vec::new()),
         FileKind::RunConfig => RunConfig::parse(&text, path).map(|_| Vec::new()),
-        FileKind::ScenarioSet => scenario_set::parse(&text, path).map(|_| Vec::new()),
+        FileKind::ScenarioSet => scenario_set::parse(&text, path).map(|set| misfit(&set)),
         FileKind::Suite => suite::load::parse(&text, path).map(|_| Vec::new()),
         FileKind::Driver => DriverConfig::parse(&text, path).map(|_| Vec::new()),
         FileKind::Scenario | FileKind::Policy => {
@@ -163,11 +163,22 @@ pub fn check(path: &Path) -> (Option<FileKind>, Result<LocatedNotes, FileError>)
     (Some(kind), found.map(|notes| located(kind, &text, path, &notes)))
 }
 
+/// The note on a set in which most policies cannot drive.
+fn misfit(set: &ScenarioSet) -> Vec<Note> {
+    let diagnostic = scenario_set::misfit(set, Preset::default().fit());
+    diagnostic.map(|at| Note::new(NoteLevel::Warning, at.path, at.message)).into_iter().collect()
+}
+
 /// Checks a preset, and the scenario that it names.
 fn check_preset(text: &str, path: &Path) -> Result<Preset, FileError> {
     let preset = Preset::parse(text, path)?;
-    let Some(Err(error)) = preset.scenario.as_deref().map(shipped::scenario_or_set) else {
-        return Ok(preset);
+    let error = match preset.scenario.as_deref().map(|name| (name, shipped::scenario_or_set(name))) {
+        Some((_, Err(error))) => error,
+        Some((name, Ok((_, Some(set))))) => match scenario_set::check_fit(&set, name, preset.fit()) {
+            Err(error) => error,
+            Ok(()) => return Ok(preset),
+        },
+        _ => return Ok(preset),
     };
     let diagnostic = Diagnostic { path: "scenario".into(), message: format!("cannot be used: {error}") };
     Err(FileError::from_located(path, Preset::locate(text, path, [diagnostic].iter())))

@@ -123,7 +123,7 @@ pub fn run(paths: &[PathBuf], args: &EvalArgs, shared: &SharedArgs) -> Result<()
 /// The suite of the test, or what is given in place of a scenario and makes a suite: a set of scenarios, or for a report anything.
 fn suite_name<'a>(args: &'a EvalArgs, shared: &'a SharedArgs) -> Result<Option<&'a str>, RunError> {
     match (&args.suite, &shared.scenario) {
-        (None, Some(name)) if args.report.is_some() || matches!(Source::load(name)?, Source::Set(..)) => {
+        (None, Some(name)) if matches!(Source::load(name)?, Source::Set(..)) || args.report.is_some() => {
             Ok(Some(name))
         }
         (None, None) if args.report.is_some() => Err(RunError::InvalidInput(

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::super::scenario_set;
-use super::{GENERATORS, SCENARIOS, find, user_file};
+use super::{GENERAL_GENERATORS, GENERATORS, SCENARIOS, SETS, find, user_file};
 use crate::scenario::{FileError, LevelGenerator, Scenario, ScenarioSet, path_exists};
 
 /// A scenario, a generator of scenarios, or a set of scenarios.
@@ -31,8 +31,10 @@ impl Source {
             Self::Scenario(imported?)
         } else if let Some(shipped) = find(SCENARIOS, file) {
             Self::Scenario(Scenario::parse(shipped.text, shipped.path)?)
-        } else if let Some(shipped) = find(GENERATORS, file) {
+        } else if let Some(shipped) = find(GENERATORS, file).or_else(|| find(GENERAL_GENERATORS, file)) {
             Self::Levels(LevelGenerator::parse(shipped.text, shipped.path)?)
+        } else if let Some(shipped) = find(SETS, file) {
+            Self::parse(shipped.text, Path::new(shipped.path))?
         } else {
             user_file(
                 file,

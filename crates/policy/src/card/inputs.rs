@@ -41,6 +41,8 @@ pub enum Quantity {
     Nearness,
     /// The change of a sector's nearness since the earlier scan.
     NearnessChange,
+    /// The nearness of a collision in the direction of a sector's centre.
+    CollisionNearness,
     /// The cosine of the goal's bearing.
     GoalCosine,
     /// The sine of the goal's bearing.
@@ -71,6 +73,7 @@ fn of_column(column: Column, sectors: SectorLayout) -> Input {
     match column {
         Column::Nearness(sector) => input(Quantity::Nearness, "", Some(sector)),
         Column::Change(sector) => input(Quantity::NearnessChange, "", Some(sector)),
+        Column::FreePath(sector) => input(Quantity::CollisionNearness, "", Some(sector)),
         Column::GoalCosine => input(Quantity::GoalCosine, "", None),
         Column::GoalSine => input(Quantity::GoalSine, "", None),
         Column::GoalNearness => input(Quantity::GoalNearness, "", None),

@@ -32,6 +32,10 @@ pub enum Encoding {
         /// Number of control steps to the earlier scan that the current one is compared with, 1 to 20; 0 for none.
         #[serde(default = "default_earlier_steps")]
         earlier_steps: u8,
+        /// Whether it also says, for each sector, how far the robot can drive in that direction before it collides. It shows
+        /// which gaps are wide enough.
+        #[serde(default = "default_free_paths")]
+        free_paths: bool,
     },
 }
 
@@ -41,6 +45,10 @@ fn default_count() -> u16 {
 
 fn default_earlier_steps() -> u8 {
     3
+}
+
+fn default_free_paths() -> bool {
+    true
 }
 
 impl Encoding {
@@ -58,7 +66,9 @@ impl Encoding {
     pub const fn sectors(self) -> Option<SectorLayout> {
         match self {
             Self::Scaled | Self::Raw => None,
-            Self::Sectors { count, earlier_steps } => Some(SectorLayout { count, earlier_steps }),
+            Self::Sectors { count, earlier_steps, free_paths } => {
+                Some(SectorLayout { count, earlier_steps, free_paths })
+            }
         }
     }
 

@@ -82,6 +82,10 @@ pub struct SectorObserver {
     scans: VecDeque<EarlierScan>,
     /// The nearness of the earlier scan's points in each sector of the present frame; negative where there is none.
     earlier: Vec<f32>,
+    /// The nearness of a collision in the direction of each sector's centre; empty without free paths.
+    collisions: Vec<f32>,
+    /// The directions of the sectors' centres: unit vectors.
+    directions: Vec<(f32, f32)>,
     twist: (f32, f32),
 }
 
@@ -120,6 +124,13 @@ impl SectorObserver {
             max_range_m: lidar.max_range_m,
             scans: VecDeque::new(),
             earlier: vec![-1.0; count],
+            collisions: vec![0.0; if layout.free_paths { count } else { 0 }],
+            directions: (0..count)
+                .map(|sector| {
+                    let (sin, cos) = libm::sincosf(layout.angle_rad(sector));
+                    (cos, sin)
+                })
+                .collect(),
             twist: (0.0, 0.0),
         }
     }
@@ -148,6 +159,7 @@ impl SectorObserver {
         self.reset();
         self.scans.extend(scans.iter().cloned());
         self.twist = twist;
+        self.find_collisions();
         if self.layout.earlier_steps > 0 {
             self.move_earlier_scan();
         }
@@ -165,6 +177,7 @@ impl SectorObserver {
         scan.pose = sensed.pose;
         self.pool(sensed.ranges_m, &mut scan.hits);
         self.scans.push_back(scan);
+        self.find_collisions();
         if steps > 0 {
             self.move_earlier_scan();
         }
@@ -190,6 +203,23 @@ impl SectorObserver {
                     *sector = hit;
                 }
             }
+        }
+    }
+
+    /// Finds the nearness of a collision in the direction of each sector's centre, for a disc with a radius of one unit.
+    fn find_collisions(&mut self) {
+        let Self { collisions, directions, scans, .. } = self;
+        let Some(scan) = scans.back() else { return };
+        for (collision, &(cos, sin)) in collisions.iter_mut().zip(&*directions) {
+            let mut free = f32::INFINITY;
+            for hit in scan.hits.iter().filter(|hit| hit.nearness > 0.0) {
+                let (along, across) = (hit.x * cos + hit.y * sin, hit.x * sin - hit.y * cos);
+                let beside = 1.0 - across * across;
+                if along > 0.0 && beside > 0.0 {
+                    free = free.min(along - beside.sqrt());
+                }
+            }
+            *collision = if free.is_finite() { nearness(free) } else { 0.0 };
         }
     }
 
@@ -246,7 +276,9 @@ impl SectorObserver {
         for (value, hit) in nearnesses.iter_mut().zip(hits) {
             *value = hit.nearness;
         }
-        let (changes, others) = rest.split_at_mut(if self.layout.earlier_steps > 0 { count } else { 0 });
+        let (changes, rest) = rest.split_at_mut(self.layout.changes());
+        let (collisions, others) = rest.split_at_mut(self.collisions.len());
+        collisions.copy_from_slice(&self.collisions);
         for ((value, hit), &earlier) in changes.iter_mut().zip(hits).zip(&self.earlier) {
             // Nothing is known about what was not seen before, and what is far away does not matter.
             let is_known = earlier >= 0.0 && hit.distance < MOTION_RANGE;

@@ -7,6 +7,7 @@
 //! |---|---|
 //! | 0 .. S-1 | nearness of the nearest thing in each of S sectors, 0 (nothing in sight) to 1 (contact); sector 0 is centred straight ahead, then counterclockwise |
 //! | S .. 2S-1 | what has moved: 4 times the nearness now minus that of the earlier scan, moved into the present frame by odometry; -1 to 1, positive for what approaches. Absent without an earlier scan |
+//! | then S | nearness of what the robot would collide with if it drove straight on in the direction of a sector's centre, whatever its heading; 0 if that way is free. Absent without free paths |
 //! | then 4 | direction of the goal (cosine and sine of its bearing), its nearness, and the logarithm of its distance |
 //! | then 2 | the robot's speed and turning rate, in units of its highest |
 //! | then 2 | its longest way in a control step, in units of the robot, and its largest turn in a control step, in rad |
@@ -32,6 +33,8 @@ pub struct SectorLayout {
     pub count: u16,
     /// Number of control steps to the earlier scan; 0 for none.
     pub earlier_steps: u8,
+    /// Whether there is a column for each sector's free path.
+    pub free_paths: bool,
 }
 
 /// The meaning of a column.
@@ -41,6 +44,8 @@ pub enum Column {
     Nearness(usize),
     /// The change of a sector's nearness.
     Change(usize),
+    /// The nearness of a collision in the direction of a sector's centre.
+    FreePath(usize),
     /// The cosine of the goal's bearing.
     GoalCosine,
     /// The sine of the goal's bearing.
@@ -63,8 +68,13 @@ impl SectorLayout {
     /// The length of an observation.
     #[must_use]
     pub const fn width(self) -> usize {
-        let scans = if self.earlier_steps > 0 { 2 } else { 1 };
+        let scans = 1 + (self.earlier_steps > 0) as usize + self.free_paths as usize;
         scans * self.count as usize + OTHER_COLUMNS
+    }
+
+    /// The number of columns for changes.
+    pub(super) fn changes(self) -> usize {
+        if self.earlier_steps > 0 { usize::from(self.count) } else { 0 }
     }
 
     /// The direction of the centre of a sector relative to the heading, counterclockwise positive, in rad, in (-pi, pi].
@@ -77,7 +87,7 @@ impl SectorLayout {
     /// The meaning of each column, in their order.
     pub fn columns(self) -> impl Iterator<Item = Column> {
         let count = usize::from(self.count);
-        let changes = if self.earlier_steps > 0 { count } else { 0 };
+        let (changes, free_paths) = (self.changes(), if self.free_paths { count } else { 0 });
         let others = [
             Column::GoalCosine,
             Column::GoalSine,
@@ -88,7 +98,11 @@ impl SectorLayout {
             Column::StepLength,
             Column::StepTurn,
         ];
-        (0..count).map(Column::Nearness).chain((0..changes).map(Column::Change)).chain(others)
+        (0..count)
+            .map(Column::Nearness)
+            .chain((0..changes).map(Column::Change))
+            .chain((0..free_paths).map(Column::FreePath))
+            .chain(others)
     }
 
     /// The mirror image of an observation: column k of the image is column `.0` of the original, times `.1`.
@@ -99,6 +113,7 @@ impl SectorLayout {
         let image = |(k, column): (usize, Column)| match column {
             Column::Nearness(sector) => (mirrored(sector), 1.0),
             Column::Change(sector) => (count + mirrored(sector), 1.0),
+            Column::FreePath(sector) => (count + self.changes() + mirrored(sector), 1.0),
             Column::GoalSine | Column::TurningRate => (k, -1.0),
             _ => (k, 1.0),
         };
