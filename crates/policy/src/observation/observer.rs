@@ -5,7 +5,6 @@
 
 use std::collections::VecDeque;
 use std::f32::consts::TAU;
-use std::ops::RangeInclusive;
 
 use serde::{Deserialize, Serialize};
 
@@ -94,7 +93,7 @@ struct Beam {
     cos: f32,
     sin: f32,
     extent: f32,
-    sectors: RangeInclusive<usize>,
+    sectors: Vec<usize>,
 }
 
 impl SectorObserver {
@@ -108,8 +107,8 @@ impl SectorObserver {
         let sectors = sectors_of_beams(layout, lidar);
         let count = usize::from(layout.count);
         let mut is_seen = vec![false; count];
-        sectors.iter().cloned().flatten().for_each(|sector| is_seen[sector % count] = true);
-        let beam = |((angle, extent_m), sectors): ((&f32, &f32), RangeInclusive<usize>)| Beam {
+        sectors.iter().flatten().for_each(|&sector| is_seen[sector] = true);
+        let beam = |((angle, extent_m), sectors): ((&f32, &f32), Vec<usize>)| Beam {
             cos: libm::cosf(*angle),
             sin: libm::sinf(*angle),
             extent: extent_m / body.unit_m,
@@ -197,8 +196,8 @@ impl SectorObserver {
             let distance = range_m * per_unit;
             let nearness = nearness(distance - beam.extent);
             let hit = Hit { x: beam.cos * distance, y: beam.sin * distance, distance, nearness };
-            for sector in beam.sectors.clone() {
-                let sector = &mut hits[sector % count];
+            for &sector in &beam.sectors {
+                let sector = &mut hits[sector];
                 if nearness > sector.nearness {
                     *sector = hit;
                 }

@@ -176,17 +176,25 @@ pub struct BodyScale {
     pub goal_radius_m: f32,
 }
 
-/// The sectors that each beam belongs to: those whose angle it shares, with half the angle to its neighbours.
-pub(super) fn sectors_of_beams(layout: SectorLayout, lidar: &LidarBeams) -> Vec<RangeInclusive<usize>> {
-    let count = f32::from(layout.count);
-    let per_sector = TAU / count;
-    let half_width = 0.5 * (lidar.spacing_rad / per_sector + 1.0) - 1e-3;
-    let sectors = |&angle: &f32| {
-        // Shifted by a turn, so that it is positive; the caller takes the remainder.
-        let centre = angle / per_sector + count;
-        let first = (centre - half_width).ceil().max(0.0);
-        let last = (centre + half_width).floor().min(first + count - 1.0);
-        first as usize..=last as usize
-    };
-    lidar.angles_rad.iter().map(sectors).collect()
+/// The sectors of each beam: the one that it points into, and those without a beam of their own to which it is the nearest, at
+/// most the angle between neighbouring beams away.
+pub(super) fn sectors_of_beams(layout: SectorLayout, lidar: &LidarBeams) -> Vec<Vec<usize>> {
+    let count = usize::from(layout.count);
+    let per_sector = TAU / count as f32;
+    let sector_of = |angle: f32| (angle / per_sector).round().rem_euclid(count as f32) as usize % count;
+    let mut sectors: Vec<Vec<usize>> = lidar.angles_rad.iter().map(|&angle| vec![sector_of(angle)]).collect();
+    let mut has_beam = vec![false; count];
+    sectors.iter().for_each(|sectors| has_beam[sectors[0]] = true);
+    for sector in (0..count).filter(|&sector| !has_beam[sector]) {
+        let away = |angle: f32| {
+            let turned = (angle - layout.angle_rad(sector)).rem_euclid(TAU);
+            turned.min(TAU - turned)
+        };
+        let beams = lidar.angles_rad.iter().map(|&angle| away(angle)).enumerate();
+        let nearest = beams.min_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some((beam, _)) = nearest.filter(|(_, away)| *away < lidar.spacing_rad) {
+            sectors[beam].push(sector);
+        }
+    }
+    sectors
 }
