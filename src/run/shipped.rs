@@ -43,10 +43,11 @@ const GENERATORS: &[Shipped] = shipped!(
 );
 /// The level generators of the training set `general`.
 const GENERAL_GENERATORS: &[Shipped] = shipped!(
-    "scenarios/generators": "general/clutter-small", "general/clutter-noisy", "general/clutter-fast", "general/clutter-agile",
-    "general/caves-small", "general/caves-fast", "general/rooms-small", "general/rooms-noisy", "general/traffic-small",
-    "general/traffic-agile", "general/traffic-noisy", "general/mixed-small", "general/mixed-noisy", "general/crowd-small",
-    "general/crowd-agile"
+    "scenarios/generators": "general/clutter-small", "general/clutter-fine", "general/clutter-noisy", "general/clutter-fast",
+    "general/clutter-agile", "general/caves-fine", "general/caves-fast", "general/rooms-small",
+    "general/rooms-noisy", "general/traffic-small", "general/traffic-agile", "general/traffic-noisy",
+    "general/mixed-small", "general/mixed-noisy", "general/crowd-small", "general/crowd-agile",
+    "general/crossing-small", "general/crossing-agile"
 );
 const SETS: &[Shipped] = shipped!("scenarios/sets": "general");
 const SUITES: &[Shipped] =
