@@ -13,6 +13,7 @@ use crate::app::screen::numbers;
 use crate::app::screen::theme::{BODY, GAP, Palette};
 use crate::app::screen::widgets::buttons;
 use crate::app::screen::widgets::text::weak_text;
+use crate::scenario::Scenario;
 
 /// Height of the wide buttons, in points.
 const HEIGHT: f32 = 30.0;
@@ -92,18 +93,14 @@ pub fn continue_blocker(input: &ScreenInput<'_>, editor: &Editor) -> Option<Stri
         return Some("The training is over a set of scenarios. Restart to train in this one.".into());
     }
     let (edited, running) = (&**editor.scenario(), &*input.scene.scenario);
-    let (beams, motions) = (running.lidar.beams, running.robot.motions.len());
-    let needs = input.status.needs;
-    let needed = [
-        (needs.lidar && edited.lidar.beams != beams).then(|| format!("{beams} beams")),
-        (needs.motions && edited.robot.motions.len() != motions).then(|| format!("{motions} motions")),
-    ];
-    let needed: Vec<String> = needed.into_iter().flatten().collect();
-    if !needed.is_empty() {
-        return Some(format!(
-            "The network expects {}. Restart to train with other numbers.",
-            needed.join(" and ")
-        ));
+    let needs = |scenario: &Scenario| {
+        let beams = input.status.needs.lidar.then(|| format!("{} beams", scenario.lidar.beams));
+        let motions = input.status.needs.motions.then(|| format!("{} motions", scenario.robot.motions.len()));
+        [beams, motions].into_iter().flatten().collect::<Vec<_>>().join(" and ")
+    };
+    let needed = needs(running);
+    if needs(edited) != needed {
+        return Some(format!("The network expects {needed}. Restart to train with other numbers."));
     }
     (edited == running && !editor.is_drafting()).then(|| "This scenario is already running".into())
 }
