@@ -57,15 +57,16 @@ const PRESETS: &[Shipped] =
 
 const EXPERIMENTS: &[Shipped] = shipped!("assets/experiments": "fig8", "fig9", "fig10", "best", "ablation", "conditions", "hard", "transfer");
 
-/// Trained policies, by the name of their scenario (`assets/policies/README.md`).
+/// Trained policies, by the name of their scenario or set (`assets/policies/README.md`).
 const POLICIES: &[(&str, &[u8])] = &[
     ("scenario-1", include_bytes!("../../assets/policies/scenario-1.safetensors")),
     ("scenario-2", include_bytes!("../../assets/policies/scenario-2.safetensors")),
+    ("general", include_bytes!("../../assets/policies/general.safetensors")),
 ];
 
 /// A shipped policy.
 pub struct ShippedPolicy {
-    /// The shipped name of the scenario that it was trained in.
+    /// The shipped name of the scenario or the set that it was trained in.
     pub scenario_from: &'static str,
     /// The name that its card gives that scenario.
     pub trained_in: String,
@@ -378,7 +379,7 @@ mod tests {
         let error = preset("fsat").unwrap_err().to_string();
         assert_eq!(
             error,
-            "fsat: no such file or shipped name; help: did you mean `fast`? (shipped: fast, dqn, per_d3qn, per_d3qn_tuned)"
+            "fsat: no such file or shipped name; help: did you mean `fast`? (shipped: fast, general, dqn, per_d3qn, per_d3qn_tuned)"
         );
     }
 }

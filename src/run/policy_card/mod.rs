@@ -15,6 +15,7 @@ use serde::Deserialize;
 use super::RunError;
 use crate::drivers::DrivingPolicy;
 use crate::limits::MAX_POLICY_BYTES;
+use crate::policy::card::Training;
 use crate::policy::{ActionSet, Card, Encoding, Policy};
 use crate::scenario::{Lidar, Scenario, diagnostics, read_bytes, value_diagnostics};
 use crate::task::{ObservationLayout, ObservationSlice};
@@ -98,7 +99,7 @@ pub fn own_scenario(policy: &Policy) -> Result<Option<Scenario>, RunError> {
     }
 }
 
-/// The name of the scenario that `policy` was trained in, if it is recorded.
+/// The name of the scenario, or of the set of scenarios, that `policy` was trained in, if it is recorded.
 #[must_use]
 pub fn scenario_name(policy: &Policy) -> Option<String> {
     #[derive(Deserialize)]
@@ -106,6 +107,7 @@ pub fn scenario_name(policy: &Policy) -> Option<String> {
         name: String,
     }
     let name = match &policy.card {
+        Some(Card { training: Training { scenario_set: Some(set), .. }, .. }) => set.name.clone(),
         Some(card) => serde_json::from_str::<Name>(card.scenario.text()).ok()?.name,
         None => policy.metadata.get("scenario")?.clone(),
     };

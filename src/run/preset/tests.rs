@@ -61,7 +61,7 @@ fn problems_of_presets_that_are_based_on_others_are_named_where_they_stand() {
         (
             vec![("mine.ron", "(\n    based_on: \"fsat\",\n)")],
             "mine.ron:2:15: `based_on` names no file and no shipped preset: did you mean `fast`? the shipped ones are `fast`, \
-             `dqn`, `per_d3qn`, `per_d3qn_tuned`",
+             `general`, `dqn`, `per_d3qn`, `per_d3qn_tuned`",
         ),
         (
             vec![("mine.ron", "(based_on: \"other.ron\")"), ("other.ron", "(based_on: \"mine.ron\")")],
