@@ -15,7 +15,6 @@ use serde::Deserialize;
 use super::RunError;
 use crate::drivers::DrivingPolicy;
 use crate::limits::MAX_POLICY_BYTES;
-use crate::policy::card::Training;
 use crate::policy::{ActionSet, Card, Encoding, Policy};
 use crate::scenario::{Lidar, Scenario, diagnostics, read_bytes, value_diagnostics};
 use crate::task::{ObservationLayout, ObservationSlice};
@@ -107,8 +106,10 @@ pub fn scenario_name(policy: &Policy) -> Option<String> {
         name: String,
     }
     let name = match &policy.card {
-        Some(Card { training: Training { scenario_set: Some(set), .. }, .. }) => set.name.clone(),
-        Some(card) => serde_json::from_str::<Name>(card.scenario.text()).ok()?.name,
+        Some(card) => match &card.training.scenario_set {
+            Some(set) => set.name.clone(),
+            None => serde_json::from_str::<Name>(card.scenario.text()).ok()?.name,
+        },
         None => policy.metadata.get("scenario")?.clone(),
     };
     Some(printable(&name))
