@@ -53,19 +53,14 @@ pub fn parse(text: &str, path: &Path) -> Result<ScenarioSet, FileError> {
 /// # Errors
 /// It cannot. The message names the scenario, with its line if the set has a file.
 pub fn check_fit(set: &ScenarioSet, from: &str, fit: SetFit) -> Result<(), FileError> {
-    let Some(misfit) = misfit(set, fit) else { return Ok(()) };
+    let Some((k, message)) = set.misfit(fit) else { return Ok(()) };
     let (path, text) = (Path::new(from), read_text(Path::new(from)).unwrap_or_default());
-    Err(FileError::from_diagnostics(path, &text, &[misfit]))
-}
-
-/// The first scenario of the file of `set` that needs another policy than the first; `None` if there is none.
-pub fn misfit(set: &ScenarioSet, fit: SetFit) -> Option<Diagnostic> {
-    let (k, message) = set.misfit(fit)?;
     let field = match set.members[k].source {
         SetSource::Scenario(_) => "scenario",
         SetSource::Levels { .. } => "generator",
     };
-    Some(Diagnostic { path: format!("scenarios[{k}].{field}"), message })
+    let diagnostic = Diagnostic { path: format!("scenarios[{k}].{field}"), message };
+    Err(FileError::from_diagnostics(path, &text, &[diagnostic]))
 }
 
 /// The scenario, or the generator, in the file `wanted`, which `entry` names.

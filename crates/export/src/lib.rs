@@ -40,6 +40,12 @@ pub enum ExportError {
         "has no card (wayfield 0.1.0 wrote none), so its inputs and actions are unknown; help: train the policy again"
     )]
     NoCard,
+    /// The policy observes by sectors.
+    #[error(
+        "observes by sectors, with what the robot has seen before, which an ONNX file cannot hold; help: drive with wayfield itself \
+         (wayfield-drivers in Rust, wayfield.evaluate in Python), or export a policy with the paper's observation"
+    )]
+    Sectors,
     /// The scenario on the card lacks a field that is needed.
     #[error("the policy's card has an unreadable scenario: {0}; help: use the file as wayfield wrote it")]
     Scenario(String),

@@ -44,11 +44,14 @@ const TO_VECTOR: &Attributes = &[("axes", Attribute::Ints(&[1])), ("keepdims", A
 /// equal bytes.
 ///
 /// # Errors
-/// The policy has no card, or contradicts it.
+/// The policy has no card, contradicts it, or observes by sectors.
 pub fn to_onnx(policy: &Policy) -> Result<Vec<u8>, ExportError> {
     policy.check_finite()?;
     let header = policy.header()?;
     let (card, scenario) = described(policy)?;
+    if card.observation.is_some() {
+        return Err(ExportError::Sectors);
+    }
     let mut graph = Graph::new("policy");
     add_inputs(&mut graph, card);
     let observation = add_observation(&mut graph, card, scenario.lidar.max_range_m);

@@ -69,6 +69,12 @@ fn assert_parity(name: &str, policy: &Policy, max_range_m: f32) {
 }
 
 #[test]
+fn a_policy_that_observes_by_sectors_is_refused_with_the_reason() {
+    let error = to_onnx(&shipped("general.safetensors")).expect_err("it remembers scans").to_string();
+    assert!(error.starts_with("observes by sectors, with what the robot has seen before"), "{error}");
+}
+
+#[test]
 fn onnx_runtime_decides_as_the_shipped_policies_do() {
     for name in ["scenario-1.safetensors", "scenario-2.safetensors"] {
         assert_parity(name, &shipped(name), 3.5);

@@ -153,7 +153,8 @@ pub fn check(path: &Path) -> (Option<FileKind>, Result<LocatedNotes, FileError>)
         FileKind::Experiment => Experiment::check(&text, path),
         FileKind::LevelGenerator => check_levels(&text, path).map(|()| Vec::new()),
         FileKind::RunConfig => RunConfig::parse(&text, path).map(|_| Vec::new()),
-        FileKind::ScenarioSet => scenario_set::parse(&text, path).map(|set| misfit(&set)),
+        // Whether one policy fits all scenarios depends on the preset.
+        FileKind::ScenarioSet => scenario_set::parse(&text, path).map(|_| Vec::new()),
         FileKind::Suite => suite::load::parse(&text, path).map(|_| Vec::new()),
         FileKind::Driver => DriverConfig::parse(&text, path).map(|_| Vec::new()),
         FileKind::Scenario | FileKind::Policy => {
@@ -161,12 +162,6 @@ pub fn check(path: &Path) -> (Option<FileKind>, Result<LocatedNotes, FileError>)
         }
     };
     (Some(kind), found.map(|notes| located(kind, &text, path, &notes)))
-}
-
-/// The note on a set in which most policies cannot drive.
-fn misfit(set: &ScenarioSet) -> Vec<Note> {
-    let diagnostic = scenario_set::misfit(set, Preset::default().fit());
-    diagnostic.map(|at| Note::new(NoteLevel::Warning, at.path, at.message)).into_iter().collect()
 }
 
 /// Checks a preset, and the scenario that it names.
