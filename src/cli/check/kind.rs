@@ -11,8 +11,8 @@ use crate::run::policy_card;
 use crate::run::preset::Preset;
 use crate::run::{scenario_set, shipped, suite};
 use crate::scenario::{
-    Diagnostic, FileError, LevelGenerator, LocatedDiagnostic, Note, NoteLevel, Scenario, ScenarioSet,
-    ScenarioSetFile, SuiteFile, locate, notes, quoted, read_text, resemblance,
+    Diagnostic, FileError, LevelGenerator, LocatedDiagnostic, Note, NoteLevel, Scenario, ScenarioSetFile,
+    SuiteFile, locate, notes, quoted, read_text, resemblance,
 };
 
 /// Number of levels that are made to check a level generator.
