@@ -19,7 +19,7 @@ pub struct SharedArgs {
     #[arg(long, value_name = "FILE")]
     pub scenario: Option<String>,
 
-    /// The training preset: a RON file, or a shipped one by name (fast, per_d3qn, per_d3qn_tuned, dqn)
+    /// The training preset: a RON file, or a shipped one by name (fast, general, per_d3qn, per_d3qn_tuned, dqn)
     /// [default: fast]
     #[arg(long, value_name = "FILE")]
     pub preset: Option<String>,
