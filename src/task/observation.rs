@@ -14,7 +14,7 @@ pub use crate::policy::observation::{DISTANCE_SCALE_M, Encoding, RANGE_SCALE_M, 
 
 use super::{Arena, ArenaLayout, Episode, EstimatedPose, Goal, PathLengths, PendingReset, Pose, Scan, Twist};
 use crate::drivers::sector_observer;
-use crate::policy::observation::{self as encodings, EarlierScan, SectorObserver, Sensed};
+use crate::policy::observation::{self as encodings, Column, EarlierScan, SectorObserver, Sensed};
 use crate::scenario::Scenario;
 
 /// The parts of an observation: the numbers of an encoding, then one named slice per plugin sensor.
@@ -116,8 +116,11 @@ impl ObservationLayout {
             return self.describe_reading(beyond);
         }
         if let Some(sectors) = self.encoding.sectors() {
-            let meaning = sectors.columns().nth(column);
-            return meaning.map_or_else(|| "outside the layout".into(), |meaning| format!("{meaning:?}"));
+            let Some(Column { quantity, sector }) = sectors.columns().nth(column) else {
+                return "outside the layout".into();
+            };
+            let of_sector = sector.map(|sector| format!(" of sector {sector}")).unwrap_or_default();
+            return format!("{quantity:?}{of_sector}");
         }
         match column.checked_sub(beams) {
             None => format!("d_{}, a range", column + 1),
@@ -216,10 +219,8 @@ impl ScanMemory {
 
 /// Writes the observation of one arena into `row`. `pose` is the one that the robot believes in ([`EstimatedPose`]).
 ///
-/// A row of another length than that of the layout is filled with zeros.
-///
-/// # Panics
-/// If the memory has not [begun](ScanMemory::begin).
+/// A row of another length than that of the layout is filled with zeros, and so are the sectors of an arena that has not
+/// [begun](ScanMemory::begin) an episode with this `encoding`.
 pub fn encode(
     encoding: Encoding,
     memory: &ScanMemory,
@@ -236,9 +237,12 @@ pub fn encode(
     }
     let (encoded, extra) = row.split_at_mut(width);
     let (bearing_rad, distance_m) = (pose.bearing_rad(goal), pose.distance_m(goal));
-    match &memory.sectors {
-        Some(sectors) => sectors.encode((bearing_rad, distance_m), encoded),
-        None => encodings::encode(encoding, &scan.ranges_m, bearing_rad, distance_m, encoded),
+    match (encoding.sectors(), &memory.sectors) {
+        (None, _) => encodings::encode(encoding, &scan.ranges_m, bearing_rad, distance_m, encoded),
+        (Some(layout), Some(sectors)) if sectors.layout() == layout => {
+            sectors.encode((bearing_rad, distance_m), encoded);
+        }
+        (Some(_), _) => encoded.fill(0.0),
     }
     extra.copy_from_slice(&readings.0);
 }
@@ -356,6 +360,7 @@ pub(super) fn observe_first(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scenario::Lidar;
 
     #[test]
     fn an_observation_is_the_papers_numbers_followed_by_the_sensors_slices() {
@@ -373,6 +378,27 @@ mod tests {
         assert_eq!(row, [3.5, 0.7, -core::f32::consts::FRAC_PI_2, 2.0, 0.7, 1.0, 0.0, 0.0, 7.0]);
         assert_eq!(layout.describe_column(3, 2), "d_g, the goal's distance");
         assert_eq!(layout.describe_column(8, 2), "number 0 of sensor `bumper`");
+    }
+
+    #[test]
+    fn an_arena_that_has_not_begun_with_an_encoding_has_a_row_of_it() {
+        // An evaluator uses arenas again, also with another encoding, and some of them may be inactive.
+        let (beams, sectors) = (360, Encoding::Sectors { count: 4, earlier_steps: 1, free_paths: false });
+        let scenario =
+            Arc::new(Scenario { lidar: Lidar { beams, ..Lidar::default() }, ..Scenario::default() });
+        let scan = Scan { ranges_m: vec![1.0; beams], nearest_m: 1.0, ..Scan::default() };
+        let (pose, goal) = (Pose::default(), Goal { x_m: 1.0, y_m: 0.0 });
+        let row = |encoding: Encoding, memory: &ScanMemory| {
+            let mut row = vec![f32::NAN; encoding.width(beams)];
+            encode(encoding, memory, &scan, (&pose, &goal), &SensorReadings::default(), &mut row);
+            row
+        };
+        let mut memory = ScanMemory::default();
+        assert!(row(sectors, &memory).iter().all(|value| *value == 0.0));
+        let paper = row(Encoding::Raw, &memory);
+        memory.begin(sectors, &scenario, &scan, &pose, &Twist::default());
+        assert!(row(sectors, &memory)[..4].iter().all(|value| *value > 0.0), "it sees walls all around");
+        assert_eq!(row(Encoding::Raw, &memory), paper);
     }
 
     #[test]

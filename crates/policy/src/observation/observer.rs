@@ -266,11 +266,13 @@ impl SectorObserver {
     /// Writes the observation for a goal at the bearing `goal.0`, relative to the heading, counterclockwise positive, in rad,
     /// and at the distance `goal.1`, in m.
     ///
+    /// Before anything was sensed, it is all zeros.
+    ///
     /// # Panics
-    /// The length of `row` is not [`SectorLayout::width`], or nothing was sensed yet.
+    /// The length of `row` is not [`SectorLayout::width`].
     pub fn encode(&self, (bearing_rad, distance_m): (f32, f32), row: &mut [f32]) {
         let count = usize::from(self.layout.count);
-        let hits = &self.scans.back().expect("a scan was sensed").hits;
+        let Some(EarlierScan { hits, .. }) = self.scans.back() else { return row.fill(0.0) };
         let (nearnesses, rest) = row.split_at_mut(count);
         for (value, hit) in nearnesses.iter_mut().zip(hits) {
             *value = hit.nearness;
