@@ -167,14 +167,11 @@ pub fn check(path: &Path) -> (Option<FileKind>, Result<LocatedNotes, FileError>)
 /// Checks a preset, and the scenario that it names.
 fn check_preset(text: &str, path: &Path) -> Result<Preset, FileError> {
     let preset = Preset::parse(text, path)?;
-    let error = match preset.scenario.as_deref().map(|name| (name, shipped::scenario_or_set(name))) {
-        Some((_, Err(error))) => error,
-        Some((name, Ok((_, Some(set))))) => match scenario_set::check_fit(&set, name, preset.fit()) {
-            Err(error) => error,
-            Ok(()) => return Ok(preset),
-        },
-        _ => return Ok(preset),
+    let check_named = |name: &str| {
+        let (_, set) = shipped::scenario_or_set(name)?;
+        set.map_or(Ok(()), |set| scenario_set::check_fit(&set, name, preset.fit()))
     };
+    let Some(Err(error)) = preset.scenario.as_deref().map(check_named) else { return Ok(preset) };
     let diagnostic = Diagnostic { path: "scenario".into(), message: format!("cannot be used: {error}") };
     Err(FileError::from_located(path, Preset::locate(text, path, [diagnostic].iter())))
 }
