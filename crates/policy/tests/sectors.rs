@@ -3,7 +3,7 @@
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 use wayfield_policy::observation::{
-    BodyScale, Column, EarlierScan, LidarBeams, SectorLayout, SectorObserver, Sensed,
+    BodyScale, Column, EarlierScan, LidarBeams, Quantity, SectorLayout, SectorObserver, Sensed,
 };
 
 const LAYOUT: SectorLayout = SectorLayout { count: 36, earlier_steps: 2, free_paths: true };
@@ -59,21 +59,21 @@ fn an_observation_is_what_its_columns_say() {
     let columns: Vec<Column> = LAYOUT.columns().collect();
     assert_eq!((row.len(), columns.len()), (116, 116));
     for (column, value) in columns.into_iter().zip(row) {
-        let expected = match column {
-            // 0.4 m from the body is 4 units: 1 / (1 + 4 / 2).
-            // So is the way to a contact in its direction.
-            Column::Nearness(9) | Column::FreePath(9) => 1.0 / 3.0,
+        let expected = match (column.quantity, column.sector) {
+            // 0.4 m from the body is 4 units: 1 / (1 + 4 / 2). So is the way to a contact in its direction.
+            (Quantity::Nearness | Quantity::CollisionNearness, Some(9)) => 1.0 / 3.0,
             // A direction that is 10 degrees beside it misses the point by 0.87 units: 4.92 - 0.50 units are free.
-            Column::FreePath(8 | 10) => 1.0 / (1.0 + (4.924_04 - 0.496_114) / 2.0),
-            Column::Nearness(_) | Column::FreePath(_) | Column::Change(_) | Column::GoalCosine => 0.0,
-            Column::GoalSine => 1.0,
+            (Quantity::CollisionNearness, Some(8 | 10)) => 1.0 / (1.0 + (4.924_04 - 0.496_114) / 2.0),
+            (_, Some(_)) | (Quantity::GoalCosine, None) => 0.0,
+            (Quantity::GoalSine, None) => 1.0,
             // The goal's edge is 0.4 m away.
-            Column::GoalNearness => 1.0 / 3.0,
-            Column::GoalLogDistance => 5.0_f32.ln() / 4.0,
-            Column::Speed => 0.5,
-            Column::TurningRate => -0.5,
-            Column::StepLength => 0.2,
-            Column::StepTurn => 0.3,
+            (Quantity::GoalNearness, None) => 1.0 / 3.0,
+            (Quantity::GoalLogDistance, None) => 5.0_f32.ln() / 4.0,
+            (Quantity::Speed, None) => 0.5,
+            (Quantity::TurningRate, None) => -0.5,
+            (Quantity::StepLength, None) => 0.2,
+            (Quantity::StepTurn, None) => 0.3,
+            (other, None) => panic!("{other:?} is not in the layout"),
         };
         assert!((value - expected).abs() < 1e-5, "{column:?} is {value}, not {expected}");
     }

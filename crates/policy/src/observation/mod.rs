@@ -7,12 +7,14 @@
 
 mod observer;
 mod paper;
+mod quantity;
 mod sectors;
 
 use serde::{Deserialize, Serialize};
 
 pub use observer::{EarlierScan, SectorObserver, Sensed};
 pub use paper::{DISTANCE_SCALE_M, RANGE_SCALE_M, encode, width};
+pub use quantity::Quantity;
 pub use sectors::{BodyScale, Column, LidarBeams, SectorLayout};
 
 /// The encoding of an observation. A policy needs the encoding that it was trained with.

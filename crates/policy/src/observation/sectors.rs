@@ -17,6 +17,8 @@
 use std::f32::consts::{PI, TAU};
 use std::ops::RangeInclusive;
 
+use super::Quantity;
+
 /// The range of the number of sectors.
 const COUNT: RangeInclusive<u16> = 4..=360;
 /// The largest number of control steps to the earlier scan.
@@ -39,29 +41,11 @@ pub struct SectorLayout {
 
 /// The meaning of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Column {
-    /// The nearness of the nearest thing in a sector.
-    Nearness(usize),
-    /// The change of a sector's nearness.
-    Change(usize),
-    /// The nearness of a collision in the direction of a sector's centre.
-    FreePath(usize),
-    /// The cosine of the goal's bearing.
-    GoalCosine,
-    /// The sine of the goal's bearing.
-    GoalSine,
-    /// The nearness of the goal's edge.
-    GoalNearness,
-    /// The logarithm of the distance to the goal's edge: ln(1 + d) / 4 with d in units of the robot.
-    GoalLogDistance,
-    /// The robot's speed, in units of its highest.
-    Speed,
-    /// The robot's turning rate, in units of its highest.
-    TurningRate,
-    /// The robot's longest way in a control step, in units of the robot.
-    StepLength,
-    /// The robot's largest turn in a control step, in rad.
-    StepTurn,
+pub struct Column {
+    /// What it measures.
+    pub quantity: Quantity,
+    /// The sector in which, if it is a quantity of sectors.
+    pub sector: Option<usize>,
 }
 
 impl SectorLayout {
@@ -88,33 +72,34 @@ impl SectorLayout {
     pub fn columns(self) -> impl Iterator<Item = Column> {
         let count = usize::from(self.count);
         let (changes, free_paths) = (self.changes(), if self.free_paths { count } else { 0 });
-        let others = [
-            Column::GoalCosine,
-            Column::GoalSine,
-            Column::GoalNearness,
-            Column::GoalLogDistance,
-            Column::Speed,
-            Column::TurningRate,
-            Column::StepLength,
-            Column::StepTurn,
+        let sectors = [
+            (Quantity::Nearness, count),
+            (Quantity::NearnessChange, changes),
+            (Quantity::CollisionNearness, free_paths),
         ];
-        (0..count)
-            .map(Column::Nearness)
-            .chain((0..changes).map(Column::Change))
-            .chain((0..free_paths).map(Column::FreePath))
-            .chain(others)
+        let others = [
+            Quantity::GoalCosine,
+            Quantity::GoalSine,
+            Quantity::GoalNearness,
+            Quantity::GoalLogDistance,
+            Quantity::Speed,
+            Quantity::TurningRate,
+            Quantity::StepLength,
+            Quantity::StepTurn,
+        ];
+        let of_sectors = sectors.into_iter().flat_map(|(quantity, sectors)| {
+            (0..sectors).map(move |sector| Column { quantity, sector: Some(sector) })
+        });
+        of_sectors.chain(others.into_iter().map(|quantity| Column { quantity, sector: None }))
     }
 
     /// The mirror image of an observation: column k of the image is column `.0` of the original, times `.1`.
     #[must_use]
     pub fn mirrored_columns(self) -> Vec<(usize, f32)> {
         let count = usize::from(self.count);
-        let mirrored = |sector: usize| (count - sector) % count;
         let image = |(k, column): (usize, Column)| match column {
-            Column::Nearness(sector) => (mirrored(sector), 1.0),
-            Column::Change(sector) => (count + mirrored(sector), 1.0),
-            Column::FreePath(sector) => (count + self.changes() + mirrored(sector), 1.0),
-            Column::GoalSine | Column::TurningRate => (k, -1.0),
+            Column { sector: Some(sector), .. } => (k - sector + (count - sector) % count, 1.0),
+            Column { quantity: Quantity::GoalSine | Quantity::TurningRate, .. } => (k, -1.0),
             _ => (k, 1.0),
         };
         self.columns().enumerate().map(image).collect()

@@ -1,0 +1,55 @@
+//! What the numbers of an observation measure.
+
+use serde::{Deserialize, Serialize};
+
+/// What an input measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Quantity {
+    /// The range of a LIDAR beam.
+    Range,
+    /// The angle from the heading to the goal, left positive, in (-pi, pi].
+    GoalBearing,
+    /// The distance from the robot's centre to the goal.
+    GoalDistance,
+    /// The smallest of the ranges.
+    SmallestRange,
+    /// The number of the first beam with the smallest range, from 0.
+    NearestBeam,
+    /// A reading of a plugin's sensor.
+    Sensor,
+    /// The nearness of the nearest thing in a sector: 0 (nothing in sight) to 1 (contact).
+    Nearness,
+    /// The change of a sector's nearness since the earlier scan.
+    NearnessChange,
+    /// The nearness of a collision in the direction of a sector's centre.
+    CollisionNearness,
+    /// The cosine of the goal's bearing.
+    GoalCosine,
+    /// The sine of the goal's bearing.
+    GoalSine,
+    /// The nearness of the goal's edge.
+    GoalNearness,
+    /// The logarithm of the distance to the goal's edge: ln(1 + d) / 4 with d in units of the robot.
+    GoalLogDistance,
+    /// The robot's speed, in units of its highest.
+    Speed,
+    /// The robot's turning rate, in units of its highest.
+    TurningRate,
+    /// The robot's longest way in a control step, in units of the robot.
+    StepLength,
+    /// The robot's largest turn in a control step.
+    StepTurn,
+}
+
+impl Quantity {
+    /// Its unit; empty for a number without a unit.
+    #[must_use]
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Range | Self::GoalDistance | Self::SmallestRange => "m",
+            Self::GoalBearing | Self::StepTurn => "rad",
+            _ => "",
+        }
+    }
+}
