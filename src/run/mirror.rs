@@ -124,7 +124,12 @@ mod tests {
     /// none.
     fn mirror(relative: &[(f32, f32)], turns: &[f32]) -> Result<Mirror, String> {
         let mut preset = Preset {
-            observation: Encoding::Sectors { count: 4, earlier_steps: 1, free_paths: false },
+            observation: Encoding::Sectors {
+                count: 4,
+                earlier_steps: 1,
+                free_paths: false,
+                predicted_paths: true,
+            },
             actions: ActionSet::Relative(
                 relative.iter().map(|&(speed, turn)| RelativeMotion { speed, turn }).collect(),
             ),
@@ -161,7 +166,12 @@ mod tests {
     #[test]
     fn what_plugins_sense_has_no_known_mirror_image() {
         let mut preset = Preset {
-            observation: Encoding::Sectors { count: 4, earlier_steps: 0, free_paths: false },
+            observation: Encoding::Sectors {
+                count: 4,
+                earlier_steps: 0,
+                free_paths: false,
+                predicted_paths: false,
+            },
             ..Preset::default()
         };
         preset.learning.mirror = true;

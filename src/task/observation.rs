@@ -383,7 +383,10 @@ mod tests {
     #[test]
     fn an_arena_that_has_not_begun_with_an_encoding_has_a_row_of_it() {
         // An evaluator uses arenas again, also with another encoding, and some of them may be inactive.
-        let (beams, sectors) = (360, Encoding::Sectors { count: 4, earlier_steps: 1, free_paths: false });
+        let (beams, sectors) = (
+            360,
+            Encoding::Sectors { count: 4, earlier_steps: 1, free_paths: false, predicted_paths: false },
+        );
         let scenario =
             Arc::new(Scenario { lidar: Lidar { beams, ..Lidar::default() }, ..Scenario::default() });
         let scan = Scan { ranges_m: vec![1.0; beams], nearest_m: 1.0, ..Scan::default() };

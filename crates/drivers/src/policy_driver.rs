@@ -10,7 +10,7 @@ use crate::actions::action_motions;
 use crate::observer::sector_observer;
 use crate::percept::{Odometry, Percept};
 use crate::robot::Robot;
-use crate::waypoints::Waypoints;
+use crate::waypoints::{Waypoint, Waypoints};
 use crate::{Driver, DriverClass, DriverPlan};
 
 /// A policy that drives by percepts. It must have been trained without sensors of plugins.
@@ -127,9 +127,9 @@ struct MapDriver {
 impl Driver for MapDriver {
     fn act(&mut self, percept: &Percept) -> usize {
         match self.waypoints.update(percept) {
-            Some(point) => {
-                let bearing_rad = libm::atan2f(point.y, point.x);
-                self.driver.act_towards(percept, (bearing_rad, point.length()))
+            Some(Waypoint { at_m, way_m }) => {
+                let bearing_rad = libm::atan2f(at_m.y, at_m.x);
+                self.driver.act_towards(percept, (bearing_rad, way_m))
             }
             None => self.driver.act(percept),
         }

@@ -1,7 +1,8 @@
 //! The point to drive to, in place of a goal that is out of sight in a map that is built as the robot drives.
 //!
-//! While the straight way to the goal is free in the map, there is none. Otherwise it is the farthest point in sight on the
-//! cheapest path, within a distance along it. What is unknown is free.
+//! While the straight way to the goal is free in the map, or the way around is hardly longer, there is none: the driver finds its
+//! own way around small things. Otherwise it is the farthest point in sight on the cheapest path, within a distance along it. What
+//! is unknown is free.
 
 use glam::Vec2;
 
@@ -26,8 +27,19 @@ const NEAREST: f32 = 2.0;
 const IN_SIGHT: u16 = TOO_CLOSE - 1;
 /// The same for the way to a goal that was out of sight: half the margin. A goal on the edge of sight does not come and go.
 const IN_SIGHT_AGAIN: u16 = 4;
+/// The least detour that calls for a waypoint: how much longer the path is than the straight way, in keep-out distances.
+const DETOUR: f32 = 6.0;
 /// A path is kept until another one costs less than this part of it, so that the robot does not turn between equal ways.
 const BETTER: f32 = 0.8;
+
+/// A point to drive to.
+pub(crate) struct Waypoint {
+    /// The point in the robot's frame, in m.
+    pub(crate) at_m: Vec2,
+    /// The length of the way to the goal through the point, in m. A driver that thinks the goal is that far away does not hurry to
+    /// the point as if everything ended there.
+    pub(crate) way_m: f32,
+}
 
 /// The choice of waypoints in one episode, and its map.
 pub(crate) struct Waypoints {
@@ -58,8 +70,8 @@ impl Waypoints {
         }
     }
 
-    /// Enters a percept. Returns the waypoint in the robot's frame, in m; `None` if the robot is to drive to its goal.
-    pub(crate) fn update(&mut self, percept: &Percept) -> Option<Vec2> {
+    /// Enters a percept. Returns the waypoint; `None` if the robot is to drive to its goal.
+    pub(crate) fn update(&mut self, percept: &Percept) -> Option<Waypoint> {
         self.pose = self.map.update(percept);
         let goal_m = self.pose.to_outer(percept.goal_m());
         if (goal_m - self.goal_m).length() > self.goal_radius_m {
@@ -72,7 +84,11 @@ impl Waypoints {
             self.steps_left = REPLAN_STEPS;
         }
         self.steps_left -= 1;
-        self.waypoint_m.map(|point_m| self.pose.to_inner(point_m))
+        self.waypoint_m.map(|point_m| Waypoint {
+            at_m: self.pose.to_inner(point_m),
+            way_m: (point_m - self.pose.translation_m).length()
+                + length(&self.path[nearest(&self.path, point_m)..]),
+        })
     }
 
     /// What it plans with, as [`crate::Driver::plan`].
@@ -94,6 +110,12 @@ impl Waypoints {
         let (cost, kept) = (self.map.path_cost(at_m, &found), self.map.path_cost(at_m, &self.path));
         if self.path.is_empty() || (cost as f32) < BETTER * kept as f32 {
             self.path = found;
+        }
+        let way_m = self.path.first().map_or(0.0, |first| (*first - at_m).length()) + length(&self.path);
+        let detour_m = way_m - (self.goal_m - at_m).length();
+        if self.waypoint_m.is_none() && detour_m < DETOUR * self.keep_out_m {
+            self.path.clear();
+            return;
         }
         self.waypoint_m = Some(self.farthest_in_sight(at_m));
     }
@@ -130,6 +152,11 @@ fn nearest(path: &[Vec2], at_m: Vec2) -> usize {
     (0..path.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
 }
 
+/// The length of a path, in m.
+fn length(path: &[Vec2]) -> f32 {
+    path.windows(2).map(|ends| (ends[1] - ends[0]).length()).sum()
+}
+
 #[cfg(test)]
 mod tests {
     use glam::vec2;
@@ -147,12 +174,14 @@ mod tests {
         robot: Robot,
         waypoints: Waypoints,
         at_m: Vec2,
+        /// The length of the way through the last waypoint.
+        way_m: f32,
     }
 
     impl Place {
         fn new(at_m: Vec2) -> Self {
             let robot = robot();
-            Self { waypoints: Waypoints::new(&robot), robot, at_m }
+            Self { waypoints: Waypoints::new(&robot), robot, at_m, way_m: 0.0 }
         }
 
         /// The waypoint in the world after the robot has moved to `to_m` and seen the wall, if any.
@@ -174,7 +203,9 @@ mod tests {
                 truth: None,
             };
             self.at_m = to_m;
-            self.waypoints.update(&percept).map(|point_m| point_m + to_m)
+            let waypoint = self.waypoints.update(&percept)?;
+            self.way_m = waypoint.way_m;
+            Some(waypoint.at_m + to_m)
         }
 
         /// The waypoint after the robot has stood there until the next plan.
@@ -185,27 +216,39 @@ mod tests {
 
     #[test]
     fn the_waypoint_is_the_farthest_point_in_sight_of_the_way_around() {
-        let wall = Some((-0.9, 0.3));
+        let wall = Some((-1.9, 0.9));
         let mut place = Place::new(Vec2::ZERO);
         assert_eq!(place.waypoint(Vec2::ZERO, None), None, "the goal is in sight");
-        // The shorter way leads past the upper end, (1, 0.3). The corner at the keep-out distance from it is 1.04 m along the
-        // path or farther, so the waypoint lies near there, at 8 x 0.13 = 1.04 m along the path.
+        // The shorter way leads past the upper end, (1, 0.9). The corner at the keep-out distance from it is 1.4 m along the path
+        // or farther, so the waypoint lies on the way there, at 8 x 0.13 = 1.04 m along the path.
         let point = place.planned(Vec2::ZERO, wall).expect("the wall is in the way");
         assert!((0.9..=1.05).contains(&point.length()), "{point}");
-        assert!((0.35..=0.75).contains(&point.y), "{point}");
+        assert!((0.6..=0.85).contains(&point.y), "{point}");
+        // The whole way leads around the end at a distance of 0.13 to 0.26 m.
+        assert!((2.7..=3.3).contains(&place.way_m), "{}", place.way_m);
         // The straight way there keeps clear of the end of the wall.
-        let end = vec2(1.0, 0.3);
+        let end = vec2(1.0, 0.9);
         let along = end.dot(point.normalize()).min(point.length());
         assert!((end - point.normalize() * along).length() > 0.13 - 0.03, "{point}");
-        // From there the way to the goal passes the end at 0.36 m.
-        assert_eq!(place.planned(vec2(1.0, 0.75), wall), None);
+        // From there the way to the goal passes the end at 0.37 m.
+        assert_eq!(place.planned(vec2(1.0, 1.6), wall), None);
+    }
+
+    #[test]
+    fn the_way_around_a_small_thing_is_left_to_the_driver() {
+        // The way around the upper end, (1, 0.3), is 2.3 m long at most: a detour of less than 6 x 0.13 = 0.78 m.
+        let wall = Some((-0.9, 0.3));
+        let mut place = Place::new(Vec2::ZERO);
+        assert_eq!(place.planned(Vec2::ZERO, wall), None);
+        assert!(place.planned(Vec2::ZERO, Some((-1.9, 0.9))).is_some(), "it is larger than it seemed");
+        assert!(place.planned(Vec2::ZERO, wall).is_some(), "the waypoints lead around to the end");
     }
 
     #[test]
     fn a_goal_on_the_edge_of_sight_does_not_come_and_go() {
-        // From (0.6, 0.67) the way to the goal passes the wall's end at (0.67 - 0.42) / |(1.4, 0.67)| = 0.16 m: farther than the
-        // robot must keep, but within half the margin.
-        let (wall, edge) = (Some((-0.9, 0.3)), vec2(0.6, 0.67));
+        // From (0.6, 1.6) the way to the goal passes the wall's end at (1.143 - 0.9) x 1.4 / |(1.4, 1.6)| = 0.16 m: farther than
+        // the robot must keep, but within half the margin.
+        let (wall, edge) = (Some((-1.9, 0.9)), vec2(0.6, 1.6));
         assert_eq!(Place::new(edge).planned(edge, wall), None, "it was never out of sight");
         let mut place = Place::new(Vec2::ZERO);
         assert!(place.planned(Vec2::ZERO, wall).is_some());
@@ -214,7 +257,7 @@ mod tests {
 
     #[test]
     fn of_two_equally_good_ways_the_first_is_kept_until_it_is_closed() {
-        let wall = Some((-0.6, 0.6));
+        let wall = Some((-1.0, 1.0));
         let mut place = Place::new(Vec2::ZERO);
         let side = place.planned(Vec2::ZERO, wall).expect("out of sight").y.signum();
         // A step to the other side, which makes that way the shorter one.
@@ -223,7 +266,7 @@ mod tests {
             assert_eq!(point.y.signum(), side, "{point}");
         }
         // The wall turns out to go on on this side.
-        let longer = Some(if side > 0.0 { (-0.6, 3.0) } else { (-3.0, 0.6) });
+        let longer = Some(if side > 0.0 { (-1.0, 3.0) } else { (-3.0, 1.0) });
         let point = place.planned(Vec2::ZERO, longer).expect("out of sight");
         assert_eq!(point.y.signum(), -side, "{point}");
     }
@@ -231,7 +274,7 @@ mod tests {
     #[test]
     fn what_has_gone_is_forgotten() {
         let mut place = Place::new(Vec2::ZERO);
-        assert!(place.planned(Vec2::ZERO, Some((-0.9, 0.3))).is_some());
+        assert!(place.planned(Vec2::ZERO, Some((-1.0, 1.0))).is_some());
         for _ in 0..10 {
             place.waypoint(Vec2::ZERO, None);
         }

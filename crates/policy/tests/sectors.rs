@@ -6,7 +6,8 @@ use wayfield_policy::observation::{
     BodyScale, Column, EarlierScan, LidarBeams, Quantity, SectorLayout, SectorObserver, Sensed,
 };
 
-const LAYOUT: SectorLayout = SectorLayout { count: 36, earlier_steps: 2, free_paths: true };
+const LAYOUT: SectorLayout =
+    SectorLayout { count: 36, earlier_steps: 2, free_paths: true, predicted_paths: true };
 
 /// An observer of a disc that collides at `unit_m`, with `beams` beams all around and a range of `27 * unit_m`.
 fn observer(layout: SectorLayout, beams: usize, unit_m: f32) -> SectorObserver {
@@ -57,14 +58,18 @@ fn an_observation_is_what_its_columns_say() {
     observer.sense(&Sensed { ranges_m: &ranges_m, pose: (0.0, 0.0, 0.0), twist: (0.05, -0.75) });
     let row = row(&observer, (FRAC_PI_2, 0.55));
     let columns: Vec<Column> = LAYOUT.columns().collect();
-    assert_eq!((row.len(), columns.len()), (116, 116));
+    assert_eq!((row.len(), columns.len()), (153, 153));
     for (column, value) in columns.into_iter().zip(row) {
         let expected = match (column.quantity, column.sector) {
             // 0.4 m from the body is 4 units: 1 / (1 + 4 / 2). So is the way to a contact in its direction.
-            (Quantity::Nearness | Quantity::CollisionNearness, Some(9)) => 1.0 / 3.0,
+            (Quantity::Nearness | Quantity::CollisionNearness | Quantity::PredictedNearness, Some(9)) => {
+                1.0 / 3.0
+            }
             // A direction that is 10 degrees beside it misses the point by 0.87 units: 4.92 - 0.50 units are free.
-            (Quantity::CollisionNearness, Some(8 | 10)) => 1.0 / (1.0 + (4.924_04 - 0.496_114) / 2.0),
-            (_, Some(_)) | (Quantity::GoalCosine, None) => 0.0,
+            (Quantity::CollisionNearness | Quantity::PredictedNearness, Some(8 | 10)) => {
+                1.0 / (1.0 + (4.924_04 - 0.496_114) / 2.0)
+            }
+            (_, Some(_)) | (Quantity::GoalCosine | Quantity::WaitingNearness, None) => 0.0,
             (Quantity::GoalSine, None) => 1.0,
             // The goal's edge is 0.4 m away.
             (Quantity::GoalNearness, None) => 1.0 / 3.0,
@@ -136,6 +141,54 @@ fn a_change_shows_what_approaches_and_not_the_robot_s_own_motion() {
 }
 
 #[test]
+fn predicted_paths_show_where_moving_things_will_be() {
+    // The robot turns on the spot; a disc of 2 units' radius comes from the left, 6 units ahead, and goes on to the right.
+    let observe = |beams: usize, left_m: f32, disc_speed: f32| {
+        let mut observer = observer(LAYOUT, beams, 0.1);
+        for step in 0..6 {
+            let pose = (-0.6, 0.0, 0.1 * (5 - step) as f32);
+            let ranges_m = ranges(beams, pose, (0.0, left_m + disc_speed * (5 - step) as f32));
+            observer.sense(&Sensed { ranges_m: &ranges_m, pose, twist: (0.0, -0.5) });
+        }
+        row(&observer, (0.0, 1.0))
+    };
+    let columns: Vec<Column> = LAYOUT.columns().collect();
+    let find = |row: &[f32], quantity: Quantity, sector: Option<usize>| {
+        row[columns.iter().position(|c| (c.quantity, c.sector) == (quantity, sector)).expect("a column")]
+    };
+    for beams in [72, 180] {
+        let still = observe(beams, 0.0, 0.0);
+        let ahead = find(&still, Quantity::CollisionNearness, Some(0));
+        assert!((ahead - 1.0 / (1.0 + 3.0 / 2.0)).abs() < 0.02, "3 units are free: {ahead}");
+        assert_eq!(find(&still, Quantity::PredictedNearness, Some(0)), ahead, "it stays");
+        // The robot drives 0.2 units a step (1 unit a second): after 15 steps the disc is 15 x 0.03 m further on.
+        let leaving = observe(beams, 0.0, 0.03);
+        assert!((find(&leaving, Quantity::CollisionNearness, Some(0)) - ahead).abs() < 0.03);
+        let predicted = find(&leaving, Quantity::PredictedNearness, Some(0));
+        assert!(predicted < 0.1, "{beams} beams: it will have left: {predicted}");
+        // Now it is 0.45 m to the left, and in the way after 15 steps.
+        let coming = observe(beams, 0.45, 0.03);
+        assert!(find(&coming, Quantity::CollisionNearness, Some(0)) < 0.2, "only the wall is ahead");
+        let predicted = find(&coming, Quantity::PredictedNearness, Some(0));
+        assert!((predicted - ahead).abs() < 0.06, "{beams} beams: it will be there: {predicted}");
+        assert_eq!(find(&coming, Quantity::WaitingNearness, None), 0.0, "it passes a robot that waits");
+    }
+}
+
+#[test]
+fn waiting_is_dangerous_where_something_comes() {
+    let mut observer = observer(LAYOUT, 180, 0.1);
+    for step in 0..6 {
+        let pose = (-0.6, 0.0, 0.0);
+        let ranges_m = ranges(180, pose, (0.5 - 0.05 * step as f32, 0.0));
+        observer.sense(&Sensed { ranges_m: &ranges_m, pose, twist: (0.0, 0.0) });
+    }
+    // Its front, at 0.65 m, comes at 0.05 m a step: 11 steps to a contact, in which the robot would drive 2.2 units.
+    let waiting = row(&observer, (0.0, 1.0))[152];
+    assert!((waiting - 1.0 / (1.0 + 2.2 / 2.0)).abs() < 0.06, "{waiting}");
+}
+
+#[test]
 fn the_mirror_image_of_an_observation_is_the_observation_of_the_mirrored_world() {
     let observe = |side: f32| {
         let mut observer = observer(LAYOUT, 36, 0.1);
@@ -160,13 +213,13 @@ fn a_restored_observer_goes_on_to_the_bit() {
         observer.sense(&Sensed { ranges_m: &ranges_m, pose, twist: (0.1, f32::from(step)) });
     };
     let mut original = observer(LAYOUT, 36, 0.1);
-    (0..5).for_each(|step| sense(&mut original, step));
+    (0..7).for_each(|step| sense(&mut original, step));
     let saved: Vec<EarlierScan> = original.scans().cloned().collect();
-    assert!(saved.len() == 3 && saved.iter().all(|scan| scan.fits(LAYOUT)));
+    assert!(saved.len() == 6 && saved.iter().all(|scan| scan.fits(LAYOUT)));
     let mut restored = observer(LAYOUT, 36, 0.1);
-    restored.restore(&saved, (0.1, 4.0));
+    restored.restore(&saved, (0.1, 6.0));
     assert_eq!(row(&restored, (1.0, 1.0)), row(&original, (1.0, 1.0)));
-    [&mut original, &mut restored].into_iter().for_each(|observer| sense(observer, 5));
+    [&mut original, &mut restored].into_iter().for_each(|observer| sense(observer, 7));
     assert_eq!(row(&restored, (1.0, 1.0)), row(&original, (1.0, 1.0)));
 }
 

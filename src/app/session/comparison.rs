@@ -199,7 +199,8 @@ mod tests {
     /// A policy that fits every robot, which has learned nothing.
     fn general() -> ShippedPolicy {
         let mut config = RunConfig::resolve("empty", "fast", 1).expect("shipped");
-        config.preset.observation = Encoding::Sectors { count: 12, earlier_steps: 0, free_paths: false };
+        config.preset.observation =
+            Encoding::Sectors { count: 12, earlier_steps: 0, free_paths: false, predicted_paths: false };
         config.preset.actions = ActionSet::Relative(vec![RelativeMotion { speed: 1.0, turn: 0.0 }]);
         let learner = training_setup::create_learner(&config, None).expect("a learner");
         let mut policy = learner.policy();

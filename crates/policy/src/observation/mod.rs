@@ -5,6 +5,7 @@
 //! | [`Encoding::Scaled`], [`Encoding::Raw`] | eq. (8) of the paper: a number per beam, and the goal ([`encode`]) |
 //! | [`Encoding::Sectors`] | sectors around the robot, in units of the robot, with what has moved ([`SectorObserver`]): for any LIDAR and any robot |
 
+mod moving;
 mod observer;
 mod paper;
 mod quantity;
@@ -38,6 +39,10 @@ pub enum Encoding {
         /// which gaps are wide enough.
         #[serde(default = "default_free_paths")]
         free_paths: bool,
+        /// Whether it also says, for each sector, how far the robot can drive in that direction if what moves goes on moving as it
+        /// has, and when something would hit it if it waited. It needs `earlier_steps`.
+        #[serde(default)]
+        predicted_paths: bool,
     },
 }
 
@@ -68,8 +73,8 @@ impl Encoding {
     pub const fn sectors(self) -> Option<SectorLayout> {
         match self {
             Self::Scaled | Self::Raw => None,
-            Self::Sectors { count, earlier_steps, free_paths } => {
-                Some(SectorLayout { count, earlier_steps, free_paths })
+            Self::Sectors { count, earlier_steps, free_paths, predicted_paths } => {
+                Some(SectorLayout { count, earlier_steps, free_paths, predicted_paths })
             }
         }
     }

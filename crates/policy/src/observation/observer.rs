@@ -8,10 +8,15 @@ use std::f32::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
-use super::sectors::{BodyScale, LidarBeams, SectorLayout, distance_at, nearness, sectors_of_beams};
+use super::moving::{BeamEnd, FOLLOWED_STEPS, Frame, MovingThing, Thing, find_things, follow};
+use super::sectors::{
+    BodyScale, LidarBeams, OTHER_COLUMNS, SectorLayout, distance_at, nearness, sectors_of_beams,
+};
 
 /// The factor of the change of nearness.
 const CHANGE_GAIN: f32 = 4.0;
+/// How much nearer than before a thing must be in its direction to stand where nothing was, in units of the robot.
+const MIN_APPEARANCE: f32 = 0.25;
 /// The distance beyond which things are too far away for their motion to matter, in units of the robot.
 const MOTION_RANGE: f32 = distance_at(0.12);
 
@@ -36,15 +41,19 @@ struct Hit {
     distance: f32,
     /// Nearness.
     nearness: f32,
+    /// The index of the compact thing that it belongs to.
+    thing: Option<u16>,
 }
 
-const NO_HIT: Hit = Hit { x: 0.0, y: 0.0, distance: f32::INFINITY, nearness: 0.0 };
+const NO_HIT: Hit = Hit { x: 0.0, y: 0.0, distance: f32::INFINITY, nearness: 0.0, thing: None };
 
 /// A scan of an earlier step, as an observer remembers it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EarlierScan {
     pose: (f32, f32, f32),
     hits: Vec<Hit>,
+    /// The compact things, without predicted paths none.
+    things: Vec<Thing>,
 }
 
 impl EarlierScan {
@@ -56,10 +65,12 @@ impl EarlierScan {
                 && hit.y.is_finite()
                 && hit.distance >= 0.0
                 && (0.0..=1.0).contains(&hit.nearness)
+                && hit.thing.is_none_or(|thing| usize::from(thing) < self.things.len())
         };
         let (x, y, heading) = self.pose;
         let is_pose = x.is_finite() && y.is_finite() && heading.is_finite();
-        is_pose && self.hits.len() == usize::from(layout.count) && self.hits.iter().all(is_hit)
+        let are_things = self.things.iter().all(Thing::is_valid);
+        is_pose && are_things && self.hits.len() == usize::from(layout.count) && self.hits.iter().all(is_hit)
     }
 
     /// The nearest hit of each sector, if its sector is seen by a beam.
@@ -77,12 +88,22 @@ pub struct SectorObserver {
     /// Whether a beam belongs to each sector.
     is_seen: Vec<bool>,
     max_range_m: f32,
-    /// The scans of the last steps, the newest last: at most one more than the steps to the earlier scan.
+    spacing_rad: f32,
+    /// The scans of the last steps, the newest last: at most one more than the steps that it looks back.
     scans: VecDeque<EarlierScan>,
     /// The nearness of the earlier scan's points in each sector of the present frame; negative where there is none.
     earlier: Vec<f32>,
     /// The nearness of a collision in the direction of each sector's centre; empty without free paths.
     collisions: Vec<f32>,
+    /// The same if what moves goes on moving; empty without predicted paths.
+    predicted: Vec<f32>,
+    /// The nearness of a collision if the robot waits.
+    waiting: f32,
+    /// The things of the newest scan that move.
+    moving: Vec<Option<MovingThing>>,
+    /// The ends of the newest scan's beams, and their things.
+    ends: Vec<Option<BeamEnd>>,
+    thing_of_beam: Vec<Option<u16>>,
     /// The directions of the sectors' centres: unit vectors.
     directions: Vec<(f32, f32)>,
     twist: (f32, f32),
@@ -121,9 +142,15 @@ impl SectorObserver {
             beams,
             is_seen,
             max_range_m: lidar.max_range_m,
+            spacing_rad: lidar.spacing_rad,
             scans: VecDeque::new(),
             earlier: vec![-1.0; count],
             collisions: vec![0.0; if layout.free_paths { count } else { 0 }],
+            predicted: vec![0.0; if layout.predicted_paths { count } else { 0 }],
+            waiting: 0.0,
+            moving: Vec::new(),
+            ends: Vec::new(),
+            thing_of_beam: Vec::new(),
             directions: (0..count)
                 .map(|sector| {
                     let (sin, cos) = libm::sincosf(layout.angle_rad(sector));
@@ -158,10 +185,7 @@ impl SectorObserver {
         self.reset();
         self.scans.extend(scans.iter().cloned());
         self.twist = twist;
-        self.find_collisions();
-        if self.layout.earlier_steps > 0 {
-            self.move_earlier_scan();
-        }
+        self.compare();
     }
 
     /// Takes in what the robot senses after a control step, or at the start of an episode.
@@ -170,32 +194,59 @@ impl SectorObserver {
     /// The number of ranges is not that of the LIDAR's beams.
     pub fn sense(&mut self, sensed: &Sensed) {
         self.twist = sensed.twist;
-        let steps = usize::from(self.layout.earlier_steps);
-        let mut scan = if self.scans.len() > steps { self.scans.pop_front() } else { None }
-            .unwrap_or_else(|| EarlierScan { pose: sensed.pose, hits: Vec::new() });
+        let mut scan = if self.scans.len() > self.steps_back() { self.scans.pop_front() } else { None }
+            .unwrap_or_else(|| EarlierScan { pose: sensed.pose, hits: Vec::new(), things: Vec::new() });
         scan.pose = sensed.pose;
-        self.pool(sensed.ranges_m, &mut scan.hits);
+        self.pool(sensed.ranges_m, &mut scan);
         self.scans.push_back(scan);
+        self.compare();
+    }
+
+    /// The number of control steps that it looks back.
+    fn steps_back(&self) -> usize {
+        let followed = if self.layout.predicted_paths { FOLLOWED_STEPS } else { 0 };
+        followed.max(usize::from(self.layout.earlier_steps))
+    }
+
+    /// Finds what the newest scan and those before it say about collisions and motion.
+    fn compare(&mut self) {
         self.find_collisions();
-        if steps > 0 {
+        if self.layout.earlier_steps > 0 {
             self.move_earlier_scan();
+        }
+        if self.layout.predicted_paths {
+            self.find_moving_things();
+            self.predict_collisions();
         }
     }
 
-    /// Finds the nearest hit in each sector.
-    fn pool(&self, ranges_m: &[f32], hits: &mut Vec<Hit>) {
+    /// Finds the nearest hit in each sector, and the compact things.
+    fn pool(&mut self, ranges_m: &[f32], scan: &mut EarlierScan) {
         assert_eq!(ranges_m.len(), self.beams.len(), "one range per beam");
+        if self.layout.predicted_paths {
+            let Self { beams, body, max_range_m, ends, .. } = &mut *self;
+            let end = |(beam, &range_m): (&Beam, &f32)| {
+                let distance = range_m / body.unit_m;
+                let is_hit = range_m < *max_range_m;
+                is_hit.then_some(BeamEnd { x: beam.cos * distance, y: beam.sin * distance, distance })
+            };
+            ends.clear();
+            ends.extend(beams.iter().zip(ranges_m).map(end));
+            find_things(&self.ends, self.spacing_rad, &mut self.thing_of_beam, &mut scan.things);
+        }
+        let hits = &mut scan.hits;
         let count = usize::from(self.layout.count);
         hits.clear();
         hits.resize(count, NO_HIT);
         let per_unit = 1.0 / self.body.unit_m;
-        for (beam, &range_m) in self.beams.iter().zip(ranges_m) {
+        for (index, (beam, &range_m)) in self.beams.iter().zip(ranges_m).enumerate() {
             if range_m >= self.max_range_m {
                 continue;
             }
             let distance = range_m * per_unit;
             let nearness = nearness(distance - beam.extent);
-            let hit = Hit { x: beam.cos * distance, y: beam.sin * distance, distance, nearness };
+            let thing = self.thing_of_beam.get(index).copied().flatten();
+            let hit = Hit { x: beam.cos * distance, y: beam.sin * distance, distance, nearness, thing };
             for &sector in &beam.sectors {
                 let sector = &mut hits[sector];
                 if nearness > sector.nearness {
@@ -207,29 +258,74 @@ impl SectorObserver {
 
     /// Finds the nearness of a collision in the direction of each sector's centre, for a disc with a radius of one unit.
     fn find_collisions(&mut self) {
-        let Self { collisions, directions, scans, .. } = self;
-        let Some(scan) = scans.back() else { return };
-        for (collision, &(cos, sin)) in collisions.iter_mut().zip(&*directions) {
-            let mut free = f32::INFINITY;
-            for hit in scan.hits.iter().filter(|hit| hit.nearness > 0.0) {
-                let (along, across) = (hit.x * cos + hit.y * sin, hit.x * sin - hit.y * cos);
-                let beside = 1.0 - across * across;
-                if along > 0.0 && beside > 0.0 {
-                    free = free.min(along - beside.sqrt());
-                }
-            }
-            *collision = if free.is_finite() { nearness(free) } else { 0.0 };
+        let Some(scan) = self.scans.back() else { return };
+        for (collision, direction) in self.collisions.iter_mut().zip(&self.directions) {
+            *collision = collision_nearness(free_way(&scan.hits, *direction, |_| true));
         }
+    }
+
+    /// Finds which things of the newest scan move.
+    fn find_moving_things(&mut self) {
+        let Self { scans, moving, earlier, body, spacing_rad, .. } = self;
+        moving.clear();
+        let Some(now) = scans.back() else { return };
+        let (sin, cos) = libm::sincosf(now.pose.2);
+        let step = body.max_speed_m_s * body.control_period_s / body.unit_m;
+        for (index, &thing) in now.things.iter().enumerate() {
+            // It stands where the earlier scan saw nothing, or something farther away.
+            let has_appeared = |(hit, &earlier): (&Hit, &f32)| {
+                let extent = hit.distance - distance_at(hit.nearness);
+                let before = if earlier > 0.0 { distance_at(earlier) + extent } else { f32::INFINITY };
+                hit.thing == Some(index as u16) && earlier >= 0.0 && before > hit.distance + MIN_APPEARANCE
+            };
+            if !now.hits.iter().zip(&*earlier).any(has_appeared) {
+                moving.push(None);
+                continue;
+            }
+            let before = scans.iter().rev().skip(1).take(FOLLOWED_STEPS).map(|scan| {
+                let (dx, dy) = (scan.pose.0 - now.pose.0, scan.pose.1 - now.pose.1);
+                let origin = ((dx * cos + dy * sin) / body.unit_m, (dy * cos - dx * sin) / body.unit_m);
+                let (sin, cos) = libm::sincosf(scan.pose.2 - now.pose.2);
+                (Frame { cos, sin, origin }, scan.things.as_slice())
+            });
+            let distance = (thing.x * thing.x + thing.y * thing.y).sqrt();
+            moving.push(follow(thing, before, (2.0 * step).max(*spacing_rad * distance)));
+        }
+    }
+
+    /// Finds the nearness of collisions if what moves goes on moving: in the direction of each sector's centre at the robot's
+    /// highest speed, and if it waits.
+    fn predict_collisions(&mut self) {
+        let Self { scans, moving, predicted, collisions, directions, body, .. } = self;
+        self.waiting = 0.0;
+        if moving.iter().all(Option::is_none) && collisions.len() == predicted.len() {
+            predicted.copy_from_slice(collisions);
+            return;
+        }
+        let Some(now) = scans.back() else { return };
+        let step = body.max_speed_m_s * body.control_period_s / body.unit_m;
+        let is_still = |hit: &Hit| hit.thing.is_none_or(|thing| moving[usize::from(thing)].is_none());
+        let steps_to_collision = |way: (f32, f32), at_most: f32| {
+            let steps = moving.iter().flatten().map(|thing| thing.steps_to_collision(way));
+            steps.fold(at_most, f32::min)
+        };
+        for (predicted, &(cos, sin)) in predicted.iter_mut().zip(&*directions) {
+            let free = free_way(&now.hits, (cos, sin), is_still);
+            *predicted = collision_nearness(step * steps_to_collision((step * cos, step * sin), free / step));
+        }
+        self.waiting = collision_nearness(step * steps_to_collision((0.0, 0.0), f32::INFINITY));
     }
 
     /// Moves the points of the earlier scan into the present frame, by odometry.
     fn move_earlier_scan(&mut self) {
         let Self { layout, scans, earlier, body, is_seen, .. } = self;
         earlier.fill(-1.0);
-        let (Some(before), Some(now)) = (scans.front(), scans.back()) else { return };
-        if scans.len() < 2 {
+        let newest = scans.len().saturating_sub(1);
+        let oldest = newest.saturating_sub(usize::from(layout.earlier_steps));
+        if oldest == newest {
             return;
         }
+        let (before, now) = (&scans[oldest], &scans[newest]);
         let count = i32::from(layout.count);
         let per_sector = TAU / f32::from(layout.count);
         let (sin, cos) = libm::sincosf(now.pose.2);
@@ -278,8 +374,12 @@ impl SectorObserver {
             *value = hit.nearness;
         }
         let (changes, rest) = rest.split_at_mut(self.layout.changes());
-        let (collisions, others) = rest.split_at_mut(self.collisions.len());
+        let (collisions, rest) = rest.split_at_mut(self.collisions.len());
         collisions.copy_from_slice(&self.collisions);
+        let (predicted, rest) = rest.split_at_mut(self.predicted.len());
+        predicted.copy_from_slice(&self.predicted);
+        let (others, waiting) = rest.split_at_mut(OTHER_COLUMNS);
+        waiting.fill(self.waiting);
         for ((value, hit), &earlier) in changes.iter_mut().zip(hits).zip(&self.earlier) {
             // Nothing is known about what was not seen before, and what is far away does not matter.
             let is_known = earlier >= 0.0 && hit.distance < MOTION_RANGE;
@@ -300,4 +400,23 @@ impl SectorObserver {
             body.max_turn_rad_s * body.control_period_s,
         ]);
     }
+}
+
+/// How far a disc with a radius of one unit can drive in a direction, a unit vector, before it collides with one of the `counted`
+/// hits, in units of the robot.
+fn free_way(hits: &[Hit], (cos, sin): (f32, f32), counted: impl Fn(&Hit) -> bool) -> f32 {
+    let mut free = f32::INFINITY;
+    for hit in hits.iter().filter(|hit| hit.nearness > 0.0 && counted(hit)) {
+        let (along, across) = (hit.x * cos + hit.y * sin, hit.x * sin - hit.y * cos);
+        let beside = 1.0 - across * across;
+        if along > 0.0 && beside > 0.0 {
+            free = free.min(along - beside.sqrt());
+        }
+    }
+    free
+}
+
+/// The nearness of a collision after a way of this length, in units of the robot; 0 if it is infinite.
+fn collision_nearness(way: f32) -> f32 {
+    if way.is_finite() { nearness(way) } else { 0.0 }
 }

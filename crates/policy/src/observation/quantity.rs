@@ -24,6 +24,8 @@ pub enum Quantity {
     NearnessChange,
     /// The nearness of a collision in the direction of a sector's centre.
     CollisionNearness,
+    /// The same at the robot's highest speed, if what moves goes on moving as it has.
+    PredictedNearness,
     /// The cosine of the goal's bearing.
     GoalCosine,
     /// The sine of the goal's bearing.
@@ -40,6 +42,8 @@ pub enum Quantity {
     StepLength,
     /// The robot's largest turn in a control step.
     StepTurn,
+    /// The nearness of a collision if the robot waits.
+    WaitingNearness,
 }
 
 impl Quantity {

@@ -8,9 +8,11 @@
 //! | 0 .. S-1 | nearness of the nearest thing in each of S sectors, 0 (nothing in sight) to 1 (contact); sector 0 is centred straight ahead, then counterclockwise |
 //! | S .. 2S-1 | what has moved: 4 times the nearness now minus that of the earlier scan, moved into the present frame by odometry; -1 to 1, positive for what approaches. Absent without an earlier scan |
 //! | then S | nearness of what the robot would collide with if it drove straight on in the direction of a sector's centre, whatever its heading; 0 if that way is free. Absent without free paths |
+//! | then S | the same, at the robot's highest speed and if what moves goes on moving as it has. Absent without predicted paths |
 //! | then 4 | direction of the goal (cosine and sine of its bearing), its nearness, and the logarithm of its distance |
 //! | then 2 | the robot's speed and turning rate, in units of its highest |
 //! | then 2 | its longest way in a control step, in units of the robot, and its largest turn in a control step, in rad |
+//! | then 1 | nearness of a collision if the robot waits: at its highest speed it would drive that far until then. Absent without predicted paths |
 //!
 //! The nearness of a thing x units away from the body is 1 / (1 + x / 2).
 
@@ -25,8 +27,8 @@ const COUNT: RangeInclusive<u16> = 4..=360;
 const MAX_EARLIER_STEPS: u8 = 20;
 /// The distance at which the nearness is one half, in units of the robot.
 const HALF_NEARNESS: f32 = 2.0;
-/// The number of columns after the sectors.
-const OTHER_COLUMNS: usize = 8;
+/// The number of columns after the sectors, but for that of waiting.
+pub(super) const OTHER_COLUMNS: usize = 8;
 
 /// The layout of an observation by sectors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,6 +39,9 @@ pub struct SectorLayout {
     pub earlier_steps: u8,
     /// Whether there is a column for each sector's free path.
     pub free_paths: bool,
+    /// Whether there is a column for each sector's free path among things that move on, and one for waiting. They need an earlier
+    /// scan.
+    pub predicted_paths: bool,
 }
 
 /// The meaning of a column.
@@ -52,8 +57,9 @@ impl SectorLayout {
     /// The length of an observation.
     #[must_use]
     pub const fn width(self) -> usize {
-        let scans = 1 + (self.earlier_steps > 0) as usize + self.free_paths as usize;
-        scans * self.count as usize + OTHER_COLUMNS
+        let predicted = self.predicted_paths as usize;
+        let per_sector = 1 + (self.earlier_steps > 0) as usize + self.free_paths as usize + predicted;
+        per_sector * self.count as usize + OTHER_COLUMNS + predicted
     }
 
     /// The number of columns for changes.
@@ -71,11 +77,12 @@ impl SectorLayout {
     /// The meaning of each column, in their order.
     pub fn columns(self) -> impl Iterator<Item = Column> {
         let count = usize::from(self.count);
-        let (changes, free_paths) = (self.changes(), if self.free_paths { count } else { 0 });
+        let if_present = |is_present: bool| if is_present { count } else { 0 };
         let sectors = [
             (Quantity::Nearness, count),
-            (Quantity::NearnessChange, changes),
-            (Quantity::CollisionNearness, free_paths),
+            (Quantity::NearnessChange, self.changes()),
+            (Quantity::CollisionNearness, if_present(self.free_paths)),
+            (Quantity::PredictedNearness, if_present(self.predicted_paths)),
         ];
         let others = [
             Quantity::GoalCosine,
@@ -90,7 +97,8 @@ impl SectorLayout {
         let of_sectors = sectors.into_iter().flat_map(|(quantity, sectors)| {
             (0..sectors).map(move |sector| Column { quantity, sector: Some(sector) })
         });
-        of_sectors.chain(others.into_iter().map(|quantity| Column { quantity, sector: None }))
+        let waiting = self.predicted_paths.then_some(Quantity::WaitingNearness);
+        of_sectors.chain(others.into_iter().chain(waiting).map(|quantity| Column { quantity, sector: None }))
     }
 
     /// The mirror image of an observation: column k of the image is column `.0` of the original, times `.1`.
@@ -116,6 +124,9 @@ impl SectorLayout {
                 "has an earlier_steps of {}; help: give 1 to {MAX_EARLIER_STEPS} control steps, or 0 for no earlier scan",
                 self.earlier_steps
             ));
+        }
+        if self.predicted_paths && self.earlier_steps == 0 {
+            return Err("has predicted_paths, but an earlier_steps of 0; help: give 1 or more".into());
         }
         Ok(())
     }

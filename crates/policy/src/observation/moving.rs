@@ -1,0 +1,246 @@
+//! Things that move, found by comparing scans.
+//!
+//! Neighbouring hits form a thing, if it is compact. A thing that stands where an earlier scan saw nothing has moved; its velocity
+//! is the slope of the line through its places in the last scans, each matched to the nearest thing in the scan before. Everything
+//! else is taken as still. With few beams, only what is near is found in time.
+
+use serde::{Deserialize, Serialize};
+
+/// Control steps back to the oldest scan that a thing is followed to.
+pub(super) const FOLLOWED_STEPS: usize = 5;
+/// The fewest places that give a velocity.
+const MIN_PLACES: usize = 3;
+/// Neighbouring hits belong to one thing if their distance is at most this many times the distance between beams at that range,
+const LINK: f32 = 2.0;
+/// or at most this, in units of the robot.
+const MIN_LINK: f32 = 0.5;
+/// The largest extent of a thing that may move, in units of the robot. Larger things are taken for walls.
+const MAX_EXTENT: f32 = 5.0;
+/// The least distance between two places in successive scans that are taken for one thing's, in units of the robot.
+const MIN_GATE: f32 = 1.0;
+/// The least displacement over all places that counts as motion, in units of the robot.
+const MIN_DISPLACEMENT: f32 = 0.3;
+
+/// A compact thing in a scan: a disc in the robot's frame at that moment, in units of the robot.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Thing {
+    pub(super) x: f32,
+    pub(super) y: f32,
+    pub(super) radius: f32,
+}
+
+impl Thing {
+    /// Whether its numbers are in range.
+    pub(super) fn is_valid(&self) -> bool {
+        let in_reach = |value: f32| value.is_finite() && value.abs() < 1e6;
+        in_reach(self.x) && in_reach(self.y) && (0.0..1e6).contains(&self.radius)
+    }
+}
+
+/// The end of a beam that has hit something, in units of the robot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct BeamEnd {
+    pub(super) x: f32,
+    pub(super) y: f32,
+    pub(super) distance: f32,
+}
+
+impl BeamEnd {
+    fn distance_to(self, other: Self) -> f32 {
+        length(self.x - other.x, self.y - other.y)
+    }
+}
+
+/// A thing that moves, in the robot's present frame: its disc, and its displacement in a control step, in units of the robot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct MovingThing {
+    disc: Thing,
+    velocity: (f32, f32),
+}
+
+impl MovingThing {
+    /// The number of control steps until a robot that moves by `way` in each, from the origin, collides with it; infinite if it
+    /// does not.
+    pub(super) fn steps_to_collision(&self, way: (f32, f32)) -> f32 {
+        let Self { disc, velocity } = self;
+        let relative = (way.0 - velocity.0, way.1 - velocity.1);
+        let speed_2 = relative.0 * relative.0 + relative.1 * relative.1;
+        let along = disc.x * relative.0 + disc.y * relative.1;
+        let reach = 1.0 + disc.radius;
+        let apart_2 = disc.x * disc.x + disc.y * disc.y - reach * reach;
+        let root_2 = along * along - speed_2 * apart_2;
+        if along <= 0.0 || speed_2 <= 1e-9 || root_2 <= 0.0 {
+            return f32::INFINITY;
+        }
+        if apart_2 <= 0.0 { 0.0 } else { (along - root_2.sqrt()) / speed_2 }
+    }
+}
+
+fn length(x: f32, y: f32) -> f32 {
+    (x * x + y * y).sqrt()
+}
+
+/// Finds the compact things among the ends of a scan's beams, in the order of the beams, and writes to `thing_of_beam` which one
+/// each beam has hit, if any.
+pub(super) fn find_things(
+    ends: &[Option<BeamEnd>],
+    spacing_rad: f32,
+    thing_of_beam: &mut Vec<Option<u16>>,
+    things: &mut Vec<Thing>,
+) {
+    let beams = ends.len();
+    things.clear();
+    thing_of_beam.clear();
+    thing_of_beam.resize(beams, None);
+    let is_linked = |one: usize, other: usize| match (ends[one], ends[other]) {
+        (Some(one), Some(other)) => {
+            let between_beams = spacing_rad * one.distance.min(other.distance);
+            one.distance_to(other) <= (LINK * between_beams).max(MIN_LINK)
+        }
+        _ => false,
+    };
+    // A LIDAR that sees all around may see a thing with its first and last beams.
+    let Some(first) = (0..beams).find(|&beam| !is_linked((beam + beams - 1) % beams, beam)) else { return };
+    let at = |index: usize| (first + index) % beams;
+    let mut start = 0;
+    for end in 1..=beams {
+        if end < beams && is_linked(at(end - 1), at(end)) {
+            continue;
+        }
+        let hits = || (start..end).filter_map(|index| ends[at(index)]);
+        if let (Some(one), Some(other)) = (hits().next(), hits().next_back()) {
+            let extent = one.distance_to(other);
+            if extent <= MAX_EXTENT && things.len() < usize::from(u16::MAX) {
+                let count = (end - start) as f32;
+                let (x, y) =
+                    hits().fold((0.0, 0.0), |sum, hit| (sum.0 + hit.x / count, sum.1 + hit.y / count));
+                // The scan shows only the near side. The centre of a disc lies about half its width behind it.
+                let behind = 1.0 + 0.5 * extent / length(x, y).max(0.1);
+                (start..end).for_each(|index| thing_of_beam[at(index)] = Some(things.len() as u16));
+                things.push(Thing { x: x * behind, y: y * behind, radius: 0.5 * extent });
+            }
+        }
+        start = end;
+    }
+}
+
+/// A frame of an earlier scan: the rotation and the origin in the present frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame {
+    pub(super) cos: f32,
+    pub(super) sin: f32,
+    pub(super) origin: (f32, f32),
+}
+
+impl Frame {
+    fn to_present(self, thing: &Thing) -> (f32, f32) {
+        let Self { cos, sin, origin } = self;
+        (thing.x * cos - thing.y * sin + origin.0, thing.x * sin + thing.y * cos + origin.1)
+    }
+}
+
+/// Follows a thing of the present scan back through `earlier` scans, the newest first. `gate` is the largest distance between
+/// its places in successive scans, in units of the robot, if that is more than the least one. Returns it if it moves.
+pub(super) fn follow<'a>(
+    disc: Thing,
+    earlier: impl Iterator<Item = (Frame, &'a [Thing])>,
+    gate: f32,
+) -> Option<MovingThing> {
+    let gate = gate.max(MIN_GATE);
+    let (mut at, mut velocity) = ((disc.x, disc.y), (0.0, 0.0));
+    // The sums of the least squares: places over times, with the present at time 0.
+    let mut places = 1.0;
+    let (mut t_sum, mut tt_sum) = (0.0, 0.0);
+    let (mut sum, mut t_at_sum) = (at, (0.0, 0.0));
+    for (step, (frame, things)) in earlier.enumerate() {
+        let expected = (at.0 - velocity.0, at.1 - velocity.1);
+        let candidates = things.iter().map(|thing| {
+            let place = frame.to_present(thing);
+            (length(place.0 - expected.0, place.1 - expected.1), place)
+        });
+        let nearest = candidates.filter(|(away, _)| *away <= gate).min_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((_, place)) = nearest else { break };
+        at = place;
+        let t = -((step + 1) as f32);
+        places += 1.0;
+        t_sum += t;
+        tt_sum += t * t;
+        sum = (sum.0 + at.0, sum.1 + at.1);
+        t_at_sum = (t_at_sum.0 + t * at.0, t_at_sum.1 + t * at.1);
+        let determinant = places * tt_sum - t_sum * t_sum;
+        let slope = |sum: f32, t_at_sum: f32| (places * t_at_sum - t_sum * sum) / determinant;
+        velocity = (slope(sum.0, t_at_sum.0), slope(sum.1, t_at_sum.1));
+    }
+    let displacement = length(velocity.0, velocity.1) * (places - 1.0);
+    let moves = places >= MIN_PLACES as f32 && displacement >= MIN_DISPLACEMENT;
+    moves.then_some(MovingThing { disc, velocity })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PRESENT: Frame = Frame { cos: 1.0, sin: 0.0, origin: (0.0, 0.0) };
+
+    fn disc(x: f32, y: f32) -> Thing {
+        Thing { x, y, radius: 0.5 }
+    }
+
+    #[test]
+    fn a_thing_is_followed_to_its_velocity() {
+        let scans: Vec<Vec<Thing>> =
+            (1..=5).map(|k| vec![disc(4.0, 3.0), disc(2.0 + 0.2 * k as f32, 0.0)]).collect();
+        let earlier = || scans.iter().map(|things| (PRESENT, things.as_slice()));
+        let moving = follow(disc(2.0, 0.0), earlier(), 0.0).expect("it moves");
+        assert!((moving.velocity.0 + 0.2).abs() < 1e-5 && moving.velocity.1.abs() < 1e-5, "{moving:?}");
+        assert_eq!(follow(disc(4.0, 3.0), earlier(), 0.0), None, "it is still");
+        assert_eq!(follow(disc(2.0, 0.0), earlier().take(1), 0.0), None, "two places say too little");
+        assert_eq!(follow(disc(-3.0, 0.0), earlier(), 0.0), None, "it was not seen before");
+    }
+
+    #[test]
+    fn the_robot_s_own_motion_does_not_count() {
+        // The robot has moved by 0.3 ahead and turned left by a right angle: it sees ahead what was to its left.
+        let frame = Frame { cos: 0.0, sin: -1.0, origin: (0.0, 0.3) };
+        let place = frame.to_present(&disc(0.3, 2.0));
+        assert!((place.0 - 2.0).abs() < 1e-6 && place.1.abs() < 1e-6, "{place:?}");
+    }
+
+    #[test]
+    fn steps_to_a_collision_are_counted_by_hand() {
+        // It comes from 6 units ahead at 0.5 a step; contact is at 1 + 0.5 units.
+        let moving = MovingThing { disc: disc(6.0, 0.0), velocity: (-0.5, 0.0) };
+        assert_eq!(moving.steps_to_collision((0.0, 0.0)), 4.5 / 0.5);
+        assert_eq!(moving.steps_to_collision((1.0, 0.0)), 4.5 / 1.5);
+        assert_eq!(moving.steps_to_collision((-0.5, 0.0)), f32::INFINITY, "it never catches up");
+        assert_eq!(moving.steps_to_collision((0.0, 1.0)), f32::INFINITY, "the robot is out of its way");
+        let touching = MovingThing { disc: disc(1.4, 0.0), velocity: (-0.5, 0.0) };
+        assert_eq!(touching.steps_to_collision((0.0, 0.0)), 0.0);
+    }
+
+    #[test]
+    fn compact_things_are_told_from_walls_also_across_the_first_beam() {
+        let beams = 36;
+        let spacing_rad = std::f32::consts::TAU / beams as f32;
+        let end = |beam: usize| {
+            let (sin, cos) = (beam as f32 * spacing_rad).sin_cos();
+            let distance = match beam {
+                35 | 0 | 1 => 3.0,
+                // A wall along y = 6, 7 units long.
+                6..=12 => 6.0 / sin,
+                20 => 2.0,
+                _ => return None,
+            };
+            Some(BeamEnd { x: cos * distance, y: sin * distance, distance })
+        };
+        let ends: Vec<Option<BeamEnd>> = (0..beams).map(end).collect();
+        let (mut of_beam, mut things) = (Vec::new(), Vec::new());
+        find_things(&ends, spacing_rad, &mut of_beam, &mut things);
+        assert_eq!(things.len(), 2, "{things:?}");
+        let ahead = of_beam[0].expect("a thing is ahead");
+        assert_eq!((of_beam[35], of_beam[1]), (Some(ahead), Some(ahead)));
+        assert!(things[usize::from(ahead)].y.abs() < 1e-5, "{things:?}");
+        assert!(of_beam[6..=12].iter().all(Option::is_none), "the wall is {of_beam:?}");
+        assert!(of_beam[20].is_some_and(|behind| behind != ahead), "{of_beam:?}");
+    }
+}
