@@ -148,12 +148,16 @@ impl NativeEnv {
     /// The length of an observation.
     #[getter]
     fn observation_width(&self) -> usize {
-        observation::width(self.scenario.lidar.beams)
+        self.encoding.width(self.scenario.lidar.beams)
     }
 
-    /// The least and the greatest value of every number of an observation.
+    /// The least and the greatest value of every number of an observation; infinite for observations by sectors.
     #[getter]
     fn observation_bounds(&self) -> (Vec<f32>, Vec<f32>) {
+        if self.encoding.sectors().is_some() {
+            let bound = |value| vec![value; self.observation_width()];
+            return (bound(f32::NEG_INFINITY), bound(f32::INFINITY));
+        }
         let lidar = &self.scenario.lidar;
         let corners = self.scenario.enclosure.corners_m();
         let distances = corners.iter().flat_map(|a| corners.iter().map(|b| a.distance(*b)));

@@ -14,6 +14,7 @@
 //! | `cluster.rs` | trainings as tasks for other machines |
 //! | `benchmark.rs` | steps without Python, for comparison |
 //! | `policy.rs` | policies |
+//! | `driver.rs` | policies that drive robots outside wayfield |
 //! | `train.rs` | training runs |
 //! | `evaluate.rs` | evaluations |
 //! | `suite.rs` | evaluations in suites |
@@ -28,6 +29,7 @@ mod arrays;
 mod benchmark;
 mod cluster;
 mod commands;
+mod driver;
 mod env;
 mod env_options;
 mod errors;
@@ -53,6 +55,8 @@ mod _native {
     use super::benchmark::benchmark;
     #[pymodule_export]
     use super::cluster::{NativeReport, build, is_task_done, run_task};
+    #[pymodule_export]
+    use super::driver::NativeDriver;
     #[pymodule_export]
     use super::env::NativeEnv;
     #[pymodule_export]

@@ -84,8 +84,8 @@ impl NativePolicy {
     ) -> PyResult<Bound<'py, PyArray1<f32>>> {
         if self.encoding.sectors().is_some() {
             return Err(PyValueError::new_err(
-                "this policy observes by sectors, with what the robot has seen before, so that one scan is not enough; help: use \
-                 wayfield.evaluate, or the observations of an environment made with this policy's preset",
+                "this policy observes by sectors, with what the robot has seen before, so that one scan is not enough; help: drive \
+                 with policy.driver(scenario), which remembers it",
             ));
         }
         let (width, inputs) = (observation::width(ranges_m.len()), self.inputs());

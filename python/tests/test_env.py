@@ -27,9 +27,12 @@ def rollout(envs, steps, seed=7):
 
 
 # Continuous actions are in m/s and rad/s on purpose, not from -1 to 1.
-@pytest.mark.filterwarnings("error::UserWarning", "ignore:.*symmetric and normalized space")
+# Observations by sectors have no bounds.
+@pytest.mark.filterwarnings("error::UserWarning", "ignore:.*symmetric and normalized space", "ignore:.*infinity")
 @pytest.mark.parametrize("actions", ["discrete", "continuous"])
-@pytest.mark.parametrize("options", [{}, {"scenario": "crowd", "task": "continuing"}, {"observation": "raw"}])
+@pytest.mark.parametrize(
+    "options", [{}, {"scenario": "crowd", "task": "continuing"}, {"observation": "raw"}, {"preset": "general"}]
+)
 def test_gymnasiums_checker_accepts_the_environment(actions, options):
     check_env(gymnasium.make(ENV, actions=actions, **options).unwrapped)
 

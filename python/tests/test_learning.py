@@ -384,7 +384,7 @@ def test_the_stub_lists_the_native_module():
     stub = ast.parse((Path(wayfield.__file__).parent / "_native.pyi").read_text())
     listed = {node.name: node for node in stub.body if isinstance(node, (ast.ClassDef, ast.FunctionDef))}
     assert set(listed) == {name for name in dir(_native) if not name.startswith("_")}
-    for name in ("NativeEnv", "NativePolicy", "NativeReport", "StepDetails"):
+    for name in ("NativeDriver", "NativeEnv", "NativePolicy", "NativeReport", "StepDetails"):
         members = {node.name for node in listed[name].body if isinstance(node, ast.FunctionDef)}
         members |= {node.target.id for node in listed[name].body if isinstance(node, ast.AnnAssign)}
         native = {member for member in vars(getattr(_native, name)) if not member.startswith("__")}

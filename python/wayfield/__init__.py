@@ -12,6 +12,7 @@ Importing the package registers the environment ``wayfield/Navigation-v0``.
 from gymnasium.envs.registration import register
 
 from . import _native
+from .driver import Driver, Motion
 from .env import NavigationEnv
 from .evaluation import Evaluation, evaluate, evaluate_function
 from .files import Problem, check, draw, presets, scenario_text, scenarios
@@ -24,9 +25,11 @@ from .vector import NavigationVectorEnv
 __version__ = _native.version()
 
 __all__ = [
+    "Driver",
     "Evaluation",
     "FamilyEvaluation",
     "ImportedScenario",
+    "Motion",
     "NavigationEnv",
     "NavigationVectorEnv",
     "Policy",

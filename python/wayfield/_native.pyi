@@ -64,6 +64,30 @@ class NativePolicy:
     def with_map(self) -> bool: ...
 
 @final
+class NativeDriver:
+    """A policy that drives one robot of a scenario."""
+
+    def __new__(
+        cls, policy: NativePolicy, wanted: str, settings: list[tuple[str, str]], with_map: bool
+    ) -> NativeDriver: ...
+    def reset(self) -> None: ...
+    def act(
+        self,
+        ranges_m: NDArray[np.float32],
+        goal: tuple[float, ...],
+        pose: tuple[float, ...],
+        twist: tuple[float, ...],
+    ) -> tuple[float, float, int]: ...
+    @property
+    def warning(self) -> str | None: ...
+    @property
+    def beam_angles_rad(self) -> NDArray[np.float32]: ...
+    @property
+    def max_range_m(self) -> float: ...
+    @property
+    def control_period_s(self) -> float: ...
+
+@final
 class NativeReport:
     """A report that is being made. Its folder is locked until it is finished."""
 

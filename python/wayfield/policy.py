@@ -2,13 +2,14 @@
 
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import _native
+from .driver import Driver
 
 if TYPE_CHECKING:
     from .evaluation import Evaluation
@@ -73,14 +74,38 @@ class Policy:
         return velocities
 
     def encode(self, ranges_m: Any, bearing_rad: float, distance_m: float) -> np.ndarray:
-        """The observation (float32) for a LIDAR scan and a goal, for robots outside wayfield.
+        """The observation (float32) for a LIDAR scan and a goal, for robots outside wayfield. ``driver`` is the way for policies that
+        also observe what was seen before.
 
         Args:
             ranges_m: One range per beam in m, counterclockwise from the first beam of the card.
             bearing_rad: The angle from the heading to the goal in rad, -pi to pi, left positive.
             distance_m: The distance to the goal in m.
+
+        Raises:
+            ValueError: The number of ranges is wrong, or the policy observes by sectors.
         """
         return self._native.encode(np.ravel(ranges_m).tolist(), bearing_rad, distance_m)
+
+    def driver(
+        self, scenario: str | os.PathLike[str], *, with_map: bool = False, set: Mapping[str, Any] | None = None
+    ) -> Driver:
+        """The policy as the driver of a robot outside wayfield, step by step.
+
+        Args:
+            scenario: A shipped name, a path or RON text. Its robot, LIDAR, control period and goal radius are those of the robot;
+                its obstacles do not matter.
+            with_map: Whether it builds a map as it drives, and so leaves dead ends (docs/drivers.md).
+            set: Fields of the scenario with other values, as ``--set`` takes them: ``{"scenario.lidar.beams": 360}``.
+
+        Warns:
+            UserWarning: The scenario differs from that of the training.
+
+        Raises:
+            ValueError: The policy does not fit the scenario, was trained with sensors of plugins, or a setting is invalid.
+            FileNotFoundError: There is no such scenario.
+        """
+        return Driver(self, scenario, with_map, set)
 
     def predict(
         self, observation: Any, state: Any = None, episode_start: Any = None, deterministic: bool = True

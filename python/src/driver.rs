@@ -1,0 +1,155 @@
+//! Policies that drive robots outside wayfield: from what a robot senses to the motion to command, step by step.
+
+use numpy::{PyArray1, PyReadonlyArray1};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use wayfield::drivers::{Driver, DrivingPolicy, Odometry, Percept};
+use wayfield::run::evaluate::{check_compatible, period_s};
+use wayfield::run::policy_card;
+use wayfield::scenario::{Motion, Scenario};
+use wayfield::task::{ObservationLayout, wrap_angle};
+
+use crate::env_options::{scenario as find_scenario, settings as settings_of};
+use crate::errors::{detached, run_error, setting_errors};
+use crate::policy::NativePolicy;
+
+/// The largest size of a number that a robot gives, in m, rad, m/s or rad/s.
+const MAX_SIZE: f64 = 1e7;
+
+/// A pose: x in m, y in m, heading in rad. In double precision, so that a frame may begin far away.
+type Pose = (f64, f64, f64);
+
+/// A policy that drives one robot of a scenario.
+#[pyclass(module = "wayfield._native")]
+pub struct NativeDriver {
+    policy: DrivingPolicy,
+    scenario: Scenario,
+    /// The settings of the scenario that differ from the policy's card, as text.
+    #[pyo3(get)]
+    warning: Option<String>,
+    /// The driver of the current episode.
+    driver: Box<dyn Driver>,
+    /// The pose at the last decision; `None` at the start of an episode.
+    last_pose: Option<Pose>,
+}
+
+#[pymethods]
+impl NativeDriver {
+    /// `policy` in the scenario with the shipped name, path or text `wanted`, which `settings` may change.
+    #[new]
+    fn new(
+        policy: PyRef<'_, NativePolicy>,
+        wanted: &str,
+        settings: Vec<(String, String)>,
+        with_map: bool,
+    ) -> PyResult<Self> {
+        let mut scenario = find_scenario(wanted)?;
+        settings_of(settings).apply_to_scenario(&mut scenario).map_err(setting_errors)?;
+        policy_card::check_without_sensors(&policy.policy)
+            .and_then(|()| check_compatible(&policy.policy, &scenario, &ObservationLayout::default()))
+            .map_err(run_error)?;
+        let warning = policy_card::warning(&policy.policy, &scenario).map_err(run_error)?;
+        let policy = policy_card::driving(policy.policy.clone(), with_map).map_err(run_error)?;
+        let driver = policy.driver(&scenario);
+        Ok(Self { policy, scenario, warning, driver, last_pose: None })
+    }
+
+    /// Starts an episode: forgets all scans and the map.
+    fn reset(&mut self) {
+        self.driver = self.policy.driver(&self.scenario);
+        self.last_pose = None;
+    }
+
+    /// Speed in m/s, turning rate in rad/s and index of the action for a scan (beams, in m), the goal's bearing in rad and distance
+    /// in m, a pose, and the actual speed in m/s and turning rate in rad/s.
+    fn act(
+        &mut self,
+        py: Python<'_>,
+        ranges_m: PyReadonlyArray1<'_, f32>,
+        goal: (f64, f64),
+        pose: Pose,
+        twist: (f64, f64),
+    ) -> PyResult<(f32, f32, usize)> {
+        check_sizes("goal", &[("bearing_rad", goal.0), ("distance_m", goal.1)])?;
+        check_sizes("pose", &[("x_m", pose.0), ("y_m", pose.1), ("heading_rad", pose.2)])?;
+        check_sizes("twist", &[("v_m_s", twist.0), ("w_rad_s", twist.1)])?;
+        if goal.1 < 0.0 {
+            let distance_m = goal.1;
+            return Err(PyValueError::new_err(format!(
+                "goal: distance_m is {distance_m}; help: give a distance from 0 m, and the direction as bearing_rad"
+            )));
+        }
+        let ranges_m = self.scan(ranges_m.as_array().iter().copied().collect())?;
+        let percept = Percept {
+            ranges_m: &ranges_m,
+            goal_distance_m: goal.1 as f32,
+            goal_bearing_rad: wrap_angle(goal.0 as f32),
+            twist: Motion { v_m_s: twist.0 as f32, w_rad_s: twist.1 as f32 },
+            odometry: self.last_pose.map_or_else(Odometry::default, |last| moved(last, pose)),
+            truth: None,
+        };
+        let driver = &mut self.driver;
+        let action = detached(py, || Ok(driver.act(&percept)))?;
+        self.last_pose = Some(pose);
+        let motion = self.driver.motions().unwrap_or(&self.scenario.robot.motions)[action];
+        Ok((motion.v_m_s, motion.w_rad_s, action))
+    }
+
+    /// The directions of the LIDAR's beams relative to the heading, in rad.
+    #[getter]
+    fn beam_angles_rad<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
+        let lidar = &self.scenario.lidar;
+        PyArray1::from_iter(py, (0..lidar.beams).map(|beam| lidar.beam_angle_rad(beam) as f32))
+    }
+
+    /// The LIDAR's maximum range, in m.
+    #[getter]
+    fn max_range_m(&self) -> f32 {
+        self.scenario.lidar.max_range_m
+    }
+
+    /// The control period in s.
+    #[getter]
+    fn control_period_s(&self) -> f64 {
+        period_s(self.scenario.task.control_period_s)
+    }
+}
+
+impl NativeDriver {
+    /// `ranges_m` as the LIDAR reports them: at most its maximum range.
+    fn scan(&self, mut ranges_m: Vec<f32>) -> PyResult<Vec<f32>> {
+        let Scenario { name, lidar, .. } = &self.scenario;
+        let (given, beams, max_range_m) = (ranges_m.len(), lidar.beams, lidar.max_range_m);
+        if given != beams {
+            return Err(PyValueError::new_err(format!(
+                "the scan has {given} ranges, but the LIDAR of \"{name}\" has {beams} beams; help: give {beams} ranges, at the \
+                 driver's beam_angles_rad, or make the driver with set={{\"scenario.lidar.beams\": {given}}} if the policy takes them"
+            )));
+        }
+        if let Some(index) = ranges_m.iter().position(|range| !(range.is_finite() && *range >= 0.0)) {
+            return Err(PyValueError::new_err(format!(
+                "range {index} of the scan is {}; help: give numbers from 0 m, and for a beam that hits nothing the maximum range, \
+                 {max_range_m} m",
+                ranges_m[index]
+            )));
+        }
+        ranges_m.iter_mut().for_each(|range| *range = range.min(max_range_m));
+        Ok(ranges_m)
+    }
+}
+
+/// Checks that the parts of `what` are numbers of a sensible size.
+fn check_sizes(what: &str, parts: &[(&str, f64)]) -> PyResult<()> {
+    match parts.iter().find(|(_, value)| !(value.abs() <= MAX_SIZE)) {
+        Some((name, value)) => Err(PyValueError::new_err(format!(
+            "{what}: {name} is {value}; help: give a finite number, between -{MAX_SIZE} and {MAX_SIZE}"
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// The robot's own motion from the pose `from` to the pose `to`.
+fn moved(from: Pose, to: Pose) -> Odometry {
+    let way = ((to.0 - from.0) as f32, (to.1 - from.1) as f32, to.2 as f32);
+    Odometry::between((0.0, 0.0, from.2 as f32), way)
+}
