@@ -55,6 +55,10 @@ pub struct LearningConfig {
     /// Mirror augmentation: each sampled transition is mirrored, left for right, with probability 1/2. It needs an observation
     /// and actions that can be mirrored. The paper: `false`.
     pub mirror: bool,
+    /// Advantage learning: the weight, at least 0 and below 1, with which a TD target loses the gap max Q(s, .) - Q(s, a) of the
+    /// target network (Bellemare et al. 2016). The best action stays the best and keeps its value, and the others fall behind
+    /// it by 1 / (1 - weight) times as much, so that small errors of the network confuse them less. The paper: 0.
+    pub advantage_learning: f32,
 }
 
 /// The layers of the Q-network.
@@ -262,6 +266,7 @@ impl Default for LearningConfig {
             target_update: TargetUpdate::Hard { every: 2000 },
             exploration: Exploration::PerEpisode { start: 1.0, decay: 0.99, end: 0.05 },
             mirror: false,
+            advantage_learning: 0.0,
         }
     }
 }

@@ -225,6 +225,25 @@ fn a_learner_with_a_mirror_continues_with_the_same_bits() {
 }
 
 #[test]
+fn a_learner_with_advantage_learning_continues_with_the_same_bits() {
+    for plain in configs() {
+        let config = LearningConfig { advantage_learning: 0.5, ..plain.clone() };
+        let mut one = Learner::new(&config, INPUTS, ACTIONS, NUM_ENVS, 5).expect("a valid config");
+        let mut env = NoiseEnv::new();
+        env.run(&mut one, 60);
+        let bytes = saved(&one);
+        let mut two = restored(&config, &bytes).expect("a valid checkpoint");
+        env.clone().run(&mut one, 100);
+        env.run(&mut two, 100);
+        assert!(saved(&one) == saved(&two));
+        for other in [plain.clone(), LearningConfig { advantage_learning: 0.25, ..plain }] {
+            let error = restored(&other, &bytes).expect_err("another config");
+            assert!(matches!(error, CheckpointError::ConfigMismatch { field: "learning" }), "{error}");
+        }
+    }
+}
+
+#[test]
 fn a_mirror_of_another_size_is_rejected() {
     let mut learner = Learner::new(&configs()[0], INPUTS, ACTIONS, NUM_ENVS, 5).expect("a valid config");
     let mirror = Mirror::new(vec![(0, 1.0); 1], vec![0, 2, 1]).expect("an involution");

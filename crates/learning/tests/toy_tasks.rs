@@ -153,6 +153,25 @@ fn chain_values_are_the_discounted_final_reward() {
     }
 }
 
+#[test]
+fn advantage_learning_doubles_the_gap_to_the_best_action_and_keeps_its_value() {
+    // The same chain, in which action 2 stays: it loses less than moving left, 0.1 V(s).
+    let config = LearningConfig { advantage_learning: 0.5, ..config(0.9, PRIORITIZED) };
+    let q = learn(&config, 5, 3, 12_000, |state, action, _| match (state, action) {
+        (4, 1) => (1.0, 4, true, false),
+        (_, 1) => (0.0, state + 1, false, false),
+        (_, 0) => (0.0, state.saturating_sub(1), false, false),
+        _ => (0.0, state, false, false),
+    });
+    for (state, q) in q.iter().enumerate() {
+        let right = 0.9_f32.powi(4 - state as i32);
+        let left = 0.9 * 0.9_f32.powi(5 - state.max(1) as i32);
+        close(q[1], right, 0.04, &format!("right from {state}"));
+        close(q[2], right - 2.0 * (right - 0.9 * right), 0.04, &format!("waiting in {state}"));
+        close(q[0], right - 2.0 * (right - left), 0.04, &format!("left from {state}"));
+    }
+}
+
 /// The learned value of a reward that is 1 with probability 0.3, otherwise 0.
 fn coin(sampling: Sampling) -> f32 {
     learn(&config(0.9, sampling), 1, 1, 6000, |_, _, random| {

@@ -9,7 +9,7 @@ use crate::config::{LearningConfig, NetworkConfig};
 use crate::framing::encode;
 
 /// What configs can switch on since version 2 of the file. A config that uses none of it is written in version 1. Version 3 is
-/// that of mirror augmentation.
+/// that of mirror augmentation, version 4 that of advantage learning.
 #[derive(Serialize, PartialEq)]
 struct Switches {
     layer_norm: bool,
@@ -45,6 +45,7 @@ pub(super) fn encoded(config: &LearningConfig) -> io::Result<(u32, Vec<u8>)> {
         target_update,
         exploration,
         mirror,
+        advantage_learning,
     } = config;
     let update = (double, gamma, n_step, reward_scale, loss, optimizer, learning_rate, batch_size);
     let version_1 = (hidden, dueling, update, replay, train_freq, gradient_steps, target_update, exploration);
@@ -54,7 +55,9 @@ pub(super) fn encoded(config: &LearningConfig) -> io::Result<(u32, Vec<u8>)> {
         max_gradient_norm: *max_gradient_norm,
         weight_decay: *weight_decay,
     };
-    if *mirror {
+    if *advantage_learning != 0.0 {
+        Ok((4, encode(&(version_1, switches, mirror, advantage_learning))?))
+    } else if *mirror {
         Ok((3, encode(&(version_1, switches, mirror))?))
     } else if switches != OFF {
         Ok((2, encode(&(version_1, switches))?))

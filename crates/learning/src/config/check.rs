@@ -60,6 +60,7 @@ impl LearningConfig {
             found.add(above_zero("max_gradient_norm", norm));
         }
         found.add(within("weight_decay", self.weight_decay, 0.0..=1.0));
+        found.add(within("advantage_learning", self.advantage_learning, 0.0..1.0));
         found.add(within("batch_size", self.batch_size, 1..=MAX_BATCH_SIZE));
         self.replay.check(&mut found);
         found.add(within("train_freq", self.train_freq, 1..));

@@ -1,6 +1,6 @@
 //! TD targets, the return bound, divergence.
 
-use super::update::{all_finite, td_targets};
+use super::update::{all_finite, td_targets, widen_gaps};
 use super::*;
 use crate::Schedule;
 use crate::replay::Batch;
@@ -27,6 +27,13 @@ fn a_double_dqn_target_values_the_online_networks_choice_by_the_target_network()
         [1.0 + 0.9 * 3.0, 2.0],
         "the online network prefers action 0, whose value in the target network is 3"
     );
+}
+
+#[test]
+fn advantage_learning_lowers_the_targets_of_all_but_the_best_actions() {
+    let mut targets = [1.0, 1.0, 1.0];
+    widen_gaps(&[0, 1, 2], &[3.0, 5.0, 4.0, 3.0, 5.0, 4.0, 3.0, 5.0, 4.0], 0.5, &mut targets);
+    assert_eq!(targets, [1.0 - 0.5 * 2.0, 1.0, 1.0 - 0.5 * 1.0]);
 }
 
 #[test]

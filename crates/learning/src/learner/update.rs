@@ -35,6 +35,8 @@ pub(super) struct Scratch {
     gradient: Gradient,
     online_q: Vec<f32>,
     target_q: Vec<f32>,
+    /// Q(s, .) of the target network, with advantage learning.
+    gap_q: Vec<f32>,
     targets: Vec<f32>,
 }
 
@@ -84,7 +86,7 @@ impl Learner {
     /// Samples a batch and computes its TD targets, loss and gradient.
     fn compute_gradient(&mut self) {
         let Self { config, online, target, replay, counters, mirror_stream, mirror, scratch, .. } = self;
-        let Scratch { batch, gradient, online_q, target_q, targets } = scratch;
+        let Scratch { batch, gradient, online_q, target_q, gap_q, targets } = scratch;
         let n = config.batch_size;
         replay.sample(n, counters.env_steps, &mut counters.sampling, batch);
         if let Some(stream) = mirror_stream {
@@ -96,6 +98,10 @@ impl Learner {
         }
         let chooser = if config.double { &*online_q } else { &*target_q };
         td_targets(batch, chooser, target_q, targets);
+        if config.advantage_learning > 0.0 {
+            target.q_values(&batch.states, n, gap_q);
+            widen_gaps(&batch.actions, gap_q, config.advantage_learning, targets);
+        }
         let regression =
             Regression { actions: &batch.actions, targets, weights: &batch.weights, loss: config.loss };
         online.gradient(&batch.states, regression, gradient);
@@ -158,6 +164,14 @@ pub(super) fn td_targets(batch: &Batch, chooser: &[f32], target_q: &[f32], targe
     targets.clear();
     targets
         .extend(steps.zip(rows).map(|((r, discount), (choose, value))| r + discount * value[greedy(choose)]));
+}
+
+/// Subtracts `weight` times the gap max Q(s, .) - Q(s, a) from each target: advantage learning. `q` holds Q(s, .).
+pub(super) fn widen_gaps(actions: &[u8], q: &[f32], weight: f32, targets: &mut [f32]) {
+    let rows = q.chunks_exact(q.len() / actions.len());
+    for ((target, row), &action) in targets.iter_mut().zip(rows).zip(actions) {
+        *target -= weight * (row[greedy(row)] - row[usize::from(action)]);
+    }
 }
 
 /// Updates the target network after gradient step `step`.
