@@ -76,7 +76,7 @@ impl NativeDriver {
         if goal.1 < 0.0 {
             let distance_m = goal.1;
             return Err(PyValueError::new_err(format!(
-                "goal: distance_m is {distance_m}; help: give a distance from 0 m, and the direction as bearing_rad"
+                "goal: distance_m is {distance_m:?}; help: give a distance from 0 m, and the direction as bearing_rad"
             )));
         }
         let ranges_m = self.scan(ranges_m.as_array().iter().copied().collect())?;
@@ -128,7 +128,7 @@ impl NativeDriver {
         }
         if let Some(index) = ranges_m.iter().position(|range| !(range.is_finite() && *range >= 0.0)) {
             return Err(PyValueError::new_err(format!(
-                "range {index} of the scan is {}; help: give numbers from 0 m, and for a beam that hits nothing the maximum range, \
+                "range {index} of the scan is {:?}; help: give numbers from 0 m, and for a beam that hits nothing the maximum range, \
                  {max_range_m} m",
                 ranges_m[index]
             )));
@@ -142,7 +142,7 @@ impl NativeDriver {
 fn check_sizes(what: &str, parts: &[(&str, f64)]) -> PyResult<()> {
     match parts.iter().find(|(_, value)| !(value.abs() <= MAX_SIZE)) {
         Some((name, value)) => Err(PyValueError::new_err(format!(
-            "{what}: {name} is {value}; help: give a finite number, between -{MAX_SIZE} and {MAX_SIZE}"
+            "{what}: {name} is {value:?}; help: give a finite number, between -{MAX_SIZE} and {MAX_SIZE}"
         ))),
         None => Ok(()),
     }

