@@ -1,8 +1,7 @@
 //! The point to drive to, in place of a goal that is out of sight in a map that is built as the robot drives.
 //!
-//! While the straight way to the goal is free in the map, or the way around is hardly longer, there is none: the driver finds its
-//! own way around small things. Otherwise it is the farthest point in sight on the cheapest path, within a distance along it. What
-//! is unknown is free.
+//! While the straight way to the goal is free in the map, there is none. Otherwise it is the farthest point in sight on the
+//! cheapest path, within a distance along it. What is unknown is free.
 
 use glam::Vec2;
 
@@ -27,8 +26,6 @@ const NEAREST: f32 = 2.0;
 const IN_SIGHT: u16 = TOO_CLOSE - 1;
 /// The same for the way to a goal that was out of sight: half the margin. A goal on the edge of sight does not come and go.
 const IN_SIGHT_AGAIN: u16 = 4;
-/// The least detour that calls for a waypoint: how much longer the path is than the straight way, in keep-out distances.
-const DETOUR: f32 = 6.0;
 /// A path is kept until another one costs less than this part of it, so that the robot does not turn between equal ways.
 const BETTER: f32 = 0.8;
 
@@ -36,7 +33,7 @@ const BETTER: f32 = 0.8;
 pub(crate) struct Waypoint {
     /// The point in the robot's frame, in m.
     pub(crate) at_m: Vec2,
-    /// The length of the way to the goal through the point, in m. A driver that thinks the goal is that far away does not hurry to
+    /// The length of the way to the goal through the point, in m. A policy for which the goal is that far away does not hurry to
     /// the point as if everything ended there.
     pub(crate) way_m: f32,
 }
@@ -110,12 +107,6 @@ impl Waypoints {
         let (cost, kept) = (self.map.path_cost(at_m, &found), self.map.path_cost(at_m, &self.path));
         if self.path.is_empty() || (cost as f32) < BETTER * kept as f32 {
             self.path = found;
-        }
-        let way_m = self.path.first().map_or(0.0, |first| (*first - at_m).length()) + length(&self.path);
-        let detour_m = way_m - (self.goal_m - at_m).length();
-        if self.waypoint_m.is_none() && detour_m < DETOUR * self.keep_out_m {
-            self.path.clear();
-            return;
         }
         self.waypoint_m = Some(self.farthest_in_sight(at_m));
     }
@@ -216,39 +207,29 @@ mod tests {
 
     #[test]
     fn the_waypoint_is_the_farthest_point_in_sight_of_the_way_around() {
-        let wall = Some((-1.9, 0.9));
-        let mut place = Place::new(Vec2::ZERO);
-        assert_eq!(place.waypoint(Vec2::ZERO, None), None, "the goal is in sight");
-        // The shorter way leads past the upper end, (1, 0.9). The corner at the keep-out distance from it is 1.4 m along the path
-        // or farther, so the waypoint lies on the way there, at 8 x 0.13 = 1.04 m along the path.
-        let point = place.planned(Vec2::ZERO, wall).expect("the wall is in the way");
-        assert!((0.9..=1.05).contains(&point.length()), "{point}");
-        assert!((0.6..=0.85).contains(&point.y), "{point}");
-        // The whole way leads around the end at a distance of 0.13 to 0.26 m.
-        assert!((2.7..=3.3).contains(&place.way_m), "{}", place.way_m);
-        // The straight way there keeps clear of the end of the wall.
-        let end = vec2(1.0, 0.9);
-        let along = end.dot(point.normalize()).min(point.length());
-        assert!((end - point.normalize() * along).length() > 0.13 - 0.03, "{point}");
-        // From there the way to the goal passes the end at 0.37 m.
-        assert_eq!(place.planned(vec2(1.0, 1.6), wall), None);
-    }
-
-    #[test]
-    fn the_way_around_a_small_thing_is_left_to_the_driver() {
-        // The way around the upper end, (1, 0.3), is 2.3 m long at most: a detour of less than 6 x 0.13 = 0.78 m.
         let wall = Some((-0.9, 0.3));
         let mut place = Place::new(Vec2::ZERO);
-        assert_eq!(place.planned(Vec2::ZERO, wall), None);
-        assert!(place.planned(Vec2::ZERO, Some((-1.9, 0.9))).is_some(), "it is larger than it seemed");
-        assert!(place.planned(Vec2::ZERO, wall).is_some(), "the waypoints lead around to the end");
+        assert_eq!(place.waypoint(Vec2::ZERO, None), None, "the goal is in sight");
+        // The shorter way leads past the upper end, (1, 0.3). The corner at the keep-out distance from it is 1.04 m along the
+        // path or farther, so the waypoint lies near there, at 8 x 0.13 = 1.04 m along the path.
+        let point = place.planned(Vec2::ZERO, wall).expect("the wall is in the way");
+        assert!((0.9..=1.05).contains(&point.length()), "{point}");
+        assert!((0.35..=0.75).contains(&point.y), "{point}");
+        // The whole way leads around the end at a distance of 0.13 to 0.26 m.
+        assert!((2.1..=2.5).contains(&place.way_m), "{}", place.way_m);
+        // The straight way there keeps clear of the end of the wall.
+        let end = vec2(1.0, 0.3);
+        let along = end.dot(point.normalize()).min(point.length());
+        assert!((end - point.normalize() * along).length() > 0.13 - 0.03, "{point}");
+        // From there the way to the goal passes the end at 0.36 m.
+        assert_eq!(place.planned(vec2(1.0, 0.75), wall), None);
     }
 
     #[test]
     fn a_goal_on_the_edge_of_sight_does_not_come_and_go() {
-        // From (0.6, 1.6) the way to the goal passes the wall's end at (1.143 - 0.9) x 1.4 / |(1.4, 1.6)| = 0.16 m: farther than
-        // the robot must keep, but within half the margin.
-        let (wall, edge) = (Some((-1.9, 0.9)), vec2(0.6, 1.6));
+        // From (0.6, 0.67) the way to the goal passes the wall's end at (0.67 - 0.42) / |(1.4, 0.67)| = 0.16 m: farther than the
+        // robot must keep, but within half the margin.
+        let (wall, edge) = (Some((-0.9, 0.3)), vec2(0.6, 0.67));
         assert_eq!(Place::new(edge).planned(edge, wall), None, "it was never out of sight");
         let mut place = Place::new(Vec2::ZERO);
         assert!(place.planned(Vec2::ZERO, wall).is_some());
@@ -257,7 +238,7 @@ mod tests {
 
     #[test]
     fn of_two_equally_good_ways_the_first_is_kept_until_it_is_closed() {
-        let wall = Some((-1.0, 1.0));
+        let wall = Some((-0.6, 0.6));
         let mut place = Place::new(Vec2::ZERO);
         let side = place.planned(Vec2::ZERO, wall).expect("out of sight").y.signum();
         // A step to the other side, which makes that way the shorter one.
@@ -266,7 +247,7 @@ mod tests {
             assert_eq!(point.y.signum(), side, "{point}");
         }
         // The wall turns out to go on on this side.
-        let longer = Some(if side > 0.0 { (-1.0, 3.0) } else { (-3.0, 1.0) });
+        let longer = Some(if side > 0.0 { (-0.6, 3.0) } else { (-3.0, 0.6) });
         let point = place.planned(Vec2::ZERO, longer).expect("out of sight");
         assert_eq!(point.y.signum(), -side, "{point}");
     }
@@ -274,7 +255,7 @@ mod tests {
     #[test]
     fn what_has_gone_is_forgotten() {
         let mut place = Place::new(Vec2::ZERO);
-        assert!(place.planned(Vec2::ZERO, Some((-1.0, 1.0))).is_some());
+        assert!(place.planned(Vec2::ZERO, Some((-0.9, 0.3))).is_some());
         for _ in 0..10 {
             place.waypoint(Vec2::ZERO, None);
         }
