@@ -140,7 +140,7 @@ impl NativeDriver {
 
 /// Checks that the parts of `what` are numbers of a sensible size.
 fn check_sizes(what: &str, parts: &[(&str, f64)]) -> PyResult<()> {
-    match parts.iter().find(|(_, value)| !(value.abs() <= MAX_SIZE)) {
+    match parts.iter().find(|(_, value)| !value.is_finite() || value.abs() > MAX_SIZE) {
         Some((name, value)) => Err(PyValueError::new_err(format!(
             "{what}: {name} is {value:?}; help: give a finite number, between -{MAX_SIZE} and {MAX_SIZE}"
         ))),
