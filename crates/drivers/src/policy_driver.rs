@@ -129,7 +129,12 @@ impl Driver for MapDriver {
         match self.waypoints.update(percept) {
             Some(Waypoint { at_m, way_m }) => {
                 let bearing_rad = libm::atan2f(at_m.y, at_m.x);
-                self.driver.act_towards(percept, (bearing_rad, way_m))
+                let distance_m = match self.driver.observer {
+                    // Ways are longer than any distance in its training: it drives better with that to the waypoint.
+                    Observer::Paper(_) => at_m.length(),
+                    Observer::Sectors { .. } => way_m,
+                };
+                self.driver.act_towards(percept, (bearing_rad, distance_m))
             }
             None => self.driver.act(percept),
         }
