@@ -145,10 +145,10 @@ mod tests {
     #[test]
     fn sectors_and_relative_motions_are_mirrored() {
         let found = mirror(&[(1.0, 0.5), (1.0, 0.0), (1.0, -0.5)], &[-1.0, 1.0]);
-        // Ahead, left, behind, right; their changes; the goal's cosine, sine, nearness and distance; speed and turning rate; two
-        // lengths of the robot.
-        let from = [0, 3, 2, 1, 4, 7, 6, 5, 8, 9, 10, 11, 12, 13, 14, 15];
-        let sign = |k| if k == 9 || k == 13 { -1.0 } else { 1.0 };
+        // Ahead, left, behind, right; their changes; their predicted paths; the goal's cosine, sine, nearness and distance; speed
+        // and turning rate; two lengths of the robot; waiting.
+        let from = [0, 3, 2, 1, 4, 7, 6, 5, 8, 11, 10, 9, 12, 13, 14, 15, 16, 17, 18, 19, 20];
+        let sign = |k| if k == 13 || k == 17 { -1.0 } else { 1.0 };
         let inputs = from.into_iter().map(|k| (k, sign(k))).collect();
         assert_eq!(found, Ok(Mirror::new(inputs, vec![2, 1, 0]).expect("an involution")));
     }
