@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::card::{Card, CardError};
 use crate::limits::MAX_HEADER_BYTES;
-use crate::network::{NetworkShape, Scratch, forward, greedy};
+use crate::network::{NetworkShape, Scratch, Weights, forward, greedy};
 use crate::range::ConfigError;
 
 /// The version of the file format. It is raised when older readers would misread newer files.
@@ -28,6 +28,8 @@ const KEY: &str = "wayfield";
 pub struct Policy {
     shape: NetworkShape,
     parameters: Vec<f32>,
+    /// The same parameters, packed for forward passes.
+    weights: Weights,
     /// What the inputs and actions mean, and what the policy was trained with. `None` in files of format version 1.
     pub card: Option<Box<Card>>,
     /// The metadata of a file of format version 1, as text by key: the encoding of the observation, the scenario's name, ...
@@ -126,7 +128,8 @@ impl Policy {
             let problem = format!("has {} elements; help: give {expected} for {shape}", parameters.len());
             return Err(ConfigError { field: "network.parameters".into(), problem }.into());
         }
-        Ok(Self { shape, parameters, card: None, metadata: BTreeMap::new() })
+        let weights = Weights::new(&shape, &parameters);
+        Ok(Self { shape, parameters, weights, card: None, metadata: BTreeMap::new() })
     }
 
     /// The network's sizes.
@@ -147,7 +150,7 @@ impl Policy {
     /// # Panics
     /// If `observation` is shorter than `shape().inputs`.
     pub fn q_values<'a>(&self, observation: &[f32], scratch: &'a mut Scratch) -> &'a [f32] {
-        forward(&self.shape, &self.parameters, &observation[..self.shape.inputs], scratch)
+        forward(&self.shape, &self.weights, &observation[..self.shape.inputs], scratch)
     }
 
     /// The greedy action for one `observation`: the index of the largest Q-value.

@@ -154,6 +154,38 @@ impl fmt::Display for NetworkShape {
     }
 }
 
+/// The number of outputs of a layer that are summed at the same time.
+const LANES: usize = 32;
+
+/// The parameters of a network as a forward pass reads them: each weight matrix in blocks of [`LANES`] outputs, the last one filled
+/// up with zeros, and within a block by inputs. So a processor sums the outputs of a block at once, each in the same order as
+/// one by one.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Weights(Vec<f32>);
+
+impl Weights {
+    /// Packs flat `parameters`, [`NetworkShape::parameter_count`] of them.
+    pub(crate) fn new(shape: &NetworkShape, parameters: &[f32]) -> Self {
+        let mut packed = Vec::with_capacity(parameters.len());
+        let mut rest = parameters;
+        for (i, (inputs, outputs)) in shape.layers().enumerate() {
+            let (weight, tail) = rest.split_at(inputs * outputs);
+            for first in (0..outputs).step_by(LANES) {
+                for input in 0..inputs {
+                    let weights = (first..first + LANES)
+                        .map(|output| if output < outputs { weight[output * inputs + input] } else { 0.0 });
+                    packed.extend(weights);
+                }
+            }
+            let norm = if shape.layer_norm && i < shape.hidden.len() { 2 * outputs } else { 0 };
+            let (others, tail) = tail.split_at(outputs + norm);
+            packed.extend_from_slice(others);
+            rest = tail;
+        }
+        Self(packed)
+    }
+}
+
 /// The working memory of a forward pass. Reusing it avoids allocations.
 #[derive(Debug, Clone, Default)]
 pub struct Scratch {
@@ -161,30 +193,28 @@ pub struct Scratch {
     next: Vec<f32>,
 }
 
-/// The Q-values of one `observation` under a network of `shape` with these flat `parameters`, in `scratch`.
+/// The Q-values of one `observation` under a network of `shape` with these `weights`, in `scratch`.
 ///
-/// `observation` has `shape.inputs` elements, `parameters` has [`NetworkShape::parameter_count`].
+/// `observation` has `shape.inputs` elements.
 pub(crate) fn forward<'a>(
     shape: &NetworkShape,
-    parameters: &[f32],
+    weights: &Weights,
     observation: &[f32],
     scratch: &'a mut Scratch,
 ) -> &'a [f32] {
     let Scratch { units, next } = scratch;
     units.clear();
     units.extend_from_slice(observation);
-    let mut rest = parameters;
+    let mut rest = &weights.0[..];
     let mut take = |length| {
         let (tensor, tail) = rest.split_at(length);
         rest = tail;
         tensor
     };
     for (i, (inputs, outputs)) in shape.layers().enumerate() {
-        let (weight, bias) = (take(inputs * outputs), take(outputs));
-        next.clear();
-        next.extend(weight.chunks_exact(inputs).zip(bias).map(|(row, bias)| {
-            row.iter().zip(units.iter()).fold(*bias, |sum, (weight, unit)| sum + weight * unit)
-        }));
+        let weight = take(inputs * outputs.next_multiple_of(LANES));
+        let bias = take(outputs);
+        fully_connected(weight, bias, units, next);
         if i < shape.hidden.len() {
             if shape.layer_norm {
                 normalize(next, take(outputs), take(outputs));
@@ -201,6 +231,19 @@ pub(crate) fn forward<'a>(
     let mean = advantages.iter().sum::<f32>() / shape.actions as f32;
     advantages.iter_mut().for_each(|advantage| *advantage += value - mean);
     &units[1..]
+}
+
+/// Writes the outputs of a fully connected layer into `outputs`: per output, its bias and the products of its weights with
+/// `units`, added in their order. `weight` is [packed](Weights).
+fn fully_connected(weight: &[f32], bias: &[f32], units: &[f32], outputs: &mut Vec<f32>) {
+    outputs.clear();
+    for (block, bias) in weight.chunks_exact(units.len() * LANES).zip(bias.chunks(LANES)) {
+        let mut sums: [f32; LANES] = std::array::from_fn(|lane| bias.get(lane).copied().unwrap_or(0.0));
+        for (weights, unit) in block.as_chunks::<LANES>().0.iter().zip(units) {
+            sums = std::array::from_fn(|lane| sums[lane] + weights[lane] * unit);
+        }
+        outputs.extend(sums.into_iter().take(bias.len()));
+    }
 }
 
 /// Normalizes the units of a layer: see [`NetworkShape::layer_norm`].
@@ -269,10 +312,32 @@ mod tests {
     fn a_plain_network_matches_a_calculation_by_hand() {
         // One hidden unit: relu(1*3 - 2*1 + 0.5) = 1.5. Outputs: 2*1.5 + 1 = 4 and -1*1.5 + 0 = -1.5.
         let parameters = [1.0, -2.0, 0.5, 2.0, -1.0, 1.0, 0.0];
-        let mut scratch = Scratch::default();
-        assert_eq!(forward(&shape(&[1], false), &parameters, &[3.0, 1.0], &mut scratch), [4.0, -1.5]);
+        let (shape, mut scratch) = (shape(&[1], false), Scratch::default());
+        let weights = Weights::new(&shape, &parameters);
+        assert_eq!(forward(&shape, &weights, &[3.0, 1.0], &mut scratch), [4.0, -1.5]);
         // relu(1*0 - 2*1 + 0.5) = 0: the outputs are their biases.
-        assert_eq!(forward(&shape(&[1], false), &parameters, &[0.0, 1.0], &mut scratch), [1.0, 0.0]);
+        assert_eq!(forward(&shape, &weights, &[0.0, 1.0], &mut scratch), [1.0, 0.0]);
+    }
+
+    #[test]
+    fn packed_weights_give_the_sums_one_by_one_to_the_bit() {
+        let shape = NetworkShape { inputs: 7, actions: 21, ..shape(&[37, 16], false) };
+        let mut parameters = Vec::new();
+        parameters.extend((0..shape.parameter_count()).map(|k| (k as f32 * 0.37).sin()));
+        let observation: Vec<f32> = (0..7).map(|k| (k as f32).cos()).collect();
+        let mut scratch = Scratch::default();
+        let found = forward(&shape, &Weights::new(&shape, &parameters), &observation, &mut scratch);
+        let (mut units, mut rest) = (observation.clone(), &parameters[..]);
+        for (i, (inputs, outputs)) in shape.layers().enumerate() {
+            let (weight, tail) = rest.split_at(inputs * outputs);
+            let (bias, tail) = tail.split_at(outputs);
+            rest = tail;
+            let sum =
+                |(row, bias): (&[f32], &f32)| row.iter().zip(&units).fold(*bias, |sum, (w, u)| sum + w * u);
+            let sums = weight.chunks_exact(inputs).zip(bias).map(sum);
+            units = if i < 2 { sums.map(|sum| sum.max(0.0)).collect() } else { sums.collect() };
+        }
+        assert_eq!(found, units);
     }
 
     #[test]
@@ -284,7 +349,7 @@ mod tests {
         let shape = NetworkShape { layer_norm: true, activation: Activation::Elu, ..shape(&[2], false) };
         assert_eq!(shape.parameter_count(), parameters.len());
         let mut scratch = Scratch::default();
-        let q = forward(&shape, &parameters, &[3.0, 1.0], &mut scratch);
+        let q = forward(&shape, &Weights::new(&shape, &parameters), &[3.0, 1.0], &mut scratch);
         assert!((q[0] - 5.0).abs() < 1e-4 && q[1] == -1.0, "{q:?}");
         assert_eq!(shape.to_string(), "2-2-2 with layer norm and elu");
     }
@@ -293,7 +358,9 @@ mod tests {
     fn a_dueling_head_is_value_plus_advantage_minus_mean_advantage() {
         // No hidden layer: V = x0 = 10, A = (x1, 3 x1) = (2, 6), mean 4: Q = (8, 12).
         let parameters = [1.0, 0.0, 0.0, 1.0, 0.0, 3.0, 0.0, 0.0, 0.0];
-        let q = forward(&shape(&[], true), &parameters, &[10.0, 2.0], &mut Scratch::default()).to_vec();
+        let shape = shape(&[], true);
+        let weights = Weights::new(&shape, &parameters);
+        let q = forward(&shape, &weights, &[10.0, 2.0], &mut Scratch::default()).to_vec();
         assert_eq!(q, [8.0, 12.0]);
         assert_eq!(greedy(&q), 1);
     }

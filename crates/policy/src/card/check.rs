@@ -2,7 +2,7 @@
 
 use super::{Card, Input, Quantity, inputs, q_value_formula};
 use crate::greedy;
-use crate::network::{NetworkShape, Scratch, forward};
+use crate::network::{NetworkShape, Scratch, Weights, forward};
 use crate::observation::{self, Encoding};
 
 /// The relative difference of two Q-values that comes from the order of additions alone.
@@ -142,7 +142,7 @@ impl Card {
     ) -> Result<(), CardError> {
         let example = &self.example;
         let mut scratch = Scratch::default();
-        let computed = forward(shape, parameters, observation, &mut scratch);
+        let computed = forward(shape, &Weights::new(shape, parameters), observation, &mut scratch);
         let is_near = |(a, b): (&f32, &f32)| (a - b).abs() <= Q_TOLERANCE * (1.0 + b.abs());
         let same =
             example.q_values.len() == shape.actions && example.q_values.iter().zip(computed).all(is_near);
