@@ -259,9 +259,8 @@ impl SectorObserver {
     /// Finds the nearness of a collision in the direction of each sector's centre, for a disc with a radius of one unit.
     fn find_collisions(&mut self) {
         let Some(scan) = self.scans.back() else { return };
-        for (collision, direction) in self.collisions.iter_mut().zip(&self.directions) {
-            *collision = collision_nearness(free_way(&scan.hits, *direction, |_| true));
-        }
+        free_ways(&scan.hits, &self.directions, |_| true, &mut self.collisions);
+        self.collisions.iter_mut().for_each(|way| *way = collision_nearness(*way));
     }
 
     /// Finds which things of the newest scan move.
@@ -309,9 +308,10 @@ impl SectorObserver {
             let steps = moving.iter().flatten().map(|thing| thing.steps_to_collision(way));
             steps.fold(at_most, f32::min)
         };
+        free_ways(&now.hits, directions, is_still, predicted);
         for (predicted, &(cos, sin)) in predicted.iter_mut().zip(&*directions) {
-            let free = free_way(&now.hits, (cos, sin), is_still);
-            *predicted = collision_nearness(step * steps_to_collision((step * cos, step * sin), free / step));
+            let free = *predicted / step;
+            *predicted = collision_nearness(step * steps_to_collision((step * cos, step * sin), free));
         }
         self.waiting = collision_nearness(step * steps_to_collision((0.0, 0.0), f32::INFINITY));
     }
@@ -402,18 +402,18 @@ impl SectorObserver {
     }
 }
 
-/// How far a disc with a radius of one unit can drive in a direction, a unit vector, before it collides with one of the `counted`
-/// hits, in units of the robot.
-fn free_way(hits: &[Hit], (cos, sin): (f32, f32), counted: impl Fn(&Hit) -> bool) -> f32 {
-    let mut free = f32::INFINITY;
+/// Writes into `ways` how far a disc with a radius of one unit can drive in each of `directions`, unit vectors, before it collides
+/// with one of the `counted` hits, in units of the robot. Without branches, the inner loop takes several directions at once.
+fn free_ways(hits: &[Hit], directions: &[(f32, f32)], counted: impl Fn(&Hit) -> bool, ways: &mut [f32]) {
+    ways.fill(f32::INFINITY);
     for hit in hits.iter().filter(|hit| hit.nearness > 0.0 && counted(hit)) {
-        let (along, across) = (hit.x * cos + hit.y * sin, hit.x * sin - hit.y * cos);
-        let beside = 1.0 - across * across;
-        if along > 0.0 && beside > 0.0 {
-            free = free.min(along - beside.sqrt());
+        for (way, (cos, sin)) in ways.iter_mut().zip(directions) {
+            let (along, across) = (hit.x * cos + hit.y * sin, hit.x * sin - hit.y * cos);
+            let beside = 1.0 - across * across;
+            let free = along - beside.max(0.0).sqrt();
+            *way = if (along > 0.0) & (beside > 0.0) & (free < *way) { free } else { *way };
         }
     }
-    free
 }
 
 /// The nearness of a collision after a way of this length, in units of the robot; 0 if it is infinite.
