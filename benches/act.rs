@@ -7,12 +7,11 @@
 mod allocator;
 
 use std::f32::consts::TAU;
-use std::sync::Arc;
 
 use bevy::math::{Vec2, vec2};
 use divan::Bencher;
 use divan::counter::ItemsCount;
-use wayfield::drivers::{Driver, DriverConfig, DrivingPolicy, Odometry, Percept, Robot};
+use wayfield::drivers::{Driver, DriverConfig, Odometry, Percept, Robot};
 use wayfield::run::{policy_card, shipped};
 use wayfield::scenario::{Lidar, Motion, Scenario};
 
