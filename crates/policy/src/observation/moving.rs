@@ -10,9 +10,9 @@ use serde::{Deserialize, Serialize};
 pub(super) const FOLLOWED_STEPS: usize = 5;
 /// The fewest places that give a velocity.
 const MIN_PLACES: usize = 3;
-/// Neighbouring hits belong to one thing if their distance is at most this many times the distance between beams at that range,
+/// Neighbouring hits belong to one thing if their distance is at most this many times the distance between beams at that range.
 const LINK: f32 = 2.0;
-/// or at most this, in units of the robot.
+/// They also belong to one thing if their distance is at most this, in units of the robot.
 const MIN_LINK: f32 = 0.5;
 /// The largest extent of a thing that may move, in units of the robot. Larger things are taken for walls.
 const MAX_EXTENT: f32 = 5.0;
