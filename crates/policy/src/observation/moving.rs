@@ -16,7 +16,8 @@ const LINK: f32 = 2.0;
 const MIN_LINK: f32 = 0.5;
 /// The largest extent of a thing that may move, in units of the robot. Larger things are taken for walls.
 const MAX_EXTENT: f32 = 5.0;
-/// The least distance between two places in successive scans that are taken for one thing's, in units of the robot.
+/// Two places in successive scans may be this far apart to be taken for those of one thing, however slow the robot is, in units of
+/// the robot.
 const MIN_GATE: f32 = 1.0;
 /// The least displacement over all places that counts as motion, in units of the robot.
 const MIN_DISPLACEMENT: f32 = 0.3;
