@@ -126,17 +126,27 @@ pub(super) fn find_things(
 }
 
 /// A frame of an earlier scan: the rotation and the origin in the present frame.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Frame {
-    pub(super) cos: f32,
-    pub(super) sin: f32,
-    pub(super) origin: (f32, f32),
+    cos: f32,
+    sin: f32,
+    origin: (f32, f32),
 }
 
 impl Frame {
-    fn to_present(self, thing: &Thing) -> (f32, f32) {
+    /// The frame of the robot at the pose `then`, as it is at the pose `now` (x in m, y in m, heading in rad), in units of `unit_m`.
+    pub(super) fn between(then: (f32, f32, f32), now: (f32, f32, f32), unit_m: f32) -> Self {
+        let (sin, cos) = libm::sincosf(now.2);
+        let (dx, dy) = (then.0 - now.0, then.1 - now.1);
+        let origin = ((dx * cos + dy * sin) / unit_m, (dy * cos - dx * sin) / unit_m);
+        let (sin, cos) = libm::sincosf(then.2 - now.2);
+        Self { cos, sin, origin }
+    }
+
+    /// A point of the frame, in the present one.
+    pub(super) fn to_present(self, (x, y): (f32, f32)) -> (f32, f32) {
         let Self { cos, sin, origin } = self;
-        (thing.x * cos - thing.y * sin + origin.0, thing.x * sin + thing.y * cos + origin.1)
+        (x * cos - y * sin + origin.0, x * sin + y * cos + origin.1)
     }
 }
 
@@ -156,7 +166,7 @@ pub(super) fn follow<'a>(
     for (step, (frame, things)) in earlier.enumerate() {
         let expected = (at.0 - velocity.0, at.1 - velocity.1);
         let candidates = things.iter().map(|thing| {
-            let place = frame.to_present(thing);
+            let place = frame.to_present((thing.x, thing.y));
             (length(place.0 - expected.0, place.1 - expected.1), place)
         });
         let nearest = candidates.filter(|(away, _)| *away <= gate).min_by(|a, b| a.0.total_cmp(&b.0));
@@ -203,7 +213,7 @@ mod tests {
     fn the_robot_s_own_motion_does_not_count() {
         // The robot has moved by 0.3 ahead and turned left by a right angle: it sees ahead what was to its left.
         let frame = Frame { cos: 0.0, sin: -1.0, origin: (0.0, 0.3) };
-        let place = frame.to_present(&disc(0.3, 2.0));
+        let place = frame.to_present((0.3, 2.0));
         assert!((place.0 - 2.0).abs() < 1e-6 && place.1.abs() < 1e-6, "{place:?}");
     }
 

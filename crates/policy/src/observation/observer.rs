@@ -101,6 +101,8 @@ pub struct SectorObserver {
     waiting: f32,
     /// The things of the newest scan that move.
     moving: Vec<Option<MovingThing>>,
+    /// The frames of the scans before the newest one, the newest first.
+    frames: Vec<Frame>,
     /// The ends of the newest scan's beams, and their things.
     ends: Vec<Option<BeamEnd>>,
     thing_of_beam: Vec<Option<u16>>,
@@ -149,6 +151,7 @@ impl SectorObserver {
             predicted: vec![0.0; if layout.predicted_paths { count } else { 0 }],
             waiting: 0.0,
             moving: Vec::new(),
+            frames: Vec::new(),
             ends: Vec::new(),
             thing_of_beam: Vec::new(),
             directions: (0..count)
@@ -265,11 +268,13 @@ impl SectorObserver {
 
     /// Finds which things of the newest scan move.
     fn find_moving_things(&mut self) {
-        let Self { scans, moving, earlier, body, spacing_rad, .. } = self;
+        let Self { scans, moving, earlier, body, spacing_rad, frames, .. } = self;
         moving.clear();
         let Some(now) = scans.back() else { return };
-        let (sin, cos) = libm::sincosf(now.pose.2);
-        let step = body.max_speed_m_s * body.control_period_s / body.unit_m;
+        let before = || scans.iter().rev().skip(1).take(FOLLOWED_STEPS);
+        frames.clear();
+        frames.extend(before().map(|scan| Frame::between(scan.pose, now.pose, body.unit_m)));
+        let step = body.step_length();
         for (index, &thing) in now.things.iter().enumerate() {
             // It stands where the earlier scan saw nothing, or something farther away.
             let has_appeared = |(hit, &earlier): (&Hit, &f32)| {
@@ -281,14 +286,9 @@ impl SectorObserver {
                 moving.push(None);
                 continue;
             }
-            let before = scans.iter().rev().skip(1).take(FOLLOWED_STEPS).map(|scan| {
-                let (dx, dy) = (scan.pose.0 - now.pose.0, scan.pose.1 - now.pose.1);
-                let origin = ((dx * cos + dy * sin) / body.unit_m, (dy * cos - dx * sin) / body.unit_m);
-                let (sin, cos) = libm::sincosf(scan.pose.2 - now.pose.2);
-                (Frame { cos, sin, origin }, scan.things.as_slice())
-            });
+            let places = frames.iter().copied().zip(before().map(|scan| scan.things.as_slice()));
             let distance = (thing.x * thing.x + thing.y * thing.y).sqrt();
-            moving.push(follow(thing, before, (2.0 * step).max(*spacing_rad * distance)));
+            moving.push(follow(thing, places, (2.0 * step).max(*spacing_rad * distance)));
         }
     }
 
@@ -302,7 +302,7 @@ impl SectorObserver {
             return;
         }
         let Some(now) = scans.back() else { return };
-        let step = body.max_speed_m_s * body.control_period_s / body.unit_m;
+        let step = body.step_length();
         let is_still = |hit: &Hit| hit.thing.is_none_or(|thing| moving[usize::from(thing)].is_none());
         let steps_to_collision = |way: (f32, f32), at_most: f32| {
             let steps = moving.iter().flatten().map(|thing| thing.steps_to_collision(way));
@@ -328,12 +328,8 @@ impl SectorObserver {
         let (before, now) = (&scans[oldest], &scans[newest]);
         let count = i32::from(layout.count);
         let per_sector = TAU / f32::from(layout.count);
-        let (sin, cos) = libm::sincosf(now.pose.2);
-        let (dx, dy) = (now.pose.0 - before.pose.0, now.pose.1 - before.pose.1);
-        // The displacement of the robot, in its present frame and in units of the robot.
-        let moved = ((dx * cos + dy * sin) / body.unit_m, (dy * cos - dx * sin) / body.unit_m);
+        let frame = Frame::between(before.pose, now.pose, body.unit_m);
         let turned = before.pose.2 - now.pose.2;
-        let (sin, cos) = libm::sincosf(turned);
         for (sector, hit) in before.seen(is_seen) {
             let mut widen = |first: i32, last: i32, nearness: f32| {
                 for sector in first..=last.min(first + count - 1) {
@@ -347,7 +343,7 @@ impl SectorObserver {
                 widen(sector, sector, hit.nearness);
                 continue;
             }
-            let (x, y) = (hit.x * cos - hit.y * sin - moved.0, hit.x * sin + hit.y * cos - moved.1);
+            let (x, y) = frame.to_present((hit.x, hit.y));
             let distance = (x * x + y * y).sqrt();
             // It is as wide as its sector was, so that the points of a wall leave no gaps.
             let half_width = 0.5 * hit.distance / distance.max(0.25 * hit.distance);
@@ -396,7 +392,7 @@ impl SectorObserver {
             0.25 * libm::log1pf(to_edge),
             self.twist.0 / body.max_speed_m_s,
             self.twist.1 / body.max_turn_rad_s,
-            body.max_speed_m_s * body.control_period_s / body.unit_m,
+            body.step_length(),
             body.max_turn_rad_s * body.control_period_s,
         ]);
     }

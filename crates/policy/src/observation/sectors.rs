@@ -172,6 +172,13 @@ pub struct BodyScale {
     pub goal_radius_m: f32,
 }
 
+impl BodyScale {
+    /// The longest way in a control step, in units of the robot.
+    pub(super) fn step_length(&self) -> f32 {
+        self.max_speed_m_s * self.control_period_s / self.unit_m
+    }
+}
+
 /// The sectors of each beam: the one that it points into, and those without a beam of their own to which it is the nearest, at
 /// most the angle between neighbouring beams away.
 pub(super) fn sectors_of_beams(layout: SectorLayout, lidar: &LidarBeams) -> Vec<Vec<usize>> {
