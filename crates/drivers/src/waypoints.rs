@@ -49,6 +49,8 @@ pub(crate) struct Waypoints {
     /// The path to the goal; empty while the goal is in sight.
     path: Vec<Vec2>,
     waypoint_m: Option<Vec2>,
+    /// The length of the path from the waypoint on, in m.
+    rest_m: f32,
     /// Control steps until the next plan.
     steps_left: u32,
 }
@@ -63,6 +65,7 @@ impl Waypoints {
             goal_m: Vec2::ZERO,
             path: Vec::new(),
             waypoint_m: None,
+            rest_m: 0.0,
             steps_left: 0,
         }
     }
@@ -83,8 +86,7 @@ impl Waypoints {
         self.steps_left -= 1;
         self.waypoint_m.map(|point_m| Waypoint {
             at_m: self.pose.to_inner(point_m),
-            way_m: (point_m - self.pose.translation_m).length()
-                + length(&self.path[nearest(&self.path, point_m)..]),
+            way_m: (point_m - self.pose.translation_m).length() + self.rest_m,
         })
     }
 
@@ -108,7 +110,9 @@ impl Waypoints {
         if self.path.is_empty() || (cost as f32) < BETTER * kept as f32 {
             self.path = found;
         }
-        self.waypoint_m = Some(self.farthest_in_sight(at_m));
+        let point_m = self.farthest_in_sight(at_m);
+        self.rest_m = length(&self.path[nearest(&self.path, point_m)..]);
+        self.waypoint_m = Some(point_m);
     }
 
     /// The point within the goal's radius that is closest to the robot.
