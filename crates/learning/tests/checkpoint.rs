@@ -172,6 +172,22 @@ fn a_checkpoint_from_before_the_switches_is_read_and_written_to_the_bit() {
     NoiseEnv::new().run(&mut learner, 20);
 }
 
+/// A learner with this config continues from its checkpoint with the same bits, which belongs to none of the `others`.
+fn assert_is_exact_and_not_of(config: &LearningConfig, others: &[LearningConfig]) {
+    let mut one = Learner::new(config, INPUTS, ACTIONS, NUM_ENVS, 5).expect("a valid config");
+    let mut env = NoiseEnv::new();
+    env.run(&mut one, 60);
+    let bytes = saved(&one);
+    let mut two = restored(config, &bytes).expect("a valid checkpoint");
+    env.clone().run(&mut one, 100);
+    env.run(&mut two, 100);
+    assert_eq!(saved(&one), saved(&two));
+    for other in others {
+        let error = restored(other, &bytes).expect_err("another config");
+        assert!(matches!(error, CheckpointError::ConfigMismatch { field: "learning" }), "{error}");
+    }
+}
+
 #[test]
 fn a_checkpoint_of_a_config_with_switches_is_exact_and_belongs_to_its_config() {
     for plain in configs() {
@@ -179,22 +195,11 @@ fn a_checkpoint_of_a_config_with_switches_is_exact_and_belongs_to_its_config() {
         (config.network.layer_norm, config.network.activation) = (true, Activation::Elu);
         (config.max_gradient_norm, config.weight_decay) = (Some(0.5), 0.01);
         config.learning_rate = Schedule::Step { from: 1e-3, factor: 0.5, every_env_steps: 100 };
-        let mut one = Learner::new(&config, INPUTS, ACTIONS, NUM_ENVS, 5).expect("a valid config");
-        let mut env = NoiseEnv::new();
-        env.run(&mut one, 60);
-        let bytes = saved(&one);
-        let mut two = restored(&config, &bytes).expect("a valid checkpoint");
-        env.clone().run(&mut one, 100);
-        env.run(&mut two, 100);
-        assert_eq!(saved(&one), saved(&two));
         let mut tanh = config.clone();
         tanh.network.activation = Activation::Tanh;
         let mut unclipped = config.clone();
         unclipped.max_gradient_norm = None;
-        for other in [&plain, &tanh, &unclipped] {
-            let error = restored(other, &bytes).expect_err("another config");
-            assert!(matches!(error, CheckpointError::ConfigMismatch { field: "learning" }), "{error}");
-        }
+        assert_is_exact_and_not_of(&config, &[plain, tanh, unclipped]);
     }
 }
 
@@ -228,18 +233,8 @@ fn a_learner_with_a_mirror_continues_with_the_same_bits() {
 fn a_learner_with_advantage_learning_continues_with_the_same_bits() {
     for plain in configs() {
         let config = LearningConfig { advantage_learning: 0.5, ..plain.clone() };
-        let mut one = Learner::new(&config, INPUTS, ACTIONS, NUM_ENVS, 5).expect("a valid config");
-        let mut env = NoiseEnv::new();
-        env.run(&mut one, 60);
-        let bytes = saved(&one);
-        let mut two = restored(&config, &bytes).expect("a valid checkpoint");
-        env.clone().run(&mut one, 100);
-        env.run(&mut two, 100);
-        assert!(saved(&one) == saved(&two));
-        for other in [plain.clone(), LearningConfig { advantage_learning: 0.25, ..plain }] {
-            let error = restored(&other, &bytes).expect_err("another config");
-            assert!(matches!(error, CheckpointError::ConfigMismatch { field: "learning" }), "{error}");
-        }
+        let other = LearningConfig { advantage_learning: 0.25, ..plain.clone() };
+        assert_is_exact_and_not_of(&config, &[plain, other]);
     }
 }
 
