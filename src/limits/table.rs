@@ -286,6 +286,7 @@ const PRESETS: &[Limit] = &[
         "time of a control step",
     ),
     Limit("n of n-step returns", count(learning::MAX_N_STEP), "", "memory"),
+    Limit("quantiles of a return", count(learning::MAX_QUANTILES), "", "memory, time of a gradient step"),
     Limit("transitions in the replay buffer", count(learning::MAX_REPLAY_CAPACITY), "", "memory"),
     Limit("hidden layers", count(policy::MAX_LAYERS), "", "memory"),
     Limit("units of a layer", count(policy::MAX_UNITS), "", "memory"),
