@@ -8,7 +8,8 @@ use bevy_rapier2d::rapier::prelude::SharedShape;
 
 use crate::scenario::{Enclosure, Shape, polygon};
 
-/// The thickness of the enclosure's walls, in m. Rapier lets few bodies through them; `contact.rs` stops those.
+/// The thickness of the enclosure's walls, in m. So thick that rapier rarely lets a body through; `contact.rs` stops the
+/// others.
 const WALL_M: f32 = 0.5;
 
 /// The shapes of the enclosure's walls and their poses, in m and rad.

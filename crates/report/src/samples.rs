@@ -8,7 +8,8 @@ fn column(heading: &str, unit: &str, kind: ColumnKind) -> Column {
     Column { heading: heading.into(), unit: unit.into(), kind }
 }
 
-/// A table with a cell of each kind, and with markup in its text.
+/// A table with a cell of each kind but `Empty`, and with markup in its text. The second row lacks its last cell, which is shown as
+/// empty.
 pub(crate) fn table() -> Table {
     Table {
         name: "table2".into(),
@@ -53,7 +54,7 @@ pub(crate) fn svg() -> String {
     format!(r#"<?xml version="1.0"?><svg xmlns="{xmlns}" viewBox="0 0 9 9"><rect/></svg>"#)
 }
 
-/// A page with one item of each kind, and with markup in all its text.
+/// A page with one item of each kind, and with markup in most of its text.
 pub(crate) fn page() -> Page {
     let figure = Item::Figure {
         name: "fig 9".into(),

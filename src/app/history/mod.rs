@@ -130,7 +130,7 @@ impl History {
     }
 
     /// The ends of the x axis, in env steps: from 0, or from the first row of a resumed run, to the last row, or to the end
-    /// of the training run before a transfer if that is later. `None` without rows.
+    /// of the training run before a transfer if that is later. `None` if neither has rows.
     #[must_use]
     pub fn range(&self) -> Option<(u64, u64)> {
         let earlier =

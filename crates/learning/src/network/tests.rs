@@ -106,7 +106,7 @@ fn the_policy_of_a_network_with_quantiles_has_their_mean_as_q_values() {
                 }
             }
         }
-        // A policy that is loaded gives every quantile its values.
+        // After a policy is loaded, every quantile of an action equals the policy's Q-value.
         let other =
             QNetwork::new(shape(&[16, 8], 3, dueling), &mut noise).expect("a valid shape").to_policy();
         network.load(&other);

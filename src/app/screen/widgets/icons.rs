@@ -40,7 +40,7 @@ pub enum Icon {
 /// The emphasis of a button.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ButtonStyle {
-    /// The icon only, with a frame while hovered.
+    /// The icon only, with a frame while hovered, focused or pressed.
     Quiet,
     /// A frame, like that of text buttons.
     Framed,
