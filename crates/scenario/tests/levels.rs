@@ -7,7 +7,7 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use wayfield_scenario::{
     Clutter, LevelGenerator, Obstacle, ObstacleMotion, RandomShape, Route, Scenario, Shape, Traffic,
-    WallLayout, clearance, diagnostics, level_generator_diagnostics, parse_ron, polygon, to_ron, to_text,
+    TrafficShapes, WallLayout, clearance, diagnostics, level_generator_diagnostics, parse_ron, polygon, to_ron, to_text,
 };
 
 /// Seeds of each generator that are tested.
@@ -40,6 +40,9 @@ const TRAPS: &str = "(name: \"Traps\", wall_layouts: [Traps()])";
 const LANES: &str = "(name: \"Lanes\", traffic: [Lanes()])";
 const CIRCLE: &str = "(name: \"Circle\", traffic: [CircleCrossing()])";
 const CROSSING: &str = "(name: \"Crossing\", traffic: [RandomCrossing()])";
+const ORBITS: &str = "(name: \"Orbits\", traffic: [Orbits()])";
+const MIXED_SHAPES: &str = "(name: \"Mixed shapes\", traffic: [
+    Lanes(shapes: Mixed), CircleCrossing(shapes: Mixed), RandomCrossing(shapes: Mixed), Orbits(shapes: Mixed)])";
 const WALKS: &str = "(name: \"Walks\", traffic: [RandomWalks()])";
 const MIXED: &str =
     "(name: \"Mixed\", gap_m: 0.45, route: Random(clearance_m: 0.3), wall_layouts: [Cells(), Rooms(), Traps()],
@@ -53,7 +56,7 @@ const CROWD: &str =
     "(name: \"Crowd\", wall_layouts: [Traps()], traffic: [PedestrianCrowd(sees_robot: true)])";
 
 /// One generator of every layout.
-const ALL: [&str; 16] = [
+const ALL: [&str; 18] = [
     AUTOMATON,
     ACROSS,
     SCATTER,
@@ -67,6 +70,8 @@ const ALL: [&str; 16] = [
     CIRCLE,
     CROSSING,
     WALKS,
+    ORBITS,
+    MIXED_SHAPES,
     MIXED,
     PEDESTRIANS,
     CROWD,
@@ -369,19 +374,29 @@ fn any_clutter() -> impl Strategy<Value = Clutter> {
 
 fn any_traffic() -> impl Strategy<Value = Traffic> {
     let (count, radius, speed) = (|| whole_range(20), || range(0.01, 1.0), || range(0.0, 2.5));
+    let shapes = || prop_oneof![Just(TrafficShapes::Circles), Just(TrafficShapes::Mixed)];
     prop_oneof![
-        (whole_range(10), count(), radius(), speed()).prop_map(|(pairs, count, radius_m, speed_m_s)| {
-            Traffic::Lanes { pairs, count, radius_m, speed_m_s }
-        }),
-        (count(), radius(), speed(), range(0.1, 5.0)).prop_map(|(count, radius_m, speed_m_s, circle_m)| {
-            Traffic::CircleCrossing { count, radius_m, speed_m_s, circle_m }
-        }),
-        (count(), radius(), speed()).prop_map(|(count, radius_m, speed_m_s)| {
-            Traffic::RandomCrossing { count, radius_m, speed_m_s }
+        (whole_range(10), count(), radius(), speed(), shapes()).prop_map(
+            |(pairs, count, radius_m, speed_m_s, shapes)| {
+                Traffic::Lanes { pairs, count, radius_m, speed_m_s, shapes }
+            }
+        ),
+        (count(), radius(), speed(), range(0.1, 5.0), shapes()).prop_map(
+            |(count, radius_m, speed_m_s, circle_m, shapes)| {
+                Traffic::CircleCrossing { count, radius_m, speed_m_s, circle_m, shapes }
+            }
+        ),
+        (count(), radius(), speed(), shapes()).prop_map(|(count, radius_m, speed_m_s, shapes)| {
+            Traffic::RandomCrossing { count, radius_m, speed_m_s, shapes }
         }),
         (count(), radius(), speed(), range(0.01, 2.0)).prop_map(|(count, radius_m, speed_m_s, reach_m)| {
             Traffic::RandomWalks { count, radius_m, speed_m_s, reach_m }
         }),
+        (count(), radius(), speed(), range(0.01, 2.0), shapes()).prop_map(
+            |(count, radius_m, speed_m_s, orbit_m, shapes)| {
+                Traffic::Orbits { count, radius_m, speed_m_s, orbit_m, shapes }
+            }
+        ),
         (count(), radius(), speed(), range(0.1, 5.0), 0.0_f32..2.0, any::<(bool, bool)>()).prop_map(
             |(count, radius_m, speed_m_s, circle_m, noise_m, (loops, sees_robot))| {
                 Traffic::PedestrianCircle { count, radius_m, speed_m_s, circle_m, noise_m, loops, sees_robot }
