@@ -21,7 +21,7 @@ const SHAPES: [(&str, &str, &str); 4] = [
     ("Hexagon", "Polygon", "Any convex polygon around the origin"),
 ];
 
-/// The template that stands for the shape of a robot.
+/// The name of the template for the shape of a robot.
 fn shape_name(shape: Option<&Shape>) -> &'static str {
     match shape {
         None | Some(Shape::Circle { .. }) => "Circle",
