@@ -34,7 +34,7 @@ pub struct ModeArgs {
     #[arg(long)]
     pub reproduce: bool,
 
-    /// Import a world into the scenario file given with --out: a map of ROS's map_server (.yaml), a picture (.png, .pgm), a
+    /// Import a world into the scenario file given with --out: a map of ROS's map_server (.yaml), an image (.png, .pgm), a
     /// world of Gazebo (.world, .sdf) or a file of BARN worlds or stages (.json)
     #[arg(long, value_name = "FILE")]
     pub import: Option<PathBuf>,

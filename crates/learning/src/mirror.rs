@@ -20,7 +20,7 @@ pub struct Mirror {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum MirrorError {
     /// An entry of the observation is not the mirror image of its own image.
-    #[error("number {0} of the observation is not the mirror image of its own mirror image")]
+    #[error("entry {0} of the observation is not the mirror image of its own mirror image")]
     Input(usize),
     /// An action is not the mirror image of its own image.
     #[error("action {0} is not the mirror image of its own mirror image")]

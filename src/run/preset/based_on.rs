@@ -64,7 +64,9 @@ fn base_of(preset: &Preset, text: &str, path: &Path, chain: &[PathBuf]) -> Resul
     if chain.contains(&identity(&file)) || chain.len() >= MAX_CHAIN {
         let files: Vec<_> = chain.iter().map(|file| printable_path(file)).collect();
         let files = files.join(" -> ");
-        return Err(fail(format!("leads to no end ({files}); help: remove the `based_on` of one of them")));
+        return Err(fail(format!(
+            "is circular or too long ({files}); help: remove the `based_on` of one of them"
+        )));
     }
     let Some((file, text)) = base_text(name, path)? else {
         let names: Vec<_> = shipped::preset_names().collect();

@@ -14,7 +14,7 @@ use crate::schema::{Obstacle, ObstacleMotion, Shape};
 
 /// Attempts to find a free path before an obstacle is omitted.
 const TRIES: usize = 50;
-/// Largest deviation of an obstacle from its even place on the circle, as a share of the angle between two places.
+/// Largest deviation of an obstacle from its evenly spaced position on the circle, as a fraction of their spacing.
 const JITTER: f32 = 0.3;
 
 /// Adds one of `layouts`; nothing if there is none.
@@ -23,8 +23,8 @@ pub(super) fn add(draft: &mut Draft, layouts: &[Traffic], stream: &mut Stream) {
     match *layout {
         Traffic::Lanes { pairs, count, radius_m, speed_m_s } => {
             for _ in 0..whole(stream, pairs) {
-                let walkers = Walkers { radius_m, speed_m_s }.draw(stream);
-                lanes::add(draft, walkers, whole(stream, count), stream);
+                let walker = Walkers { radius_m, speed_m_s }.draw(stream);
+                lanes::add(draft, walker, whole(stream, count), stream);
             }
         }
         Traffic::CircleCrossing { count, radius_m, speed_m_s, circle_m } => {
@@ -88,7 +88,7 @@ impl Walker {
     }
 }
 
-/// Obstacles from all around a circle to the opposite points and back.
+/// Adds obstacles that start all around a circle and move to the opposite points and back.
 fn add_circle(draft: &mut Draft, count: u32, walkers: Walkers, circle_m: (f32, f32), stream: &mut Stream) {
     let (circle_m, first) = (number(stream, circle_m), uniform(stream, -PI, PI));
     let middle = (draft.field.min_m + draft.field.max_m) / 2.0;
@@ -104,7 +104,7 @@ fn add_circle(draft: &mut Draft, count: u32, walkers: Walkers, circle_m: (f32, f
     }
 }
 
-/// An obstacle between two random points that are at least half the shorter side of the field apart.
+/// Adds an obstacle that moves back and forth between two random points, at least half the shorter side of the field apart.
 fn add_crossing(draft: &mut Draft, walker: Walker, stream: &mut Stream) {
     let far = (draft.field.max_m - draft.field.min_m).min_element() / 2.0;
     let mut ends = (0..TRIES).map(|_| (draft.random_point(stream), draft.random_point(stream)));
@@ -116,7 +116,7 @@ fn add_crossing(draft: &mut Draft, walker: Walker, stream: &mut Stream) {
     }
 }
 
-/// An obstacle that walks at random within `reach_m` of a random point.
+/// Adds an obstacle that walks at random within `reach_m` of a random point.
 fn add_walk(draft: &mut Draft, walker: Walker, reach_m: f32, stream: &mut Stream) {
     let mut points = (0..TRIES).map(|_| draft.random_point(stream));
     if let Some(at) = points.find(|&at| draft.is_free(at, at, walker.radius_m + reach_m)) {

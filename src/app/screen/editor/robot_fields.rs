@@ -47,7 +47,7 @@ pub fn robot_ui(ui: &mut Ui, editor: &mut Editor) {
         rows.mark_changed("shape");
     }
     let mut turning_radius_m = robot.min_turning_radius_m.unwrap_or(0.0);
-    let tip = "Least turning radius of a robot that steers like a car; 0 if it can turn on the spot";
+    let tip = "Minimum turning radius of a robot that steers like a car; 0 if it can turn on the spot";
     let radius = NumberSpec::length(0.0..=*TURNING_RADIUS_M.end());
     rows.number("Min. turning radius", tip, &mut turning_radius_m, radius);
     robot.min_turning_radius_m = (turning_radius_m != 0.0).then_some(turning_radius_m);
