@@ -68,10 +68,7 @@ pub fn run(file: &Path, args: &ImportArgs, shared: &SharedArgs) -> Result<(), Ru
         return all_worlds(file, &options(args, shared)?, out);
     }
     if !is_file {
-        return Err(RunError::invalid_input(
-            out,
-            "not a scenario file; help: give a name that ends in .ron",
-        ));
+        return Err(RunError::invalid_input(out, "not a scenario file; help: give a name that ends in .ron"));
     }
     check_writable(out)?;
     let imported = import(file, &options(args, shared)?)?;
