@@ -1,7 +1,7 @@
-//! The time in which a driver chooses an action: a policy's observation and network, with and without a map, and classical drivers.
+//! The time that a driver takes to choose an action: policies (observation and network), with and without a map, and DWA.
 //!
-//! `cargo bench --bench act`; items are decisions of one robot. The robot drives on a circle in a room of 6 m x 6 m in which six discs
-//! move.
+//! `cargo bench --bench act`; items are decisions of one robot. It drives on a circle in a room of 6 m x 6 m in which six
+//! discs move.
 
 #[path = "support/allocator.rs"]
 mod allocator;
@@ -45,7 +45,7 @@ fn dwa_cv(bencher: Bencher, beams: usize) {
     act(bencher, beams, |scenario| driver.driver(&Robot::of(scenario)));
 }
 
-/// The time of the shipped policy `name`.
+/// Times the shipped policy `name`.
 fn policy(bencher: Bencher, name: &str, has_map: bool, beams: usize) {
     let shipped = shipped::policies().iter().find(|shipped| shipped.scenario_from == name);
     let policy = shipped.expect("a shipped policy").policy.clone();
@@ -53,7 +53,7 @@ fn policy(bencher: Bencher, name: &str, has_map: bool, beams: usize) {
     act(bencher, beams, |scenario| driver.driver(scenario));
 }
 
-/// The time of a decision, over the percepts of a whole circle.
+/// Times a decision, over the percepts of a whole circle.
 fn act(bencher: Bencher, beams: usize, driver: impl Fn(&Scenario) -> Box<dyn Driver>) {
     let scenario = Scenario { lidar: Lidar { beams, ..Lidar::default() }, ..Scenario::default() };
     let scans: Vec<Vec<f32>> = (0..STEPS).map(|step| scan(&scenario.lidar, step)).collect();
@@ -85,7 +85,7 @@ fn pose(step: usize) -> (f32, f32, f32) {
     (angle.sin(), -angle.cos(), angle)
 }
 
-/// The scan there: of the room, and of discs of 0.2 m that move on circles of 2 m the other way.
+/// The scan at that pose: of the room, and of discs with a radius of 0.2 m that move the other way on a circle of 2 m.
 fn scan(lidar: &Lidar, step: usize) -> Vec<f32> {
     let (x, y, heading) = pose(step);
     let at = vec2(x, y);
@@ -96,8 +96,8 @@ fn scan(lidar: &Lidar, step: usize) -> Vec<f32> {
         };
         let to_disc = |disc: usize| {
             let angle = TAU * (disc as f32 / 6.0 - step as f32 / STEPS as f32);
-            let way = 2.0 * Vec2::from_angle(angle) - at;
-            let (along, across) = (beam.dot(way), beam.perp_dot(way));
+            let to_centre = 2.0 * Vec2::from_angle(angle) - at;
+            let (along, across) = (beam.dot(to_centre), beam.perp_dot(to_centre));
             let half = 0.04 - across * across;
             if along > 0.0 && half > 0.0 { along - half.sqrt() } else { f32::INFINITY }
         };

@@ -54,7 +54,7 @@ mod frames {
         bencher.bench_local(|| app.frame(Duration::from_millis(16)));
     }
 
-    /// Copies a training of 400,000 env steps, which fills the replay buffer, for an autosave.
+    /// Copies a training run for an autosave, after 400,000 env steps, which fill the replay buffer.
     #[divan::bench(sample_count = 20, sample_size = 1)]
     fn one_arena_with_an_autosave(bencher: Bencher) {
         let folder = tempfile::tempdir().expect("temporary folder");
@@ -62,7 +62,7 @@ mod frames {
         let start = StartOptions { autosave: Some(autosave), ..StartOptions::default() };
         let app = std::cell::RefCell::new(trained(25_000, start));
         let step = || {
-            // Time to write the one before.
+            // Time to write the previous autosave.
             std::thread::sleep(Duration::from_secs(2));
             let mut app = app.borrow_mut();
             app.command(Command::Step);
@@ -71,7 +71,7 @@ mod frames {
         bencher.with_inputs(step).bench_local_values(|()| app.borrow_mut().frame(Duration::from_millis(16)));
     }
 
-    /// At full pace: includes 12 ms of control steps, or one step more.
+    /// Includes control steps: 12 ms of them, and the rest of the last one.
     #[divan::bench(sample_count = 60)]
     fn one_arena_while_training_at_full_speed(bencher: Bencher) {
         let mut app = trained(2_000, StartOptions::default());

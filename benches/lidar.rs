@@ -35,7 +35,7 @@ fn wayfield_scan(bencher: Bencher, obstacles: &str) {
     });
 }
 
-/// Without the grid over still shapes.
+/// Without the grid over static shapes.
 #[divan::bench(args = WORLDS)]
 fn without_grid(bencher: Bencher, obstacles: &str) {
     scan(bencher, obstacles, |colliders, bodies, pose, beams, ranges_m| {
@@ -43,7 +43,7 @@ fn without_grid(bencher: Bencher, obstacles: &str) {
     });
 }
 
-/// The time of a scan that `cast` takes.
+/// Measures a scan by `cast`.
 fn scan(
     bencher: Bencher,
     obstacles: &str,

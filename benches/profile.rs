@@ -1,9 +1,9 @@
 //! The time of each set of a control step.
 //!
 //! `cargo bench --no-default-features --bench profile` prints nanoseconds per env step in Scenario I, for several numbers of
-//! arenas: without gradient steps, then with those of the default preset, and in two large worlds. The numbers are means over
-//! control steps with episodes of all ages. A system between two sets reads the clock, which takes about 40 ns and matters
-//! for one arena only. `Decide` includes the start of the schedule, `Reset` the check for faults.
+//! arenas: without gradient steps, then with those of the default preset, and in two large scenarios. The numbers are means over
+//! control steps in which the arenas are at all stages of an episode. A system between two sets reads the clock, which takes
+//! about 40 ns and matters for one arena only. `Decide` includes the start of the schedule, `Reset` the check for faults.
 
 #[path = "support/allocator.rs"]
 mod allocator;
@@ -68,9 +68,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let arenas = shipped::preset("fast")?.arenas;
     print_row(&format!("{arenas}, training"), &measure(&scenario, arenas, true)?);
-    for (name, world) in [("BARN", common::large_worlds::barn()), ("office", common::large_worlds::office())]
+    for (name, large) in [("BARN", common::large_worlds::barn()), ("office", common::large_worlds::office())]
     {
-        print_row(&format!("64, {name}"), &measure(&world, 64, false)?);
+        print_row(&format!("64, {name}"), &measure(&large, 64, false)?);
     }
     Ok(())
 }

@@ -75,29 +75,30 @@ fn config() -> Result<LearningConfig, Box<dyn Error>> {
     Ok(shipped::preset("per_d3qn_tuned")?.learning)
 }
 
-/// `ENV_STEPS` steps of Scenario I in `arenas` arenas, without gradient steps.
+/// Measures `ENV_STEPS` env steps of Scenario I in `arenas` arenas, without gradient steps: us per env step, and kB of memory.
 fn env_step(arenas: usize) -> Result<(f64, f64), Box<dyn Error>> {
     let before = status_kb("VmRSS:") as f64;
-    let mut app =
+    let mut simulation =
         training_app::training(&shipped::scenario("scenario-1")?, arenas, false, &Extensions::default())?;
     for _ in 0..(2_000 / arenas).max(4) {
-        app.step()?;
+        simulation.step()?;
     }
     let memory_kb = status_kb("VmRSS:") as f64 - before;
     let steps = ENV_STEPS / arenas;
     let began = Instant::now();
     for _ in 0..steps {
-        app.step()?;
+        simulation.step()?;
     }
     let us = began.elapsed().as_secs_f64() * 1e6 / (steps * arenas) as f64;
     assert!(
-        app.world().resource::<ActiveLearner>().0.gradient_steps() == 0,
+        simulation.world().resource::<ActiveLearner>().0.gradient_steps() == 0,
         "no gradient steps are measured"
     );
     Ok((us, memory_kb))
 }
 
-/// `GRADIENT_STEPS` gradient steps with batches of 64 from a prioritized buffer with `transitions` transitions.
+/// Measures `GRADIENT_STEPS` gradient steps with batches of 64 from a prioritized buffer with `transitions` transitions: us per
+/// gradient step, and kB of memory.
 fn gradient_step(transitions: usize) -> Result<(f64, f64), Box<dyn Error>> {
     let mut config = config()?;
     config.replay.capacity = transitions;
@@ -107,10 +108,10 @@ fn gradient_step(transitions: usize) -> Result<(f64, f64), Box<dyn Error>> {
     let before = status_kb("VmRSS:") as f64;
     let mut learner = Learner::new(&config, 28, 5, 1, 1)?;
     let mut noise = wayfield::random::stream(1, "bench", 0);
-    let mut row = || -> Vec<f32> { (0..28).map(|_| wayfield::random::normal(&mut noise)).collect() };
-    let mut observation = row();
+    let mut random = || -> Vec<f32> { (0..28).map(|_| wayfield::random::normal(&mut noise)).collect() };
+    let mut observation = random();
     for step in 0..transitions {
-        let next_observation = row();
+        let next_observation = random();
         learner.store(&Experience {
             env_index: 0,
             observation: &observation,

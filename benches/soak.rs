@@ -2,8 +2,8 @@
 //!
 //! `cargo bench --bench soak -- headless [ENV_STEPS]` trains without a window, by default for 20 million env steps.
 //! `cargo bench --bench soak -- window [MINUTES]` trains in the window at full pace, by default for an hour. It needs a display,
-//! such as Xvfb. Both print a table of ten parts and a result, and exit with status 1 if a check fails. Other load affects the
-//! speeds: leave the machine idle, or give this process its own core.
+//! such as Xvfb. Both print a row for each tenth of the time and a result, and exit with status 1 if a check fails. Other load
+//! affects the speeds: leave the machine idle, or give this process its own core.
 
 #[path = "support/allocator.rs"]
 mod allocator;
@@ -135,7 +135,7 @@ mod window {
         error_notices: Vec<String>,
     }
 
-    /// The results at the end of the app.
+    /// The results, set when the app exits.
     #[derive(Resource, Clone, Default)]
     struct End(Arc<Mutex<Option<Results>>>);
 
@@ -146,7 +146,7 @@ mod window {
         error_notices: Vec<String>,
     }
 
-    /// Trains in the window for `minutes`, with the common overlays.
+    /// Trains in the window for `minutes`, with four overlays shown.
     pub fn soak(minutes: u64) -> Result<bool, Box<dyn Error>> {
         let folder = tempfile::tempdir()?;
         let start = StartOptions { pace: Pace::Full, ..StartOptions::default() };
@@ -245,7 +245,8 @@ mod window {
     }
 }
 
-/// Prints the ten parts. Returns whether the last is as fast as the first and uses no more memory than the second.
+/// Prints a row for each tenth. Returns whether, within the tolerances, the last is as fast as the first and uses no more memory
+/// than the second.
 fn report(samples: &[Sample]) -> bool {
     println!(
         "| part | env steps | env steps/s | env steps per CPU s | frames/s | resident MB |\n|---|---|---|---|---|---|"
@@ -285,7 +286,7 @@ fn agrees(what: &str, found: u64, expected: u64) -> bool {
     passed
 }
 
-/// Expected number of gradient steps after `env_steps`: those of each interval after `learning_starts`.
+/// Expected number of gradient steps after `env_steps`: an update at each multiple of `train_freq` from `learning_starts` on.
 fn expected_gradient_steps(learning: &LearningConfig, env_steps: u64) -> u64 {
     let interval = learning.train_freq;
     let first = learning.replay.learning_starts.max(1).div_ceil(interval);

@@ -37,13 +37,13 @@ fn moving_obstacles(bencher: Bencher, arenas: usize) {
     control_step(bencher, &common::moving_obstacles(), arenas);
 }
 
-/// 277 still circles: `large_worlds::barn`.
+/// 277 static circles: `large_worlds::barn`.
 #[divan::bench(args = ARENAS)]
 fn barn(bencher: Bencher, arenas: usize) {
     control_step(bencher, &common::large_worlds::barn(), arenas);
 }
 
-/// 764 still shapes on 50 m x 50 m: `large_worlds::office`.
+/// 764 static shapes on 50 m x 50 m: `large_worlds::office`.
 #[divan::bench(args = ARENAS)]
 fn office(bencher: Bencher, arenas: usize) {
     control_step(bencher, &common::large_worlds::office(), arenas);
@@ -80,7 +80,7 @@ fn control_step(bencher: Bencher, scenario: &Scenario, num_envs: usize) {
     let config = VecEnvConfig { num_envs, mode: TaskMode::Continuing, ..VecEnvConfig::default() };
     let mut env = VecEnv::new(scenario, config).expect("free space for starts and goals");
     let mut streams = common::action_streams(num_envs);
-    // Runs until there are episodes of all ages.
+    // Runs until the arenas are at all stages of an episode.
     for _ in 0..200 {
         env.step(&common::random_actions(&mut streams)).expect("a valid step");
     }

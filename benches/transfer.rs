@@ -70,15 +70,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     // By measure and seed: the values from scratch and with transfer.
     let mut values = vec![Vec::new(); measures.len()];
     for seed in 0..seeds {
-        let simple = FinishedRun::new(
+        let source = FinishedRun::new(
             runs::with_env_steps(runs::config(PRESET, "scenario-1", seed)?, SCENARIO_1_ENV_STEPS),
             None,
         )?;
         let mut config = runs::with_env_steps(runs::config(PRESET, "scenario-2", seed)?, ENV_STEPS);
         config.preset.evaluation.every_env_steps = EVAL_INTERVAL;
         let scratch = FinishedRun::new(config.clone(), None)?;
-        let transfer = FinishedRun::new(config, Some((&simple.best, PAPER_TRANSFER_EPSILON)))?;
-        let mut row = vec![simple.summary.best_success_rate.unwrap_or(0.0).to_string()];
+        let transfer = FinishedRun::new(config, Some((&source.best, PAPER_TRANSFER_EPSILON)))?;
+        let mut row = vec![source.summary.best_success_rate.unwrap_or(0.0).to_string()];
         for (measure, values) in measures.iter().zip(&mut values) {
             let pair = [&scratch, &transfer].map(|run| (measure.of)(run));
             row.extend(pair.map(|value| format!("{value:.*}", measure.decimals)));
@@ -86,10 +86,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         println!("| {seed} | {} |", row.join(" | "));
     }
-    let spreads = measures.iter().zip(&values).flat_map(|(measure, values)| {
+    let summaries = measures.iter().zip(&values).flat_map(|(measure, values)| {
         [0, 1].map(|run| median_and_worst(values.iter().map(|pair| pair[run]).collect(), measure.decimals))
     });
-    println!("| median (worst) | | {} |\n", spreads.collect::<Vec<_>>().join(" | "));
+    println!("| median (worst) | | {} |\n", summaries.collect::<Vec<_>>().join(" | "));
     for (measure, values) in measures.iter().zip(&values) {
         let better = values.iter().filter(|[scratch, transfer]| transfer < scratch).count();
         println!("{}: better with transfer for {better} of {seeds} seeds", measure.name);
@@ -99,8 +99,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// The mean failure rate of the evaluations up to `env_steps`, in %.
 fn mean_failure_percent(run: &FinishedRun, env_steps: u64) -> f64 {
-    // Evaluations are at multiples of EVAL_INTERVAL, rounded to complete control steps.
-    // Without that of the initial policy, at env step 0.
+    // Evaluations are at multiples of EVAL_INTERVAL, rounded to complete control steps. The first, of the initial policy, is
+    // skipped.
     let rows = run.evaluations.iter().skip(1).filter(|row| row.env_steps < env_steps + EVAL_INTERVAL / 2);
     let (count, sum) = rows.fold((0, 0.0), |(count, sum), row| (count + 1, sum + 1.0 - row.success_rate));
     100.0 * sum / f64::from(count)

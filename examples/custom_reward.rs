@@ -13,7 +13,7 @@ use wayfield::run::train::{CHECKPOINT_INTERVAL, Job, train};
 use wayfield::simulation::Extensions;
 use wayfield::task::{Arena, ExtraRewards, RewardTerm, SimulationAppExt, Twist};
 
-/// A penalty of `per_rad` for every radian that the robot turns in a control step of 0.2 s.
+/// A penalty of `per_rad` for every radian that the robot turns. The control period is 0.2 s.
 #[derive(Clone)]
 struct SmoothDriving {
     per_rad: f32,

@@ -21,7 +21,7 @@ const SCENARIO: &str = r#"(
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let file = std::env::args_os().nth(1).map_or_else(|| "scenario.svg".into(), PathBuf::from);
-    // An error has the line, the column and a suggested fix.
+    // An error message has the line, the column and a suggested fix.
     let scenario = Scenario::parse(SCENARIO, "draw_scenario.rs")?;
     scenario_image::draw(&scenario, &file)?;
     println!("{} with {} obstacles, drawn to {}", scenario.name, scenario.obstacles.len(), file.display());

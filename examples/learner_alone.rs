@@ -1,4 +1,4 @@
-//! The learner without a simulation: double dueling DQN with prioritized replay in a corridor of five cells.
+//! The learner without a simulation: double dueling DQN with uniform replay in a corridor of five cells.
 //!
 //! `cargo run --release --no-default-features --example learner_alone`
 

@@ -1,4 +1,4 @@
-//! A short training run of Scenario I with the default preset. It writes a run folder.
+//! A short training run in Scenario I with the default preset. It writes a run folder.
 //!
 //! `cargo run --release --no-default-features --example train_headless -- FOLDER`
 

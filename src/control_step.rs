@@ -1,8 +1,8 @@
-//! The control step: one schedule, [`ControlStep`], worth one control period of simulated time.
+//! The control step: one schedule, [`ControlStep`], which advances simulated time by one control period.
 //!
 //! Running [`ControlStep`] once advances every arena by one step. Headless, a loop runs it; in the app, the pacer does.
-//! Its sets run in the order of [`ControlSet`], and each hands its product to the next. A step never reads the wall
-//! clock, the frame time or user input, so one seed means one result everywhere.
+//! Its sets run in the order of [`ControlSet`], and each passes its results to the next. A step never reads the wall
+//! clock, the frame time or user input, so the result depends on the seed, not on timing.
 //!
 //! | set | responsible for | filled by |
 //! |---|---|---|
@@ -35,9 +35,9 @@ pub enum ControlSet {
     Decide,
     /// Turns actions into velocities, and advances the obstacles' clock.
     Actuate,
-    /// Steps rapier.
+    /// Takes one step of rapier, the physics engine.
     Simulate,
-    /// Casts the LIDAR and writes the next observations; see [`SenseSet`].
+    /// Casts the LIDAR beams and writes the next observations; see [`SenseSet`].
     Sense,
     /// Computes rewards, terminations and truncations; see [`RewardSet`].
     Reward,
@@ -45,7 +45,7 @@ pub enum ControlSet {
     Store,
     /// Takes the pending gradient steps.
     Learn,
-    /// Publishes ended episodes, starts new ones, and draws new goals for reached ones.
+    /// Publishes ended episodes, starts new ones, and replaces reached goals by new ones.
     Reset,
 }
 

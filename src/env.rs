@@ -35,14 +35,14 @@ use crate::task::{
     StepOutcomes, Streams, TaskFault, TaskMode,
 };
 
-/// When the next episode of an environment begins: Gymnasium's autoreset modes. An environment's episodes are the same in all
-/// of them.
+/// When the next episode, or with [`TaskMode::Continuing`] the next goal, begins: Gymnasium's autoreset modes. The episodes are
+/// the same in every mode.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Autoreset {
-    /// In the step that ends the return.
+    /// In the step that ends the episode or reaches the goal.
     #[default]
     SameStep,
-    /// In the step after it, which ignores the environment's action and has a reward of 0.
+    /// In the following step, which ignores the environment's action and has a reward of 0.
     NextStep,
     /// When the caller asks for it ([`VecEnv::reset_selected`]). Until then, no environment can be stepped.
     Disabled,
@@ -106,7 +106,7 @@ pub enum VecEnvError {
         /// The environment's index.
         env: usize,
     },
-    /// An environment whose return has ended was stepped, with [`Autoreset::Disabled`].
+    /// With [`Autoreset::Disabled`], a step was requested while an environment waits for its reset.
     #[error("the episode of environment {env} has ended; help: reset it before the next step")]
     Ended {
         /// The environment's index.
@@ -160,7 +160,7 @@ pub struct VecEnv {
 struct FinalObservations(Vec<f32>);
 
 impl VecEnv {
-    /// Environments of `scenario`, ready to step with seed 0. [`reset`](Self::reset) sets another seed.
+    /// Creates environments of `scenario`, ready to step with seed 0. [`reset`](Self::reset) sets another seed.
     ///
     /// # Errors
     /// No free space was found for a start or goal.
@@ -229,7 +229,7 @@ impl VecEnv {
     /// is limited to [`motion_limits`](Self::motion_limits).
     ///
     /// # Errors
-    /// As for [`step`](Self::step); a motion is not finite.
+    /// As for [`step`](Self::step), or a motion is not finite.
     pub fn step_motions(&mut self, motions: &[Motion]) -> Result<Step<'_>, VecEnvError> {
         self.step_by(Commands::Motions(motions))
     }
@@ -269,7 +269,7 @@ impl VecEnv {
         &mut self.simulation
     }
 
-    /// The smallest and the largest speed and turning rate of the robot: 0, or those of its motions if they are beyond 0.
+    /// The limits of commanded motions: the smallest and the largest speed and turning rate among the robot's motions and 0.
     #[must_use]
     pub fn motion_limits(&self) -> (Motion, Motion) {
         (self.command_rules.low, self.command_rules.high)

@@ -1,6 +1,6 @@
-//! The generated sections of the pages in `docs/`, for tests: between two markers, a page contains what the code says.
+//! Tests of the sections of `docs/` that are generated from the code. Two markers enclose such a section.
 //!
-//! Such a test fails if the section is out of date. With `WAYFIELD_RENEW` set, it rewrites the section instead.
+//! A test fails if its section is out of date. With `WAYFIELD_RENEW` set, it rewrites the section instead.
 
 use std::path::Path;
 

@@ -31,7 +31,7 @@
 //! let (mut actions, mut goals) = ([2; 16], 0);
 //! for _ in 0..500 {
 //!     for (action, observation) in actions.iter_mut().zip(env.observations().chunks_exact(28)) {
-//!         // Number 24 is the goal's bearing / pi, left positive. Actions: 0 turns left, 2 drives straight, 4 turns right.
+//!         // Element 24 is the goal's bearing / pi, left positive. Actions: 0 turns left, 2 drives straight, 4 turns right.
 //!         *action = if observation[24] > 0.05 { 0 } else if observation[24] < -0.05 { 4 } else { 2 };
 //!     }
 //!     let step = env.step(&actions)?;
@@ -55,10 +55,10 @@
 //! | [`wayfield_policy`] | policy files, the encoding of observations, the forward pass |
 //! | [`wayfield_drivers`] | classical drivers: potential field, DWA, A*, ORCA |
 //! | [`wayfield_export`] | a policy as an ONNX file, and its model card |
-//! | [`wayfield_import`] | scenarios from ROS maps, pictures, SDF worlds and BARN worlds |
+//! | [`wayfield_import`] | scenarios from ROS maps, images, SDF worlds and BARN worlds |
 //! | `wayfield_protobuf` | a writer and a reader of protobuf messages |
 //! | [`wayfield_scenario`] | scenarios: the RON schema, its checks, geometry, generators |
-//! | `wayfield_orca` | ORCA, by which pedestrians and the driver of that name avoid others |
+//! | `wayfield_orca` | ORCA, with which pedestrians and the driver of that name avoid others |
 //! | `wayfield_ron_patch` | a RON writer that keeps comments |
 //! | [`wayfield_learning`] | the learner: Q-network, replay buffer, update rules |
 //! | [`wayfield_planner`] | time-optimal paths, and lower bounds on the number of steps |

@@ -20,8 +20,8 @@ mod table;
 /// Maximum number of parallel arenas.
 pub const MAX_ARENAS: usize = 4096;
 
-/// Maximum number of env steps or episodes in a budget or an interval. No run is that long, and sums of such
-/// numbers stay far below the maximum of a `u64`.
+/// Maximum number of env steps or episodes in a budget or an interval. No run is that long, and sums of such counts stay far
+/// below the maximum of a `u64`.
 pub const MAX_STEPS: u64 = 1_000_000_000_000_000;
 
 /// Maximum number of episodes in an evaluation during training.
@@ -33,7 +33,7 @@ pub const MAX_EVAL_EPISODES: u64 = 1_000_000;
 /// Maximum size in bytes of the results of a test (`--eval --json`), which list up to [`MAX_EVAL_EPISODES`] rounds.
 pub const MAX_EVAL_RESULTS_BYTES: u64 = 1 << 25;
 
-/// Maximum width and height of a picture, in pixels.
+/// Maximum width and height of an image, in pixels.
 pub const MAX_PICTURE_SIDE: u16 = 8192;
 
 /// Maximum number of levels on a contact sheet.
@@ -49,7 +49,7 @@ pub const MAX_BODIES: usize = 1_000_000;
 /// Maximum number of floats in the scans and observations of all arenas together: 1 GiB.
 pub const MAX_OBSERVED_FLOATS: usize = 1 << 28;
 
-/// Maximum number of levels of a set whose results a training keeps, to draw levels by progress. They take 100 MB.
+/// Maximum number of levels of a set whose results are kept during training, to draw levels by progress. They take 100 MB.
 pub const MAX_LEVELS_BY_PROGRESS: usize = 4_000_000;
 
 /// Maximum size of `config.ron` in bytes. (A scenario of 1 MiB grows when every default is written out.)
@@ -58,7 +58,7 @@ pub const MAX_CONFIG_BYTES: u64 = 1 << 24;
 /// Maximum size of a policy file in bytes: 2^24 parameters and a header.
 pub const MAX_POLICY_BYTES: u64 = 1 << 27;
 
-/// Maximum size of a checkpoint's head in bytes: [`MAX_OBSERVED_FLOATS`] and a policy.
+/// Maximum size in bytes of the run's header in a checkpoint: [`MAX_OBSERVED_FLOATS`] and a policy.
 pub const MAX_HEAD_BYTES: u64 = (1 << 30) + (1 << 27);
 
 /// Maximum number of recent returns in a checkpoint, over which the progress display averages.
@@ -67,7 +67,7 @@ pub const MAX_RECENT_RETURNS: usize = 100;
 /// Maximum time in a checkpoint in s, about 30,000 years.
 pub const MAX_TIME_S: f64 = 1e12;
 
-/// Maximum size in bytes of the journal of interventions. It contains every scenario adopted during the training.
+/// Maximum size in bytes of the journal of interventions. It contains every scenario adopted during training.
 pub const MAX_JOURNAL_BYTES: u64 = 1 << 28;
 
 /// Maximum absolute value of a reward parameter. With it, potentials over a kilometre and sums of rewards are finite.

@@ -1,5 +1,5 @@
-//! Autosaves: while the app trains, a copy of the training is kept that continues to the same bits, and the next session offers
-//! it. Nothing that can go wrong with it stops the training.
+//! Autosaves: while the app trains, it keeps a copy of the training run. The next session offers the copy, and it resumes
+//! bit-identically. A failed autosave does not stop the training.
 #![cfg(feature = "gui")]
 
 #[path = "support/headless_app.rs"]
@@ -31,7 +31,7 @@ fn temporary() -> TempDir {
     tempfile::tempdir().expect("temporary folder")
 }
 
-/// A paused app that saves its training in `folder` in every frame, if anything has changed.
+/// A paused app that saves its training run in `folder` in every frame, if anything has changed.
 fn app(folder: &Path, seed: u64) -> HeadlessApp {
     let autosave = Some(AutosaveOptions { folder: folder.into(), every: Duration::ZERO });
     let mut app = HeadlessApp::new(StartOptions { paused: true, seed, autosave, ..StartOptions::default() });
@@ -81,8 +81,8 @@ fn kill(app: HeadlessApp, folder: &Path) {
 /// Control steps of the autosave at `path`.
 fn saved_steps(path: &Path) -> Option<u64> {
     let note = fs::read_to_string(path.join("autosave.ron")).ok()?;
-    let number = note.split("env_steps:").nth(1)?.split(',').next()?;
-    Some(number.trim().parse::<u64>().expect("a number") / 16)
+    let env_steps = note.split("env_steps:").nth(1)?.split(',').next()?;
+    Some(env_steps.trim().parse::<u64>().expect("a number") / 16)
 }
 
 fn learner_bytes(app: &mut HeadlessApp) -> Vec<u8> {
@@ -172,7 +172,7 @@ fn two_windows_save_into_folders_of_their_own_and_do_not_offer_each_others_sessi
 }
 
 #[test]
-fn a_training_is_saved_in_a_demo_too_and_with_what_the_user_changed() {
+fn training_is_also_saved_during_a_demo() {
     let folder = temporary();
     let mut app = app(folder.path(), 5);
     app.step_to(100);
@@ -222,11 +222,11 @@ fn a_damaged_autosave_is_reported_and_the_new_training_goes_on() {
     for path in autosaves(folder.path()) {
         fs::write(path.join("autosave.ron"), "(scenario: 7").expect("the file can be written");
     }
-    assert_eq!(app(folder.path(), 1).shown().1.last_session, None, "an unreadable note is no offer");
+    assert_eq!(app(folder.path(), 1).shown().1.last_session, None, "an unreadable note is not offered");
 }
 
 #[test]
-fn a_short_training_leaves_nothing_behind_and_old_autosaves_are_deleted() {
+fn a_short_training_run_leaves_nothing_behind_and_old_autosaves_are_deleted() {
     let folder = temporary();
     let mut short = app(folder.path(), 9);
     train_to(&mut short, folder.path(), 20);
@@ -245,7 +245,7 @@ fn a_short_training_leaves_nothing_behind_and_old_autosaves_are_deleted() {
 }
 
 #[test]
-fn closing_asks_before_a_long_training_is_lost() {
+fn closing_asks_before_a_long_training_run_is_lost() {
     let folder = temporary();
     let mut app = app(folder.path(), 0);
     app.step_to(1_260);

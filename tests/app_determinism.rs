@@ -1,5 +1,5 @@
 //! The app does not affect what is learnt: with pauses, changes of pace, open panels and demos in between, it learns the same
-//! bits as a bare loop under `MinimalPlugins`. And a training with interventions can be replayed from its journal.
+//! bits as a bare loop under `MinimalPlugins`. And training with interventions can be replayed from its journal.
 #![cfg(feature = "gui")]
 
 #[path = "support/headless_app.rs"]
@@ -29,7 +29,7 @@ use headless_app::HeadlessApp;
 
 const STEPS: u64 = 2_000;
 
-/// The state of a training: the learner as a checkpoint stores it (replay buffer, weights, moments, random streams), and
+/// The state of training: the learner as a checkpoint stores it (replay buffer, weights, moments, random streams), and
 /// every arena.
 fn state(world: &mut bevy::prelude::World) -> (Vec<u8>, Vec<ArenaState>) {
     let mut bytes = Vec::new();
@@ -129,7 +129,7 @@ fn nudge(app: &mut HeadlessApp, index: usize) {
 }
 
 #[test]
-fn a_training_with_interventions_can_be_replayed() {
+fn training_with_interventions_can_be_replayed() {
     let mut app = HeadlessApp::new(options(6));
     app.command(Command::Pause(true));
     app.step_to(150);
@@ -188,7 +188,7 @@ fn objects_cannot_be_moved_to_invalid_positions() {
 }
 
 #[test]
-fn an_obstacle_goes_where_it_is_dragged_in_the_arena_where_the_user_sees_it() {
+fn an_obstacle_dragged_in_one_arena_of_a_demo_goes_where_the_user_drops_it() {
     // One of two arenas has finished: its clock has stopped, while obstacles revolve in the other.
     let mut app = HeadlessApp::new(options(12));
     app.command(Command::SetMode(SessionMode::Drive));
@@ -267,18 +267,18 @@ fn a_saved_run_can_be_replayed_even_if_it_was_reopened_in_between() {
     assert_eq!(other.error_notices(), Vec::<String>::new());
     assert_eq!(verify(&second_run), Ok(ReplayResult { steps: 260, interventions: 2, bit_identical: true }));
 
-    // Its curves have the marks of all changes again, on the screen and in a picture.
+    // Its curves again have the mark of the scenario change, on the screen and in a figure.
     let mut third = HeadlessApp::new(options(1));
     third.command(Command::Pause(true));
     third.command(Command::Open(second_run.clone()));
-    let picture = folder.path().join("curves.svg");
-    third.command(Command::Save(SaveKind::Figure(FigureFormat::Svg), picture.clone()));
+    let figure = folder.path().join("curves.svg");
+    third.command(Command::Save(SaveKind::Figure(FigureFormat::Svg), figure.clone()));
     third.frame(Duration::from_millis(10));
     assert_eq!(third.error_notices(), Vec::<String>::new());
     let marks = |app: &mut HeadlessApp| app.world().resource::<TrainingHistory>().0.annotations().to_vec();
     assert_eq!(marks(&mut third), marks(&mut other));
     assert_eq!(marks(&mut third).iter().map(|mark| mark.env_steps).collect::<Vec<_>>(), [200 * 16]);
-    let text = std::fs::read_to_string(&picture).expect("the picture was saved");
+    let text = std::fs::read_to_string(&figure).expect("the figure was saved");
     assert!(text.contains("scenario changed") && !text.contains("paper"), "{text}");
 
     // Continued without a window: the journal ends before the run does, and the whole run is replayed.

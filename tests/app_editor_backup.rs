@@ -23,7 +23,7 @@ fn temporary() -> TempDir {
     tempfile::tempdir().expect("temporary folder")
 }
 
-/// A paused app in `scenario` that backs up in `folder` in every frame, if anything has changed.
+/// A paused app in `scenario` that writes a backup to `folder` in every frame, if anything has changed.
 fn app(folder: &Path, scenario: &str) -> HeadlessApp {
     let autosave = Some(AutosaveOptions { folder: folder.into(), every: Duration::ZERO });
     let scenario = scenario.into();
@@ -150,7 +150,7 @@ fn restored_changes_do_not_overwrite_a_file_that_has_changed_since() {
 }
 
 #[test]
-fn a_damaged_backup_is_no_offer_and_a_folder_that_cannot_be_written_is_reported_once() {
+fn a_damaged_backup_is_not_offered_and_a_folder_that_cannot_be_written_is_reported_once() {
     let folder = temporary();
     rename(&mut app(folder.path(), "empty"), "Mine");
     fs::write(&backups(folder.path())[0], "(from: 7").expect("the file can be written");

@@ -74,7 +74,7 @@ fn a_non_finite_number_stops_the_training_but_not_the_app() {
         app.error_notices()
     );
 
-    // A new training starts as usual.
+    // A new training run starts as usual.
     let (scenario, preset) = ("scenario-1".to_owned(), "fast".to_owned());
     app.command(Command::StartTraining { scenario, preset, seed: 1 });
     app.command(Command::Pause(false));
@@ -105,5 +105,5 @@ fn q_values_beyond_any_return_are_reported_and_training_continues() {
     let (scenario, preset) = ("scenario-1".to_owned(), "fast".to_owned());
     app.command(Command::StartTraining { scenario, preset, seed: 1 });
     app.frame(Duration::from_millis(16));
-    assert!(!warned(&app), "a new training removes the warning: {:?}", app.error_notices());
+    assert!(!warned(&app), "a new training run removes the warning: {:?}", app.error_notices());
 }

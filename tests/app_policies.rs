@@ -1,5 +1,5 @@
 //! The policies of the app: the best one so far can be saved, tested, compared and transferred as well as the current one, and
-//! every driver says where it comes from.
+//! every driver has a label with its origin.
 #![cfg(feature = "gui")]
 
 #[path = "support/headless_app.rs"]
@@ -120,7 +120,7 @@ fn general() -> Option<&'static ShippedPolicy> {
 }
 
 #[test]
-fn an_expert_says_where_it_was_trained() {
+fn the_label_of_an_expert_names_where_it_was_trained() {
     let in_maze = format!("Trained in {}, new here", general().map_or("Scenario I", |it| &it.trained_in));
     for (scenario, origin, is_new_here) in
         [("scenario-2", "Trained in Scenario II", false), ("maze", in_maze.as_str(), true)]
@@ -210,7 +210,7 @@ fn a_policy_drives_next_to_itself_with_a_map_that_is_shown() {
 fn a_policy_with_other_observations_and_actions_drives_next_to_the_current_one() {
     let folder = tempfile::tempdir().expect("temporary folder");
     let [preset, path] = ["sectors.ron", "sectors.safetensors"].map(|name| folder.path().join(name));
-    // It only turns in place to the left, because a network that has learned nothing chooses one of equal motions.
+    // It turns in place to the left, whatever the network chooses: its two motions are equal.
     let left = "(speed: 0, turn: 1)";
     let text =
         format!("(budget: EnvSteps(1000), observation: Sectors(), actions: Relative([{left}, {left}]))");
@@ -301,6 +301,7 @@ fn one_policy_is_trained_and_shown_with_different_robots() {
         }
     }
     assert_eq!(seen, [true; 2]);
+    // In drive mode, the keys choose among the robot's own motions, which have no Q-values here.
     for (mode, with_values) in [(SessionMode::Test, [true].as_slice()), (SessionMode::Drive, &[false, true])]
     {
         app.command(Command::SetMode(mode));
@@ -308,7 +309,6 @@ fn one_policy_is_trained_and_shown_with_different_robots() {
         let arenas = &app.shown().0.arenas;
         assert_eq!(arenas.iter().map(|arena| !arena.q_values.is_empty()).collect::<Vec<_>>(), with_values);
     }
-    // The keys choose among the robot's own motions, the policy among those of its action set.
     app.command(Command::OpenWithMap);
     step(&mut app, 3);
     assert!(app.shown().0.arenas[1].plan.is_some(), "the map is shown");
@@ -333,8 +333,8 @@ fn a_policy_of_another_robot_drives_anywhere_and_to_a_goal_that_is_clicked() {
         let is_wall = x == 0 || y == 0 || x == 39 || y == 29 || x == 20 && y > 12;
         if is_wall { 0 } else { 254 }
     };
-    let picture: Vec<u8> = b"P5 40 30 255\n".iter().copied().chain((0..1200).map(cell)).collect();
-    std::fs::write(folder.path().join("map.pgm"), picture).expect("a writable folder");
+    let image: Vec<u8> = b"P5 40 30 255\n".iter().copied().chain((0..1200).map(cell)).collect();
+    std::fs::write(folder.path().join("map.pgm"), image).expect("a writable folder");
     for scenario in ["maze".into(), quick, "clutter".into(), map.display().to_string()] {
         let mut app = HeadlessApp::new(StartOptions { scenario, paused: true, ..StartOptions::default() });
         frame(&mut app);
@@ -367,7 +367,7 @@ fn a_policy_of_another_robot_drives_anywhere_and_to_a_goal_that_is_clicked() {
 }
 
 #[test]
-fn a_training_by_sectors_continues_with_another_lidar_and_other_motions() {
+fn training_with_sector_observations_continues_with_another_lidar_and_other_motions() {
     let folder = tempfile::tempdir().expect("temporary folder");
     let run = folder.path().join("run");
     let preset = write_general_preset(folder.path());

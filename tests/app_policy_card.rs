@@ -1,5 +1,5 @@
 //! In the app, a policy whose card differs from the current scenario is refused, or gives a notice with both values: in a
-//! comparison, as an expert, and as the start of a training.
+//! comparison, and as the start of a training run.
 #![cfg(feature = "gui")]
 
 #[path = "support/headless_app.rs"]
@@ -13,7 +13,7 @@ use wayfield::app::app_snapshot::Severity;
 use wayfield::app::commands::{Command, Pace, PolicySource, SessionMode};
 use wayfield::app::session::StartOptions;
 
-/// The policy of Scenario I that is shipped.
+/// The shipped policy of Scenario I.
 fn policy() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/policies/scenario-1.safetensors")
 }
@@ -40,7 +40,7 @@ fn execute(app: &mut HeadlessApp, command: Command) {
     frames(app);
 }
 
-/// Starts a training from the opened policy in the current scenario.
+/// Starts a training run from the opened policy in the current scenario.
 fn train_from_opened(app: &mut HeadlessApp) {
     let config = &app.run().config;
     let (scenario, preset) = (config.scenario_from.clone(), config.preset_from.clone());
@@ -73,7 +73,7 @@ fn a_comparison_with_a_policy_of_another_lidar_lists_both_values() {
     execute(&mut app, Command::SetMode(SessionMode::Compare));
     assert_eq!(notices(&app, RANGE).len(), 1, "and comes back with it");
 
-    // The same policy as the start of a training.
+    // The same policy as the start of a training run.
     train_from_opened(&mut app);
     assert!(app.run().initial_policy.is_some(), "{:?}", all_notices(&app));
     assert_eq!(notices(&app, RANGE).len(), 1, "{:?}", all_notices(&app));

@@ -1,4 +1,4 @@
-//! Changes of the scenario under a training: its file is edited in another program, broken and fixed; or it is edited in the
+//! Changes of the scenario during training: its file is edited in another program, broken and fixed; or it is edited in the
 //! app. Every adopted scenario is recorded in the journal.
 #![cfg(feature = "gui")]
 
@@ -152,7 +152,7 @@ fn a_broken_start_file_is_adopted_once_it_is_fixed() {
 }
 
 #[test]
-fn doubtful_settings_are_shown_when_a_training_starts_until_they_change() {
+fn doubtful_settings_are_reported_until_another_training_run_starts() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let hangar = folder.path().join("hangar.ron");
     write(&hangar, "(name: \"Hangar\", enclosure: Rectangle(width_m: 30.0, height_m: 30.0))");
@@ -163,7 +163,7 @@ fn doubtful_settings_are_shown_when_a_training_starts_until_they_change() {
     let scenario = "scenario-1".to_owned();
     app.command(Command::StartTraining { scenario, preset: "fast".into(), seed: 0 });
     app.frame(FRAME);
-    assert!(!has_notice(&app, text), "another training replaces it: {:?}", app.notices());
+    assert!(!has_notice(&app, text), "another training run removes it: {:?}", app.notices());
 }
 
 #[test]

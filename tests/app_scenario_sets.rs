@@ -1,5 +1,5 @@
-//! Sets of scenarios and level generators in the app: a training over a set is shown, compared, saved, resumed and replayed like any
-//! other, and each arena says which scenario it is in.
+//! Sets of scenarios and level generators in the app: training on a set is shown, compared, saved, resumed and replayed like
+//! any other training, and each arena shows its scenario.
 #![cfg(feature = "gui")]
 
 #[path = "support/headless_app.rs"]
@@ -18,7 +18,7 @@ use wayfield::scenario::Scenario;
 
 use headless_app::HeadlessApp;
 
-/// A set of a scenario with obstacles and the levels of a generator, in short episodes.
+/// Writes a set of a scenario with an obstacle and the levels of a generator, with short episodes. Returns its path.
 fn write_set(folder: &Path) -> PathBuf {
     let write = |name: &str, text: &str| {
         std::fs::write(folder.join(name), text).expect("a writable folder");
@@ -56,7 +56,7 @@ fn frame(app: &mut HeadlessApp) {
     assert_eq!(app.error_notices(), Vec::<String>::new());
 }
 
-/// Takes control steps until the training has had `steps` and its first evaluation has ended.
+/// Trains until control step `steps`, then waits for the first evaluation.
 fn train(app: &mut HeadlessApp, steps: u64) {
     let began = Instant::now();
     app.step_to(steps);
@@ -72,7 +72,7 @@ fn members(app: &HeadlessApp) -> Vec<String> {
 }
 
 #[test]
-fn each_arena_says_which_scenario_it_is_in_and_a_comparison_has_the_same_in_both() {
+fn each_arena_shows_its_scenario_and_both_arenas_of_a_comparison_have_the_same() {
     let folder = tempfile::tempdir().expect("temporary folder");
     let mut app = app_in(&write_set(folder.path()));
     train(&mut app, 1);
@@ -101,7 +101,7 @@ fn each_arena_says_which_scenario_it_is_in_and_a_comparison_has_the_same_in_both
 }
 
 #[test]
-fn a_training_over_a_set_is_saved_resumed_and_replayed() {
+fn training_on_a_set_is_saved_resumed_and_replayed() {
     let folder = tempfile::tempdir().expect("temporary folder");
     let set = write_set(folder.path());
     let saved = folder.path().join("run");
@@ -112,7 +112,7 @@ fn a_training_over_a_set_is_saved_resumed_and_replayed() {
     train(&mut app, 150);
     app.command(Command::Move(MoveRequest { arena: 1, object: Movable::Goal, to_m: vec2(0.0, 0.0) }));
     app.step_to(160);
-    // A demo takes the place of the arenas in between. Its episodes do not count in the results of the levels.
+    // In between, a demo replaces the training arenas. Its episodes do not count in the results of the levels.
     app.command(Command::SetMode(SessionMode::Test));
     for _ in 0..70 {
         app.command(Command::Step);
@@ -133,8 +133,8 @@ fn a_training_over_a_set_is_saved_resumed_and_replayed() {
     resumed.command(Command::Pause(true));
     frame(&mut resumed);
     assert_eq!(members(&resumed), members(&app));
-    let poses = |app: &HeadlessApp| app.shown().0.arenas.iter().map(|arena| arena.goal).collect::<Vec<_>>();
-    assert_eq!(poses(&resumed), poses(&app));
+    let goals = |app: &HeadlessApp| app.shown().0.arenas.iter().map(|arena| arena.goal).collect::<Vec<_>>();
+    assert_eq!(goals(&resumed), goals(&app));
     let rates = |app: &mut HeadlessApp| {
         let curves = app.world().resource::<TrainingHistory>().0.curves();
         let latest = |(name, series): &(String, wayfield::app::history::DownsampledSeries)| {
@@ -162,7 +162,10 @@ fn a_set_is_neither_edited_nor_continued_in_another_scenario() {
     app.command(apply(false));
     app.frame(Duration::from_millis(10));
     let error = app.error_notices().pop().expect("a refusal");
-    assert!(error.contains("Two kinds: ") && error.contains("help: start a new training there"), "{error}");
+    assert!(
+        error.contains("Two kinds: ") && error.contains("help: start a new training run there"),
+        "{error}"
+    );
     assert!(app.shown().1.is_set);
     app.command(apply(true));
     app.frame(Duration::from_millis(10));
@@ -172,7 +175,7 @@ fn a_set_is_neither_edited_nor_continued_in_another_scenario() {
 }
 
 #[test]
-fn a_shipped_generator_is_a_choice_and_trains_over_its_levels() {
+fn a_shipped_generator_can_be_chosen_and_training_uses_its_levels() {
     let mut app = HeadlessApp::new(StartOptions { scenario: "clutter".into(), ..StartOptions::default() });
     app.command(Command::Pause(true));
     frame(&mut app);

@@ -50,7 +50,7 @@ impl App {
         saved_env_steps(&self.autosave()?)
     }
 
-    /// The folder of the app's files, for the next start.
+    /// Takes the folder of the app's files, for the next start.
     fn take_home(&mut self) -> TempDir {
         std::mem::replace(&mut self.home, tempfile::tempdir().expect("temporary folder"))
     }
@@ -153,7 +153,7 @@ fn request_close(display: &Display) {
         let event = ClientMessageEvent::new(32, window, protocols, [delete, 0, 0, 0, 0]);
         connection.send_event(false, window, EventMask::NO_EVENT, event).expect("a request");
     }
-    // The answer shows that the display has received the events before.
+    // The answer shows that the display has received the events above.
     connection.get_input_focus().expect("a request").reply().expect("an answer");
 }
 
@@ -189,7 +189,7 @@ fn closing_the_window_asks_and_saves_and_the_next_start_offers_the_session() {
 }
 
 #[test]
-fn a_killed_window_is_offered_at_the_next_start() {
+fn the_session_of_a_killed_window_is_offered_at_the_next_start() {
     let Some(display) = Display::new() else { return };
     let mut app = App::training(&display, "0.5");
     app.signal("KILL");

@@ -50,10 +50,10 @@ fn assert_matches(window: &mut Harness<'_, ScreenFixture>, name: &str) {
 
 /// Compresses the file as well as possible. Flat colours compress best without filters.
 fn compress(path: &str) {
-    let picture = image::open(path).expect("written just now").into_rgb8();
+    let image = image::open(path).expect("written just now").into_rgb8();
     let file = std::io::BufWriter::new(std::fs::File::create(path).expect("the file can be written"));
     let encoder = PngEncoder::new_with_quality(file, CompressionType::Best, FilterType::NoFilter);
-    picture.write_with_encoder(encoder).expect("the image can be written");
+    image.write_with_encoder(encoder).expect("the image can be written");
 }
 
 #[test]
@@ -133,7 +133,7 @@ fn one_policy_with_its_value_overlay() {
 }
 
 #[test]
-fn confirmation_before_a_training_is_discarded() {
+fn confirmation_before_a_training_run_is_discarded() {
     let mut screen_fixture = ScreenFixture::default();
     screen_fixture.status.restart_loses_training = true;
     let mut window = window([1100.0, 720.0], ThemeChoice::Dark, screen_fixture);

@@ -1,4 +1,4 @@
-//! A failure in a suite's report is seen again in the window: the same path to the same end, with moving obstacles and noise.
+//! A failed episode in an evaluation's report can be repeated exactly in the window, even with moving obstacles and noise.
 #![cfg(feature = "gui")]
 
 mod cli_support;
@@ -14,7 +14,7 @@ use wayfield::app::commands::{Command, SessionMode};
 use wayfield::app::session::StartOptions;
 use wayfield::task::{Arena, Clock, Episode, StepOutcomes};
 
-/// The options of the window that a command line asks for; its paths are relative to the workspace.
+/// The window's start options in `command`, whose paths are relative to the workspace.
 fn start(workspace: &Workspace, command: &str) -> StartOptions {
     let words: Vec<&str> = command.split_whitespace().collect();
     let value = |flag: &str| {
@@ -40,7 +40,7 @@ fn second(app: &mut HeadlessApp) -> (u64, Episode) {
     found.map(|(_, clock, episode)| (clock.0, episode.clone())).expect("two arenas")
 }
 
-/// Drives the episode to its end: its number of steps, how it ended, and the clock at its start.
+/// Drives the episode to its end. Returns its number of steps, how it ended, and the clock at its start.
 fn replayed(start: StartOptions) -> (u32, &'static str, u64) {
     let mut app = HeadlessApp::new(start);
     app.frame(Duration::from_millis(1));
@@ -83,6 +83,6 @@ fn the_command_of_a_failure_repeats_it_exactly_in_the_window() {
         assert!(command.contains(&format!("--episode {} ", row["episode"])), "{command}");
         let (steps, end, clock) = replayed(start(&workspace, command));
         assert_eq!((steps.to_string(), end), (row["steps"].clone(), row["outcome"].as_str()), "{command}");
-        assert_eq!(clock.to_string(), row["clock_steps"], "obstacles are on their way: {command}");
+        assert_eq!(clock.to_string(), row["clock_steps"], "the obstacles start where they did: {command}");
     }
 }

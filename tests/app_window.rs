@@ -42,18 +42,18 @@ fn count(image: &RgbImage, (x0, y0, x1, y1): (f32, f32, f32, f32), colour: [u8; 
 }
 
 #[test]
-fn the_window_shows_a_training_with_robot_goal_and_curves() {
+fn the_window_shows_robot_goal_and_curves_during_training() {
     let Some(display) = Display::new() else { return };
     let image = screenshot(
         &display,
         &["--seed", "3", "--pace", "full", "--screenshot-after", "300", "--theme", "light"],
     );
     assert_eq!(image.dimensions(), (1280, 800));
-    let (world, plots) = ((0.20, 0.08, 0.72, 1.0), (0.73, 0.08, 1.0, 1.0));
+    let (arena, plots) = ((0.20, 0.08, 0.72, 1.0), (0.73, 0.08, 1.0, 1.0));
     let (accent, good, solid) = ([0x00, 0x72, 0xb2], [0x00, 0x8a, 0x64], [0x8a, 0x94, 0x9e]);
-    assert!(count(&image, world, accent) > 200, "the robot is visible");
-    assert!(count(&image, world, good) > 100, "the goal is visible");
-    assert!(count(&image, world, solid) > 3_000, "four cylinders and the walls are visible");
+    assert!(count(&image, arena, accent) > 200, "the robot is visible");
+    assert!(count(&image, arena, good) > 100, "the goal is visible");
+    assert!(count(&image, arena, solid) > 3_000, "four cylinders and the walls are visible");
     assert!(count(&image, plots, accent) > 200, "the curves are visible");
 }
 
@@ -65,33 +65,33 @@ fn the_grid_shows_all_arenas_in_the_dark_theme() {
         &["--pace", "full", "--screenshot-after", "60", "--theme", "dark", "--show", "grid,path"],
     );
     let (accent, paper) = ([0x56, 0xb4, 0xe9], [0x0f, 0x13, 0x17]);
-    let world = (0.20, 0.08, 0.72, 1.0);
-    assert!(count(&image, world, accent) > 400, "sixteen robots are visible");
-    assert!(count(&image, world, paper) > 10_000, "the background is dark");
+    let arena = (0.20, 0.08, 0.72, 1.0);
+    assert!(count(&image, arena, accent) > 400, "sixteen robots are visible");
+    assert!(count(&image, arena, paper) > 10_000, "the background is dark");
 }
 
 #[test]
-fn a_name_in_japanese_is_shown_with_a_font_of_the_system() {
+fn a_name_in_japanese_is_shown_with_a_system_font() {
     if !requirements::japanese_font_is_installed() {
         return;
     }
     let Some(display) = Display::new() else { return };
     let home = tempfile::tempdir().expect("temporary folder");
-    let picture = |name: &str| {
+    let image_of = |name: &str| {
         let file = home.path().join("named.ron");
         std::fs::write(&file, format!("(name: \"{name}\")")).expect("the file can be written");
         let file = file.to_str().expect("the path is UTF-8");
-        // The editor is at rest, so that pictures differ in the name alone.
+        // The editor is at rest, so that images differ in the name alone.
         screenshot(&display, &["--scenario", file, "--edit", "--screenshot-after", "0", "--theme", "light"])
     };
-    let maze = picture("迷路");
-    assert_eq!(maze, picture("迷路"), "the picture is reproducible");
-    assert_ne!(maze, picture("路迷"), "missing glyphs would all look the same");
+    let maze = image_of("迷路");
+    assert_eq!(maze, image_of("迷路"), "the image is reproducible");
+    assert_ne!(maze, image_of("路迷"), "missing glyphs would all look the same");
 }
 
 #[test]
 fn at_every_scale_factor_the_controls_are_in_the_window() {
-    // The smallest and the largest scale factor, on a screen that has the space; the largest one on a screen that has not.
+    // The smallest and the largest scale factor on a screen with enough space; the largest one on a screen without.
     for (scale, pixels, points) in [
         ("0.5", "1280x800", (1280.0, 800.0)),
         ("4", "3200x2000", (800.0, 500.0)),
@@ -178,12 +178,12 @@ fn an_obstacle_dragged_in_the_editor_is_saved_to_its_file() {
         .env("WAYFIELD_CONTROLS", &controls.0)
         .spawn()
         .expect("the binary starts");
-    // To where the second obstacle is, to the right.
+    // Drags the first obstacle to the right, to the x of the second one.
     let ((from, y), (to, _)) = (controls.centre("Obstacle 1"), controls.centre("Obstacle 2"));
     xdotool(&display, &format!("mousemove {from} {y}"));
     xdotool(&display, "mousedown 1");
-    for part in [0.2, 0.6, 1.0] {
-        xdotool(&display, &format!("mousemove {} {y}", from + part * (to - from)));
+    for fraction in [0.2, 0.6, 1.0] {
+        xdotool(&display, &format!("mousemove {} {y}", from + fraction * (to - from)));
     }
     xdotool(&display, "mouseup 1");
     let (x, y) = controls.centre("Save");

@@ -1,5 +1,5 @@
-//! CrowdNav's circle crossing, the shipped level generator: a robot that moves by ORCA in any direction at once has the
-//! published success rate and time.
+//! CrowdNav's circle crossing, as the shipped level generator makes it: a holonomic robot driven by ORCA has the published
+//! success rate and time.
 //!
 //! Source: C. Chen, Y. Liu, S. Kreiss and A. Alahi, *Crowd-robot interaction*, ICRA 2019, and the repository
 //! vita-epfl/CrowdNav. Published for an ORCA robot in 500 cases: 43 % success, 57 % collisions, 10.9 s.
@@ -13,10 +13,10 @@ use wayfield::task::{ArenaState, CommandedMotions, RewardConfig, TaskMode, wrap_
 use wayfield_orca::{Avoidance, Disc, avoiding_velocity};
 
 const PERIOD_S: f32 = 0.25;
-/// 0.3 m, and CrowdNav's margin.
+/// 0.3 m plus CrowdNav's margin.
 const RADIUS_M: f32 = 0.31;
 
-/// The velocity of the robot by ORCA with CrowdNav's parameters.
+/// The velocity that ORCA chooses for the robot, with CrowdNav's parameters.
 fn orca_velocity(state: &ArenaState, pedestrians: usize) -> Vec2 {
     let agent = Disc {
         at_m: vec2(state.pose.x_m, state.pose.y_m),
@@ -36,8 +36,8 @@ fn orca_velocity(state: &ArenaState, pedestrians: usize) -> Vec2 {
         responsibility: 0.5,
         period_s: PERIOD_S,
     };
-    let wanted = (vec2(state.goal.x_m, state.goal.y_m) - agent.at_m).clamp_length_max(1.0);
-    avoiding_velocity(&agent, wanted, 1.0, &avoidance)
+    let preferred = (vec2(state.goal.x_m, state.goal.y_m) - agent.at_m).clamp_length_max(1.0);
+    avoiding_velocity(&agent, preferred, 1.0, &avoidance)
 }
 
 /// The time in s in which the robot reaches its goal; `None` after a collision or 25 s.
@@ -46,7 +46,7 @@ fn drive(level: &Scenario) -> Option<f32> {
     for step in 1..=100_u8 {
         let velocity = orca_velocity(&lab.state(0), level.obstacles.len());
         let heading_rad = lab.state(0).pose.heading_rad;
-        // Turned to the velocity and driven straight: a robot that moves in any direction at once.
+        // Turned to the velocity at once, then driven straight: a holonomic robot.
         lab.edit(0, |state| {
             state.pose.heading_rad =
                 if velocity == Vec2::ZERO { heading_rad } else { wrap_angle(velocity.to_angle()) };

@@ -149,7 +149,7 @@ fn json_lists_the_files_and_the_problems() {
 }
 
 #[test]
-fn what_is_doubtful_is_printed_with_its_place_and_the_file_is_valid() {
+fn doubtful_settings_are_printed_with_their_position_and_the_file_is_valid() {
     let workspace = Workspace::new();
     workspace.write("hangar.ron", "(name: \"Hangar\", enclosure: Rectangle(width_m: 30.0, height_m: 30.0))");
     workspace.write("rare.ron", edited(FAST, &[("train_freq: 16", "train_freq: 5000000")]));
@@ -186,7 +186,7 @@ fn what_is_doubtful_is_printed_with_its_place_and_the_file_is_valid() {
 }
 
 #[test]
-fn hopeless_scenarios_are_refused_and_doubtful_runs_are_told_of_before_they_start() {
+fn impossible_scenarios_are_refused_and_doubtful_settings_are_reported_before_a_run_starts() {
     let workspace = Workspace::new();
     workspace.write("top.ron", "(name: \"Top\", robot: (motions: [(v_m_s: 0.0, w_rad_s: 1.0)]))");
     workspace.write("hasty.ron", "(name: \"Hasty\", task: (max_episode_steps: 3))");
@@ -242,7 +242,7 @@ fn the_content_decides_what_kind_a_file_is() {
         done.stdout,
         "run/config.ron: ok (run configuration)\nrun/experiment.ron: ok (experiment)\nrun/policy.safetensors: ok (policy)\n"
     );
-    // An invalid file is still what its fields say, an experiment with budgets no preset.
+    // The fields decide the kind of an invalid file, too: an experiment with budgets is not taken for a preset.
     let experiment = edited(include_str!("../assets/experiments/fig8.ron"), &[("    arms: [", "    arm: [")]);
     for (name, text, problem) in [
         ("experiment.ron", experiment, "experiment"),
@@ -266,9 +266,9 @@ fn the_content_decides_what_kind_a_file_is() {
     }
 }
 
-/// What `--reproduce` refuses is a problem, and what is doubtful in its trainings is printed, at the stage or the condition.
+/// What `--reproduce` would refuse is a problem. Doubtful settings of a training run are printed at its stage or condition.
 #[test]
-fn an_experiments_trainings_are_checked() {
+fn the_training_runs_of_an_experiment_are_checked() {
     let workspace = Workspace::new();
     let experiment = |rest: &str| {
         format!(
@@ -353,7 +353,7 @@ fn all_problems_of_a_file_are_listed_at_once() {
     );
 }
 
-/// A scenario, a preset and an experiment with a field of an unknown name, a value of the wrong type, numbers out of range, and parts
+/// A scenario, a preset and an experiment with an unknown field, values of the wrong type, numbers out of range, and parts
 /// that do not fit together.
 #[test]
 fn faults_of_every_kind_are_listed_at_once() {
@@ -426,7 +426,7 @@ fn faults_of_every_kind_are_listed_at_once() {
 }
 
 #[test]
-fn what_comes_from_another_preset_is_reported_where_it_stands() {
+fn problems_in_a_base_preset_are_reported_at_their_position_in_its_file() {
     let workspace = Workspace::new();
     workspace.write(
         "base.ron",
@@ -446,7 +446,7 @@ fn what_comes_from_another_preset_is_reported_where_it_stands() {
 }
 
 #[test]
-fn names_of_other_libraries_lead_to_the_field() {
+fn field_names_of_other_libraries_are_answered_with_the_matching_field() {
     let workspace = Workspace::new();
     for (field, meant) in [
         ("learning: (gradient_clip: 10)", "did you mean `max_gradient_norm`?"),

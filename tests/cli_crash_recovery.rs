@@ -20,10 +20,11 @@ use cli_support::{
 use small_disk::{can_mount, with_small_disk};
 use wayfield::run::write_points::WRITE_POINTS;
 
-/// The arguments of a run of about half a second that writes checkpoints all the time.
+/// The arguments of a run of about half a second.
 const RUN: &str = "--train --scenario one.ron --preset fast.ron --seed 9 --steps 6400";
+/// The arguments that make a run write checkpoints all the time.
 const OFTEN: &str = "--checkpoint-every 0.01";
-/// The number of runs that are killed by the clock.
+/// The number of runs that are killed, each at another moment.
 const MOMENTS: u32 = 12;
 
 /// A workspace with the uninterrupted run.
@@ -148,10 +149,10 @@ fn a_run_killed_at_any_moment_resumes_to_the_uninterrupted_result() {
     let (mut killed_before_start, mut killed) = (0, 0);
     for moment in 0..MOMENTS {
         // The golden ratio spreads the moments over the whole run, so that they do not align with any period.
-        let part = (f64::from(moment) * 0.618_033_988_749_894_9).fract();
+        let fraction = (f64::from(moment) * 0.618_033_988_749_894_9).fract();
         let run = format!("killed-{moment}");
         let mut child = workspace.start(&format!("{RUN} {OFTEN} --out {run}"));
-        std::thread::sleep(Duration::from_secs_f64(duration.as_secs_f64() * part));
+        std::thread::sleep(Duration::from_secs_f64(duration.as_secs_f64() * fraction));
         if child.try_wait().unwrap().is_none() {
             signal(&child, "KILL");
             killed += u32::from(wait_for_output(child).status.is_none());
@@ -216,7 +217,7 @@ fn a_damaged_checkpoint_is_replaced_by_the_previous_one() {
     }
 }
 
-/// TensorBoard shows the points of each curve in the order in which it reads them, and the files in the order of their names.
+/// TensorBoard reads event files in the order of their names, and shows the points of each curve in the order it reads them.
 #[test]
 fn tensorboards_curves_never_go_back_after_kills_and_resumes() {
     let workspace = workspace();
@@ -234,7 +235,7 @@ fn tensorboards_curves_never_go_back_after_kills_and_resumes() {
         });
         signal(&child, "KILL");
         wait_for_output(child);
-        // As if the clock had been a hundred years ahead, and was set back afterwards.
+        // As if the clock had been decades ahead, and was set back afterwards.
         let newest = event_files(&run).pop().unwrap();
         let renamed = run.join(format!("events.out.tfevents.{}.wayfield", 4_000_000_000 + 1000 * kill));
         std::fs::rename(newest, renamed).unwrap();

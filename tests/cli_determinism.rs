@@ -92,7 +92,7 @@ fn a_run_with_actuator_lag_resumes_bit_identically() {
 }
 
 #[test]
-fn a_run_with_numbers_drawn_from_ranges_resumes_bit_identically() {
+fn a_run_with_values_drawn_from_ranges_resumes_bit_identically() {
     let workspace = workspace();
     let ranges = "    robot: (actuator_lag_s: (0.0, 0.3), max_acceleration_m_s2: 0.5, slip: (forward: (0.0, 0.1), turning: 0.0, std: 0.02), \
                   odometry_drift: (distance_error: (-0.05, 0.05), rotation_error: (-0.05, 0.05), heading_drift_rad_m: 0.1)),\n    lidar: (latency_steps: (0, 3), ";
@@ -127,9 +127,9 @@ fn a_run_resumed_many_times_equals_an_uninterrupted_run() {
     workspace.assert_same_run("straight", "pieces");
 }
 
-/// A file size in bytes between the header of `episodes.csv` and the header with the first rows.
+/// More bytes than the header of `episodes.csv` has, but fewer than the header and the first rows.
 #[cfg(unix)]
-const HEADER: u64 = 300;
+const BEYOND_HEADER: u64 = 300;
 
 /// Whether `episodes.csv` of a run in progress has more than `more_than` bytes.
 #[cfg(unix)]
@@ -146,13 +146,13 @@ fn a_run_stopped_by_a_signal_resumes_to_the_uninterrupted_result() {
 
     for (name, status) in [("INT", 130), ("TERM", 143), ("HUP", 129)] {
         let mut child = workspace.start(&format!("{what} --out {name}"));
-        wait_until(&mut child, "rows in episodes.csv", || has_rows(&workspace, name, HEADER));
+        wait_until(&mut child, "rows in episodes.csv", || has_rows(&workspace, name, BEYOND_HEADER));
         signal(&child, name);
         let stopped = wait_for_output(child);
         assert_eq!(stopped.status, Some(status), "{}", stopped.stderr);
         assert!(stopped.stderr.contains(&format!("SIG{name}: saving a checkpoint")), "{}", stopped.stderr);
         assert!(stopped.stderr.ends_with(&format!("--resume {name}` continues\n")), "{}", stopped.stderr);
-        assert!(stopped.stdout.contains("none: it follows at the end of the training"), "{}", stopped.stdout);
+        assert!(stopped.stdout.contains("none yet: it follows at the end of training"), "{}", stopped.stdout);
         assert!(workspace.json(&format!("{name}/summary.json"))["final_test"].is_null());
         assert!(stopped.stdout.contains("last policy"), "a stopped run has a summary: {}", stopped.stdout);
         let summary = workspace.json(&format!("{name}/summary.json"));
@@ -175,7 +175,7 @@ fn a_killed_run_resumes_from_its_last_checkpoint_to_the_uninterrupted_result() {
     // The run is killed after its first checkpoint, and again after one in the middle. Both times there are rows on
     // disk that the checkpoint does not include.
     let mut child = workspace.start(&format!("{what} --episodes 100 --out killed"));
-    wait_until(&mut child, "rows in episodes.csv", || has_rows(&workspace, "killed", HEADER));
+    wait_until(&mut child, "rows in episodes.csv", || has_rows(&workspace, "killed", BEYOND_HEADER));
     signal(&child, "KILL");
     assert_eq!(wait_for_output(child).status, None);
     workspace.run_ok("--train --resume killed");

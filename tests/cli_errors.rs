@@ -1,8 +1,7 @@
 //! Tests of invalid arguments and files: exit status 2, one message on stderr that names the file, the line and a
 //! fix, nothing on stdout, and no file created or changed. Also tests of the help text.
 //!
-//! The messages are compared with `tests/snapshots/messages/`, one file per test. To renew them:
-//! `WAYFIELD_RENEW=1 cargo test --release --test cli_errors`
+//! The messages are compared with `tests/snapshots/messages/`, one file per test. `cargo xtask messages` regenerates them.
 
 mod cli_support;
 
@@ -233,7 +232,7 @@ fn invalid_run_folders_are_rejected() {
     workspace.write("plain", "");
     messages.line(&workspace, "--train --resume plain");
 
-    // Otherwise this checkpoint would be used instead (tests/cli_crash_recovery.rs).
+    // Otherwise previous.bin would be used in place of an invalid latest.bin (tests/cli_crash_recovery.rs).
     std::fs::remove_file(workspace.path("run/checkpoint/previous.bin")).unwrap();
     let checkpoint = workspace.read("run/checkpoint/latest.bin");
     let resume = "--train --resume run --steps 2000";

@@ -51,7 +51,7 @@ fn an_untrained_policy_has_a_low_success_rate() {
 }
 
 #[test]
-fn the_number_to_quote_is_a_test_in_fresh_episodes() {
+fn the_result_to_report_is_a_test_in_new_episodes() {
     let summary = trained().json("trained/summary.json");
     let test = &summary["final_test"];
     let (seed, episodes) = (&test["seed"], &test["episodes"]);
@@ -62,13 +62,13 @@ fn the_number_to_quote_is_a_test_in_fresh_episodes() {
     for key in ["success_rate", "success_interval", "collision_rate", "timeout_interval", "mean_time_s"] {
         assert_eq!(test[key], again[key], "{key}: {summary}");
     }
-    // The evaluations of seed 1 have other episodes: the best policy's rate in them is another number of 200.
+    // The evaluations during training have other episodes, so the best policy has another mean time in them.
     assert_ne!(test["mean_time_s"], summary["best_mean_time_s"], "{summary}");
     assert_eq!(summary["evaluations"], trained().rows("trained/evaluations.csv").len());
 }
 
 #[test]
-fn the_training_says_which_number_to_quote() {
+fn training_prints_which_result_to_report() {
     let workspace = Workspace::new();
     workspace.write("fast.ron", quick_fast());
     let text = workspace.run_ok("--train --preset fast.ron --steps 64 --out run").stdout;
@@ -121,8 +121,8 @@ fn the_rates_of_an_evaluation_are_consistent() {
     assert_eq!(rounds.len(), 4);
     assert!((rounds.iter().sum::<f64>() / 4.0 - rates[0]).abs() < 1e-9, "{report}");
     for rate in rounds {
-        let hits = rate * 50.0;
-        assert!((hits - hits.round()).abs() < 1e-9, "{rate} is not a multiple of 1/50");
+        let successes = rate * 50.0;
+        assert!((successes - successes.round()).abs() < 1e-9, "{rate} is not a multiple of 1/50");
     }
     assert_eq!((&report["episodes"], &report["seed"]), (&Value::from(200), &Value::from(9)));
     // Goals are at least 0.5 m away and have a radius of 0.2 m; at 0.15 m/s that takes at least 2 s.
@@ -291,7 +291,7 @@ fn a_policy_trained_on_raw_observations_is_evaluated_on_raw_observations() {
     let scaled = Policy::from_bytes(&trained().read("trained/policy.safetensors")).unwrap();
     assert_eq!(divisors(&scaled), [3.5, std::f32::consts::PI, 4.0, 3.5, 24.0]);
 
-    // The same weights in a file without a card, with another encoding in its metadata or with none, which means scaled.
+    // The same weights in files without a card: the metadata name another encoding, or none, which means scaled.
     policy.card = None;
     policy.metadata.insert("encoding".into(), "scaled".into());
     workspace.write("relabelled.safetensors", policy.to_bytes().unwrap());
@@ -415,7 +415,7 @@ fn classical_drivers_are_tested_in_the_same_episodes_as_a_policy() {
     for result in results {
         assert_eq!(
             result["success_rate"], 1.0,
-            "every driver reaches every goal of an empty world: {result}"
+            "every driver reaches every goal in the empty scenario: {result}"
         );
         assert_eq!(result["physics"], "kinematic, rapier contact");
     }
@@ -435,7 +435,7 @@ fn classical_drivers_are_tested_in_the_same_episodes_as_a_policy() {
 }
 
 #[test]
-fn a_classical_driver_gives_the_same_steps_whether_or_not_they_are_traced() {
+fn a_trace_does_not_change_the_results_of_a_driver() {
     let workspace = Workspace::new();
     for driver in ["dwa-cv", "grid-dwa", "scenario-2+map"] {
         let command = format!("--eval {driver} --scenario scenario-2 --rounds 1 --episodes 4 --json");
@@ -450,7 +450,7 @@ fn a_classical_driver_gives_the_same_steps_whether_or_not_they_are_traced() {
 }
 
 #[test]
-fn a_driver_file_has_other_parameters_and_a_file_comes_before_a_name() {
+fn a_driver_file_sets_parameters_and_a_file_takes_precedence_over_a_name() {
     let workspace = Workspace::new();
     workspace.write("weak.ron", "Field(repulsion: 0.0)");
     let run = "--scenario scenario-1 --rounds 1 --episodes 20 --json";

@@ -17,7 +17,7 @@ fn rows(text: &str) -> Vec<Row> {
 }
 
 fn number(row: &Row, column: &str) -> f64 {
-    row[column].parse().unwrap_or_else(|_| panic!("`{column}` is no number in {row:?}"))
+    row[column].parse().unwrap_or_else(|_| panic!("`{column}` is not a number in {row:?}"))
 }
 
 fn of_policy<'a>(rows: &'a [Row], policy: &'a str) -> Vec<&'a Row> {
@@ -85,10 +85,10 @@ fn a_csv_file_has_a_row_per_episode_that_agrees_with_the_summary() {
     assert_eq!(all.len(), 240);
     for report in report["policies"].as_array().unwrap() {
         let rows = of_policy(&all, report["policy"].as_str().unwrap());
-        let share = |outcome| rows.iter().filter(|row| row["outcome"] == outcome).count() as f64 / 120.0;
+        let fraction = |outcome| rows.iter().filter(|row| row["outcome"] == outcome).count() as f64 / 120.0;
         for outcome in ["success", "collision", "timeout"] {
             let rate = report[format!("{outcome}_rate")].as_f64().unwrap();
-            assert!((rate - share(outcome)).abs() < 1e-9, "{outcome}: {report}");
+            assert!((rate - fraction(outcome)).abs() < 1e-9, "{outcome}: {report}");
         }
         let spl = rows.iter().map(|row| number(row, "spl")).sum::<f64>() / 120.0;
         assert!((report["spl"].as_f64().unwrap() - spl).abs() < 1e-6, "{report}");
@@ -116,12 +116,12 @@ fn a_csv_file_has_a_row_per_episode_that_agrees_with_the_summary() {
     }
     let hits: Vec<&str> = all.iter().map(|row| row["hit"].as_str()).collect();
     assert!(hits.contains(&"moving obstacle"), "{hits:?}");
-    let places = |policy| -> Vec<Vec<String>> {
+    let setups = |policy| -> Vec<Vec<String>> {
         let columns = ["start_x_m", "start_heading_rad", "goal_y_m", "clock_steps", "shortest_path_m"];
         let of = |row: &&Row| columns.iter().map(|column| row[*column].clone()).collect();
         of_policy(&all, policy).iter().map(of).collect()
     };
-    assert_eq!(places("scenario-1"), places("scenario-2"), "both drive the same episodes");
+    assert_eq!(setups("scenario-1"), setups("scenario-2"), "both drive the same episodes");
 
     workspace.run_ok(&format!("{EVAL} --csv again.csv"));
     assert_eq!(workspace.text("again.csv"), text, "the same bytes");
@@ -187,7 +187,7 @@ fn a_trace_has_every_step_of_every_episode() {
 }
 
 #[test]
-fn the_scenarios_with_generators_walls_and_polygons_have_rows_too() {
+fn scenarios_with_generators_walls_and_polygons_have_rows_too() {
     let workspace = Workspace::new();
     workspace.write(
         "triangle.ron",

@@ -136,7 +136,7 @@ fn invalid_imports_are_rejected_and_nothing_is_written() {
         ("--import map.yaml", "--import needs an output file; help: add --out SCENARIO.ron"),
         (
             "--import map.yaml --out room.txt",
-            "room.txt: not a scenario's file; help: give a name that ends in .ron",
+            "room.txt: not a scenario file; help: give a name that ends in .ron",
         ),
         ("--import map.yaml --out no/room.ron", "the folder no does not exist; help: create it first"),
         ("--import nothing.yaml --out new.ron", "nothing.yaml: no such file"),

@@ -90,7 +90,7 @@ fn the_limit_of_file_sizes_is_an_error_and_the_run_resumes() {
     // 100 blocks of 512 bytes: the checkpoint is larger.
     let done = workspace.shell(&format!("ulimit -f 100; exec $WAYFIELD {RUN} --out run"));
     assert_failed(&done, "File too large");
-    assert!(done.stderr.contains("help: raise the limit of file sizes (`ulimit -f`)"), "{}", done.stderr);
+    assert!(done.stderr.contains("help: raise the limit on file sizes (`ulimit -f`)"), "{}", done.stderr);
     workspace.run_ok("--resume run");
     workspace.assert_same_run("unlimited", "run");
 }

@@ -370,9 +370,12 @@ fn parts_trained_apart_give_the_report_of_one_machine() {
         page.contains("5 runs on ") && page.contains("1 run on Other &lt;CPU&gt;"),
         "both kinds are named"
     );
-    assert!(page.contains("a run has the same bits only on its own kind of processor"), "with what it means");
+    assert!(
+        page.contains("a run gives the same bits only on the same kind of processor"),
+        "with what it means"
+    );
     let page = workspace.text("alone/report.html");
-    assert!(page.contains("6 runs on ") && !page.contains("only on its own kind"), "one kind of processor");
+    assert!(page.contains("6 runs on ") && !page.contains("only on the same kind"), "one kind of processor");
 }
 
 #[test]
@@ -649,11 +652,11 @@ fn arms_are_compared_over_env_steps_and_with_runs_that_were_trained_elsewhere() 
     let page = workspace.text("report/README.md");
     for text in [
         "n = 2 says little: a 95 % interval is 12.7 standard errors",
-        "Over env steps, because the trainings differ in the number of arenas.",
+        "Over env steps, because the training runs differ in the number of arenas.",
         "Return after 1,500 env steps (mean of the last 10 episodes): sixteen ",
         "Success in evaluations during training after 1,500 env steps: sixteen ",
         "Success in evaluations during training after 0 env steps: sixteen ",
-        "Claims about \"Success\" are about the test after the training",
+        "Claims about \"Success\" are about the test after training",
         "(paired by seed)",
         "Equal data (means over the seeds): one 2,000 env steps in ",
         "| Seed 3 | Seed 17 |",

@@ -1,4 +1,4 @@
-//! Tests of `--eval` in suites, sets and folders of scenarios: results by families, the same on any number of cores, and clear
+//! Tests of `--eval` in suites, sets and folders of scenarios: results by family, the same on any number of cores, and clear
 //! errors.
 
 mod cli_support;
@@ -215,7 +215,7 @@ fn an_invalid_suite_is_rejected_with_line_and_fix() {
         ),
         (
             "(name: \"a\", generator: \"maze\")",
-            "bad.ron:4:32: `families[0].generator` can't be used: it is no level generator",
+            "bad.ron:4:32: `families[0].generator` can't be used: it is not a level generator",
         ),
         (
             "(name: \"a\")",
@@ -274,7 +274,7 @@ fn what_a_suite_does_not_take_is_refused_with_a_fix() {
         ),
         (
             "--eval dwa --report report",
-            "--report needs what to test in; help: give --suite NAME, or --scenario",
+            "--report needs scenarios to test in; help: give --suite NAME, or --scenario",
         ),
         ("--eval dwa --scenario maze --report report --course", "--course is for a test in one scenario"),
         ("--eval dwa --suite empty", "empty: this folder has no .ron file; help: "),
@@ -376,7 +376,7 @@ fn an_interrupted_test_goes_on_with_the_same_results() {
     let done = workspace.run(&format!("{eval} --report used"));
     assert_eq!(done.status, Some(2), "{}", done.stderr);
     assert!(
-        done.stderr.contains("used: holds something else than the report of a suite; help: "),
+        done.stderr.contains("used: holds something other than the report of a suite; help: "),
         "{}",
         done.stderr
     );

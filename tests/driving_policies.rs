@@ -133,9 +133,9 @@ fn only_a_policy_gets_a_map() {
     for (name, message) in [
         (
             "dwa+map",
-            "dwa+map: only a policy gets a map by +map; help: grid-dwa is a classical driver with a map",
+            "dwa+map: +map gives a map to a policy only; help: grid-dwa is a classical driver with a map",
         ),
-        ("scenario-1+map+map", "only a policy gets a map by +map"),
+        ("scenario-1+map+map", "+map gives a map to a policy only"),
         ("nothing+map", "nothing: no such file, shipped policy or driver"),
     ] {
         let done = workspace.run(&format!("--eval {name}"));

@@ -2,20 +2,20 @@
 // In: the files of the training, from the app. Out: the newest session that no open tab is writing, to be continued.
 
 const DATABASE = 'wayfield';
-/// Sessions that are kept, apart from those of open tabs.
+/// Maximum number of sessions to keep, apart from those of open tabs.
 const MAX_KEPT = 3;
-/// Set in the session storage while the page reloads to continue a training.
+/// Set in the session storage while the page reloads to continue training.
 const CONTINUE_KEY = 'wayfield: continue';
-/// An autosave that takes longer than this, in ms, is not waited for.
+/// The longest wait for an autosave, in ms.
 const MAX_WAIT_MS = 3000;
 
-/// The autosave of this tab's training: its key, its files as they were stored last, and when.
+/// The autosave of this tab's training: its key, and the policy and time of the last save.
 let own = newSession();
 /// Files that the app has passed for the next autosave.
 let pending = {};
 /// The description of the session to offer.
 let offer;
-/// Whether the user asked to continue it before the page was reloaded.
+/// Whether the user asked to continue that session before the page was reloaded.
 let continued = false;
 /// Resolved at the next autosave.
 let nextStored = withResolvers();
@@ -36,8 +36,8 @@ function newSession() {
     return { key, policy: undefined, storedAt: undefined };
 }
 
-/// Marks what is stored under a key as in use while this tab is open. (Without this feature, on a host without HTTPS, everything
-/// is offered.)
+/// Marks what is stored under a key as in use while this tab is open. (Browsers have no locks on a host without HTTPS. There,
+/// everything is offered.)
 export function lock(key) {
     navigator.locks?.request(`wayfield ${key}`, () => new Promise(() => {}));
 }
@@ -123,7 +123,7 @@ export function adopt() {
     offer = undefined;
 }
 
-/// Begins the autosave of another training. The one before is kept.
+/// Begins the autosave of another training run. The previous autosave is kept.
 export function begin() {
     if (own.storedAt !== undefined) own = newSession();
     pending = {};
@@ -141,7 +141,7 @@ export function addFile(name, bytes) {
 }
 
 /// Stores the files that were added, in place of the autosave of this tab's training. If the browser grants no more space,
-/// deletes other sessions.
+/// deletes the sessions that no open tab uses.
 export async function store(noteJson) {
     const [session, files, note] = [own, pending, JSON.parse(noteJson)];
     pending = {};
@@ -160,7 +160,7 @@ export async function store(noteJson) {
     nextStored = withResolvers();
 }
 
-/// Asks the app to save, and waits until that is stored, for a limited time.
+/// Asks the app to save, and waits up to `MAX_WAIT_MS` until that is stored.
 export async function saveNow(app) {
     if (app?.save_soon === undefined) return;
     const stored = nextStored.promise;

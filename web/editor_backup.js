@@ -4,7 +4,7 @@
 import { keysInUse, lock, newKey } from './autosave.js';
 
 const PREFIX = 'wayfield: editor ';
-/// Backups that are kept, apart from those of open tabs.
+/// Maximum number of backups to keep, apart from those of open tabs.
 const MAX_KEPT = 3;
 
 let own = newKey();

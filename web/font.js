@@ -5,7 +5,7 @@ import { canTrace, trace } from './glyphs.js';
 
 /// Units of the font per em.
 const UNITS = 2048;
-/// The app's typeface has these, too.
+/// The same as in the app's typeface.
 const [ASCENT, DESCENT, LINE_GAP] = [0.905, -0.212, 0.033].map((part) => Math.round(part * UNITS));
 
 /// A font with the characters of `text`; undefined if the browser does not let pages read what they draw.
@@ -59,7 +59,7 @@ function fontFile(characters, glyphs) {
     return Uint8Array.from([...directory, ...content]);
 }
 
-/// A simple glyph: every point is on the curve, and every coordinate is the 16-bit difference from the one before.
+/// A simple glyph: every point is on the curve, and every coordinate is the 16-bit difference from the previous point.
 function glyphTable({ outlines, points, box }) {
     if (points.length === 0) return [];
     const ends = outlines.reduce((ends, { length }) => [...ends, (ends.at(-1) ?? -1) + length], []);
@@ -70,7 +70,7 @@ function glyphTable({ outlines, points, box }) {
     ];
 }
 
-/// The glyph of each character, in format 12, which has all of Unicode.
+/// The glyph of each character, in format 12, which covers all of Unicode.
 function cmapTable(characters) {
     const groups = characters.flatMap((character, k) => [character.codePointAt(0), character.codePointAt(0), k + 1]);
     const [WINDOWS, ALL_OF_UNICODE] = [3, 10];

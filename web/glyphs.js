@@ -6,15 +6,16 @@
 const EM = 128;
 /// Space around the em for parts of the glyph that stick out, in pixels.
 const MARGIN = EM / 2;
-/// Wider glyphs are cut off, in pixels.
+/// Maximum width of a glyph, in pixels. The rest is cut off.
 const MAX_WIDTH = 8 * EM;
-/// Points nearer than this to the line between their neighbours are left out, in pixels.
+/// Maximum distance of a left-out point from the simplified outline, in pixels.
 const TOLERANCE = 0.15;
 /// A pixel is inside the glyph if its alpha is higher than this.
 const INSIDE = 127.5;
 
-/// The segments per marching-squares case, the sum of the corners inside: 8 top left, 4 top right, 2 bottom right, 1 bottom
-/// left. Each leads from one side of the cell to another (top, right, bottom, left), with the glyph's interior on its left.
+/// The segments of each marching-squares case. A case is the sum of the corners that are inside: 8 top left, 4 top right,
+/// 2 bottom right, 1 bottom left. A segment leads from one side of the cell to another (top, right, bottom, left), with the
+/// glyph's interior on its left.
 const LINES = ['', 'BL', 'RB', 'RL', 'TR', 'TR BL', 'TB', 'TL', 'LT', 'BT', 'LT RB', 'RT', 'LR', 'BR', 'LB', '']
     .map((lines) => lines.split(' ').filter(Boolean));
 
@@ -50,29 +51,30 @@ export function trace(character) {
     return { advance: advance / EM, outlines: outlines(pixels).map((points) => simplify(points).map(toEm)) };
 }
 
-/// The closed lines between inside and outside, as points [x, y] in pixels; with marching squares. The border of the image must
-/// be outside.
+/// The closed outlines between inside and outside, found by marching squares, as points [x, y] in pixels. The border of the
+/// image must be outside.
 function outlines({ width, height, data }) {
     const alpha = (x, y) => data[4 * (y * width + x) + 3];
-    // Each crossing of a side of a cell leads to the next one. A side is named by its left or upper end.
+    // From each side that an outline crosses to the side that it crosses next. The id of a side is 2 * the index of the pixel
+    // at its left or upper end, + 1 if it is vertical.
     const next = new Map();
-    const side = (x, y, name) => ({
+    const sideId = (x, y, letter) => ({
         T: 2 * (y * width + x), L: 2 * (y * width + x) + 1, B: 2 * ((y + 1) * width + x), R: 2 * (y * width + x + 1) + 1,
-    })[name];
+    })[letter];
     for (let y = 0; y + 1 < height; y += 1) {
         for (let x = 0; x + 1 < width; x += 1) {
             const corners = [alpha(x, y), alpha(x + 1, y), alpha(x + 1, y + 1), alpha(x, y + 1)];
             const inside = corners.reduce((bits, corner) => 2 * bits + (corner > INSIDE), 0);
-            for (const [from, to] of LINES[inside]) next.set(side(x, y, from), side(x, y, to));
+            for (const [from, to] of LINES[inside]) next.set(sideId(x, y, from), sideId(x, y, to));
         }
     }
     /// The point on a side where the alpha would be `INSIDE`.
-    const crossing = (name) => {
-        const [cell, isVertical] = [name >> 1, name & 1];
-        const [x, y] = [cell % width, Math.floor(cell / width)];
+    const crossing = (id) => {
+        const [pixel, isVertical] = [id >> 1, id & 1];
+        const [x, y] = [pixel % width, Math.floor(pixel / width)];
         const [a, b] = [alpha(x, y), alpha(x + (isVertical ? 0 : 1), y + isVertical)];
-        const part = (INSIDE - a) / (b - a);
-        return isVertical ? [x, y + part] : [x + part, y];
+        const fraction = (INSIDE - a) / (b - a);
+        return isVertical ? [x, y + fraction] : [x + fraction, y];
     };
     const found = [];
     while (next.size > 0) {

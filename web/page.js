@@ -1,6 +1,6 @@
-// The page around the app. It loads the WebAssembly module and provides what the browser lacks: opening and saving files,
-// options in the URL instead of a command line, and status and error messages instead of a terminal. Its counterpart in the
-// app is src/app/browser.rs.
+// The page around the app. It loads the WebAssembly module and provides what a browser has instead of a desktop: a file picker
+// and downloads, options in the URL instead of a command line, and status and error messages instead of a terminal. Its
+// counterpart in the app is src/app/browser.rs.
 
 import * as autosaves from './autosave.js';
 import * as backups from './editor_backup.js';
@@ -83,7 +83,7 @@ addEventListener('drop', (event) => {
 for (const [target, event] of [[document.documentElement, 'mouseleave'], [globalThis, 'blur'], [document, 'visibilitychange']])
     target.addEventListener(event, () => hasFailed || app?.save_soon?.());
 
-/// Compresses a text to URL-safe base64; `decompress` is the inverse.
+/// Compresses text to URL-safe base64; `decompress` is the inverse.
 async function compress(text) {
     const bytes = await through(new TextEncoder().encode(text), new CompressionStream('deflate-raw'));
     return btoa(Array.from(new Uint8Array(bytes), (byte) => String.fromCharCode(byte)).join(''))
@@ -203,9 +203,9 @@ async function fetchWithProgress(url, total) {
     const counted = response.body.pipeThrough(new TransformStream({
         transform(piece, to) {
             received += piece.length;
-            const share = Math.min(received / total, 1);
-            byId('bar').value = share;
-            byId('message').textContent = share === 1 ? 'Starting…' : `Loading… ${Math.round(100 * share)} %`;
+            const fraction = Math.min(received / total, 1);
+            byId('bar').value = fraction;
+            byId('message').textContent = fraction === 1 ? 'Starting…' : `Loading… ${Math.round(100 * fraction)} %`;
             to.enqueue(piece);
         },
     }));
@@ -213,8 +213,8 @@ async function fetchWithProgress(url, total) {
     return new Response(counted, { headers: { 'Content-Type': 'application/wasm' } });
 }
 
-/// Makes the stage so small that the canvas in it has at most `maxSide` device pixels per side, and scales it up to the
-/// size of the page. A larger canvas cannot be drawn: it is one texture of the GPU.
+/// Makes the stage so small that its canvas has at most `maxSide` device pixels per side, and scales it up to the size of
+/// the page. A larger canvas cannot be drawn: it is a single GPU texture.
 function fitStage(maxSide) {
     const scale = Math.max(1, ...[innerWidth, innerHeight].map((side) => Math.ceil(side * devicePixelRatio) / maxSide));
     const style = byId('stage').style;

@@ -3,18 +3,18 @@
 // composed text to the app.
 // In: where the app edits text. Out: keys for the canvas; calls of `compose_text` and `insert_text` of the app.
 
-/// What the canvas reads of a key event.
+/// A copy of a key event with the fields that the canvas reads.
 const keyCopy = (event) => {
     const { key, code, location, repeat, ctrlKey, shiftKey, altKey, metaKey } = event;
     return new KeyboardEvent(event.type,
         { key, code, location, repeat, ctrlKey, shiftKey, altKey, metaKey, cancelable: true });
 };
 
-/// Whether an input method handles the key, which the app must not see then.
+/// Whether an input method handles the key. The app must not see such a key.
 const isComposed = (event) => event.isComposing || event.keyCode === 229 || event.key === 'Dead';
 
 /// Connects `field`, a hidden text field, with `canvas`. `app` returns the functions of the app. Returns a function that moves
-/// the field to the text that the app edits: left, top and height of the cursor in CSS pixels, or undefined without text.
+/// the field to the text cursor, given by its left, top and height in CSS pixels; undefined if no text is edited.
 export function connect(field, canvas, app) {
     let isEditing = false;
 
@@ -35,7 +35,7 @@ export function connect(field, canvas, app) {
     });
     field.addEventListener('input', (event) => {
         if (event.isComposing) return;
-        // Text of a composition has arrived already; pasted text arrives with the event of the clipboard.
+        // Composed text has already arrived; pasted text arrives with the clipboard event.
         if (['insertText', 'insertReplacementText'].includes(event.inputType)) app().insert_text(field.value);
         field.value = '';
     });

@@ -9,7 +9,7 @@ use wayfield::scenario::Scenario;
 use wayfield::simulation::{Extensions, Simulation};
 use wayfield::task::observation;
 
-/// A training simulation at its first observations. Without `learning`, it takes no gradient steps.
+/// A training simulation before its first step. Without `learning`, it takes no gradient steps.
 pub fn training(
     scenario: &Scenario,
     arenas: usize,

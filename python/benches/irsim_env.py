@@ -1,4 +1,7 @@
-"""Scenario I in ir-sim (``pip install ir-sim``), as a gymnasium.Env: the same enclosure, obstacles, robot, LIDAR and rewards."""
+"""Scenario I in ir-sim (``pip install ir-sim``), as a gymnasium.Env: the same enclosure, obstacles, motions, LIDAR and rewards.
+
+The robot's radius is 0.105 m, not 0.1 m.
+"""
 
 import tempfile
 
@@ -30,7 +33,7 @@ obstacle:
 
 
 class IrSimEnv(gymnasium.Env):
-    """One robot of ir-sim."""
+    """One ir-sim robot."""
 
     def __init__(self, centres: np.ndarray, radius_m: float, half_m: float, motions: np.ndarray) -> None:
         self.centres, self.radius_m, self.half_m, self.motions = centres, radius_m, half_m, motions
@@ -43,7 +46,7 @@ class IrSimEnv(gymnasium.Env):
 
     def reset(self, *, seed: int | None = None, options: dict | None = None) -> tuple[np.ndarray, dict]:
         super().reset(seed=seed)
-        (x, y), self.goal = self.place(), self.place()
+        (x, y), self.goal = self.free_position(), self.free_position()
         self.steps = 0
         self.sim.reset()
         self.sim.robot.set_state([x, y, self.np_random.uniform(-np.pi, np.pi)])
@@ -51,12 +54,12 @@ class IrSimEnv(gymnasium.Env):
         self.sense()
         return self.observation(), {}
 
-    def place(self) -> np.ndarray:
-        """A place away from the obstacles."""
+    def free_position(self) -> np.ndarray:
+        """Draws a position at least 0.3 m from walls and obstacles."""
         while True:
-            place = self.np_random.uniform(-self.half_m + 0.3, self.half_m - 0.3, 2)
-            if (np.hypot(*(self.centres - place).T) > self.radius_m + 0.3).all():
-                return place
+            position = self.np_random.uniform(-self.half_m + 0.3, self.half_m - 0.3, 2)
+            if (np.hypot(*(self.centres - position).T) > self.radius_m + 0.3).all():
+                return position
 
     def sense(self) -> None:
         """Reads the scan and the pose, and computes the potential."""

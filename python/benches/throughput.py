@@ -1,13 +1,13 @@
-"""Env steps per second: wayfield from Python against its native rate, and against the same task in numpy.
+"""Env steps per second: wayfield from Python against its native rate, and against the same task in numpy and in ir-sim.
 
     taskset -c 1 python python/benches/throughput.py
 
-All rates are per second of the processor, measured in turn on one core, in several rounds; the table has the medians. "numpy, 64 robots" is a
+All rates are per CPU second, measured in turn on one core, in several rounds; the table has the medians. "numpy, 64 robots" is a
 batched port of Scenario I without physics: kinematics, exact ray casting of 24 beams against four circles and four walls, the
-reward, and resets. "numpy, one robot" is the same port with one robot as a gymnasium.Env, as SB3 wraps it (Monitor's
-statistics in Gymnasium's own wrapper, which does the same). "ir-sim, one robot" is Scenario I in ir-sim (irsim_env.py), if that
-is installed. Ratios are medians over the rounds, each of two measurements of the same round. How much longer a call takes is
-the median of differences between 100 steps from Python and the 100 native ones before them.
+reward, and resets. "numpy, one robot" is the same port with one robot as a gymnasium.Env. All environments with one robot are in
+Gymnasium's RecordEpisodeStatistics, which collects the same statistics as SB3's Monitor. "ir-sim, one robot" is Scenario I in
+ir-sim (irsim_env.py), if ir-sim is installed. A ratio is the median over the rounds of the ratio of two rates of the same round.
+How much longer a call takes is the median of the differences between 100 steps from Python and the 100 native steps before them.
 """
 
 import argparse
@@ -43,21 +43,21 @@ class NumpyTask:
         self.angles = np.arange(BEAMS) * (2 * np.pi / BEAMS)
         self.x, self.y, self.heading, self.goal_x, self.goal_y = np.zeros((5, n))
         self.steps = np.zeros(n, np.int64)
-        self.place(np.arange(n))
+        self.reset(np.arange(n))
 
-    def place(self, which: np.ndarray) -> None:
-        """New starts, headings and goals, away from the obstacles."""
+    def reset(self, which: np.ndarray) -> None:
+        """Draws new starts, headings and goals for the robots ``which``, away from the obstacles."""
         for k in which:
-            places = []
-            while len(places) < 2:
-                place = self.rng.uniform(-self.half + 0.3, self.half - 0.3, 2)
-                if (np.hypot(*(self.centres - place).T) > self.radius + 0.3).all():
-                    places.append(place)
-            (self.x[k], self.y[k]), (self.goal_x[k], self.goal_y[k]) = places
+            positions = []
+            while len(positions) < 2:
+                position = self.rng.uniform(-self.half + 0.3, self.half - 0.3, 2)
+                if (np.hypot(*(self.centres - position).T) > self.radius + 0.3).all():
+                    positions.append(position)
+            (self.x[k], self.y[k]), (self.goal_x[k], self.goal_y[k]) = positions
             self.heading[k] = self.rng.uniform(-np.pi, np.pi)
             self.steps[k] = 0
         self.scan()
-        self.potential = self.energy()
+        self.potential = self.compute_potential()
 
     def scan(self) -> None:
         """Casts the beams against circles and walls."""
@@ -76,7 +76,7 @@ class NumpyTask:
         self.ranges = np.minimum(ranges, hits.min(axis=2))
         self.nearest = self.ranges.min(axis=1)
 
-    def energy(self) -> np.ndarray:
+    def compute_potential(self) -> np.ndarray:
         self.distance = np.hypot(self.goal_x - self.x, self.goal_y - self.y)
         repulsion = np.maximum(1.0 - self.nearest / REPULSION_RANGE_M, 0.0) ** 2
         return 50.0 * self.distance**2 + 50.0 * repulsion
@@ -100,14 +100,14 @@ class NumpyTask:
         self.heading += w * PERIOD_S
         self.steps += 1
         self.scan()
-        before, self.potential = self.potential, self.energy()
+        before, self.potential = self.potential, self.compute_potential()
         collided = self.nearest < COLLISION_RANGE_M
         reached = ~collided & (self.distance < GOAL_RADIUS_M)
         rewards = np.where(collided, -200.0, np.where(reached, 250.0, before - self.potential))
         terminated, truncated = collided | reached, self.steps >= MAX_STEPS
         ended = np.flatnonzero(terminated | truncated)
         if len(ended):
-            self.place(ended)
+            self.reset(ended)
         return self.observations(), rewards, terminated, truncated
 
 
@@ -121,7 +121,7 @@ class NumpyEnv(gymnasium.Env):
 
     def reset(self, *, seed: int | None = None, options: dict | None = None) -> tuple[np.ndarray, dict]:
         super().reset(seed=seed)
-        self.task.place(np.arange(1))
+        self.task.reset(np.arange(1))
         return self.task.observations()[0], {}
 
     def step(self, action: int) -> tuple[np.ndarray, float, bool, bool, dict]:
@@ -142,7 +142,7 @@ def rate_of(step, actions: np.ndarray, seconds: float) -> float:
 
 
 def vector_step(envs: gymnasium.vector.VectorEnv) -> Callable[[np.ndarray], None]:
-    """A step of ``envs``, and the reset of those that wait for it."""
+    """A function that steps ``envs``, and resets those that wait for it."""
     if envs.metadata["autoreset_mode"] is not AutoresetMode.DISABLED:
         return envs.step
 
@@ -164,8 +164,8 @@ def native_rate(envs: wayfield.NavigationVectorEnv, steps: int) -> float:
     return envs.num_envs * steps / (time.process_time() - began)
 
 
-def single(env: gymnasium.Env):
-    """A step of one environment that resets itself, as a training loop does."""
+def single_step(env: gymnasium.Env):
+    """A function that steps ``env``, and resets it after each episode, as a training loop does."""
     env.reset(seed=1)
 
     def step(row: np.ndarray) -> None:
@@ -177,7 +177,7 @@ def single(env: gymnasium.Env):
 
 
 def overhead_us(envs: wayfield.NavigationVectorEnv, actions: np.ndarray, blocks: int = 300) -> float:
-    """By how much a step of ``envs`` from Python takes longer than a native one, in microseconds."""
+    """How much longer a step of ``envs`` takes from Python than natively, in microseconds."""
     native, step = envs.unwrapped._native, vector_step(envs)
     differences = []
     for _ in range(blocks):
@@ -211,7 +211,7 @@ def measurements(seconds: float) -> dict[str, Callable[[], float]]:
 
         robots["ir-sim, one robot"] = IrSimEnv(centres, 0.15, 2.0, MOTIONS)
     for name, robot in robots.items():
-        step = single(gymnasium.wrappers.RecordEpisodeStatistics(robot))
+        step = single_step(gymnasium.wrappers.RecordEpisodeStatistics(robot))
         measured[name] = lambda step=step: rate_of(step, one, seconds)
     return measured
 

@@ -1,12 +1,12 @@
-"""CleanRL's DQN in wayfield's environments: its file `cleanrl/dqn.py`, unchanged, with another environment's name.
+"""CleanRL's DQN in wayfield's environments: its file `cleanrl/dqn.py`, unchanged, with the name of a wayfield environment.
 
     git clone https://github.com/vwxyzjn/cleanrl
     pip install ./python torch tyro tensorboard
     python python/examples/cleanrl_dqn.py cleanrl/cleanrl/dqn.py --scenario random-field
 
-CleanRL's file is written for Gymnasium 0.29, where an environment is reset in the step that ends its episode. Gymnasium 1 resets it
-one step later and names the last observation otherwise, so that the file would fail at the first time limit. While it
-runs, ``gymnasium.vector.SyncVectorEnv`` is therefore the one of 0.29 (``OldSyncVectorEnv``).
+CleanRL's file is written for Gymnasium 0.29, where an environment is reset in the step that ends its episode. Gymnasium 1 resets
+it one step later and returns the last observation under another key, so that the file would fail at the first time limit. While
+the file runs, ``gymnasium.vector.SyncVectorEnv`` therefore behaves as in 0.29 (``OldSyncVectorEnv``).
 """
 
 import argparse
@@ -43,11 +43,15 @@ def scaled_rewards(scale: float) -> dict[str, float]:
 
 
 def train(script: Path, scenario: str, env_steps: int, seed: int, scale: float = 1.0, **options: Any) -> torch.nn.Module:
-    """Runs CleanRL's ``dqn.py`` in ``scenario``, in the task that wayfield's learner trains in. ``options`` are its options, such as
-    ``gamma=0.95``.
+    """Runs CleanRL's ``dqn.py`` in ``scenario``, in the task that wayfield's learner trains in.
+
+    Args:
+        script: The path of ``dqn.py``.
+        scale: The factor of the rewards.
+        options: Options of ``dqn.py``, such as ``gamma=0.95``.
 
     Returns:
-        Its Q-network.
+        The trained Q-network.
     """
     name = f"wayfield/{scenario}-v0"
     settings = {"scenario": scenario, "task": "continuing", "set": scaled_rewards(scale)}

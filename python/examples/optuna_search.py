@@ -1,10 +1,10 @@
-"""Search for settings with Optuna, in as many processes as you start:
+"""Searches for settings with Optuna, in as many processes as you start:
 
     pip install './python[sweep]'
     python python/examples/optuna_search.py & python python/examples/optuna_search.py
 
-The processes share a journal file, on one machine or on a network file system. Between machines without one, give Optuna the
-address of a database instead.
+The processes share a journal file, on one machine or on a network file system. For machines without a common file system, give
+Optuna the address of a database instead.
 """
 
 import optuna
@@ -22,7 +22,7 @@ def objective(trial: optuna.Trial) -> float:
         "learning.batch_size": trial.suggest_categorical("batch_size", [32, 64, 128]),
         "reward.mu": trial.suggest_float("mu", 10.0, 200.0, log=True),
     }
-    # A trial is three seeds: a single one says more about luck than about the settings.
+    # A trial has three seeds: the result of a single one depends more on luck than on the settings.
     costs = []
     for seed in (1, 2, 3):
         out = f"optuna/trial-{trial.number}-seed-{seed}"

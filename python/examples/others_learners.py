@@ -1,12 +1,12 @@
-"""Others' learners in wayfield's environments, beside wayfield's own: success, env steps and CPU seconds in one table.
+"""Learners of other libraries in wayfield's environments, beside wayfield's own: success, env steps and CPU seconds in one table.
 
     pip install ./python stable-baselines3 tyro tensorboard
     git clone https://github.com/vwxyzjn/cleanrl
     python python/examples/others_learners.py --cleanrl cleanrl --out others
 
 Each learner trains once per scenario, in the task ``continuing`` that wayfield's learner trains in, on one thread of torch.
-CPU seconds are those of the whole training, with all threads. Then its last policy drives the 500 episodes of
-``wayfield --eval --seed 0``. A training whose files are in the folder ``--out`` is not repeated.
+CPU seconds are those of the whole training run, with all threads. Then its last policy drives the 500 episodes of
+``wayfield --eval --seed 0``. A training run whose files are in the folder ``--out`` is not repeated.
 """
 
 import argparse
@@ -36,7 +36,7 @@ Act = Callable[[np.ndarray], Any]
 
 @dataclass(frozen=True)
 class Learner:
-    """A row of the table: how to train, and how to read the policy."""
+    """A learner: how to train with it, and how to load the policy. One row of the table per scenario."""
 
     name: str
     env_steps: int
@@ -45,7 +45,7 @@ class Learner:
     actions: str = "discrete"
 
 
-def wayfields(name: str, env_steps: int) -> Learner:
+def wayfield_learner(name: str, env_steps: int) -> Learner:
     """wayfield's learner with the preset ``fast``."""
 
     def train(scenario: str, steps: int, path: Path) -> None:
@@ -55,8 +55,10 @@ def wayfields(name: str, env_steps: int) -> Learner:
     return Learner(name, env_steps, train, lambda path: wayfield.Policy.load(path).act)
 
 
-def sb3s(name: str, algorithm: type[BaseAlgorithm], env_steps: int, envs: int = 1, scale: float = 1.0, **options: Any) -> Learner:
-    """A learner of Stable-Baselines3, with its defaults but for ``options``; ``scale`` multiplies the rewards."""
+def sb3_learner(
+    name: str, algorithm: type[BaseAlgorithm], env_steps: int, envs: int = 1, scale: float = 1.0, **options: Any
+) -> Learner:
+    """A learner of Stable-Baselines3, with its defaults except for ``options``; ``scale`` multiplies the rewards."""
     actions = "continuous" if algorithm is stable_baselines3.SAC else "discrete"
 
     def train(scenario: str, steps: int, path: Path) -> None:
@@ -71,8 +73,8 @@ def sb3s(name: str, algorithm: type[BaseAlgorithm], env_steps: int, envs: int = 
     return Learner(name, env_steps, train, load, actions)
 
 
-def cleanrls(name: str, script: Path, env_steps: int, scale: float = 1.0, **options: Any) -> Learner:
-    """CleanRL's DQN, with its defaults but for ``options``."""
+def cleanrl_learner(name: str, script: Path, env_steps: int, scale: float = 1.0, **options: Any) -> Learner:
+    """CleanRL's DQN, with its defaults except for ``options``; ``scale`` multiplies the rewards."""
 
     def train(scenario: str, steps: int, path: Path) -> None:
         torch.save(cleanrl_dqn.train(script, scenario, steps, SEED, scale, **options).state_dict(), path)
@@ -84,7 +86,7 @@ def cleanrls(name: str, script: Path, env_steps: int, scale: float = 1.0, **opti
     return Learner(name, env_steps, train, load)
 
 
-# One guess each after the defaults, with wayfield's discount factor and reward scale; no search was made.
+# A single guess each, with wayfield's discount factor and reward scale; the values were not searched for.
 TUNED_PPO: dict[str, Any] = {"envs": 16, "scale": 0.01, "gamma": 0.95, "n_steps": 128}
 TUNED_DQN: dict[str, Any] = {
     "scale": 0.01,
@@ -96,22 +98,22 @@ TUNED_DQN: dict[str, Any] = {
 
 
 def learners(cleanrl: Path | None) -> list[Learner]:
-    """The rows of the table."""
-    rows = [
-        wayfields("wayfield, preset `fast`", 200_000),
-        wayfields("wayfield, preset `fast`, all of its steps", 600_000),
-        sb3s("SB3 PPO, defaults", stable_baselines3.PPO, 200_000),
-        sb3s("SB3 PPO, 16 robots, tuned", stable_baselines3.PPO, 200_000, **TUNED_PPO),
-        sb3s("SB3 DQN, defaults", stable_baselines3.DQN, 200_000),
-        sb3s("SB3 DQN, tuned", stable_baselines3.DQN, 200_000, **TUNED_DQN),
+    """The learners of the table."""
+    found = [
+        wayfield_learner("wayfield, preset `fast`", 200_000),
+        wayfield_learner("wayfield, preset `fast`, all of its steps", 600_000),
+        sb3_learner("SB3 PPO, defaults", stable_baselines3.PPO, 200_000),
+        sb3_learner("SB3 PPO, 16 robots, tuned", stable_baselines3.PPO, 200_000, **TUNED_PPO),
+        sb3_learner("SB3 DQN, defaults", stable_baselines3.DQN, 200_000),
+        sb3_learner("SB3 DQN, tuned", stable_baselines3.DQN, 200_000, **TUNED_DQN),
     ]
     if cleanrl is not None:
-        rows.append(cleanrls("CleanRL DQN, defaults", cleanrl / "cleanrl/dqn.py", 200_000))
-    return [*rows, sb3s("SB3 SAC, defaults, continuous actions", stable_baselines3.SAC, 20_000)]
+        found.append(cleanrl_learner("CleanRL DQN, defaults", cleanrl / "cleanrl/dqn.py", 200_000))
+    return [*found, sb3_learner("SB3 SAC, defaults, continuous actions", stable_baselines3.SAC, 20_000)]
 
 
 def row(learner: Learner, scenario: str, env_steps: int, out: Path) -> str:
-    """Trains unless that is done, evaluates, and returns a row of the table."""
+    """Trains unless this was done before, evaluates, and returns a row of the table."""
     name = "".join(c if c.isalnum() else "-" for c in f"{scenario} {learner.name} {env_steps}".lower())
     path = (out / f"{name}.policy").absolute()
     record = path.with_suffix(".json")

@@ -4,7 +4,8 @@
     python python/slow/ray_check.py
 
 Starts a Ray cluster of two nodes, reproduces an experiment on it, kills one node midway, and compares the report and the runs
-byte for byte with those of a single process. Then it does the same for a sweep and for evaluations, without a kill.
+byte for byte with those of a single process. Then compares a sweep and evaluations with those of a single process, too, without
+killing a node.
 """
 
 import filecmp
@@ -39,12 +40,12 @@ EXPERIMENT = """(
     tables: [(name: "all", title: "All measures", show: Measures(measures: [Success, MeanTime, TimeRatio]))],
 )"""
 
-#: Files that differ between two runs on one machine, too: they hold times.
+#: Files that differ between any two runs, because they contain times.
 TIMED = ("spent.json", "lock", "summary.json", "episodes.csv", "evaluations.csv")
 
 
 class WatchedPool(RayPool):
-    """Ray, which counts where tasks were done and kills a node once two are."""
+    """A pool on Ray that counts the tasks done by each node, and calls ``kill`` after two tasks."""
 
     def __init__(self, kill):
         super().__init__(cpus=1, retries=5)
@@ -54,14 +55,14 @@ class WatchedPool(RayPool):
         handle, result, where = super().wait(handles)
         self.where[where] += 1
         if self.kill is not None and sum(self.where.values()) == 2:
-            # Half a second later, so that the node has started its next task.
+            # Half a second later, the node to kill has started its next task.
             threading.Timer(0.5, self.kill).start()
             self.kill = None
         return handle, result, where
 
 
 def compare(ours: Path, theirs: Path) -> tuple[int, list[str]]:
-    """The number of compared files, and those that differ. Of the pages, the line with the time is left out."""
+    """Compares all files of ``theirs``. Returns their number, and those that differ. Ignores the line with the time in pages."""
 
     def contents(path: Path) -> list[bytes]:
         lines = path.read_bytes().splitlines()

@@ -1,4 +1,4 @@
-//! Functions of Python that choose the actions of an evaluation.
+//! Python functions that choose the actions of an evaluation.
 
 use pyo3::prelude::*;
 use wayfield::env::Commands;
@@ -9,18 +9,18 @@ use crate::arrays::rows;
 use crate::commands::{actions, motions};
 use crate::errors::env_error;
 
-/// A function of Python that chooses the actions of an evaluation.
+/// A Python function that chooses the actions of an evaluation.
 pub struct ActFunction {
-    /// The function: observations (rows x width) to an array of commands.
+    /// The function: takes observations (rows x width), and returns an array of commands.
     pub act: Py<PyAny>,
     /// The encoding of the observations.
     pub encoding: Encoding,
-    /// Whether it returns motions instead of actions.
+    /// Whether the function returns motions instead of actions.
     pub is_continuous: bool,
 }
 
 impl ActFunction {
-    /// Sets the commands for the next step of `run`. The robot has `num_actions` motions.
+    /// Calls the function, and sets the commands that it returns for the next step of `run`. The robot has `num_actions` motions.
     pub fn command(
         &self,
         evaluator: &mut Evaluator,

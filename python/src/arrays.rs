@@ -1,4 +1,4 @@
-//! Arrays for numpy.
+//! New numpy arrays.
 
 use numpy::PyArray2;
 use numpy::ndarray::ArrayView2;

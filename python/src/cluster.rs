@@ -1,4 +1,4 @@
-//! Trainings as tasks for other machines, and the report that is made of them.
+//! Training runs as tasks for other machines, and the report of these runs.
 
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
@@ -32,7 +32,7 @@ pub struct ReproductionOptions {
 #[pyclass(module = "wayfield._native")]
 pub struct NativeReport(Option<OpenReport>);
 
-/// What the Python layer gets for a task, as JSON.
+/// A task as the Python layer gets it, in JSON.
 #[derive(Serialize)]
 pub struct TaskRecord {
     name: String,
@@ -65,15 +65,15 @@ impl NativeReport {
         Ok(self.report()?.runs())
     }
 
-    /// The trainings, as a list in JSON.
+    /// The training runs of the report, as a JSON list of tasks.
     fn tasks(&self) -> PyResult<String> {
         let records: PyResult<Vec<TaskRecord>> =
             self.report()?.tasks().iter().map(TaskRecord::try_from).collect();
         json(&records?)
     }
 
-    /// Does what is missing and writes the report. Returns its folder, and the JSON object of `--reproduce --json`. `parallel`
-    /// is the number of runs that were done in parallel.
+    /// Does the training runs that are missing and writes the report. Returns its folder, and the JSON object of
+    /// `--reproduce --json`. `parallel` is the number of runs that were done in parallel.
     fn finish(&mut self, py: Python<'_>, parallel: usize) -> PyResult<(PathBuf, String)> {
         let report = self.0.take().ok_or_else(finished)?;
         let folder = report.path().to_owned();
@@ -106,13 +106,14 @@ impl TryFrom<&TrainingTask> for TaskRecord {
     }
 }
 
-/// Whether the folder `runs` has the finished run of a task.
+/// Whether the folder `runs` has the finished run of the task `text`.
 #[pyfunction]
 pub fn is_task_done(text: &str, runs: PathBuf) -> PyResult<bool> {
     Ok(TrainingTask::parse(text).map_err(run_error)?.is_done(&runs))
 }
 
-/// Carries out a task in the folder `runs`, which has the policy that it starts from. Returns the name of the run's folder.
+/// Carries out the task `text` in the folder `runs`, which has the policy that the run starts from. Returns the name of the
+/// run's folder.
 #[pyfunction]
 pub fn run_task(py: Python<'_>, text: &str, runs: PathBuf) -> PyResult<String> {
     let task = TrainingTask::parse(text).map_err(run_error)?;
@@ -127,7 +128,7 @@ pub fn run_task(py: Python<'_>, text: &str, runs: PathBuf) -> PyResult<String> {
     }
 }
 
-/// The version and the commit of wayfield. Only equal builds carry out each other's tasks.
+/// The version and the commit of wayfield. A build carries out only the tasks of an equal build.
 #[pyfunction]
 pub fn build() -> String {
     COMMIT.map_or_else(|| VERSION.into(), |commit| format!("{VERSION}, commit {commit}"))

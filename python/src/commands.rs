@@ -1,11 +1,11 @@
-//! Commands to robots, from numpy's arrays or what can be made one.
+//! Commands to robots, from numpy arrays or values that can be converted to one.
 
 use numpy::{AllowTypeChange, Element, PyArrayLikeDyn, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use wayfield::scenario::Motion;
 
-/// The actions in `given`, which must have the shape `shape`. Those that are too large pass.
+/// The actions in `given`, which must have the shape `shape`. Indices that are too large are not rejected here.
 pub fn actions(given: &Bound<'_, PyAny>, shape: &[usize], num_actions: usize) -> PyResult<Vec<usize>> {
     let index = |(env, action): (usize, i64)| {
         usize::try_from(action).map_err(|_| {
@@ -25,7 +25,7 @@ pub fn motions(given: &Bound<'_, PyAny>, shape: &[usize]) -> PyResult<Vec<Motion
     Ok(pairs.map(|&[v_m_s, w_rad_s]| Motion { v_m_s, w_rad_s }).collect())
 }
 
-/// The mask in `given`, one bool for each of `count` environments.
+/// The mask in `given`: one bool for each of `count` environments.
 pub fn mask(given: &Bound<'_, PyAny>, count: usize) -> PyResult<Vec<bool>> {
     let array: Option<PyArrayLikeDyn<'_, bool>> = given.extract().ok();
     array.filter(|array| array.shape() == [count]).map(|array| values(&array)).ok_or_else(|| {
@@ -35,7 +35,7 @@ pub fn mask(given: &Bound<'_, PyAny>, count: usize) -> PyResult<Vec<bool>> {
     })
 }
 
-/// The numbers in `given`, row by row.
+/// The numbers in `given`, which must have the shape `shape`, row by row.
 fn numbers<'py, T>(given: &Bound<'py, PyAny>, shape: &[usize]) -> PyResult<Vec<T>>
 where
     T: Element + Copy + 'py,

@@ -1,4 +1,4 @@
-//! Policies that drive robots outside wayfield: from what a robot senses to the motion to command, step by step.
+//! Policies that drive robots outside wayfield, step by step. In: what the robot senses. Out: the motion to command.
 
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
@@ -13,10 +13,10 @@ use crate::env_options::{scenario as find_scenario, settings as settings_of};
 use crate::errors::{detached, run_error, setting_errors};
 use crate::policy::NativePolicy;
 
-/// The largest size of a number that a robot gives, in m, rad, m/s or rad/s.
-const MAX_SIZE: f64 = 1e7;
+/// The largest magnitude of a number in a robot's input, in m, rad, m/s or rad/s.
+const MAX_MAGNITUDE: f64 = 1e7;
 
-/// A pose: x in m, y in m, heading in rad. In double precision, so that a frame may begin far away.
+/// A pose: x in m, y in m, heading in rad. In double precision, so that the frame's origin may be far away.
 type Pose = (f64, f64, f64);
 
 /// A policy that drives one robot of a scenario.
@@ -24,7 +24,7 @@ type Pose = (f64, f64, f64);
 pub struct NativeDriver {
     policy: DrivingPolicy,
     scenario: Scenario,
-    /// The settings of the scenario that differ from the policy's card, as text.
+    /// A message about the settings of the scenario that differ from the policy's card.
     #[pyo3(get)]
     warning: Option<String>,
     /// The driver of the current episode.
@@ -35,7 +35,7 @@ pub struct NativeDriver {
 
 #[pymethods]
 impl NativeDriver {
-    /// `policy` in the scenario with the shipped name, path or text `wanted`, which `settings` may change.
+    /// A driver with `policy` for the scenario `wanted` (a shipped name, a path or RON text), changed by `settings`.
     #[new]
     fn new(
         policy: PyRef<'_, NativePolicy>,
@@ -60,8 +60,8 @@ impl NativeDriver {
         self.last_pose = None;
     }
 
-    /// Speed in m/s, turning rate in rad/s and index of the action for a scan (beams, in m), the goal's bearing in rad and distance
-    /// in m, a pose, and the actual speed in m/s and turning rate in rad/s.
+    /// Returns the speed in m/s, the turning rate in rad/s and the index of the action to command, for a scan (beams, in m), the
+    /// goal's bearing in rad and distance in m, the robot's pose, and its actual speed in m/s and turning rate in rad/s.
     fn act(
         &mut self,
         py: Python<'_>,
@@ -70,9 +70,9 @@ impl NativeDriver {
         pose: Pose,
         twist: (f64, f64),
     ) -> PyResult<(f32, f32, usize)> {
-        check_sizes("goal", &[("bearing_rad", goal.0), ("distance_m", goal.1)])?;
-        check_sizes("pose", &[("x_m", pose.0), ("y_m", pose.1), ("heading_rad", pose.2)])?;
-        check_sizes("twist", &[("v_m_s", twist.0), ("w_rad_s", twist.1)])?;
+        check_magnitudes("goal", &[("bearing_rad", goal.0), ("distance_m", goal.1)])?;
+        check_magnitudes("pose", &[("x_m", pose.0), ("y_m", pose.1), ("heading_rad", pose.2)])?;
+        check_magnitudes("twist", &[("v_m_s", twist.0), ("w_rad_s", twist.1)])?;
         if goal.1 < 0.0 {
             let distance_m = goal.1;
             return Err(PyValueError::new_err(format!(
@@ -85,7 +85,7 @@ impl NativeDriver {
             goal_distance_m: goal.1 as f32,
             goal_bearing_rad: wrap_angle(goal.0 as f32),
             twist: Motion { v_m_s: twist.0 as f32, w_rad_s: twist.1 as f32 },
-            odometry: self.last_pose.map_or_else(Odometry::default, |last| moved(last, pose)),
+            odometry: self.last_pose.map_or_else(Odometry::default, |last| motion_between(last, pose)),
             truth: None,
         };
         let driver = &mut self.driver;
@@ -116,7 +116,7 @@ impl NativeDriver {
 }
 
 impl NativeDriver {
-    /// `ranges_m` as the LIDAR reports them: at most its maximum range.
+    /// Checks `ranges_m`, and limits them to the LIDAR's maximum range.
     fn scan(&self, mut ranges_m: Vec<f32>) -> PyResult<Vec<f32>> {
         let Scenario { name, lidar, .. } = &self.scenario;
         let (given, beams, max_range_m) = (ranges_m.len(), lidar.beams, lidar.max_range_m);
@@ -138,18 +138,19 @@ impl NativeDriver {
     }
 }
 
-/// Checks that the parts of `what` are numbers of a sensible size.
-fn check_sizes(what: &str, parts: &[(&str, f64)]) -> PyResult<()> {
-    match parts.iter().find(|(_, value)| !value.is_finite() || value.abs() > MAX_SIZE) {
+/// Checks that the parts of `what` are finite and at most [`MAX_MAGNITUDE`].
+fn check_magnitudes(what: &str, parts: &[(&str, f64)]) -> PyResult<()> {
+    match parts.iter().find(|(_, value)| !value.is_finite() || value.abs() > MAX_MAGNITUDE) {
         Some((name, value)) => Err(PyValueError::new_err(format!(
-            "{what}: {name} is {value:?}; help: give a finite number, between -{MAX_SIZE} and {MAX_SIZE}"
+            "{what}: {name} is {value:?}; help: give a finite number, between -{MAX_MAGNITUDE} and {MAX_MAGNITUDE}"
         ))),
         None => Ok(()),
     }
 }
 
-/// The robot's own motion from the pose `from` to the pose `to`.
-fn moved(from: Pose, to: Pose) -> Odometry {
-    let way = ((to.0 - from.0) as f32, (to.1 - from.1) as f32, to.2 as f32);
-    Odometry::between((0.0, 0.0, from.2 as f32), way)
+/// The robot's motion from the pose `from` to the pose `to`, in the robot's frame at `from`.
+fn motion_between(from: Pose, to: Pose) -> Odometry {
+    // The positions are subtracted in double precision, before the conversion to single precision.
+    let to = ((to.0 - from.0) as f32, (to.1 - from.1) as f32, to.2 as f32);
+    Odometry::between((0.0, 0.0, from.2 as f32), to)
 }

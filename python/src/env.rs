@@ -1,4 +1,4 @@
-//! Environments: steps and resets that return numpy's arrays.
+//! Environments: steps and resets that return numpy arrays.
 
 use std::f32::consts::PI;
 
@@ -19,7 +19,7 @@ use crate::env_options::{EnvOptions, is_continuous, scenario_or_set};
 use crate::errors::{detached, env_error};
 use crate::step_details::StepDetails;
 
-/// Observations (envs x width), rewards, terminated, truncated, and the rest.
+/// Observations (envs x width), rewards, terminated, truncated, and the details for `info`.
 type Stepped<'py> = (
     Bound<'py, PyArray2<f32>>,
     Bound<'py, PyArray1<f64>>,
@@ -31,11 +31,12 @@ type Stepped<'py> = (
 /// Observation, reward, terminated, truncated and info.
 type SteppedOne<'py> = (Bound<'py, PyArray1<f32>>, f64, bool, bool, Bound<'py, PyDict>);
 
-/// Environments of one scenario, stepped together.
+/// Environments of one scenario or of a set of scenarios, stepped together.
 #[pyclass(module = "wayfield._native")]
 pub struct NativeEnv {
     /// `None` after a panic.
     env: Option<Box<VecEnv>>,
+    /// The scenario, or the first one of the set.
     scenario: Scenario,
     encoding: Encoding,
     autoreset: Autoreset,
@@ -62,7 +63,7 @@ impl Results {
 
 #[pymethods]
 impl NativeEnv {
-    /// Environments of the scenario with the shipped name, path or text `wanted`. They must be reset before the first step.
+    /// Environments of the scenario or set `wanted` (a shipped name, path or RON text). They must be reset before the first step.
     #[new]
     fn new(py: Python<'_>, wanted: &str, options: EnvOptions) -> PyResult<Self> {
         let (mut scenario, set) = scenario_or_set(wanted)?;
@@ -110,7 +111,7 @@ impl NativeEnv {
         Ok((observation, rewards[0], terminated[0], truncated[0], info))
     }
 
-    /// A picture of one environment: height and width in pixels, and the RGB bytes.
+    /// An image of one environment: height and width in pixels, and the RGB bytes.
     fn render<'py>(
         &mut self,
         py: Python<'py>,
@@ -151,7 +152,7 @@ impl NativeEnv {
         self.encoding.width(self.scenario.lidar.beams)
     }
 
-    /// The least and the greatest value of every number of an observation; infinite for observations by sectors.
+    /// The smallest and the largest value of every number of an observation; infinite for observations by sectors.
     #[getter]
     fn observation_bounds(&self) -> (Vec<f32>, Vec<f32>) {
         if self.encoding.sectors().is_some() {
@@ -170,7 +171,7 @@ impl NativeEnv {
         };
         let mut ranges_m = vec![lidar.max_range_m; lidar.beams];
         let mut high = encode(&ranges_m, PI, farthest_m);
-        // The index of the nearest beam is largest if the last beam is the nearest.
+        // The index of the nearest beam is largest if the nearest beam is the last one.
         if let (Some(range), Some(index)) = (ranges_m.last_mut(), high.last_mut()) {
             *range = 0.0;
             *index = encode(&ranges_m, PI, farthest_m).pop().unwrap_or_default();
@@ -178,7 +179,7 @@ impl NativeEnv {
         (encode(&vec![0.0; lidar.beams], -PI, 0.0), high)
     }
 
-    /// The least and the greatest commanded motion, as speeds in m/s and turning rates in rad/s.
+    /// The smallest and the largest motion that can be commanded, as speeds in m/s and turning rates in rad/s.
     #[getter]
     fn motion_limits(&self) -> PyResult<((f32, f32), (f32, f32))> {
         let (low, high) = self.env()?.motion_limits();
@@ -236,17 +237,17 @@ impl NativeEnv {
         self.autoreset == Autoreset::Disabled
     }
 
-    /// Takes a step. The actions have the shape `shape`, motions a further axis of length 2.
+    /// Takes a step. Actions must have the shape `shape`, motions a further axis of length 2.
     fn take_step<'py>(
         &mut self,
         py: Python<'py>,
         actions: &Bound<'py, PyAny>,
         shape: &[usize],
     ) -> PyResult<StepDetails> {
-        let has_resets = self.autoreset == Autoreset::SameStep;
+        let resets_in_step = self.autoreset == Autoreset::SameStep;
         let details = move |step: Step<'_>, results: &mut Results| {
             results.fill(&step);
-            StepDetails::new(step.outcomes, has_resets.then_some(step.final_observations))
+            StepDetails::new(step.outcomes, resets_in_step.then_some(step.final_observations))
         };
         if self.is_continuous {
             let motions = commands::motions(actions, shape)?;

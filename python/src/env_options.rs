@@ -16,11 +16,11 @@ use wayfield::task::{ObservationLayout, ScenarioPool, TaskMode};
 
 use crate::errors::{file_error, run_error, setting_errors};
 
-/// The name of a scenario's or a preset's text in messages.
+/// What messages call a file that was given as text.
 pub const TEXT: &str = "<text>";
 
-/// Whether `source` is the text of a RON file, and not a path or a name. A heuristic: text has parentheses, and no file of
-/// that name exists.
+/// Whether `source` is the text of a RON file, and not a path or a name. A heuristic: it has parentheses, and no file of that
+/// name exists.
 pub fn is_text(source: &str) -> bool {
     source.contains('(') && source.contains(')') && !Path::new(source).exists()
 }
@@ -55,12 +55,12 @@ pub fn preset(source: &str) -> PyResult<Preset> {
     shipped::preset(source).map_err(|error| file_error(source, error))
 }
 
-/// Pairs as settings: the path of a field, such as `reward.mu`, and its value as RON.
+/// Converts pairs to settings. A pair is the path of a field, such as `reward.mu`, and its value as RON.
 pub fn settings(pairs: Vec<(String, String)>) -> Settings {
     Settings(pairs.into_iter().map(|(path, value)| Setting { path, value }).collect())
 }
 
-/// The options of environments, before they are checked.
+/// The options of environments, not yet checked.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct EnvOptions {
@@ -72,7 +72,7 @@ pub struct EnvOptions {
     pub observation: Option<String>,
     /// `discrete` or `continuous`.
     pub actions: String,
-    /// The preset whose reward and encoding are used.
+    /// The preset whose reward and observation are used.
     pub preset: String,
     /// Settings of the preset and the scenario: pairs of a field's path and its value as RON.
     pub settings: Vec<(String, String)>,
@@ -81,7 +81,7 @@ pub struct EnvOptions {
 }
 
 impl EnvOptions {
-    /// The configuration of environments of `scenario`, or of the scenarios of `set`, which the settings may change.
+    /// The configuration of environments of `scenario` or, if given, of `set`. Applies the settings to both.
     pub fn config(self, scenario: &mut Scenario, mut set: Option<ScenarioSet>) -> PyResult<VecEnvConfig> {
         let num_envs = self.num_envs;
         if !(1..=MAX_ARENAS).contains(&num_envs) {

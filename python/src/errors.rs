@@ -1,4 +1,4 @@
-//! Exceptions: wayfield's errors as Python's, and the border that no panic crosses.
+//! Exceptions: wayfield's errors as Python exceptions, and the boundary that no panic crosses.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -48,7 +48,7 @@ pub fn detached<T: Send>(py: Python<'_>, work: impl FnOnce() -> PyResult<T> + Se
     py.detach(|| catch_unwind(AssertUnwindSafe(work))).unwrap_or_else(|panic| Err(internal_error(&*panic)))
 }
 
-/// The exception of Ctrl-C, if it was pressed. For code that runs without the GIL.
+/// Fails with `KeyboardInterrupt` if Ctrl-C was pressed. For code that runs without the GIL.
 pub fn check_ctrl_c() -> PyResult<()> {
     Python::attach(|py| {
         py.check_signals()?;

@@ -26,10 +26,10 @@ use crate::env_options::{self, scenario as find_scenario};
 use crate::errors::{check_ctrl_c, detached, run_error, setting_errors};
 use crate::tested::Tested;
 
-/// The control steps between two checks for Ctrl-C.
-const STEPS_BETWEEN_SIGNALS: u32 = 50;
+/// The number of control steps between two checks for Ctrl-C.
+const STEPS_BETWEEN_CHECKS: u32 = 50;
 
-/// The episodes that are planned between two checks for Ctrl-C.
+/// The number of episodes that are planned between two checks for Ctrl-C.
 const PLANNED_AT_ONCE: usize = 50;
 
 /// The options of an evaluation.
@@ -47,7 +47,7 @@ pub struct EvaluateOptions {
     trace: Option<PathBuf>,
 }
 
-/// What the Python layer gets for a policy or a driver, as JSON.
+/// The results of a policy or a driver as the Python layer gets them, in JSON.
 #[derive(Serialize)]
 struct Report {
     driver_class: DriverClass,
@@ -73,7 +73,7 @@ struct Test<'a> {
     optimum: bool,
 }
 
-/// What the planner knows about the episodes.
+/// The planner's results for each episode, to which those of the drivers are compared.
 struct References {
     shortest_m: Vec<f64>,
     bounds: Vec<StepBounds>,
@@ -83,7 +83,7 @@ struct References {
 #[pyfunction]
 pub fn evaluate(py: Python<'_>, drivers: Vec<Tested<'_>>, options: EvaluateOptions) -> PyResult<String> {
     let drivers = named(&options.names, &drivers)?;
-    tested(py, &drivers, options, |test, trace| match trace {
+    run_test(py, &drivers, options, |test, trace| match trace {
         Some(path) => test.traced(path),
         None => test.run(None),
     })
@@ -101,11 +101,11 @@ pub fn evaluate_function(
 ) -> PyResult<String> {
     let is_continuous = env_options::is_continuous(actions)?;
     let function = ActFunction { act, encoding: env_options::encoding(observation)?, is_continuous };
-    tested(py, &[], options, |test, _| test.function(&function).map(|report| vec![report]))
+    run_test(py, &[], options, |test, _| test.function(&function).map(|report| vec![report]))
 }
 
-/// Makes the test of `drivers` and runs it by `run`, which also gets the path of the trace.
-fn tested(
+/// Makes the test of `drivers`, and passes it to `run` with the path of the trace. Returns a list of reports as JSON.
+fn run_test(
     py: Python<'_>,
     drivers: &[(String, TestDriver)],
     options: EvaluateOptions,
@@ -145,8 +145,8 @@ fn named(names: &[String], drivers: &[Tested<'_>]) -> PyResult<Vec<(String, Test
     names.iter().zip(drivers).map(|(name, tested)| Ok((name.clone(), tested.driver()?))).collect()
 }
 
-/// The scenario `wanted`, or else the one that all policies among `drivers` were trained in, or Scenario I without a policy,
-/// changed by settings.
+/// The scenario `wanted`, changed by `settings`. Without `wanted`, the one that all policies among `drivers` were trained in;
+/// without a policy, Scenario I.
 fn scenario(
     wanted: Option<&str>,
     settings: Vec<(String, String)>,
@@ -180,7 +180,7 @@ impl Test<'_> {
     }
 
     fn run(&self, mut trace: Option<&mut Sink<'_>>) -> PyResult<Vec<Report>> {
-        // A trace has one episode after the other. The number of parallel episodes changes no result.
+        // A trace lists one episode after the other. The number of parallel episodes changes no result.
         let parallel = if trace.is_some() { 1 } else { self.count };
         let mut evaluator = Evaluator::new(&self.scenario, parallel).measuring_paths();
         let mut references = None;
@@ -190,7 +190,7 @@ impl Test<'_> {
                 Some(trace) => self.traced_episodes(&mut evaluator, name, driver, trace)?,
                 None => self.episodes(&mut evaluator, driver)?,
             };
-            // They are the same for every driver.
+            // The references are the same for every driver.
             let references = match &mut references {
                 Some(references) => references,
                 none => none.insert(self.plan(&episodes)?),
@@ -204,7 +204,7 @@ impl Test<'_> {
         let started = evaluator.start(driver.evaluated(), self.seed, self.count, self.setup);
         let mut run = started.map_err(run_error)?;
         loop {
-            for _ in 0..STEPS_BETWEEN_SIGNALS {
+            for _ in 0..STEPS_BETWEEN_CHECKS {
                 if evaluator.step(&mut run).map_err(run_error)? {
                     return Ok(run.episodes);
                 }
@@ -221,7 +221,7 @@ impl Test<'_> {
         trace: &mut Sink<'_>,
     ) -> PyResult<Vec<EpisodeResult>> {
         let result = evaluator.run_traced(driver.evaluated(), self.seed, self.count, self.setup, |step| {
-            if step.step % STEPS_BETWEEN_SIGNALS == 0 {
+            if step.step % STEPS_BETWEEN_CHECKS == 0 {
                 check_ctrl_c().map_err(TraceError::Raised)?;
             }
             step.write_line(name, &mut *trace).map_err(TraceError::Unwritable)
@@ -235,7 +235,7 @@ impl Test<'_> {
         })
     }
 
-    /// The shortest path of each episode in m; if wanted, also the bounds on its optimal time.
+    /// Plans the shortest path of each episode; if wanted, also the bounds on its optimal time.
     fn plan(&self, episodes: &[EpisodeResult]) -> PyResult<References> {
         let mut references = References { shortest_m: Vec::new(), bounds: Vec::new() };
         for some in episodes.chunks(PLANNED_AT_ONCE) {
@@ -248,7 +248,7 @@ impl Test<'_> {
         Ok(references)
     }
 
-    /// Tests a function of Python.
+    /// Tests a Python function.
     fn function(&self, function: &ActFunction) -> PyResult<Report> {
         let mut evaluator = Evaluator::new(&self.scenario, self.count).measuring_paths();
         let mut run = evaluator.start_commanded(function.encoding, self.seed, self.count, self.setup);
@@ -305,7 +305,7 @@ impl From<RunError> for TraceError {
     }
 }
 
-/// The scenario's benchmark route in every episode.
+/// The setup in which every episode drives the scenario's benchmark route.
 fn route(scenario: &Scenario) -> PyResult<EpisodeSetup> {
     scenario.benchmark_route.map(EpisodeSetup::Route).ok_or_else(|| {
         PyValueError::new_err(format!(

@@ -43,7 +43,7 @@ pub fn check(py: Python<'_>, paths: Vec<PathBuf>) -> PyResult<String> {
     })
 }
 
-/// How a scenario or a level generator is drawn.
+/// How a scenario, a level generator or a set of scenarios is drawn.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct DrawOptions {
@@ -81,7 +81,7 @@ impl DrawOptions {
     }
 }
 
-/// Draws the scenario or the level generator `wanted` into the SVG, PNG or PDF file `path`.
+/// Draws the scenario, level generator or set of scenarios `wanted` into the SVG, PNG or PDF file `path`.
 #[pyfunction]
 pub fn draw(py: Python<'_>, wanted: &str, path: PathBuf, options: DrawOptions) -> PyResult<()> {
     let source = match env_options::is_text(wanted) {

@@ -9,7 +9,7 @@ use wayfield::scenario::Scenario;
 use crate::env_options::{scenario as find_scenario, settings};
 use crate::errors::{detached, file_error, setting_errors};
 
-/// The options of an import, before they are checked.
+/// The options of an import, not yet checked.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct ImportArguments {
@@ -19,14 +19,14 @@ pub struct ImportArguments {
     lidar_height_m: f64,
     models: Vec<PathBuf>,
     world: Option<u32>,
-    /// The scenario with the robot.
+    /// The scenario whose robot, LIDAR and rules are used: a shipped name, a path or RON text.
     robot: Option<String>,
     /// Settings of that scenario: pairs of a field's path and its value as RON.
     settings: Vec<(String, String)>,
 }
 
-/// The scenario in the file `path`: its RON text, the largest deviation of a wall in m, the length of a shortest path in m if it
-/// is known, and what was not imported.
+/// Imports the file `path`. Returns the scenario's RON text, the largest deviation of a wall in m, the length of a shortest path
+/// in m if it is known, and what was not imported.
 #[pyfunction]
 pub fn import_scenario(
     py: Python<'_>,
@@ -49,7 +49,7 @@ pub fn import_scenario(
     })
 }
 
-/// The scenario with the robot that the user has chosen, by name or by single fields.
+/// The scenario whose robot, LIDAR and rules the user has chosen, by name or by single fields; `None` for the importer's default.
 fn robot_from(robot: Option<&str>, pairs: Vec<(String, String)>) -> PyResult<Option<Scenario>> {
     if robot.is_none() && pairs.is_empty() {
         return Ok(None);

@@ -1,6 +1,6 @@
 //! The native module of the Python package `wayfield`: environments, training, evaluation and policies.
 //!
-//! In: numbers, text and numpy's arrays from the Python layer (`python/wayfield/`), which documents them for users. Out:
+//! In: numbers, text and numpy arrays from the Python layer (`python/wayfield/`), which documents them for users. Out:
 //! results, as JSON or as new arrays, and Python exceptions with the texts of the command line. Every long call releases
 //! the GIL and checks for Ctrl-C. A panic becomes a `RuntimeError`.
 //!
@@ -9,9 +9,9 @@
 //! | `env.rs` | environments |
 //! | `step_details.rs` | the contents of a step's `info` |
 //! | `env_options.rs` | the options of an environment |
-//! | `arrays.rs` | new arrays |
+//! | `arrays.rs` | new numpy arrays |
 //! | `commands.rs` | actions and motions from arrays |
-//! | `cluster.rs` | trainings as tasks for other machines |
+//! | `cluster.rs` | training runs as tasks for other machines |
 //! | `benchmark.rs` | steps without Python, for comparison |
 //! | `policy.rs` | policies |
 //! | `driver.rs` | policies that drive robots outside wayfield |
@@ -19,7 +19,7 @@
 //! | `evaluate.rs` | evaluations |
 //! | `suite.rs` | evaluations in suites |
 //! | `tested.rs` | what is evaluated: policies and classical drivers |
-//! | `act_function.rs` | functions of Python that are evaluated |
+//! | `act_function.rs` | Python functions that are evaluated |
 //! | `files.rs` | shipped files, checks, drawings, the command line |
 //! | `import.rs` | imports of maps and worlds |
 //! | `errors.rs` | exceptions |
@@ -44,7 +44,7 @@ mod train;
 
 use pyo3::prelude::*;
 
-// As in the program: rapier and dfdx allocate memory in every step.
+// The same allocator as in the program: rapier and dfdx allocate memory in every step.
 #[global_allocator]
 static GLOBAL: mimalloc::MiMalloc = mimalloc::MiMalloc;
 

@@ -1,4 +1,4 @@
-//! Policies: Q-values of batches of observations, and the card.
+//! Policies: Q-values of batches of observations, the card, and ONNX export.
 
 use std::path::{Path, PathBuf};
 
@@ -20,7 +20,7 @@ use crate::errors::{detached, file_error, run_error};
 pub struct NativePolicy {
     pub policy: Policy,
     encoding: Encoding,
-    /// Whether it is tested with a map that it builds.
+    /// Whether the policy is tested with a map that is built as it drives.
     #[pyo3(get)]
     pub with_map: bool,
 }
@@ -50,7 +50,7 @@ impl NativePolicy {
         Self::try_from(policy)
     }
 
-    /// The policy in the bytes of a file; `with_map`, if it is tested with a map that it builds.
+    /// The policy in the bytes of a file, tested with a map if `with_map`.
     #[staticmethod]
     #[pyo3(signature = (contents, with_map=false))]
     fn from_bytes(contents: &[u8], with_map: bool) -> PyResult<Self> {
@@ -74,7 +74,7 @@ impl NativePolicy {
         rows(py, &values, self.actions())
     }
 
-    /// The observation (width) of a scan (beams, in m) and a goal.
+    /// The observation (width) that encodes a scan (beams, in m) and a goal.
     fn encode<'py>(
         &self,
         py: Python<'py>,
@@ -112,8 +112,8 @@ impl NativePolicy {
         Ok(PyBytes::new(py, &bytes))
     }
 
-    /// Writes the ONNX file `path` and a model card in its folder, with results of tests as JSON. Returns the path of the model
-    /// card if it was written.
+    /// Writes the ONNX file `path`, and in its folder a model card with the test `results` (each as JSON). Returns the path of
+    /// the model card if it was written.
     fn export_onnx(&self, path: PathBuf, results: Vec<String>) -> PyResult<Option<PathBuf>> {
         let parse = |json: &String| {
             EvalResults::parse(json.as_bytes(), &self.policy)

@@ -5,10 +5,10 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use wayfield::task::StepOutcome;
 
-/// A value of a step, and its name.
+/// The name of a value, and the function that reads it from an outcome.
 type Named<T> = (&'static str, fn(&StepOutcome) -> T);
 
-/// The reward's terms, by the names of `episodes.csv`.
+/// The reward's terms, with the names of the columns in `episodes.csv`.
 const TERMS: [Named<f64>; 4] = [
     ("reward_goal", |outcome| outcome.reward.reached.into()),
     ("reward_collision", |outcome| outcome.reward.collided.into()),
@@ -20,11 +20,11 @@ const TERMS: [Named<f64>; 4] = [
 const EVENTS: [Named<bool>; 2] =
     [("is_success", |outcome| outcome.reached), ("collision", |outcome| outcome.collided)];
 
-/// The details of a step of all environments. The arrays are made when they are asked for: most loops look at none of them.
+/// The details of a step of all environments. The arrays are made only when they are asked for, because most loops read none.
 #[pyclass(module = "wayfield._native", frozen)]
 pub struct StepDetails {
     outcomes: Vec<StepOutcome>,
-    /// The observations before any reset, if an episode has ended and the next one has begun.
+    /// The observations before any reset, if an episode ended in this step and the next one began.
     final_observations: Option<Vec<f32>>,
 }
 

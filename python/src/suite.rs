@@ -35,16 +35,16 @@ pub fn evaluate_suite(py: Python<'_>, drivers: Vec<Tested<'_>>, options: SuiteOp
         let settings = env_options::settings(options.settings.clone());
         let suite = Suite::load(&options.suite, &settings, options.episodes).map_err(run_error)?;
         suite.check_count(drivers.len()).map_err(run_error)?;
-        let found = tested(&suite, &drivers, &options)?;
-        let results: Vec<_> = found.iter().map(|of| suite.results(of)).collect();
+        let episodes = run_test(&suite, &drivers, &options)?;
+        let results: Vec<_> = episodes.iter().map(|of_driver| suite.results(of_driver)).collect();
         let classes: Vec<_> = drivers.iter().map(|driver| driver.evaluated().class()).collect();
         let text = json!({ "suite": suite.name, "classes": classes, "results": results });
         serde_json::to_string(&text).map_err(|error| PyRuntimeError::new_err(error.to_string()))
     })
 }
 
-/// The episodes of each driver in each scenario.
-fn tested<'d>(
+/// Runs the test. Returns the episodes of each driver in each scenario.
+fn run_test<'d>(
     suite: &Suite,
     drivers: &'d [TestDriver],
     options: &SuiteOptions,
@@ -64,16 +64,16 @@ fn tested<'d>(
         stop: Some(&stop),
         store: None,
         progress: &|_, _| {
-            // Python tells only its main thread, which works as well.
+            // Python reports Ctrl-C only to its main thread, which is one of the workers.
             if let Err(error) = check_ctrl_c() {
                 raised.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
                 stop.store(true, Ordering::Relaxed);
             }
         },
     };
-    let found = test.run(&drivers);
+    let episodes = test.run(&drivers);
     match raised.into_inner().unwrap_or_else(PoisonError::into_inner) {
         Some(error) => Err(error),
-        None => found.map_err(run_error),
+        None => episodes.map_err(run_error),
     }
 }

@@ -1,4 +1,5 @@
-//! What is evaluated: a policy, also with a map, or a classical driver. A driver is its RON text, so that a task for another machine has all of it.
+//! What is evaluated: a policy, with or without a map, or a classical driver. A driver is passed as its RON text, so that a task
+//! for another machine needs no file.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -20,15 +21,15 @@ pub enum Tested<'py> {
     Driver(String),
 }
 
-/// The same, to be returned.
+/// The same as [`Tested`], as a value to return to Python.
 #[derive(IntoPyObject)]
 pub enum Loaded {
     Policy(NativePolicy),
     Driver(String),
 }
 
-/// The policy or the classical driver `wanted`: a shipped name, a file's path, these with `+map` for a policy with a map, or the RON
-/// text of a driver.
+/// Loads the policy or the classical driver `wanted`: a shipped name or a file's path, both with `+map` appended for a policy
+/// with a map, or the RON text of a driver.
 #[pyfunction]
 pub fn load_tested(wanted: &str) -> PyResult<Loaded> {
     let driver = match is_text(wanted) {

@@ -68,7 +68,8 @@ pub fn resume(
     run(py, Job::Resume { folder, budget, extensions: Extensions::default() }, callback, checkpoint_every_s)
 }
 
-/// The task of a new run, as JSON. Its policy to start from is the file `init_from`, relative to the folder of all runs.
+/// The task of a new run, as JSON. If the run `transfers`, it starts from the policy in the file `init_from`, relative to the
+/// folder of all runs.
 #[pyfunction]
 pub fn training_task(options: TrainOptions, transfers: bool) -> PyResult<String> {
     let task = TrainingTask::new(config(options, transfers)?).map_err(run_error)?;
@@ -98,7 +99,7 @@ fn name(wanted: &str) -> String {
     if is_text(wanted) { "text".into() } else { wanted.into() }
 }
 
-/// Runs `job`. An exception of the callback, and Ctrl-C, stop the run after a checkpoint, and are raised.
+/// Runs `job`. An exception of the callback or Ctrl-C stops the run after a checkpoint; then it is raised.
 fn run(
     py: Python<'_>,
     job: Job,
@@ -129,7 +130,8 @@ fn run(
     Ok((folder, summary))
 }
 
-/// Passes the progress to `callback` and checks for Ctrl-C, every 0.1 s.
+/// A listener that passes the progress to `callback` and checks for Ctrl-C, every 0.1 s. It stores an exception in `raised`, and
+/// sets `stop`.
 pub fn listener(
     callback: Option<Py<PyAny>>,
     stop: Arc<AtomicBool>,

@@ -1,4 +1,4 @@
-"""The slow check with Stable-Baselines3, which CI leaves out because torch brings gigabytes. ``.ci/sb3`` runs it, or:
+"""The slow check with Stable-Baselines3, which CI leaves out because torch downloads gigabytes. ``.ci/sb3`` runs it, or:
 
     pip install ./python stable-baselines3 pytest
     python -m pytest python/tests/sb3_check.py
@@ -32,7 +32,7 @@ def test_sb3s_learners_run(learner, actions):
     envs.close()
 
 
-def test_terminal_observations_and_infos_are_sb3s():
+def test_terminal_observations_and_infos_follow_sb3():
     envs = NavigationVecEnv(16, "scenario-1")
     envs.seed(3)
     envs.reset()

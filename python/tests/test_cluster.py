@@ -1,4 +1,4 @@
-"""The promises of wayfield.cluster, without Ray: which tasks there are, what comes back, and what is not repeated."""
+"""The promises of wayfield.cluster, without Ray: which tasks there are, what they return, and what is not repeated."""
 
 import json
 import subprocess
@@ -28,12 +28,12 @@ EXPERIMENT = """(
     figures: [(name: "dots", title: "Dots", draw: DotPlot(measures: [Success]))],
     tables: [(name: "all", title: "All", show: Measures(measures: [Success, MeanTime]))],
 )"""
-TRAININGS = 6
+RUNS = 6
 SMALL = {"steps": 1_000, "set": {"learning.network.hidden": [16], "arenas": 4}}
 
 
 class OneProcess:
-    """A pool that does one task after the other in this process."""
+    """A pool that does one task after the other in this process. With ``stop_after``, it fails after so many tasks."""
 
     parallel = 1
 
@@ -69,7 +69,7 @@ def reproduce(pool):
 
 
 def files(folder):
-    """The files of a report and of its runs, by their paths, without what tells the time."""
+    """The contents of the files of a report and of its runs, by path, without files and lines that contain times."""
 
     def contents(path):
         lines = path.read_bytes().splitlines(keepends=True)
@@ -83,9 +83,9 @@ def files(folder):
     }
 
 
-def test_the_report_is_that_of_one_machine(folder):
+def test_the_report_is_the_same_as_on_one_machine(folder):
     done = reproduce(OneProcess())
-    assert (done.runs, done.report.as_posix(), done.claims) == (TRAININGS, "report/report.html", [])
+    assert (done.runs, done.report.as_posix(), done.claims) == (RUNS, "report/report.html", [])
     (folder / "report").rename(folder / "of-cluster")
     command = [sys.executable, "-m", "wayfield", "--reproduce", "--experiment", "own.ron", "--out", "report"]
     subprocess.run(command, check=True, capture_output=True)
@@ -95,26 +95,26 @@ def test_the_report_is_that_of_one_machine(folder):
     assert b"wayfield --reproduce --experiment own.ron --out report" in b"".join(ours["README.md"])
 
 
-def test_finished_trainings_are_not_repeated(folder):
+def test_finished_runs_are_not_repeated(folder):
     first, second, third = OneProcess(stop_after=2), OneProcess(), OneProcess()
     with pytest.raises(RuntimeError, match="lost"):
         reproduce(first)
     assert first.cancelled, "the others are stopped"
     reproduce(second)
-    assert len(second.names) == TRAININGS - 2
+    assert len(second.names) == RUNS - 2
     reproduce(third)
     assert third.names == []
 
 
-def test_a_training_waits_for_the_one_that_it_starts_from(folder):
+def test_a_run_waits_for_the_run_that_it_starts_from(folder):
     pool = OneProcess()
     reproduce(pool)
-    started = [name for name in pool.names if "empty" in name]
-    config = {name: (folder / f"report/runs/{name}/config.ron").read_text() for name in pool.names}
-    for name, text in config.items():
-        origins = [origin for origin in started if f'policy: "{origin}/' in text]
+    first_stages = [name for name in pool.names if "empty" in name]
+    configs = {name: (folder / f"report/runs/{name}/config.ron").read_text() for name in pool.names}
+    for name, text in configs.items():
+        origins = [origin for origin in first_stages if f'policy: "{origin}/' in text]
         assert all(pool.names.index(origin) < pool.names.index(name) for origin in origins)
-    assert sum("/policy-after-" in text for text in config.values()) == 2
+    assert sum("/policy-after-" in text for text in configs.values()) == 2
 
 
 def test_a_damaged_or_partial_run_is_done_again(folder):
@@ -138,7 +138,7 @@ def test_a_folder_in_use_is_refused(folder):
     reproduce(Nested())
 
 
-def test_invalid_options_are_exceptions(folder):
+def test_invalid_options_raise_exceptions(folder):
     with pytest.raises(ValueError, match="no.ron: no such file"):
         cluster.reproduce("no.ron", pool=OneProcess())
     with pytest.raises(ValueError, match="seeds: 3 is given twice"):
@@ -162,7 +162,7 @@ def test_ray_is_optional(folder, monkeypatch):
     assert not (folder / "report").exists()
 
 
-def test_a_sweep_has_the_runs_of_train(folder):
+def test_a_sweep_gives_the_same_policies_as_train(folder):
     origin = wayfield.train("empty", seed=1, out="origin", progress=False, **SMALL).policy
     runs = [{"seed": seed, **SMALL} for seed in (1, 2, 1)] + [{"init": origin, "epsilon": 0.3, **SMALL}]
     pool = OneProcess()
@@ -172,7 +172,7 @@ def test_a_sweep_has_the_runs_of_train(folder):
     observations = np.random.default_rng(1).uniform(0, 1, (20, 28)).astype(np.float32)
     for index, (run, result) in enumerate(zip(runs, results, strict=True)):
         alone = wayfield.train(out=f"alone-{index}", progress=False, **run)
-        # The card names the policy that a training started from, which is in memory here.
+        # The cards differ: they name the policy that training started from, which is only in memory in ``alone``.
         assert (result.last_policy.q_values(observations) == alone.last_policy.q_values(observations)).all()
         if "init" not in run:
             assert (result.folder / "policy.safetensors").read_bytes() == (alone.folder / "policy.safetensors").read_bytes()
@@ -182,7 +182,7 @@ def test_a_sweep_has_the_runs_of_train(folder):
     assert again.names == []
 
 
-def test_a_set_of_evaluations_has_the_numbers_of_evaluate(folder):
+def test_evaluations_on_a_cluster_give_the_same_results_as_evaluate(folder):
     cases = [{"policy": "scenario-1", "scenario": name, "episodes": 5, "rounds": 2} for name in ("empty", "hall")]
     cases.append({"policy": wayfield.Policy.load("scenario-2"), "episodes": 3, "rounds": 1, "seed": 9})
     cases.append({"policy": "dwa", "scenario": "empty", "episodes": 3, "rounds": 1})

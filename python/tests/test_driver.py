@@ -1,4 +1,4 @@
-"""The promises of policies that drive robots outside wayfield, step by step."""
+"""Tests of policies that drive robots outside wayfield, step by step."""
 
 import json
 import math
@@ -12,7 +12,7 @@ EMPTY = {"goal": (0.5, 2.0), "pose": (0.0, 0.0, 0.0), "twist": (0.0, 0.0)}
 
 
 def evaluated(driver, scenario, folder, episodes=4):
-    """The steps of an evaluation of `driver` in which it has decided."""
+    """The steps of an evaluation of `driver` in which it has chosen an action."""
     trace = folder / "steps.jsonl"
     wayfield.evaluate(driver, scenario, episodes=episodes, rounds=1, seed=3, trace=trace)
     steps = [json.loads(line) for line in trace.read_text().splitlines()]
@@ -22,12 +22,12 @@ def evaluated(driver, scenario, folder, episodes=4):
 
 
 def percepts(steps, shift_m=(0.0, 0.0), turns=0):
-    """What `Driver.act` gets in these steps. The frame's origin is shifted, and headings have that many turns more in every
-    second step."""
+    """The arguments of `Driver.act` in these steps, in a frame whose origin is shifted. `turns` full turns are added to the
+    heading in every second step."""
     for index, step in enumerate(steps):
         x_m, y_m, heading_rad = (np.float32(step[name]) for name in ("x_m", "y_m", "heading_rad"))
         to_goal = np.float32(step["goal_x_m"]) - x_m, np.float32(step["goal_y_m"]) - y_m
-        # Not between -pi and pi.
+        # Not wrapped to -pi..pi: any angle is allowed.
         bearing_rad = np.arctan2(to_goal[1], to_goal[0]) - heading_rad
         pose = (float(x_m) + shift_m[0], float(y_m) + shift_m[1], float(heading_rad) + index % 2 * turns * math.tau)
         goal = (float(bearing_rad), float(np.hypot(*to_goal)))
@@ -69,10 +69,10 @@ def test_a_policy_that_remembers_scans_drives_as_in_its_evaluation(scenario, tmp
     driver = wayfield.Policy.load("general").driver(scenario)
     chosen = actions(driver, steps)
     assert np.mean(chosen == [step["action"] for step in steps]) > 0.99
-    # Where they differ, rounding has decided between actions of the same value.
+    # Where they differ, rounding has decided between actions of almost equal value.
     for action, step in zip(chosen, steps, strict=True):
         assert step["q_values"][action] > max(step["q_values"]) - 1e-2
-    # The promise is worth something only if memory matters.
+    # This shows something only if memory matters.
     forgetful = []
     for _, ranges_m, percept in percepts(steps):
         driver.reset()
@@ -80,16 +80,16 @@ def test_a_policy_that_remembers_scans_drives_as_in_its_evaluation(scenario, tmp
     assert np.mean(chosen == forgetful) < 0.99
 
 
-@pytest.mark.parametrize(("name", "share"), [("scenario-1", 1.0), ("general", 0.99)])
-def test_a_policy_with_a_map_drives_as_in_its_evaluation(name, share, tmp_path):
+@pytest.mark.parametrize(("name", "agreement"), [("scenario-1", 1.0), ("general", 0.99)])
+def test_a_policy_with_a_map_drives_as_in_its_evaluation(name, agreement, tmp_path):
     steps = evaluated(f"{name}+map", "u-trap", tmp_path)
     policy = wayfield.Policy.load(name)
     theirs = np.array([step["action"] for step in steps])
-    assert np.mean(actions(policy.driver("u-trap", with_map=True), steps) == theirs) >= share
+    assert np.mean(actions(policy.driver("u-trap", with_map=True), steps) == theirs) >= agreement
     assert np.mean(actions(policy.driver("u-trap"), steps) == theirs) < 0.99, "the map matters"
 
 
-def test_a_pose_may_have_any_frame(tmp_path):
+def test_a_pose_may_be_in_any_frame(tmp_path):
     steps = evaluated("general", "crossing", tmp_path, episodes=2)
     driver = wayfield.Policy.load("general").driver("crossing", with_map=True)
     ours = actions(driver, steps)
@@ -159,7 +159,7 @@ def test_a_policy_must_fit_the_scenario():
         ({"twist": (0.0, -math.inf)}, "twist: w_rad_s is -inf; help: "),
     ],
 )
-def test_wrong_percepts_are_refused_and_forgotten(percept, message):
+def test_invalid_percepts_are_refused_and_forgotten(percept, message):
     driver, other = (wayfield.Policy.load("general").driver("scenario-1", with_map=True) for _ in range(2))
     right = {"ranges_m": [3.5] * 24, **EMPTY}
     for k in range(6):
@@ -169,7 +169,7 @@ def test_wrong_percepts_are_refused_and_forgotten(percept, message):
         assert driver.act(**right) == other.act(**right)
 
 
-def test_no_percept_in_range_is_an_internal_error():
+def test_no_valid_percept_causes_an_internal_error():
     rng = np.random.default_rng(1)
     for name in ("general", "scenario-1"):
         driver = wayfield.Policy.load(name).driver("scenario-1", with_map=True)

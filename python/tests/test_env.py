@@ -1,4 +1,4 @@
-"""The promises of the environments."""
+"""Tests of the environments."""
 
 import copy
 import pickle
@@ -16,7 +16,7 @@ SMALL = '(name: "small", enclosure: Rectangle(width_m: 2.0, height_m: 2.0), task
 
 
 def rollout(envs, steps, seed=7):
-    """Observations, rewards, terminated and truncated of random actions, one array each."""
+    """The observations, rewards, terminated and truncated flags after random actions, an array of each."""
     rng = np.random.default_rng(seed)
     kept = [envs.reset(seed=seed)[0]], [], [], []
     for _ in range(steps):
@@ -191,7 +191,7 @@ def test_continuous_actions_command_speed_and_turning_rate():
         continuous.step(np.array([np.nan, 0.0], np.float32))
 
 
-def test_pictures_show_the_robot():
+def test_rendered_images_show_the_robot():
     env = gymnasium.make(ENV, scenario="scenario-1", render_mode="rgb_array")
     env.reset(seed=1)
     first = env.render()
@@ -203,7 +203,7 @@ def test_pictures_show_the_robot():
     assert gymnasium.make(ENV).unwrapped.render() is None
 
 
-def test_errors_are_pythons_with_the_texts_of_the_command_line(tmp_path):
+def test_errors_are_python_exceptions_with_the_messages_of_the_command_line(tmp_path):
     with pytest.raises(FileNotFoundError, match="did you mean `scenario-1`"):
         gymnasium.make(ENV, scenario="scenaro-1")
     broken = tmp_path / "broken.ron"

@@ -1,4 +1,4 @@
-"""The promises of training, evaluation and policies."""
+"""Tests of training, evaluation and policies."""
 
 import ast
 import json
@@ -37,7 +37,7 @@ def run(tmp_path_factory):
     return wayfield.train("scenario-1", seed=7, steps=STEPS, out=tmp_path_factory.mktemp("run") / "run", progress=False)
 
 
-def test_a_suite_gives_the_numbers_of_the_command_line(tmp_path):
+def test_a_suite_gives_the_results_of_the_command_line(tmp_path):
     suite = tmp_path / "suite.ron"
     suite.write_text('''(name: "S", families: [(name: "still", scenarios: ["scenario-1", "maze"], episodes: 3),
         (name: "levels", generator: "clutter", levels: 5)])''')
@@ -57,7 +57,7 @@ def test_a_suite_gives_the_numbers_of_the_command_line(tmp_path):
         wayfield.evaluate("field", suite="mzae")
 
 
-def test_training_gives_the_bits_of_the_command_line(run, tmp_path):
+def test_training_gives_the_same_bits_as_the_command_line(run, tmp_path):
     summary = cli("--train", "--seed", 7, "--steps", STEPS, "--out", tmp_path / "run")
     assert (tmp_path / "run/policy.safetensors").read_bytes() == (run.folder / "policy.safetensors").read_bytes()
     assert summary["episodes"] == run.summary["episodes"]
@@ -81,7 +81,7 @@ def test_frames_are_pandas_if_it_is_installed(run):
 
 
 @pytest.mark.parametrize("scenario", [None, "scenario-2"])
-def test_an_evaluation_has_the_numbers_of_the_command_line(run, scenario):
+def test_an_evaluation_has_the_results_of_the_command_line(run, scenario):
     path = run.folder / "policy.safetensors"
     options = [] if scenario is None else ["--scenario", scenario]
     printed = cli("--eval", path, "--seed", 3, "--episodes", 20, "--rounds", 2, *options)
@@ -102,11 +102,11 @@ def test_a_function_drives_the_same_episodes_as_a_policy(actions):
     policy = wayfield.Policy.load("scenario-1")
     act = policy.act if actions == "discrete" else policy.velocities
     options = {"seed": 3, "episodes": 300, "rounds": 2}
-    policys = wayfield.evaluate(policy, "scenario-1", **options)
-    functions = wayfield.evaluate_function(act, actions=actions, **options)
-    assert policys.success_rate > 0.9 and functions.rounds == policys.rounds and functions.weights_crc32c is None
-    for name, column in policys.episodes.items():
-        np.testing.assert_array_equal(functions.episodes[name], column, err_msg=name)
+    of_policy = wayfield.evaluate(policy, "scenario-1", **options)
+    of_function = wayfield.evaluate_function(act, actions=actions, **options)
+    assert of_policy.success_rate > 0.9 and of_function.rounds == of_policy.rounds and of_function.weights_crc32c is None
+    for name, column in of_policy.episodes.items():
+        np.testing.assert_array_equal(of_function.episodes[name], column, err_msg=name)
 
 
 def test_a_function_that_is_evaluated_gets_clear_errors():
@@ -153,7 +153,7 @@ def test_several_policies_drive_the_same_episodes(run):
         wayfield.evaluate([])
 
 
-def test_classical_drivers_have_the_numbers_of_the_command_line(tmp_path):
+def test_classical_drivers_have_the_results_of_the_command_line(tmp_path):
     (tmp_path / "mine.ron").write_text("Dwa(horizon_s: 1.0)")
     drivers = ["field", "scenario-1", str(tmp_path / "mine.ron"), "scenario-1+map"]
     printed = cli("--eval", *drivers, "orca", "--seed", 3, "--episodes", 8, "--rounds", 2)["policies"]
@@ -192,7 +192,7 @@ def test_an_evaluation_can_be_compared_with_the_optimum(run):
     assert wayfield.evaluate(run.policy, episodes=2, rounds=1).time_ratio is None
 
 
-def test_a_policy_in_another_world_gives_a_warning(run):
+def test_a_policy_in_another_scenario_gives_a_warning(run):
     with pytest.warns(UserWarning, match="LIDAR noise: 0 m on its card, 0.02 m here") as warned:
         wayfield.evaluate(run.policy, set={"scenario.lidar.noise_std_m": 0.02}, episodes=2, rounds=1)
     assert warned[0].filename == __file__

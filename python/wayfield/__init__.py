@@ -49,7 +49,7 @@ __all__ = [
     "train",
 ]
 
-# The scenario has the time limit, so the specification has none.
+# The scenario sets the time limit, so Gymnasium's spec has no `max_episode_steps`.
 register(
     id="wayfield/Navigation-v0",
     entry_point="wayfield.env:NavigationEnv",

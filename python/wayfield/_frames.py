@@ -17,7 +17,7 @@ def read_csv(path: Path) -> dict[str, np.ndarray]:
 
 
 def columns(records: list[dict[str, Any]]) -> dict[str, np.ndarray]:
-    """The columns of records with equal keys; an absent number is NaN, an absent text is empty."""
+    """The columns of records with the same keys; a missing number is NaN, a missing string is empty."""
 
     def column(values: list[Any]) -> np.ndarray:
         missing = "" if any(isinstance(value, str) for value in values) else np.nan

@@ -1,4 +1,4 @@
-"""The info of a vectorized step: a dict that makes its arrays when they are first asked for."""
+"""The info of a vectorized step: a dict that makes its arrays when it is first used."""
 
 from collections.abc import Callable
 from typing import Any
@@ -7,11 +7,11 @@ from . import _native
 
 
 class StepInfo(dict[str, Any]):
-    """A dict whose first contents are those of ``details``, which is set right after it is made. (An ``__init__`` would take
-    time.) They are made at the first access, since most loops look at none of the arrays, and making them takes longer than
-    the rest of a vector call.
+    """A dict that gets its contents from ``details`` at the first access: most loops use none of the arrays, and making them
+    takes longer than the rest of a vector call. The caller sets ``details`` right after construction (an ``__init__`` would
+    take time).
 
-    A copy and a pickled one are plain dicts.
+    Copies, also by pickle, are plain dicts.
     """
 
     __slots__ = ("details",)
@@ -38,7 +38,8 @@ def _filling(name: str) -> Callable[..., Any]:
     return filled
 
 
-# All methods of a dict that read or change its contents. With `__iter__` among them, `dict(info)` and `{**info}` use `keys`.
+# All methods of a dict that read or change its contents. Because `__iter__` is overridden, `dict(info)` and `{**info}` call
+# `keys`, instead of copying the empty dict directly.
 _METHODS = (
     "__contains__ __delitem__ __eq__ __getitem__ __ior__ __iter__ __len__ __ne__ __or__ __repr__ __reversed__ __ror__ "
     "__setitem__ clear copy get items keys pop popitem setdefault update values"

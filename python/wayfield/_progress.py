@@ -1,17 +1,17 @@
-"""The line of progress of a training run."""
+"""The progress line of a training run."""
 
 import sys
 import time
 from collections.abc import Callable
 from typing import Any
 
-#: The seconds between two lines where stderr is not a terminal.
+#: The seconds between two lines if stderr is not a terminal.
 _PLAIN_INTERVAL_S = 10.0
 
 
 class ProgressLine:
-    """Calls the user's callback, and shows the progress on stderr: one line that is rewritten, or a line now and then if stderr
-    is a file."""
+    """Calls the user's callback, and shows the progress on stderr: one line that is rewritten, or every few seconds a new line if
+    stderr is a file."""
 
     def __init__(self, callback: Callable[[dict[str, Any]], Any] | None, show: bool) -> None:
         self._callback = callback

@@ -10,7 +10,7 @@ class RayPool:
 
     Args:
         cpus: The CPUs that a task needs, at least 1.
-        retries: How often a task is done again after its node or its process was lost.
+        retries: How many times a task is repeated after its node or its process was lost.
 
     Raises:
         ImportError: Ray is not installed.
@@ -35,7 +35,7 @@ class RayPool:
 
     def submit(self, name: str, work: Callable[..., Any], arguments: tuple[Any, ...]) -> Hashable:
         self._connect()
-        # An exception of wayfield's would come again; only lost processes and nodes are worth another try.
+        # wayfield's own exceptions would only recur; a retry helps only after a lost process or node.
         options = {"name": name, "num_cpus": self._cpus, "max_retries": self._retries, "retry_exceptions": False}
         handle: Hashable = self._ray.remote(_call).options(**options).remote(work, arguments)
         self._names[handle] = name

@@ -10,7 +10,7 @@ from gymnasium import spaces
 from . import _native
 from ._settings import pairs
 
-#: The images of environments are twice the size of the drawing, 480 x 360 pixels.
+#: Rendered images are twice the size of the drawing, which has 480 x 360 pixels.
 RENDER_SCALE = 2.0
 
 
@@ -24,7 +24,7 @@ def make_native(
     settings: Mapping[str, Any] | None,
     autoreset: str,
 ) -> _native.NativeEnv:
-    """The native environments with these options (``NavigationEnv`` describes them)."""
+    """Makes the native environments with these options (``NavigationEnv`` describes them)."""
     options = {
         "num_envs": num_envs,
         "task": task,
@@ -38,13 +38,13 @@ def make_native(
 
 
 def observation_space(native: _native.NativeEnv) -> spaces.Box:
-    """The space of one observation: float32, (beams + 4,)."""
+    """The space of one observation: float32, (width,)."""
     low, high = (np.array(bound, dtype=np.float32) for bound in native.observation_bounds)
     return spaces.Box(low, high, dtype=np.float32)
 
 
 def action_space(native: _native.NativeEnv) -> spaces.Space[Any]:
-    """The space of one action: an index of a motion, or a speed in m/s and a turning rate in rad/s."""
+    """The space of one action: the index of a motion, or a speed in m/s and a turning rate in rad/s."""
     if not native.is_continuous:
         return spaces.Discrete(native.num_actions)
     low, high = (np.array(bound, dtype=np.float32) for bound in native.motion_limits)
@@ -52,7 +52,7 @@ def action_space(native: _native.NativeEnv) -> spaces.Space[Any]:
 
 
 def render(native: _native.NativeEnv, index: int) -> np.ndarray:
-    """The picture of one environment: uint8, height x width x 3."""
+    """The image of one environment: uint8, height x width x 3."""
     height, width, pixels = native.render(index, RENDER_SCALE)
     return np.frombuffer(bytearray(pixels), np.uint8).reshape(height, width, 3)
 

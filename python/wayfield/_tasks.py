@@ -1,4 +1,4 @@
-"""Tasks for a cluster: what is done already is not repeated, and a task can start after another one."""
+"""Tasks for a cluster: finished tasks are not repeated, and a task can wait for another one."""
 
 import os
 import sys
@@ -12,9 +12,9 @@ class Task:
     """A piece of work for another process.
 
     Attributes:
-        name: What it is called; equal work has equal names.
+        name: Its name; tasks with the same name do the same work.
         work: The function that a process of the cluster calls. It needs nothing but its arguments.
-        arguments: Makes the arguments, when the task can start.
+        arguments: Makes the arguments; called when the task can start.
         is_done: Whether the result is stored already.
         store: Stores the result.
         after: The name of the task that this one waits for; None if it can start at once.
@@ -48,7 +48,7 @@ class Pool(Protocol):
 
 
 def run_tasks(tasks: Sequence[Task], pool: Pool, progress: bool) -> None:
-    """Carries out all tasks whose results are not stored yet, and stores each result as soon as it is there.
+    """Carries out all tasks whose results are not stored yet, and stores each result as soon as it arrives.
 
     Raises:
         RuntimeError: A task failed. The others are stopped; results that were stored before stay.
@@ -76,7 +76,7 @@ def run_tasks(tasks: Sequence[Task], pool: Pool, progress: bool) -> None:
 
 
 def replace_file(path: str | os.PathLike[str], contents: bytes) -> None:
-    """Writes a file that is complete or not there."""
+    """Writes a file atomically: an interruption leaves no incomplete file."""
     temporary = f"{os.fspath(path)}.tmp"
     with open(temporary, "wb") as file:
         file.write(contents)

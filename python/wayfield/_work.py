@@ -10,13 +10,13 @@ from ._folders import pack
 
 
 def train(build: str, cpus: int, text: str, inputs: dict[str, bytes]) -> bytes:
-    """Trains and tests the run of a task's ``text``. Returns the run folder as an archive.
+    """Carries out a training task. Returns the run folder as an archive.
 
     Args:
         build: The build of wayfield that made the task.
         cpus: The number of threads for matrix products.
-        text: The task.
-        inputs: The files that the training starts from, by their paths relative to the folder of all runs.
+        text: The task, as text.
+        inputs: The files that the training run starts from, by their paths relative to the folder of all runs.
     """
     _check_build(build)
     os.environ.setdefault("RAYON_NUM_THREADS", str(cpus))
@@ -29,7 +29,8 @@ def train(build: str, cpus: int, text: str, inputs: dict[str, bytes]) -> bytes:
 
 
 def evaluate(build: str, cpus: int, policy: tuple[bytes, bool] | str, options: dict[str, Any]) -> str:
-    """Tests a policy, given as its bytes and whether it has a map, or the driver with that RON text. Returns the list of reports, with one report, as JSON."""
+    """Tests ``policy``: the bytes of a policy and whether it has a map, or the RON text of a classical driver. Returns a list of
+    one report, as JSON."""
     _check_build(build)
     os.environ.setdefault("RAYON_NUM_THREADS", str(cpus))
     tested = policy if isinstance(policy, str) else _native.NativePolicy.from_bytes(*policy)

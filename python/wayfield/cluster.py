@@ -1,8 +1,8 @@
 """Reproductions, sweeps and sets of evaluations on several machines, with Ray (docs/cluster.md).
 
-Every training is a task of its own. Its result, the run folder, comes back through Ray, so no shared file system is needed. It
-is stored under a name that depends on its content: what is there already is not done again, and the same call continues after
-an interruption. The tasks of a lost node are done again on another one.
+Every training run is a task of its own. Its result, the run folder, comes back through Ray, so no shared file system is needed.
+It is stored under a name made from the task's content: what is stored already is not done again, so the same call continues
+after an interruption. The tasks of a lost node are repeated on another one.
 """
 
 import hashlib
@@ -32,9 +32,9 @@ class Reproduction:
     Attributes:
         folder: Its folder.
         report: Its page, ``report.html``.
-        runs: The number of trainings.
+        runs: The number of training runs.
         wall_s: The wall time in s of all calls that worked on it.
-        claims: For each claim ``claim``, ``outcome`` and ``because``.
+        claims: A dict for each claim, with the keys ``claim``, ``outcome`` and ``because``.
     """
 
     folder: Path
@@ -56,23 +56,23 @@ def reproduce(
     progress: bool = True,
     pool: Pool | None = None,
 ) -> Reproduction:
-    """Makes the report of ``wayfield --reproduce``, with every training as a task on the cluster.
+    """Makes the report of ``wayfield --reproduce``, with every training run as a task on the cluster.
 
     Args:
-        experiments: Files; none for the paper's experiments.
+        experiments: Experiment files; none for the paper's experiments.
         only: Names of figures, tables or experiments; none for all.
         seeds: The number of seeds, or a list of them; None for the experiments' own.
         set: Fields of presets and scenarios with other values, as in ``wayfield.train``.
-        quick: Make a rough report in a minute.
+        quick: Whether to make a rough report in a minute.
         out: The folder of the report; None for that of the command line.
-        cpus: The CPUs that a training needs. It changes no result.
-        retries: How often a training is done again after its node was lost.
-        progress: Whether to show the finished trainings on stderr.
-        pool: Other processes than Ray's.
+        cpus: The CPUs that a training run needs. It changes no result.
+        retries: How many times a training run is repeated after its node was lost.
+        progress: Whether to show the finished runs on stderr.
+        pool: The pool of processes to use instead of Ray's.
 
     Raises:
         ValueError: An option or a file is invalid, or the folder is in use.
-        RuntimeError: A training failed. Finished trainings stay; the same call continues.
+        RuntimeError: A training run failed. Finished runs stay; the same call continues.
         ImportError: Ray is not installed.
     """
     pool = pool or RayPool(cpus, retries)
@@ -105,9 +105,9 @@ def sweep(
     """Trains with many settings, each as a task on the cluster.
 
     Args:
-        runs: The options of each training, those of ``wayfield.train`` that change its result: ``{"seed": 3, "set":
+        runs: The options of each training run, those of ``wayfield.train`` that change its result: ``{"seed": 3, "set":
             {"learning.gamma": 0.97}}``.
-        out: The folder for the run folders. They have no checkpoints, so that ``wayfield.resume`` cannot continue them.
+        out: The folder for the run folders. They have no checkpoints, so ``wayfield.resume`` cannot continue them.
         cpus, retries, progress, pool: As for ``reproduce``.
 
     Returns:
@@ -115,7 +115,7 @@ def sweep(
 
     Raises:
         ValueError: An option is invalid.
-        RuntimeError: A training failed. Finished trainings stay; the same call continues.
+        RuntimeError: A training run failed. Finished runs stay; the same call continues.
         ImportError: Ray is not installed.
     """
     folder, pool = Path(out), pool or RayPool(cpus, retries)
@@ -146,8 +146,8 @@ def evaluate(
     """Tests many policies or classical drivers, or one in many scenarios, each as a task on the cluster.
 
     Args:
-        cases: The options of each test, those of ``wayfield.evaluate`` with one policy or driver and without a trace: ``{"policy":
-            "runs/a/policy.safetensors", "scenario": "hall"}``.
+        cases: The options of each test, those of ``wayfield.evaluate`` with one policy or driver and without a trace:
+            ``{"policy": "runs/a/policy.safetensors", "scenario": "hall"}``.
         out: The folder for the results, a JSON file each.
         cpus, retries, progress, pool: As for ``reproduce``.
 
@@ -168,14 +168,14 @@ def evaluate(
 
 
 def _seeds(seeds: int | Sequence[int] | None) -> str | None:
-    """Seeds as the command line takes them: a comma makes a single number a list."""
+    """Seeds as the command line takes them: ``3`` is a number of seeds, ``3,`` a list of one seed."""
     if seeds is None or isinstance(seeds, int):
         return None if seeds is None else str(seeds)
     return ",".join(map(str, seeds)) + ("," if len(seeds) == 1 else "")
 
 
 def _training(record: dict[str, Any], runs: Path, cpus: int, inputs: dict[str, bytes]) -> Task:
-    """The task of a training whose run folder is stored in ``runs``. If it starts from another one there, it waits for it."""
+    """The task of a training run whose folder is stored in ``runs``. If it starts from another run, it waits for that run."""
     name, text, origin = record["name"], record["text"], record["starts_from"]
     waits = origin is not None and origin not in inputs
 
@@ -200,10 +200,10 @@ def _evaluation(case: dict[str, Any], folder: Path, cpus: int) -> Task:
         raise ValueError("a case has a trace; help: leave it out, and use wayfield.evaluate for traces")
     (policy,), options = evaluation_options([case.pop("policy")], **case)
     scenario, settings = options["scenario"], options["settings"]
-    # The whole scenario: its file may change, and need not be on the node.
+    # The scenario's text: its file may change, and need not be on the node.
     options["scenario"] = _native.evaluation_scenario([policy], options["names"], scenario, settings)
     options["settings"] = []
-    # A classical driver is its text; a policy is its bytes, and whether it has a map.
+    # A classical driver is sent as its text, a policy as its bytes and whether it has a map.
     contents = policy if isinstance(policy, str) else (policy.to_bytes(), policy.with_map)
     identity = json.dumps([_native.build(), {**options, "names": []}], sort_keys=True).encode()
     parts = contents.encode() if isinstance(contents, str) else contents[0] + b"+map" * contents[1]

@@ -50,8 +50,8 @@ class Driver:
             warnings.warn(self._native.warning, stacklevel=3)
 
     def reset(self) -> None:
-        """Starts an episode, as in a new place: forgets all scans and the map. A new driver needs no reset, a new goal none
-        either."""
+        """Starts an episode, for example in another building: forgets all scans and the map. Neither a new driver nor a new goal
+        needs a reset."""
         self._native.reset()
 
     def act(
@@ -62,8 +62,8 @@ class Driver:
         pose: tuple[float, float, float],
         twist: tuple[float, float],
     ) -> Motion:
-        """The motion for the next control period. Call it once per control period, since the policy takes the time between two
-        calls for one.
+        """Chooses the motion for the next control period. Call it once per control period: the policy assumes that this is the
+        time between two calls.
 
         Args:
             ranges_m: The scan: one range per beam in m, in the order of ``beam_angles_rad``. A beam that hits nothing has the

@@ -15,29 +15,29 @@ class NavigationEnv(gymnasium.Env):
 
     **Observation**: float32, (beams + 4,); 28 numbers with 24 beams. The LIDAR's ranges, counterclockwise; the goal's bearing,
     left positive; the goal's distance; the smallest range; the index of its beam. ``"scaled"``: divided by 3.5 m, pi, 4 m,
-    3.5 m and the number of beams. ``"raw"``: in m and rad.
+    3.5 m and the number of beams. ``"raw"``: in m and rad. A preset may observe by sectors instead, with another width and
+    without bounds, as ``general`` does.
 
     **Action**: ``"discrete"``, the index of one of the robot's motions (``motions``), or ``"continuous"``, float32, (2,): speed
-    in m/s and turning rate in rad/s, limited to the action space, and to what the robot's
-    least turning radius allows.
+    in m/s and turning rate in rad/s, limited to the action space, and to what the robot's minimum turning radius allows.
 
     **Reward**: the sum of the terms in ``info``: ``reward_goal``, ``reward_collision``, ``reward_attraction`` and
     ``reward_repulsion``. ``info`` also has ``is_success`` and ``collision``.
 
-    **End**: a collision and a reached goal terminate, the scenario's time limit (500 steps by default) truncates. A step is one
-    control period (0.2 s by default).
+    **End**: a collision or a reached goal terminates an episode, the scenario's time limit (500 steps by default) truncates it. A
+    step is one control period (0.2 s by default).
 
     Args:
         scenario: A shipped scenario by name (``wayfield.scenarios()``), a file's path, or the text of a RON file.
         task: ``"navigation"``: a reached goal ends the episode, and the next one starts elsewhere. ``"continuing"``: the next
-            episode starts where the robot is, with a new goal, and a collision or the time limit moves the robot. The learner
-            of wayfield trains in this one.
+            episode starts where the robot is, with a new goal; only a collision or the time limit moves the robot.
+            wayfield's own learner trains in this task.
         observation: ``"scaled"`` or ``"raw"``; None takes the preset's.
         actions: ``"discrete"`` or ``"continuous"``.
         preset: A training preset (``wayfield.presets()``, a path or RON text), whose reward and observation are used.
         set: Fields of the preset or of the scenario with other values, as ``--set`` takes them: ``{"reward.mu": 50,
-            "reward.kind": "Traditional", "scenario.lidar.noise_std_m": 0.02}``. A text is RON; tuples are RON's.
-        render_mode: None, or ``"rgb_array"``: a picture of 720 x 960 pixels from above, with obstacles, goal, robot and beams.
+            "reward.kind": "Traditional", "scenario.lidar.noise_std_m": 0.02}``. A string is RON text; a tuple, a RON tuple.
+        render_mode: None, or ``"rgb_array"``: an image of 960 x 720 pixels from above, with obstacles, goal, robot and beams.
 
     Raises:
         ValueError: An option or the scenario is invalid; the message has file, line and a fix.
@@ -67,8 +67,8 @@ class NavigationEnv(gymnasium.Env):
         self._is_reset = False
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
-        """Starts an episode. With a seed, its random numbers are those of Rust's ``VecEnv::reset(seed)``; without one, those of
-        the episodes before continue.
+        """Starts an episode. With a seed, its random numbers are those of Rust's ``VecEnv::reset(seed)``; without one, the
+        random numbers of the previous episodes continue.
 
         Returns:
             The observation and an empty dict.
@@ -90,7 +90,7 @@ class NavigationEnv(gymnasium.Env):
         return self._native.step_one(action)
 
     def render(self) -> np.ndarray | None:
-        """The picture of the environment: uint8, 720 x 960 x 3; None without ``render_mode="rgb_array"``."""
+        """The image of the environment: uint8, 720 x 960 x 3; None without ``render_mode="rgb_array"``."""
         return render(self._native, 0) if self.render_mode == "rgb_array" else None
 
     @property

@@ -23,15 +23,15 @@ class Evaluation:
     """The results of a policy or a driver over episodes: the numbers of ``wayfield --eval --json``.
 
     Attributes:
-        driver_class: What it may perceive (docs/drivers.md): "A", as all policies without a map, "B" or "C".
+        driver_class: What it may perceive (docs/drivers.md): "A" (all policies without a map), "B" or "C".
         weights_crc32c: The checksum of the policy's weights; None for a classical driver or a function.
         scenario: The scenario's name.
-        success_rate, collision_rate, timeout_rate: Shares of the episodes, 0 to 1.
+        success_rate, collision_rate, timeout_rate: Fractions of the episodes, 0 to 1.
         success_interval, collision_interval, timeout_interval: Their 95 % confidence intervals.
         mean_time_s: The mean simulated time of the successful episodes in s; None without one.
         spl: The mean success weighted by path length, 0 to 1.
-        mean_cost_s: The mean of all, in which a failed episode counts as the whole time limit.
-        optimum_mean_time_s, time_ratio: With ``optimum=True``, the mean time of the planner, and the policy's divided by it.
+        mean_cost_s: The mean time of all episodes in s, where a failed one counts as the whole time limit.
+        optimum_mean_time_s, time_ratio: With ``optimum=True``, the planner's mean time in s, and the policy's divided by it.
         seed: The seed of starts and goals.
         rounds: The success rate of each round.
         episodes: The columns of ``wayfield --eval --csv`` (docs/command-line.md), one value per episode; NaN if unknown.
@@ -124,20 +124,20 @@ def evaluate(
     optimum: bool = False,
     trace: str | os.PathLike[str] | None = None,
 ) -> Evaluation | list[Evaluation] | SuiteEvaluation | list[SuiteEvaluation]:
-    """Tests a policy or a classical driver over ``rounds * episodes`` episodes, as ``wayfield --eval``, or several of them in
+    """Tests a policy or a classical driver over ``rounds * episodes`` episodes, like ``wayfield --eval``, or several of them in
     the same episodes.
 
     Args:
-        policy: A policy, its file, or the name of a shipped one, these two also with ``+map`` behind them, which gives the policy
-            a map that it builds as it drives (docs/drivers.md); or a classical driver: its name (``"dwa"``; docs/drivers.md
-            lists them), its RON file or its RON text; or a list of them.
+        policy: A policy, its file, or the name of a shipped one; with ``+map`` after file or name, the policy builds a map as it
+            drives. Or a classical driver: its name, such as ``"dwa"``, its RON file or its RON text. Or a list of these. See
+            docs/drivers.md.
         scenario: A shipped name, a path or RON text; None for the scenario that the policies were trained in, or Scenario I if
             there are none.
-        suite: In place of ``scenario``, many scenarios with results by families: the file of a suite or ``"shipped"`` or
+        suite: In place of ``scenario``, many scenarios with results by family: the file of a suite or ``"shipped"`` or
             ``"validation"``, a folder of scenarios, a set of scenarios, or a level generator (docs/suites.md). ``episodes`` is
             the number in each scenario then; ``rounds``, ``benchmark_route`` and ``trace`` are for one scenario.
         set: Fields of the scenario with other values, as ``--set`` takes them: ``{"scenario.lidar.noise_std_m": 0.02}``.
-        episodes: The episodes of a round; 100 if None, and in a suite as many as it says.
+        episodes: The episodes of a round; 100 if None, or in a suite the number that the suite sets.
         rounds: The number of rounds; 5 if None.
         seed: The seed of starts and goals. Equal seeds give equal episodes.
         benchmark_route: Drive the scenario's benchmark route in every episode.
@@ -195,8 +195,8 @@ def evaluate_function(
     """Tests a function, such as the policy of another library, in the episodes of ``evaluate`` with the same options.
 
     Args:
-        act: Gets observations, float32, (rows, width), one row per episode that runs at the time, and returns their actions,
-            (rows,), or motions, (rows, 2). The rows of episodes that have ended are without meaning.
+        act: Gets observations, float32, (rows, width), one row per parallel episode, and returns their actions, (rows,), or
+            motions, (rows, 2). The rows of episodes that have ended are meaningless.
         scenario: A shipped name, a path or RON text.
         observation: ``"scaled"`` or ``"raw"``, as in ``NavigationEnv``.
         actions: ``"discrete"`` or ``"continuous"``, as in ``NavigationEnv``.
@@ -265,8 +265,8 @@ def _options(
 
 
 def evaluation_from(report: dict[str, Any]) -> Evaluation:
-    """The results in the native module's report on a policy. A warning in it is given where the user called the function that
-    calls this one."""
+    """The results in the native module's report on a policy. Its warning, if any, points to the line where the user called the
+    function that calls this one."""
     warning = report.pop("warning")
     if warning is not None:
         warnings.warn(warning, stacklevel=3)

@@ -39,7 +39,7 @@ class Problem:
     Attributes:
         level: "error", "warning" or "note".
         path: The file.
-        line, column: The place, from 1; None if it has none.
+        line, column: The position, from 1; None if it has none.
         message: What is wrong, and the fix.
     """
 
@@ -50,12 +50,12 @@ class Problem:
     message: str
 
     def __str__(self) -> str:
-        place = "" if self.line is None else f"{self.line}:{self.column}:"
-        return f"{self.path}:{place} {self.level}: {self.message}"
+        position = "" if self.line is None else f"{self.line}:{self.column}:"
+        return f"{self.path}:{position} {self.level}: {self.message}"
 
 
 def check(*paths: str | os.PathLike[str]) -> list[Problem]:
-    """Checks scenarios, presets, experiments, run configurations and policies, as ``wayfield --check``.
+    """Checks scenarios, presets, experiments, run configurations and policies, like ``wayfield --check``.
 
     Args:
         paths: Files, and folders of RON files.
@@ -82,17 +82,17 @@ def draw(
     resolution: float | None = None,
     size: tuple[int, int] | None = None,
 ) -> None:
-    """Draws a scenario from above into an SVG, PNG or PDF file, or levels of a generator, or a set, as ``wayfield --draw``.
+    """Draws a scenario, levels of a generator, or a set from above into an SVG, PNG or PDF file, like ``wayfield --draw``.
 
     Args:
-        scenario: A shipped scenario or level generator by name, a file's path, or RON text, also of a set.
+        scenario: A shipped scenario or level generator by name, the path of a file, or RON text; also a set.
         path: The file; its extension decides the format.
         set: Fields of the scenario with other values, as in ``train``.
         plain: Without the name, the legend and the axes.
         levels: The number of levels of a level generator, 1 to 100; None for 12.
         seed: The seed of the first of them; None for 0.
         over: A map from which the scenario was imported, whose occupied cells are marked.
-        resolution: The side of a pixel in m, if that map is a plain picture.
+        resolution: The side of a pixel in m, if that map is a plain image.
         size: Width and height in pixels (96 per inch in PDF); None for the figure's.
 
     Raises:

@@ -15,8 +15,8 @@ class ImportedScenario:
 
     Attributes:
         text: The scenario as RON text, which every ``scenario`` argument takes.
-        deviation_m: The largest distance of a wall from the cells of the map that it stands for.
-        path_length_m: The length of a shortest path from start to goal, if the source states it, as BARN does.
+        deviation_m: The largest distance in m of a wall from the cells of the map that it represents.
+        path_length_m: The length in m of a shortest path from start to goal, if the source states it, as BARN does.
         findings: What could not be represented, a line for each kind of thing.
     """
 
@@ -38,13 +38,13 @@ def import_scenario(
     robot: str | os.PathLike[str] | None = None,
     set: Mapping[str, Any] | None = None,
 ) -> ImportedScenario:
-    """Makes a scenario of a ROS map, a picture, a world of Gazebo or a BARN world, as ``wayfield --import``.
+    """Makes a scenario from a ROS map, an image, a Gazebo world or a BARN world, like ``wayfield --import``.
 
     Args:
         path: The file: .yaml, .png, .pgm, .world, .sdf or .json.
-        resolution: The side of a pixel of a plain picture, in m.
-        tolerance: How far the walls may be from the cells of a map, in m; by default the side of a cell and 0.01.
-        specks: Parts of up to this many cells of a map count as floor.
+        resolution: The side of a pixel of a plain image, in m.
+        tolerance: How far the walls may be from the cells of a map, in m; by default the side of a cell plus 0.01.
+        specks: Connected occupied or unknown parts of up to this many cells of a map become floor.
         lidar_height: The height, in m, at which the shapes of an SDF world are cut.
         models: Folders with the models that an SDF world includes.
         world: The number of the world in a file of BARN worlds.

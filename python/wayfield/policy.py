@@ -74,8 +74,8 @@ class Policy:
         return velocities
 
     def encode(self, ranges_m: Any, bearing_rad: float, distance_m: float) -> np.ndarray:
-        """The observation (float32) for a LIDAR scan and a goal, for robots outside wayfield. ``driver`` is the way for policies that
-        also observe what was seen before.
+        """The observation (float32) for a LIDAR scan and a goal, for robots outside wayfield. Use ``driver`` for policies
+        that also observe earlier scans.
 
         Args:
             ranges_m: One range per beam in m, counterclockwise from the first beam of the card.
@@ -90,10 +90,10 @@ class Policy:
     def driver(
         self, scenario: str | os.PathLike[str], *, with_map: bool = False, set: Mapping[str, Any] | None = None
     ) -> Driver:
-        """The policy as the driver of a robot outside wayfield, step by step.
+        """Makes a driver for a robot outside wayfield, which this policy drives step by step.
 
         Args:
-            scenario: A shipped name, a path or RON text. Its robot, LIDAR, control period and goal radius are those of the robot;
+            scenario: A shipped name, a path or RON text. Its robot, LIDAR, control period and goal radius must be the real ones;
                 its obstacles do not matter.
             with_map: Whether it builds a map as it drives, and so leaves dead ends (docs/drivers.md).
             set: Fields of the scenario with other values, as ``--set`` takes them: ``{"scenario.lidar.beams": 360}``.
@@ -132,15 +132,15 @@ class Policy:
     def export_onnx(
         self, path: str | os.PathLike[str], evaluations: "Sequence[Evaluation]" = ()
     ) -> Path | None:
-        """Writes the policy as an ONNX file, as ``wayfield --export``: metres and radians in, velocities out.
+        """Writes the policy as an ONNX file, like ``wayfield --export``: metres and radians in, velocities out.
 
         Args:
             path: The file, with the extension ``onnx``.
             evaluations: Results of ``wayfield.evaluate`` with this policy, for the model card.
 
         Returns:
-            The path of the model card (``README.md`` in the same folder), or None if there is a page that wayfield did not
-            write.
+            The path of the model card (``README.md`` in the same folder), or None if that file exists and wayfield did not
+            write it.
         """
         card = self._native.export_onnx(os.fspath(path), [evaluation.to_json() for evaluation in evaluations])
         return None if card is None else Path(card)

@@ -18,8 +18,8 @@ from .vector import NavigationVectorEnv
 class NavigationVecEnv(VecEnv):
     """``num_envs`` robots in one process, for SB3's learners: ``DQN("MlpPolicy", NavigationVecEnv(16))``.
 
-    The options are those of :class:`wayfield.NavigationVectorEnv`. ``infos`` have ``is_success``, and at the end of an episode
-    ``terminal_observation`` and ``TimeLimit.truncated``.
+    The options are those of :class:`wayfield.NavigationVectorEnv`. At the end of an episode, the environment's info has
+    ``is_success``, ``terminal_observation`` and ``TimeLimit.truncated``; otherwise it is empty.
     """
 
     def __init__(self, num_envs: int = 1, scenario: str | os.PathLike[str] = "scenario-1", **options: Any) -> None:
@@ -63,7 +63,7 @@ class NavigationVecEnv(VecEnv):
         self.envs.close()
 
     def get_images(self) -> Sequence[np.ndarray | None]:
-        """The picture of each environment."""
+        """The image of each environment."""
         return self.envs.render() or [None] * self.num_envs
 
     def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:

@@ -61,7 +61,7 @@ class TrainingResult:
         return to_frame(self.evaluations)
 
     def draw(self, path: str | os.PathLike[str]) -> None:
-        """Draws the learning curves into an SVG, PNG or PDF file, as ``wayfield --draw --run``."""
+        """Draws the learning curves into an SVG, PNG or PDF file, like ``wayfield --draw --run``."""
         _native.draw_run(os.fspath(self.folder), os.fspath(path))
 
     def _repr_svg_(self) -> str:
@@ -92,17 +92,17 @@ def train(
         scenario: A shipped scenario by name, a file's path, or RON text.
         preset: A shipped training preset by name, a file's path, or RON text.
         set: Fields of the preset or of the scenario with other values, as ``--set`` takes them: ``{"learning.gamma": 0.97,
-            "scenario.lidar.noise_std_m": 0.02}``. A text is RON; tuples are RON's.
+            "scenario.lidar.noise_std_m": 0.02}``. A string is RON text; a tuple, a RON tuple.
         seed: The seed of every random number.
         steps: The budget in env steps over all arenas; None for the preset's.
         episodes: The budget in episodes, in place of ``steps``.
         arenas: The number of parallel robots; None for the preset's.
         out: The run folder, a new one; None for ``runs/<scenario>-<preset>-<seed>``.
-        init: A policy whose weights the training starts from (transfer).
+        init: A policy whose weights the run starts from (transfer).
         epsilon: With ``init``, the initial probability of a random action, 0 to 1.
         callback: Called every 0.1 s with ``episodes``, ``env_steps``, ``gradient_steps``, ``mean_return``, ``success_rate`` (of
             the last evaluation), and ``epsilon``. The run stops if it returns False.
-        progress: Whether to show a line of progress on stderr.
+        progress: Whether to show a progress line on stderr.
         checkpoint_every_s: The interval of checkpoints in s; it does not change what is learned.
 
     Raises:
@@ -170,7 +170,7 @@ def resume(
     progress: bool = True,
     checkpoint_every_s: float = 30.0,
 ) -> TrainingResult:
-    """Continues a run exactly where it stopped, as ``wayfield --resume``.
+    """Continues a run exactly where it stopped, like ``wayfield --resume``.
 
     Args:
         folder: The run folder.
@@ -186,7 +186,7 @@ def resume(
 
 
 def load_run(folder: str | os.PathLike[str]) -> TrainingResult:
-    """The run in ``folder``, which must be complete.
+    """The run in ``folder``, finished or stopped.
 
     Raises:
         FileNotFoundError: The folder has no ``summary.json``.

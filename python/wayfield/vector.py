@@ -22,11 +22,12 @@ class NavigationVectorEnv(VectorEnv):
     """``num_envs`` robots in one scenario: ``gymnasium.make_vec("wayfield/Navigation-v0", num_envs=64, ...)``.
 
     Observations, actions, rewards and options are those of :class:`wayfield.NavigationEnv`, with a first axis of length
-    ``num_envs``. Environment k has the same results for every ``num_envs``, and with the same seed those of environment k of
-    Rust's ``VecEnv``.
+    ``num_envs``. The results of environment k do not depend on ``num_envs``; with the same seed, they are those of environment k
+    of Rust's ``VecEnv``.
 
-    ``info`` is a dict, filled when it is first read. It holds arrays: float64 ``reward_goal``, ``reward_collision``, ``reward_attraction``, ``reward_repulsion``, bool
-    ``is_success`` and ``collision``. As in Gymnasium, the mask ``_key`` says in which environments ``key`` is valid.
+    ``info`` is a dict of arrays, filled when it is first read: float64 ``reward_goal``, ``reward_collision``,
+    ``reward_attraction`` and ``reward_repulsion``, bool ``is_success`` and ``collision``. As in Gymnasium, the mask ``_key``
+    marks the environments in which ``key`` is valid.
 
     Args:
         num_envs: The number of robots, 1 to 4096.
@@ -68,8 +69,8 @@ class NavigationVectorEnv(VectorEnv):
         self._is_reset = False
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
-        """Starts new episodes: in all environments, or in those of the bool array ``options["reset_mask"]``. With a seed,
-        environment k gets the random numbers of environment k of Rust's ``VecEnv::reset(seed)``.
+        """Starts new episodes: in all environments, or in those that the bool array ``options["reset_mask"]`` selects. With a
+        seed, environment k gets the random numbers of environment k of Rust's ``VecEnv::reset(seed)``.
 
         Returns:
             All observations, float32, (num_envs, width), and an empty dict.
@@ -101,7 +102,7 @@ class NavigationVectorEnv(VectorEnv):
         return observations, rewards, terminated, truncated, info
 
     def render(self) -> tuple[np.ndarray, ...] | None:
-        """The picture of each environment: uint8, 720 x 960 x 3; None without ``render_mode="rgb_array"``."""
+        """The image of each environment: uint8, 720 x 960 x 3; None without ``render_mode="rgb_array"``."""
         if self.render_mode != "rgb_array":
             return None
         return tuple(render(self._native, index) for index in range(self.num_envs))
@@ -112,5 +113,5 @@ class NavigationVectorEnv(VectorEnv):
         return self._native.motions
 
     def state(self, index: int) -> dict[str, Any]:
-        """The state of one environment, as ``NavigationEnv.state``."""
+        """The state of one environment, like ``NavigationEnv.state``."""
         return self._native.state(index)

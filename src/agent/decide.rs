@@ -1,7 +1,7 @@
 //! Action selection (`Decide`): one forward pass turns the batch of observations into a batch of actions.
 //!
-//! In: [`Observations`], the learner's network or a fixed policy, epsilon. Out: [`Actions`]; for display, the Q-values
-//! and which actions were random ([`Decisions`]).
+//! In: [`Observations`], epsilon, and the learner's network, a fixed policy or a source per arena. Out: [`Actions`]; for display,
+//! the Q-values and which actions were random ([`Decisions`]).
 
 use bevy::prelude::*;
 
@@ -57,7 +57,7 @@ pub struct Decisions {
 }
 
 impl Decisions {
-    /// No decisions yet, and the initial streams of `seed`.
+    /// Makes the initial state: no decisions yet, and the streams of `seed`.
     #[must_use]
     pub(crate) fn new(seed: u64, arenas: usize) -> Self {
         Self {
@@ -108,23 +108,23 @@ pub(super) fn decide(
                         network.q_values(observations.row(arena), 1, &mut row);
                         actions.0[arena] = greedy(&row);
                     }
-                    // A user or a classical driver has no Q-values; a row of NaN keeps the rows of the other arenas in place.
+                    // The user and the drivers give no Q-values; a row of NaN keeps the rows of the other arenas in place.
                     ActionSource::Manual(action) => {
-                        no_q_values(&mut row, sources.num_actions);
+                        fill_with_nan(&mut row, sources.num_actions);
                         actions.0[arena] = (*action).min(sources.num_actions.saturating_sub(1));
                     }
                     // `drive` chooses its action.
-                    ActionSource::Driver(_) => no_q_values(&mut row, sources.num_actions),
+                    ActionSource::Driver(_) => fill_with_nan(&mut row, sources.num_actions),
                 }
                 decisions.q_values.extend_from_slice(&row);
             }
         }
-        // Without a network, the last actions are repeated.
+        // Without the resource that the method needs, the last actions are repeated.
         _ => {}
     }
 }
 
-fn no_q_values(row: &mut Vec<f32>, num_actions: usize) {
+fn fill_with_nan(row: &mut Vec<f32>, num_actions: usize) {
     row.clear();
     row.resize(num_actions, f32::NAN);
 }

@@ -1,7 +1,7 @@
 //! Classical drivers, and policies with a map, as action sources (`Decide`).
 //!
-//! In: the components of an arena. Out: its action. A driver of class A or B gets what a policy's observation is made of and the
-//! robot's own motion; one of class C also gets the true scenario.
+//! In: the components of an arena. Out: its action. A driver of class A or B gets what a policy's observation is made of, and
+//! odometry; one of class C also gets the true scenario and pose.
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
@@ -17,17 +17,17 @@ use crate::task::{
     Pedestrians, Pose, Scan, Twist,
 };
 
-/// What drives by percepts.
+/// What a [`DriverSource`] makes its drivers from. They choose actions from [`Percept`]s.
 #[derive(Clone, Debug)]
 pub enum DriverKind {
     /// A classical driver with its parameters.
     Classical(DriverConfig),
-    /// A policy, also with a map that it builds.
+    /// A policy, without or with a map that it builds as it drives.
     Policy(DrivingPolicy),
 }
 
 impl DriverKind {
-    /// What it may perceive.
+    /// Returns the class: what the driver may perceive.
     #[must_use]
     pub fn class(&self) -> DriverClass {
         match self {
@@ -36,7 +36,7 @@ impl DriverKind {
         }
     }
 
-    /// A driver of the robot of `scenario` for one episode.
+    /// Makes a driver for one episode, for the robot of `scenario`.
     fn driver(&self, scenario: &Scenario) -> Box<dyn Driver> {
         match self {
             Self::Classical(config) => config.driver(&Robot::of(scenario)),
@@ -45,23 +45,23 @@ impl DriverKind {
     }
 }
 
-/// A driver in one arena. It starts anew with every episode.
+/// The driver of one arena. Each episode gets a new one.
 pub struct DriverSource {
     kind: DriverKind,
     /// The driver of the current episode; `None` before the first step.
     driver: Option<Box<dyn Driver>>,
-    /// The pose that the robot believed in at the last decision.
+    /// The estimated pose at the last decision.
     last_pose: Pose,
 }
 
 impl DriverSource {
-    /// A driver of the kind `kind`.
+    /// Makes a source whose drivers are of the kind `kind`.
     #[must_use]
     pub fn new(kind: DriverKind) -> Self {
         Self { kind, driver: None, last_pose: Pose::default() }
     }
 
-    /// What it plans with, in the arena's frame; `None` before the first step, or if it plans no path.
+    /// Returns the driver's path and map, in the arena's frame; `None` before the first step, or if it plans no path.
     #[must_use]
     pub fn plan(&self) -> Option<DriverPlan> {
         self.driver.as_ref()?.plan(tuple(&self.last_pose))
@@ -72,7 +72,7 @@ fn tuple(pose: &Pose) -> (f32, f32, f32) {
     (pose.x_m, pose.y_m, pose.heading_rad)
 }
 
-/// The components of an arena that a driver perceives.
+/// The components of an arena from which [`drive`] makes a [`Percept`].
 type Perceived = (
     &'static Arena,
     &'static ArenaLayout,
@@ -94,14 +94,14 @@ pub(super) struct Commanded<'w> {
 }
 
 impl Commanded<'_> {
-    /// Commands `action` in `arena`: one of `motions`, or else of the motions of `robot`.
+    /// Commands `action` in `arena`: an index into `motions`, or without them into the motions of `robot`.
     fn set(&mut self, arena: usize, action: usize, motions: Option<&[Motion]>, robot: &scenario::Robot) {
         let all = motions.unwrap_or(&robot.motions);
         let action = action.min(all.len().saturating_sub(1));
-        let is_networks = motions.is_none() && self.action_set.0 == ActionSet::Robot;
-        let motion = if is_networks { None } else { all.get(action).copied() };
-        if let Some(place) = self.actions.0.get_mut(arena) {
-            *place = action;
+        let is_network_action = motions.is_none() && self.action_set.0 == ActionSet::Robot;
+        let motion = if is_network_action { None } else { all.get(action).copied() };
+        if let Some(slot) = self.actions.0.get_mut(arena) {
+            *slot = action;
         }
         let commanded = &mut self.motions.0;
         commanded.resize(commanded.len().max(arena + 1), None);
@@ -130,7 +130,7 @@ pub(super) fn drive(
             continue;
         }
         if episode.steps == 0 || source.driver.is_none() {
-            // As a policy, it does not know what is drawn for the episode.
+            // Like a policy, it does not know the values drawn for the episode.
             source.driver = Some(source.kind.driver(&layout.written));
             source.last_pose = *estimate;
         }

@@ -5,7 +5,7 @@
 //! | file | responsible for |
 //! |---|---|
 //! | `decide.rs` | `Decide`: observations -> actions, epsilon-greedy or greedy |
-//! | `drive.rs` | `Decide`: the actions of classical drivers, and of policies with a map |
+//! | `drive.rs` | `Decide`: the actions of classical drivers, and of policies with a map that they build |
 //! | `train.rs` | `Store` and `Learn`: transitions -> replay buffer -> gradient steps |
 
 mod decide;
@@ -25,7 +25,7 @@ use crate::task::step_is_finite;
 pub(crate) struct AgentPlugin {
     /// The method that selects actions.
     pub action_selection: ActionSelection,
-    /// The run's seed. Arena k explores with the seed's stream ("exploration", k).
+    /// The run's seed. Arena k explores with the random stream ("exploration", k) of this seed.
     pub seed: u64,
     /// The number of arenas.
     pub arenas: usize,

@@ -25,7 +25,7 @@ pub struct TrainingWarning {
 }
 
 impl TrainingWarning {
-    /// The first warning of the run, returned once; `None` afterwards.
+    /// Returns the first warning of the run, once; `None` afterwards.
     pub(crate) fn take_new(&mut self) -> Option<Overestimate> {
         let warning = self.first.clone().filter(|_| !self.reported);
         self.reported |= warning.is_some();

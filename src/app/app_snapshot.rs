@@ -33,7 +33,7 @@ pub struct LastSession {
     pub preset: String,
     /// The seed.
     pub seed: u64,
-    /// Env steps of the training.
+    /// Env steps of its training run.
     pub env_steps: u64,
     /// Time since it was saved, in s.
     #[serde(default)]
@@ -74,7 +74,7 @@ pub struct Notice {
 pub struct BestSoFar {
     /// Success rate in its evaluation, 0 to 1.
     pub success_rate: f64,
-    /// Env steps of the training when it was evaluated.
+    /// Env steps of the training run when it was evaluated.
     pub env_steps: u64,
 }
 
@@ -98,9 +98,9 @@ pub struct AppSnapshot {
     pub mode: SessionMode,
     /// The file or shipped name of the scenario or of the set of scenarios, as in `scenarios`.
     pub scenario_from: String,
-    /// Whether it is a set of scenarios, or a level generator.
+    /// Whether `scenario_from` is a set of scenarios or a level generator.
     pub is_set: bool,
-    /// What an edited scenario must have in common with it, so that the network can continue there.
+    /// What an edited scenario must have in common with the current one, so that training can continue in it.
     pub needs: SetFit,
     /// The preset's file or shipped name, as in `presets`.
     pub preset_from: String,
@@ -122,7 +122,7 @@ pub struct AppSnapshot {
     pub env_steps: u64,
     /// Gradient steps.
     pub gradient_steps: u64,
-    /// Env steps after which a headless training with this preset ends. In the app training continues.
+    /// Env steps after which a headless training run with this preset ends. In the app, training continues.
     pub budget_env_steps: Option<u64>,
     /// Probability of a random action, 0 to 1.
     pub epsilon: f32,
@@ -134,7 +134,7 @@ pub struct AppSnapshot {
     pub env_steps_per_s: f64,
     /// Speed of the simulation as a multiple of real time, for one arena.
     pub real_time_factor: f64,
-    /// Simulated time of one arena since the training started, in s.
+    /// Simulated time of one arena since the training run started, in s.
     pub simulated_s: f64,
     /// Frames per second.
     pub frames_per_s: f64,
@@ -144,7 +144,7 @@ pub struct AppSnapshot {
     pub opened_driver: Option<String>,
     /// Notices, oldest first.
     pub notices: Vec<Notice>,
-    /// Whether a new training would discard an unsaved one that is worth keeping.
+    /// Whether a new training run would discard an unsaved one that is worth keeping.
     pub restart_loses_training: bool,
     /// The last session, if the user has not decided yet whether to continue it.
     pub last_session: Option<LastSession>,
@@ -156,8 +156,8 @@ pub struct AppSnapshot {
     pub expert: Option<ExpertChoice>,
     /// The policy that Test, Drive and Compare use: the current or the best one.
     pub tested: PolicySource,
-    /// The scenario that was saved last, and its file; `None` if the training's scenario has changed since.
+    /// The scenario that was saved last, and its file; `None` if the current scenario has changed since.
     pub saved_scenario: Option<ScenarioFile>,
-    /// Whether files can be written to disk. In a browser folders cannot be saved, and pictures are SVGs.
+    /// Whether files can be written to disk. In a browser, folders cannot be saved, and figures are SVGs.
     pub has_disk: bool,
 }

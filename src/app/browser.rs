@@ -1,7 +1,7 @@
 //! The web page around the app in a browser, in place of a command line, a disk and dialogs.
 //!
-//! In: the address of the page, and files that the user gives to it. Out: files to download, preferences, a status of the
-//! training in words (for screen readers and tests), and the message of a panic.
+//! In: the address of the page, and files that the user gives to it. Out: files to download, a share link, the status of the
+//! training (for screen readers and tests), and the message of a panic.
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -128,8 +128,8 @@ fn scenario_file_name(name: &str) -> PathBuf {
     format!("{}.ron", stem.trim_matches('-')).into()
 }
 
-/// Makes the address a link that starts the same training. A scenario of the user's own is embedded. A preset or a set of the
-/// user's own cannot be linked, nor a training that started from a policy.
+/// Makes the address a link that starts the same training run. It embeds the user's own scenario. There is no link for the user's
+/// own preset or set, nor for a run that started from a policy.
 fn update_share_link(config: &RunConfig) {
     let RunConfig { scenario_from, preset_from, seed, scenario, transfer, .. } = config;
     let is_set = config.scenario_set.is_some();
@@ -148,8 +148,8 @@ fn update_share_link(config: &RunConfig) {
     }
 }
 
-/// Checksums of a training's initial state and its first control steps, as hexadecimal digits; or an error message. The tests
-/// compare them with those of a native build ([`crate::run::fingerprint`]).
+/// Returns checksums of the initial state and the first control steps of a training run, as hexadecimal digits; or an error
+/// message. The tests compare them with those of a native build ([`crate::run::fingerprint`]).
 #[wasm_bindgen]
 pub fn fingerprint(scenario: &str, preset: &str, seed: u32, control_steps: u32) -> String {
     match run::fingerprint::fingerprint(scenario, preset, seed.into(), control_steps) {
@@ -158,8 +158,8 @@ pub fn fingerprint(scenario: &str, preset: &str, seed: u32, control_steps: u32) 
     }
 }
 
-/// Left, top, width and height, in CSS pixels, of a control or arena object that the last frame showed, by its accessible
-/// name; undefined if it is disabled or absent. The tests click there.
+/// Returns left, top, width and height, in CSS pixels, of the control or arena object with this accessible name in the last
+/// frame; undefined if it is disabled or absent. The tests click there.
 #[wasm_bindgen]
 pub fn control(name: &str) -> Option<Vec<f64>> {
     controls::find(name).map(Vec::from)

@@ -1,7 +1,7 @@
 //! Commands: everything that the user can ask for, as messages.
 //!
 //! In: the screen writes commands while it is drawn. Out: the session executes them between control steps, and records those
-//! that affect the training in its journal. Nothing else in the app changes the world. Replies go to the editor.
+//! that affect the training in its journal. The screen changes the session in no other way. Replies go to the editor.
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -46,8 +46,7 @@ pub enum SessionMode {
     Test,
     /// The user drives in one arena, and the current or the best policy in another, to the same goals.
     Drive,
-    /// The current or the best policy and a second driver drive side by side, to the same goals: the opened policy, or a
-    /// classical driver.
+    /// The current or the best policy drives side by side with the opened policy or a classical driver, to the same goals.
     Compare,
 }
 
@@ -57,7 +56,7 @@ pub enum PolicySource {
     /// The policy in training.
     #[default]
     Current,
-    /// The best policy of the training so far, by evaluation.
+    /// The best policy of the training run so far, by evaluation.
     Best,
     /// The policy that the user has opened.
     Opened,
@@ -76,7 +75,7 @@ pub enum Command {
     SetMode(SessionMode),
     /// Sets the policy that Test, Drive and Compare use: the current or the best one.
     SetTested(PolicySource),
-    /// Starts a training from random weights.
+    /// Starts a training run from random weights.
     StartTraining {
         /// A shipped scenario's name, or a file.
         scenario: String,
@@ -85,22 +84,22 @@ pub enum Command {
         /// Seed of every random draw.
         seed: u64,
     },
-    /// Starts a training from the weights of a policy: knowledge transfer.
+    /// Starts a training run from the weights of a policy: knowledge transfer.
     Transfer {
         /// The policy.
         policy: PolicySource,
-        /// A shipped scenario's name, or a file. That of the running training continues as it is, with the user's changes.
+        /// A shipped scenario's name, or a file. If it is the current scenario, the user's changes are kept.
         scenario: String,
-        /// A shipped preset's name, or a file. That of the running training continues as it is.
+        /// A shipped preset's name, or a file. If it is the current preset, it is kept as it is.
         preset: String,
         /// Seed of every random draw.
         seed: u64,
-        /// Initial epsilon of that training, 0 to 1 (the paper: 0.5).
+        /// Initial epsilon of the new run, 0 to 1 (the paper: 0.5).
         epsilon: f32,
     },
     /// Moves an object.
     Move(MoveRequest),
-    /// Gives the robots of a demo the goal at the position that the request asks for; their time limits start again.
+    /// While testing, driving or comparing: gives all robots the goal at the requested position, and restarts their time limits.
     SetGoal(MoveRequest),
     /// Sets the motion of the robot that the user drives, an index into the robot's motions.
     Steer(usize),
@@ -110,11 +109,11 @@ pub enum Command {
     OpenExpert,
     /// Lets the classical driver of this name drive next to the current policy.
     OpenDriver(&'static str),
-    /// Lets the current or the best policy with a map drive next to itself.
+    /// Lets the current or the best policy drive with a map, next to the same policy without one.
     OpenWithMap,
     /// Lets a shipped policy with a map drive next to the current policy.
     OpenExpertWithMap,
-    /// Opens the best policy of the training so far, to compare with.
+    /// Opens the best policy of the training run so far, to compare with.
     OpenBest,
     /// Opens a policy file, a run folder, a checkpoint, a scenario or a preset.
     Open(PathBuf),
@@ -130,16 +129,16 @@ pub enum Command {
     DismissLastSession,
     /// Opens the editor with the unsaved changes of an earlier session.
     RestoreEdits,
-    /// Withdraws the offer to restore them.
+    /// Withdraws the offer to restore unsaved changes.
     DismissEdits,
-    /// Closes the app; asks first if an unsaved training would be lost.
+    /// Closes the app; asks first if an unsaved training run would be lost.
     Close,
-    /// Closes the app after that question.
+    /// Closes the app: an answer to the question of [`Command::Close`].
     Quit {
         /// Whether to save the run first.
         save: bool,
     },
-    /// Does not close the app after that question.
+    /// Keeps the app open: the other answer to that question.
     KeepOpen,
     /// Applies an edited scenario to the training.
     ApplyScenario {
@@ -165,7 +164,7 @@ pub enum Command {
     DismissNotice(usize),
 }
 
-/// The file format of a picture.
+/// The file format of a figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FigureFormat {
     /// Pixels. Not in a browser.
@@ -174,7 +173,7 @@ pub enum FigureFormat {
     Svg,
 }
 
-/// The part of a training to save.
+/// The part of a training run to save.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SaveKind {
     /// The current policy, as safetensors.
@@ -185,7 +184,7 @@ pub enum SaveKind {
     Run,
     /// The episodes, as CSV.
     Csv,
-    /// The learning curves, as a picture.
+    /// The learning curves, as a figure.
     Figure(FigureFormat),
     /// The current scenario, as RON.
     Scenario,

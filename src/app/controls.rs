@@ -32,7 +32,7 @@ pub fn keep_tree(contexts: Query<(&mut EguiContext, &mut EguiOutput)>) {
 }
 
 /// Left, top, width and height, in points, of the enabled control or arena object with this accessible name. Of several,
-/// the topmost, then the leftmost. `None` if there is none, and always before the next frame after the first call.
+/// the topmost, then the leftmost. `None` if there is none, or no tree yet: the first call requests it.
 #[cfg(target_arch = "wasm32")]
 pub fn find(name: &str) -> Option<[f64; 4]> {
     REQUESTED.store(true, Ordering::Relaxed);
@@ -58,7 +58,7 @@ impl ControlsFile {
     }
 }
 
-/// Writes the controls of this frame, if they differ from those of the last one.
+/// Writes the controls of this frame, if they differ from those written last.
 #[cfg(not(target_arch = "wasm32"))]
 pub fn write_controls(mut file: ResMut<ControlsFile>, contexts: Query<(&mut EguiContext, &mut EguiOutput)>) {
     let Some(tree) = take_tree(contexts) else { return };
@@ -85,7 +85,7 @@ fn take_tree(mut contexts: Query<(&mut EguiContext, &mut EguiOutput)>) -> Option
     tree
 }
 
-/// The names and rectangles, in points, of all enabled controls and arena objects, from top to bottom and left to right.
+/// The names and rectangles, in points, of all enabled controls and arena objects, by their top edges, then their left edges.
 fn named_controls(tree: &TreeUpdate) -> Vec<(&str, [f64; 4])> {
     let usable = tree.nodes.iter().map(|(_, node)| node).filter(|node| is_usable(node));
     let named = usable.filter_map(|node| Some((accessible_name(tree, node)?, node.bounds()?)));

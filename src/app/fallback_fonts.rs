@@ -1,7 +1,7 @@
 //! Fonts for characters that the app's typeface lacks, such as a scenario's name in Japanese.
 //!
-//! In: the text that egui has drawn. Out: fonts of the system, in a page of the browser, added to egui's behind the app's
-//! typeface.
+//! In: the text that egui has drawn. Out: fonts of the system or, in the browser, of the page, which egui uses where the app's
+//! typeface lacks a character.
 
 #[cfg_attr(target_arch = "wasm32", path = "fallback_fonts/browser_search.rs")]
 mod search;
@@ -15,7 +15,7 @@ use egui::{FontData, FontFamily, FontId, Shape};
 
 use search::FontSearch;
 
-/// The characters that were checked, and the search in progress.
+/// The characters that were checked, those that still need a font, and the search in progress.
 #[derive(Resource, Default)]
 pub struct FallbackFonts {
     checked: HashSet<char>,
@@ -24,14 +24,14 @@ pub struct FallbackFonts {
 }
 
 impl FallbackFonts {
-    /// Whether text is displayed whose font is still being looked for.
+    /// Whether a font for displayed text is still being searched for.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn is_searching(&self) -> bool {
         self.search.is_some()
     }
 }
 
-/// Looks for fonts with the characters that were drawn as the sign for a missing glyph. The search runs in the background.
+/// Searches in the background for fonts with the drawn characters that no font of the app has, and adds those it finds.
 pub fn add_fallback_fonts(
     mut contexts: Query<(&mut EguiContext, &EguiFullOutput)>,
     mut fallback: ResMut<FallbackFonts>,
@@ -57,7 +57,7 @@ pub fn add_fallback_fonts(
     }
 }
 
-/// Adds the characters of `shape` that no font of the app has to `missing`. Each character is checked once.
+/// Adds to `missing` the characters of `shape` that no font of the app has. Each character is checked once.
 fn collect_missing(
     context: &egui::Context,
     shape: &Shape,

@@ -20,11 +20,11 @@ use crate::scenario::Scenario;
 /// A dialog that closes sooner than this has not appeared, because no user is that fast.
 const MIN_DURATION: Duration = Duration::from_millis(250);
 
-/// Notice where the system has no dialogs.
+/// Notice if a file is to be opened and the system has no dialogs.
 const NO_DIALOG: &str = "This system has no file dialogs\n\
      help: drop a file on the window, or start with --open FILE. On Linux, a desktop portal or zenity provides dialogs";
 
-/// Notice before a file is saved where the system has no dialogs.
+/// Notice if a file is to be saved and the system has no dialogs.
 const NO_SAVE_DIALOG: &str = "This system has no file dialogs: the file goes to the folder runs";
 
 /// The open dialog, if there is one.
@@ -43,7 +43,7 @@ struct Dialog {
 enum Purpose {
     /// To open a file.
     Open,
-    /// To save a part of the training.
+    /// To save a part of the training run.
     Save(SaveKind),
     /// To open a scenario in the editor.
     Edit,

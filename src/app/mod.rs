@@ -1,7 +1,7 @@
 //! The app: watch a robot learn, and intervene.
 //!
-//! The plugins of a headless run work in the same ECS. This module decides when they step, displays their state, and executes
-//! the user's commands. Data flows in one direction: the screen reads the [`scene`] and writes [`commands`]; the
+//! The app runs the plugins of a headless run. This module decides when they step, displays their state, and executes the
+//! user's commands. Data flows in one direction: the screen reads the [`scene`] and writes [`commands`]; the
 //! session executes the commands between control steps; the scene is extracted from the world once per frame.
 //!
 //! | file | duty |
@@ -19,9 +19,9 @@
 //! | `editor_backup/` | a copy of unsaved changes, for the next start |
 //! | `view_state.rs` | what the user has chosen to see; `preferences.rs` stores it |
 //! | `window.rs`, `window_input.rs`, `blending.rs` | the window, its input and its colours |
-//! | `shutdown.rs` | ends that the user does not ask for: signals, a lost display or GPU, a panic |
+//! | `shutdown.rs` | exits other than by closing the window: signals, a lost display or GPU, a panic |
 //! | `fallback_fonts.rs` | fonts for characters that the app's typeface lacks |
-//! | `window_failure.rs` | a missing display, driver or library, as a sentence |
+//! | `window_failure.rs` | error messages for a missing display, driver or library |
 //! | `screenshot.rs` | screenshots |
 //! | `file_dialogs.rs` | file dialogs |
 //! | `browser.rs`, `page.rs` | the web page, in place of dialogs, a disk and a command line |
@@ -83,7 +83,7 @@ pub struct CurrentViewState(pub ViewState);
 
 /// The plugin of the app without its window: the session, and the scene extracted from it. It also works headless.
 pub struct AppCorePlugin {
-    /// Options of the first training.
+    /// Options of the first training run.
     pub start: session::StartOptions,
 }
 

@@ -20,13 +20,13 @@ pub type ObstaclePose = (f32, f32, f32);
 pub enum Movable {
     /// The goal of one arena.
     Goal,
-    /// The robot of one arena. Its heading stays.
+    /// The robot of one arena. Its heading does not change.
     Robot,
     /// An obstacle, by its index in the scenario. It moves in every arena, because the scenario itself changes.
     Obstacle(usize),
 }
 
-/// The object's name on the screen. Obstacles count from 1.
+/// The object's name on the screen. Obstacles are numbered from 1.
 impl fmt::Display for Movable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -90,10 +90,10 @@ pub enum MoveRejection {
     /// An obstacle would cover the start or a goal of the benchmark route.
     #[error("Blocks the benchmark route")]
     BlocksBenchmarkRoute,
-    /// There is no such arena or obstacle, or the obstacle is generated for each episode, or it belongs to a set of scenarios.
+    /// There is no such arena or obstacle, or the obstacle is generated for each episode or belongs to a set of scenarios.
     #[error("This object cannot be moved")]
     NotMovable,
-    /// The scenario would become invalid for another reason: the diagnostic.
+    /// The scenario would become invalid for another reason, which the diagnostic states.
     #[error("{0}")]
     InvalidScenario(String),
 }

@@ -7,7 +7,7 @@ extern "C" {
     /// Value of the query parameter `key` in the address.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn query_parameter(key: &str) -> Option<String>;
-    /// Reports that the app has started, so that the page hides its cover.
+    /// Reports that the app has started, so that the page hides its loading screen.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn started();
     /// Reports the error that stopped the app.
@@ -22,7 +22,7 @@ extern "C" {
     /// Reports the status of the training, as JSON.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn report(json: &str);
-    /// Makes the address a link that starts the same training. `embedded` is the scenario's text, if it is not shipped.
+    /// Makes the address a link that starts the same training. `embedded` is the scenario's text, unless it is shipped.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn set_share_link(scenario: &str, preset: &str, seed: &str, embedded: Option<String>);
     /// Removes all parameters from the address.
@@ -31,29 +31,29 @@ extern "C" {
     /// Text of the scenario embedded in the address, if there is one.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn embedded_scenario() -> Option<String>;
-    /// Passes a file of the next autosave.
+    /// Passes a file of the next autosave to the page.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn autosave_file(name: &str, bytes: &[u8]);
-    /// Stores the files passed since the last call in place of the training's autosave. `note` describes it, as JSON.
-    /// The page reports the result with `number`.
+    /// Replaces the training run's autosave by the files passed since the last call. `note` describes it, as JSON.
+    /// The page reports the result together with `number`.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn autosave(number: u32, note: &str);
-    /// Deletes the training's autosave.
+    /// Deletes the training run's autosave.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn delete_autosave();
-    /// Begins the autosave of another training; the one before is kept.
+    /// Begins the autosave of another training run; the previous one is kept.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn begin_autosave();
     /// The description of the autosave to offer, as JSON, if there is one.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn last_session() -> Option<String>;
-    /// Whether the user has already asked to continue it, before the page was reloaded.
+    /// Whether the user asked, before the page was reloaded, to continue from that autosave.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn continues_last_session() -> bool;
     /// Requests the files of that autosave.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn load_session();
-    /// Makes that autosave the training's own.
+    /// Makes that autosave this training run's own.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn adopt_last_session();
     /// The backup of the editor to offer, as JSON, if there is one.
@@ -62,7 +62,7 @@ extern "C" {
     /// Makes that backup this tab's own.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn adopt_backup();
-    /// Stores the backup of the editor. Returns an error message if that has failed.
+    /// Stores the backup of the editor. Returns an error message if that fails.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn store_backup(text: &str) -> Option<String>;
     /// Deletes the backup of the editor.
@@ -71,7 +71,7 @@ extern "C" {
     /// A font file with these characters; `None` if the browser does not let pages read what they draw.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn font_with(characters: &str) -> Option<Vec<u8>>;
-    /// Offers input methods where the app edits text: at left, top and height of the cursor, in points; `None` without text.
+    /// Enables input methods at the text cursor, given by its left, top and height in points; `None` if no text is edited.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn edit_text(cursor: Option<Vec<f32>>);
     /// Stores the preferences for the next visit.

@@ -24,8 +24,8 @@ use crate::scenario::parse_ron;
 use crate::scenario::read_ron;
 use crate::scenario::to_ron;
 
-/// Minimum time between two writes, in s.
-const WRITE_INTERVAL_S: f64 = 2.0;
+/// Minimum time between two checks for changes to write, in s.
+const CHECK_INTERVAL_S: f64 = 2.0;
 
 /// The stored preferences.
 #[derive(Resource, Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -91,15 +91,15 @@ pub(super) fn store(
     windows: Query<&Window, With<PrimaryWindow>>,
     time: Res<Time<Real>>,
     mut stored: ResMut<Preferences>,
-    mut written_s: Local<f64>,
+    mut checked_s: Local<f64>,
     mut exits: MessageReader<AppExit>,
 ) {
     let closing = exits.read().next().is_some();
     let now_s = time.elapsed_secs_f64();
-    if !closing && now_s - *written_s < WRITE_INTERVAL_S {
+    if !closing && now_s - *checked_s < CHECK_INTERVAL_S {
         return;
     }
-    *written_s = now_s;
+    *checked_s = now_s;
     let size = windows.single().map_or(stored.size, |window| (window.width(), window.height()));
     let mut now = Preferences { view_state: view_state.0.clone(), size };
     // These belong to the session, not to the user's preferences.

@@ -1,7 +1,7 @@
-//! Scalar fields over the plane: the potential, and the network's value, for a robot anywhere in the followed arena.
+//! Scalar fields over the plane: the potential, and the network's state value, for a robot anywhere in the followed arena.
 //!
-//! In: the followed arena, read-only. Out: two grids ([`ScalarFields`]). A field is computed only if its overlay is shown, only
-//! when its inputs have changed, and at most four times a second.
+//! In: the followed arena, read-only. Out: a grid for each overlay shown ([`ScalarFields`]). The grids are computed again when
+//! their inputs have changed, at most four times a second, but at once when an overlay is switched on.
 
 use std::sync::Arc;
 
@@ -24,7 +24,7 @@ use crate::task::{
 
 /// Number of grid points along the longer side.
 const POINTS: usize = 56;
-/// Minimum time between two computations, in s.
+/// Minimum time between two computations, in s, unless an overlay is switched on.
 const MIN_INTERVAL_S: f64 = 0.25;
 
 /// The fields whose overlays are shown.
@@ -56,7 +56,8 @@ struct FieldInputs {
 }
 
 impl ScalarFields {
-    /// Whether the fields must be computed at `now_s`: at once if an overlay was switched on, otherwise after an interval.
+    /// Whether the fields must be computed at `now_s`: at once if an overlay was switched on, after an interval if another input
+    /// has changed.
     fn needs_update(&self, inputs: &FieldInputs, now_s: f64) -> bool {
         let Some(before) = &self.inputs else { return true };
         let is_switched_on = inputs.potential && !before.potential || inputs.value && !before.value;
@@ -150,7 +151,7 @@ impl FieldSources<'_, '_> {
         Some((inputs, readings))
     }
 
-    /// The network that drives in `arena`. Where the user drives, that of the other arena.
+    /// The network that drives in `arena`. If none does, that of another arena.
     fn network(&self, arena: usize) -> Option<&QNetwork> {
         if self.mode.is_training() {
             return Some(self.learner.0.network());
@@ -209,7 +210,7 @@ fn sample(
     for Vec2 { x: x_m, y: y_m } in grid.points_m() {
         let pose = Pose { x_m, y_m, heading_rad: inputs.heading_rad };
         scan_from(&pose, &mut scan);
-        // From outside or inside a wall the beams may see far, so the floor is checked separately.
+        // Outside the enclosure or inside a wall, beams may be long, so the floor is checked separately.
         let free = scan.nearest_m >= scenario.sure_collision_m() && is_floor(scenario, vec2(x_m, y_m));
         let attracting_m = layout.map_or_else(
             || pose.distance_m(goal),

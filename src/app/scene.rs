@@ -9,7 +9,7 @@ use crate::drivers::DriverPlan;
 use crate::scenario::{Motion, Scenario};
 use crate::task::{Goal, Pose};
 
-/// The way a path ended. A training episode may have many paths, one per goal.
+/// How a path ended. A training episode may have many paths, one per goal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TrailEnd {
     /// The goal was reached.
@@ -23,9 +23,9 @@ pub enum TrailEnd {
 /// The path driven towards one goal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trail {
-    /// Positions after each control step, in m.
+    /// Positions at the start and after each control step, in m.
     pub points_m: Vec<[f32; 2]>,
-    /// The way it ended.
+    /// How it ended.
     pub end: TrailEnd,
 }
 
@@ -38,7 +38,7 @@ pub struct Score {
     pub collided: u32,
     /// Goals missed at the time limit.
     pub timed_out: u32,
-    /// Control steps to all goals reached.
+    /// Total control steps to the goals reached.
     pub reached_steps: u64,
 }
 
@@ -49,7 +49,7 @@ impl Score {
         self.reached + self.collided + self.timed_out
     }
 
-    /// Share of goals reached, 0 to 1; `None` before the first outcome.
+    /// Fraction of attempted goals that were reached, 0 to 1; `None` before the first outcome.
     #[must_use]
     pub fn success_rate(&self) -> Option<f64> {
         (self.attempts() > 0).then(|| f64::from(self.reached) / f64::from(self.attempts()))
@@ -85,7 +85,7 @@ pub struct ArenaScene {
     pub scenario: Arc<Scenario>,
     /// The same without generated obstacles.
     pub written: Arc<Scenario>,
-    /// The name of the scenario of a set that the episode is in, with the seed of a level; `None` without a set.
+    /// The scenario of the set that the episode is in, by name, with the level's seed if it is generated; `None` without a set.
     pub set_member: Option<String>,
     /// Pose of the robot, interpolated between the last two control steps.
     pub pose: Pose,
@@ -99,15 +99,15 @@ pub struct ArenaScene {
     pub scan_pose: Pose,
     /// The driver.
     pub driver: DriverLabel,
-    /// The motions of the robot that the actions of the networks stand for.
+    /// The robot's motions, one per action of a network.
     pub motions: Vec<Motion>,
-    /// The last action; of a network, an index into `motions`.
+    /// The last action; an index into `motions` if a network chose it.
     pub action: usize,
     /// Whether the last action was random.
     pub explored: bool,
     /// Q-values of the last decision, one per element of `motions`; empty if no network decided.
     pub q_values: Vec<f32>,
-    /// What a classical driver plans with, if it plans a path.
+    /// The driver's map and its planned path, if it plans one.
     pub plan: Option<DriverPlan>,
     /// Path towards the current goal, oldest point first, in m.
     pub path_m: Vec<[f32; 2]>,
@@ -144,6 +144,6 @@ pub struct Scene {
     /// Potential U of eq. (4) for the goal of the followed arena, if its overlay is shown.
     pub potential: Option<Arc<ScalarField>>,
     /// Value V(s) for the robot of the followed arena at each position, with its current heading and goal, in units of the
-    /// scaled reward. Present if its overlay is shown and the driver has a network.
+    /// scaled reward. Present if its overlay is shown and a network drives in some arena.
     pub value: Option<Arc<ScalarField>>,
 }

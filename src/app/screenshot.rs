@@ -16,7 +16,7 @@ use crate::run::output_file::write_atomic;
 /// Frames until the layout has settled, and glyphs and colours have reached the GPU.
 const SETTLING_FRAMES: u32 = 8;
 
-/// Empty screenshots that are discarded: nothing is drawn until the shaders are compiled in the background.
+/// Maximum number of empty screenshots to discard: nothing is drawn until the shaders are compiled in the background.
 const MAX_EMPTY: u32 = 1_000;
 
 /// A screenshot of the window, after which the app exits.
@@ -77,7 +77,7 @@ pub(super) fn take_screenshot(
     );
 }
 
-/// Writes what `encode` encodes to `file`.
+/// Writes the output of `encode` to `file`.
 fn write_encoded(
     file: &Path,
     encode: impl FnOnce(&mut Cursor<Vec<u8>>) -> Result<(), String>,

@@ -28,7 +28,7 @@ pub struct SetupForm {
 }
 
 impl SetupForm {
-    /// The choices `kept` from the last frame, or those of the current run if it has started since.
+    /// The choices `kept` from the last frame, or those of the current run if `kept` was made for another run.
     #[must_use]
     pub fn keep_or_reset(kept: Option<Self>, status: &AppSnapshot) -> Self {
         let running = (status.scenario_from.clone(), status.preset_from.clone(), status.seed);

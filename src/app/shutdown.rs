@@ -1,6 +1,6 @@
-//! Ends that the user does not ask for in the window: signals, a lost display, a lost GPU, a panic.
+//! Exits that the user did not ask for in the window: by a signal, a lost display, a lost GPU, or a panic.
 //!
-//! In: what ended the app. Out: the training is saved if the world is still there, and stderr says where it is.
+//! In: what ended the app. Out: the training run is saved if the Bevy world still exists, and stderr tells where.
 
 use std::sync::Once;
 
@@ -16,7 +16,7 @@ use crate::run::signals;
 /// What the first signal prints.
 const ANNOUNCEMENT: &str = "saving the training, then closing (a second Ctrl-C quits without saving)";
 
-/// The plugin that saves the training when a signal arrives or the GPU is lost.
+/// The plugin that saves the training run when a signal arrives or the GPU is lost.
 pub(super) struct ShutdownPlugin;
 
 impl Plugin for ShutdownPlugin {
@@ -28,16 +28,16 @@ impl Plugin for ShutdownPlugin {
     }
 }
 
-/// Saves the training and closes the app after a signal.
+/// Saves the training run and closes the app after a signal.
 fn save_after_signal(world: &mut World) {
     let Some(signal) = signals::received() else { return };
     save_or_warn(world);
     world.write_message(AppExit::from_code(signal.exit_status()));
 }
 
-/// Saves the training and closes the app after an error of the renderer, such as a lost GPU.
+/// Saves the training run and closes the app after a renderer error, such as a lost GPU.
 pub fn save_after_render_error(error: &RenderError, world: &mut World, _: &mut World) -> RenderErrorPolicy {
-    // Called again in every frame until the app has ended.
+    // Bevy calls this in every frame until the app has ended.
     if world.resource::<Messages<AppExit>>().is_empty() {
         print_stderr(&format!("error: the graphics device failed ({:?}: {})", error.ty, error.description));
         save_or_warn(world);
@@ -60,7 +60,7 @@ fn save_or_warn(world: &mut World) {
     }
 }
 
-/// Makes a panic say where the autosave is.
+/// Installs a panic hook that also prints where the autosave is.
 fn report_autosave_after_panic() {
     static HOOK: Once = Once::new();
     HOOK.call_once(|| {
@@ -74,10 +74,10 @@ fn report_autosave_after_panic() {
     });
 }
 
-/// The result of the app, which ended with `exit`.
+/// The result of the app that ended with `exit`.
 ///
 /// # Errors
-/// A signal or a failure ended it. The message says where the training is.
+/// A signal or a failure ended it. The message tells where the autosave is.
 pub(super) fn result(exit: &AppExit) -> Result<(), RunError> {
     let with_autosave = |text: &str| match latest::describe() {
         Some(autosave) => format!("{text}: {autosave}"),
@@ -92,13 +92,13 @@ pub(super) fn result(exit: &AppExit) -> Result<(), RunError> {
     }
 }
 
-/// Watches the connection to the display from a thread, and says where the autosave is when the display is lost: then the
-/// X library ends the process at once.
+/// Watches the connection to the display in a thread. When the display is lost, prints where the autosave is, because the
+/// X library then ends the process at once.
 #[cfg(all(unix, not(target_os = "macos")))]
 pub(super) fn watch_display(connection: impl x11rb::connection::Connection + Send + 'static) {
     use std::time::Duration;
 
-    /// Time for the X library to end the process. If the main thread does not use the display, nothing else would.
+    /// Time for the X library to end the process. If the main thread does not use the display meanwhile, this thread ends it.
     const TIME_TO_EXIT: Duration = Duration::from_secs(2);
 
     let watch = move || {

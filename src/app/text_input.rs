@@ -1,7 +1,7 @@
-//! Text from an input method, an emoji picker or a virtual keyboard in a browser. The page offers them in a hidden text field
-//! (`web/text_input.js`).
+//! Text from an input method, an emoji picker or a virtual keyboard in a browser. They write into a hidden text field of the
+//! page (`web/text_input.js`).
 //!
-//! In: text from the page. Out: events for egui; and where egui edits text, for the page.
+//! In: text from the page. Out: events for egui; for the page, where egui edits text.
 
 use std::cell::RefCell;
 use std::sync::{Mutex, PoisonError};
@@ -36,13 +36,13 @@ impl Plugin for TextInputPlugin {
     }
 }
 
-/// Shows a text that the user is still composing; an empty one ends that.
+/// Shows text that the user is still composing; an empty text ends the composition.
 #[wasm_bindgen]
 pub fn compose_text(text: String) {
     receive(ImeEvent::Preedit { text, active_range_chars: None });
 }
 
-/// Inserts a text, in place of the one that was being composed.
+/// Inserts `text`, in place of the text that was being composed.
 #[wasm_bindgen]
 pub fn insert_text(text: String) {
     receive(ImeEvent::Commit(text));

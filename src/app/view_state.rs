@@ -1,4 +1,4 @@
-//! The view state: which parts of the app are shown, and how. It does not affect the training.
+//! The view state: which parts of the app are shown, and how. It does not affect training.
 //!
 //! In: the controls on the screen. Out: what the screen draws. Most of it is stored between sessions (`preferences.rs`).
 
@@ -33,9 +33,9 @@ pub struct Overlays {
     pub path: bool,
     /// Earlier paths, coloured by outcome.
     pub trails: bool,
-    /// The potential of eq. (4).
+    /// The potential of the paper's eq. (4).
     pub potential: bool,
-    /// The network's value over the plane.
+    /// The network's state value at each point of the plane.
     pub value: bool,
     /// The Q-values next to the robot.
     pub q_values: bool,
@@ -62,10 +62,10 @@ impl Default for ViewCamera {
     }
 }
 
-/// The scenario to open the editor with.
+/// The scenario to open in the editor.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EditorSource {
-    /// The scenario of the training.
+    /// The current scenario of the training run.
     RunningScenario,
     /// A scenario that is not running: it may be invalid, or have unsaved changes.
     Draft {
@@ -134,7 +134,7 @@ impl Default for ViewState {
 }
 
 impl ViewState {
-    /// Passes a reply of the session on to the editor. Ignored if the editor has been closed meanwhile.
+    /// Passes a reply of the session on to the editor, or to a pending request to open it. Ignored if there is neither.
     pub fn receive(&mut self, reply: &EditorReply) {
         match (reply, &mut self.editor, &mut self.open_editor) {
             (EditorReply::Saved { file, scenario }, Some(editor), _) => editor.mark_saved(file, scenario),

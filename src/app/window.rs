@@ -34,7 +34,7 @@ use crate::run::RunError;
 /// Options of the app's window.
 #[derive(Clone, Debug, Default)]
 pub struct WindowOptions {
-    /// Options of the first training.
+    /// Options of the first training run.
     pub start: StartOptions,
     /// A screenshot to take, if any.
     #[cfg(not(target_arch = "wasm32"))]
@@ -75,7 +75,7 @@ pub fn run(options: WindowOptions) -> Result<(), RunError> {
     }
 }
 
-/// The app with its window, to which more systems may be added before it runs.
+/// Builds the app with its window. More systems may be added before it runs.
 ///
 /// # Panics
 /// There is no display. [`run`] checks this first.

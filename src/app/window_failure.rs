@@ -1,8 +1,8 @@
-//! Failures to open the window, as sentences with the fix.
+//! Failures to open the window, as messages with a fix.
 //!
-//! In: the app. Out: its result, or a [`RunError`]. winit, Bevy and the libraries that they load at run time panic when there is
-//! no display, no graphics driver, or a library is missing. Such a panic on the main thread becomes a message; any other
-//! panic remains one.
+//! In: the app. Out: its result, or a [`RunError`]. winit, Bevy and the libraries that they load at run time panic when the
+//! display, the graphics driver or a library is missing. Such a panic on the main thread becomes an error with a message; any
+//! other panic remains a panic.
 
 use std::panic::{self, AssertUnwindSafe};
 use std::sync::{Mutex, PoisonError};
@@ -62,7 +62,7 @@ fn explanation(panic: &str) -> Option<RunError> {
     }
     if panic.to_lowercase().contains("failed to spawn thread") {
         return Some(RunError::Failed(format!(
-            "no thread can be started for the window; help: raise `ulimit -u` or the container's limit of processes, \
+            "no thread can be started for the window; help: raise `ulimit -u` or the container's limit on processes, \
              {without_window}"
         )));
     }
@@ -111,6 +111,6 @@ mod tests {
     fn an_unknown_panic_remains_a_panic() {
         assert_eq!(explanation("index out of bounds: the len is 3 but the index is 7"), None);
         let caught = panic::catch_unwind(|| catch(|| panic!("not about the window")));
-        assert!(caught.is_err(), "the panic goes on");
+        assert!(caught.is_err(), "the panic propagates");
     }
 }

@@ -1,4 +1,5 @@
-//! Input of the app window: corrections of bevy_egui's input, dropped files, and a lower frame rate when idle.
+//! Input and size of the app window: corrections of bevy_egui's input, dropped files, a size that fits the monitors, and a
+//! lower frame rate when idle.
 
 use std::time::Duration;
 
@@ -47,8 +48,8 @@ pub(super) fn draw_less_when_idle(
     }
 }
 
-/// Shrinks a window that was stored larger than every monitor, and its smallest size if no monitor has that, once the monitors
-/// are known.
+/// Once the monitors are known, shrinks a window whose stored size is wider or taller than every monitor, and its minimum size if
+/// even that is.
 pub(super) fn fit_to_monitor(
     mut windows: Query<&mut Window, With<PrimaryWindow>>,
     monitors: Query<&Monitor>,

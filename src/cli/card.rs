@@ -1,4 +1,4 @@
-//! The mode `--card`: prints the card of a policy.
+//! The mode `--card`: prints a policy's network and card.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use super::output::print_json_text;
 use super::policy;
 use crate::run::RunError;
 
-/// Prints the network and the card of the policy in the file at `path`, as one line of JSON: what the file itself contains.
+/// Prints the header of a policy file, or of the shipped policy of that name, as one line of JSON: the network and the card.
 ///
 /// # Errors
 /// The file is not a policy, or has no card.

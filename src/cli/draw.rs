@@ -30,11 +30,11 @@ pub struct DrawArgs {
     #[arg(long, conflicts_with = "run")]
     plain: bool,
 
-    /// The number of levels on the contact sheet of a level generator, 1 to 100, from the seed --seed on
+    /// The number of levels on the contact sheet of a level generator, 1 to 100, with consecutive seeds from --seed on
     #[arg(long, value_name = "N", value_parser = values::levels, conflicts_with_all = ["run", "plain"])]
     levels: Option<u64>,
 
-    /// Mark what is occupied in a map (.yaml) or a picture (with --resolution), from which the scenario was imported
+    /// Mark what is occupied in the map (.yaml) or image (with --resolution) from which the scenario was imported
     #[arg(long, value_name = "MAP", conflicts_with_all = ["run", "plain"])]
     over: Option<PathBuf>,
 }
@@ -66,8 +66,8 @@ pub fn run(
             figure.svg(Source::load(figure.name)?)?
         }
     };
-    let own = if args.plain { ImageSize::Screen } else { ImageSize::Print };
-    let size = shared.size.map_or(own, |(width, height)| ImageSize::Pixels(width.into(), height.into()));
+    let default = if args.plain { ImageSize::Screen } else { ImageSize::Print };
+    let size = shared.size.map_or(default, |(width, height)| ImageSize::Pixels(width.into(), height.into()));
     image_file::write(svg, size, file)?;
     if is_stream(file) {
         return Ok(());

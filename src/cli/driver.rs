@@ -1,4 +1,4 @@
-//! What drives in a test: a policy, also with a map, or a classical driver, given on the command line.
+//! The driver of a test, as given on the command line: a policy, with or without a map, or a classical driver.
 
 use std::path::Path;
 
@@ -23,7 +23,7 @@ pub enum TestDriver {
 
 impl TestDriver {
     /// The policy in the file at `path`, the driver whose parameters are in that RON file, or the shipped policy or driver of
-    /// that name. A file comes first. `+map` after a policy gives it a map.
+    /// that name. A file takes precedence over a name. `+map` after a policy gives it a map.
     ///
     /// # Errors
     /// There is no such file or name, or the file is neither a policy nor a driver.
@@ -71,13 +71,13 @@ impl TestDriver {
             Self::PolicyWithMap(_) | Self::Classical(_) => Err(RunError::invalid_input(
                 path,
                 format!(
-                    "only a policy gets a map by {WITH_MAP}; help: grid-dwa is a classical driver with a map"
+                    "{WITH_MAP} gives a map to a policy only; help: grid-dwa is a classical driver with a map"
                 ),
             )),
         }
     }
 
-    /// Its policy.
+    /// Its policy; `None` for a classical driver.
     pub fn policy(&self) -> Option<&Policy> {
         match self {
             Self::Policy(policy) => Some(policy),
@@ -86,10 +86,10 @@ impl TestDriver {
         }
     }
 
-    /// Checks that it can drive in `scenario`: every driver can, and a policy that fits.
+    /// Checks that it can drive in `scenario`. Every classical driver can.
     ///
     /// # Errors
-    /// The policy's inputs or actions do not match `scenario`.
+    /// The policy's inputs or actions do not match `scenario`, or a policy with a map was trained with sensors of plugins.
     pub fn check(&self, path: &Path, scenario: &Scenario, extensions: &Extensions) -> Result<(), RunError> {
         self.policy().map_or(Ok(()), |policy| policy::check(path, policy, scenario, extensions))?;
         match self {
@@ -99,7 +99,7 @@ impl TestDriver {
         }
     }
 
-    /// What is evaluated.
+    /// This driver, as the evaluator takes it.
     pub fn evaluated(&self) -> Evaluated<'_> {
         match self {
             Self::Policy(policy) => policy.into(),
@@ -115,7 +115,7 @@ mod tests {
     use crate::scenario::to_ron;
 
     #[test]
-    fn the_text_of_every_driver_is_known_by_its_name() {
+    fn the_text_of_every_driver_is_recognized_by_its_name() {
         for name in DriverConfig::NAMES {
             let driver = DriverConfig::shipped(name).expect("shipped");
             let text = to_ron(&driver).expect("RON");

@@ -1,4 +1,4 @@
-//! The mode `--export`: a policy for other programs.
+//! The mode `--export`: writes a policy for other programs.
 
 use std::path::{Path, PathBuf};
 
@@ -14,11 +14,11 @@ use crate::run::progress::print_stderr;
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Options of --export")]
 pub struct ExportArgs {
-    /// The ONNX file to write. A model card for Hugging Face, README.md, is written into its folder
+    /// The ONNX file to write. A model card for Hugging Face, README.md, is written into the same folder
     #[arg(long, value_name = "FILE")]
     onnx: Option<PathBuf>,
 
-    /// Results of tests for the model card: files with the output of --eval with --json, one per scenario
+    /// Test results for the model card: files with the output of --eval --json, one per scenario
     #[arg(long, value_name = "FILE", num_args = 1..)]
     eval_results: Vec<PathBuf>,
 }

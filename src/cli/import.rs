@@ -1,4 +1,4 @@
-//! The mode `--import`: a scenario from somebody else's world.
+//! The mode `--import`: makes scenarios from maps, images and other simulators' worlds.
 
 use std::fs;
 use std::io::Write as _;
@@ -21,16 +21,16 @@ use crate::scenario::{Scenario, printable_path};
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Options of --import")]
 pub struct ImportArgs {
-    /// The side of a pixel of a plain picture in m; a map's file says it itself. Also with --draw and --over
+    /// The side of a pixel of a plain image in m; a map's file states its own. Also with --draw and --over
     #[arg(long, value_name = "M", value_parser = values::metres(RESOLUTION_M), allow_negative_numbers = true)]
     pub resolution: Option<f64>,
 
-    /// How far the walls may be from the cells of a map, in m; with 0, every cell is kept [default: the side of a cell and 0.01, half
-    /// the thickness of a wall]
+    /// How far the walls may be from the cells of a map, in m; with 0, every cell is kept [default: the side of a cell plus
+    /// 0.01, half the thickness of a wall]
     #[arg(long, value_name = "M", value_parser = values::metres(TOLERANCE_M), allow_negative_numbers = true)]
     tolerance: Option<f64>,
 
-    /// Take specks of up to N cells of a map, such as a scanner's noise, for floor [default: 0]
+    /// Treat specks of up to N cells of a map, such as a scanner's noise, as floor [default: 0]
     #[arg(long, value_name = "N", value_parser = values::whole::<usize>(0..=MAX_CELLS as u64), allow_negative_numbers = true)]
     specks: Option<usize>,
 
@@ -52,11 +52,11 @@ pub struct ImportArgs {
     robot: Option<String>,
 }
 
-/// Imports `file` into the scenario's file that `--out` names, or all worlds of a file of many into the folder that it names. Prints
-/// the path, and on stderr what was not imported.
+/// Imports `file` into the scenario file that `--out` names, and prints its path, and on stderr what was not imported. If `--out`
+/// names a folder, imports all worlds of a `.json` file into it, and prints their paths.
 ///
 /// # Errors
-/// No output is given, `file` cannot be imported, or a scenario's file cannot be written.
+/// No output is given, `file` cannot be imported, or a scenario file cannot be written.
 pub fn run(file: &Path, args: &ImportArgs, shared: &SharedArgs) -> Result<(), RunError> {
     let Some(out) = &shared.out else {
         return Err(RunError::InvalidInput(
@@ -68,10 +68,7 @@ pub fn run(file: &Path, args: &ImportArgs, shared: &SharedArgs) -> Result<(), Ru
         return all_worlds(file, &options(args, shared)?, out);
     }
     if !is_file {
-        return Err(RunError::invalid_input(
-            out,
-            "not a scenario's file; help: give a name that ends in .ron",
-        ));
+        return Err(RunError::invalid_input(out, "not a scenario file; help: give a name that ends in .ron"));
     }
     check_writable(out)?;
     let imported = import(file, &options(args, shared)?)?;
@@ -111,19 +108,19 @@ fn write(path: &Path, imported: &Imported) -> Result<(), RunError> {
 }
 
 fn options(args: &ImportArgs, shared: &SharedArgs) -> Result<ImportOptions, RunError> {
-    let usual = ImportOptions::default();
+    let defaults = ImportOptions::default();
     Ok(ImportOptions {
         resolution_m: args.resolution,
         tolerance_m: args.tolerance,
-        speck_cells: args.specks.unwrap_or(usual.speck_cells),
-        lidar_height_m: args.lidar_height.unwrap_or(usual.lidar_height_m),
+        speck_cells: args.specks.unwrap_or(defaults.speck_cells),
+        lidar_height_m: args.lidar_height.unwrap_or(defaults.lidar_height_m),
         models: args.models.clone(),
         world: args.world,
         robot_from: robot_from(args, shared)?,
     })
 }
 
-/// The scenario with the robot that the user has chosen, with `--robot` or by single fields.
+/// The scenario with the robot that the user has chosen, with `--robot` or `--set`; `None` without either.
 fn robot_from(args: &ImportArgs, shared: &SharedArgs) -> Result<Option<Scenario>, RunError> {
     let settings = shared.settings();
     if args.robot.is_none() && settings.is_empty() {

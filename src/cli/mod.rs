@@ -1,7 +1,7 @@
 //! The command line.
 //!
 //! In: the process's arguments. Out: results on stdout, logs and progress on stderr, and an exit status: 0 on
-//! success, 1 when a run failed, 2 for invalid arguments or files, 128 plus the number of the signal that stopped it.
+//! success, 1 when a run failed, 2 for invalid arguments or files, 128 plus the number of the signal that stopped a run.
 //!
 //! One file per mode contains the mode's options and its `run` function. `modes` rejects options of other modes;
 //! `shared` contains the options that several modes take.
@@ -75,7 +75,7 @@ SIGHUP (129) save a checkpoint and the summary, and --resume continues.";
 /// The name by which the program was started.
 static PROGRAM: OnceLock<OsString> = OnceLock::new();
 
-/// The end of the help. A build without the app does not offer it.
+/// The end of the help. A build without the app leaves out the example that opens the app.
 fn after_help() -> String {
     let app = "  wayfield                                           open the app and watch a robot learn\n";
     let app = if cfg!(feature = "gui") { app } else { "" };
@@ -160,8 +160,8 @@ pub fn main(began: Instant, extensions: Extensions) -> ExitCode {
     ExitCode::from(run_words(std::env::args_os(), began, extensions))
 }
 
-/// Runs the command line with the arguments `words` and returns the exit status, as [`main`] does. The first word is the
-/// program's name.
+/// Runs the command line with the arguments `words` and returns the exit status. The first word is the program's name. `--help`,
+/// `--version` and invalid options end the process. See [`main`] for the other arguments.
 pub fn run_words(words: impl IntoIterator<Item = OsString>, began: Instant, extensions: Extensions) -> u8 {
     signals::survive_limits();
     let words: Vec<OsString> = words.into_iter().collect();
@@ -178,15 +178,15 @@ pub fn run_words(words: impl IntoIterator<Item = OsString>, began: Instant, exte
     }
 }
 
-/// The fix for an error at a limit of the process, which can occur wherever files are opened or written.
+/// The fix for an error at a limit on the process, which can occur wherever files are opened or written.
 fn limit_help(error: &str) -> &'static str {
     let is_system_error = |number: u32| cfg!(unix) && error.contains(&format!("(os error {number})"));
     if error.contains("help:") {
         ""
     } else if is_system_error(24) {
-        "; help: raise the limit of open files (`ulimit -n`)"
+        "; help: raise the limit on open files (`ulimit -n`)"
     } else if is_system_error(27) {
-        "; help: raise the limit of file sizes (`ulimit -f`)"
+        "; help: raise the limit on file sizes (`ulimit -f`)"
     } else {
         ""
     }
@@ -216,7 +216,7 @@ fn run(arguments: Arguments, began: Instant) -> Result<(), RunError> {
     }
     if is_headless && !use_one_task_thread() {
         return Err(RunError::Failed(
-            "no thread can be started; help: raise `ulimit -u` or the container's limit of processes, or use a build \
+            "no thread can be started; help: raise `ulimit -u` or the container's limit on processes, or use a build \
              without the app (`--no-default-features`), which needs none"
                 .into(),
         ));
@@ -245,8 +245,8 @@ fn run(arguments: Arguments, began: Instant) -> Result<(), RunError> {
         };
         #[cfg(not(feature = "gui"))]
         Err(RunError::InvalidInput(
-            "this build has no app; help: build it with the feature `gui`, train with `wayfield --train`, test with `wayfield --eval POLICY`, or see \
-             `wayfield --help`"
+            "this build has no app; help: build it with the feature `gui`, train with `wayfield --train`, test with \
+             `wayfield --eval POLICY`, or see `wayfield --help`"
                 .into(),
         ))
     }

@@ -34,7 +34,7 @@ pub struct ModeArgs {
     #[arg(long)]
     pub reproduce: bool,
 
-    /// Import a world into the scenario file given with --out: a map of ROS's map_server (.yaml), a picture (.png, .pgm), a
+    /// Import a world into the scenario file given with --out: a map of ROS's map_server (.yaml), an image (.png, .pgm), a
     /// world of Gazebo (.world, .sdf) or a file of BARN worlds or stages (.json)
     #[arg(long, value_name = "FILE")]
     pub import: Option<PathBuf>,
@@ -81,7 +81,7 @@ const APP: &[&str] = &[];
 /// An option belongs to another mode. The message names the option, the chosen mode, and the modes that take it.
 pub fn check(command: &mut Command, matches: &ArgMatches) -> Result<(), clap::Error> {
     let is_given = |id: &str| matches.value_source(id) == Some(ValueSource::CommandLine);
-    // Only a training can be resumed, so `--resume` needs no `--train`.
+    // Only a training run can be resumed, so `--resume` needs no `--train`.
     let implied = |flag: &str| flag == "train" && is_given("resume");
     let mode = MODES
         .iter()

@@ -24,8 +24,8 @@ pub fn print_json_text(text: &str) -> Result<(), RunError> {
     print_stdout(&(escaped_json(text) + "\n"))
 }
 
-/// `json` with `\u` escapes in place of the unprintable characters in its strings, for the same value. A line break stands
-/// between tokens only, and becomes a space.
+/// Replaces unprintable characters in the strings of `json` by `\u` escapes, which does not change its value. Line breaks and
+/// tabs occur only between tokens, and become spaces.
 fn escaped_json(json: &str) -> String {
     let mut escaped = String::with_capacity(json.len());
     for c in json.chars() {

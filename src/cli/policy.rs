@@ -31,15 +31,15 @@ pub fn load(path: &Path) -> Result<Policy, RunError> {
     policy_card::read(path)
 }
 
-/// Whether `path` looks like a name that is not shipped, rather than like a file.
+/// Whether `path` looks like a shipped name rather than a file, but is neither.
 pub fn is_unknown_name(path: &Path) -> bool {
     let is_name = path.extension().is_none() && path.components().count() == 1;
     let is_shipped = shipped::policies().iter().any(|shipped| path == Path::new(shipped.scenario_from));
     is_name && !is_shipped && !path_exists(path) && !path.is_dir()
 }
 
-/// The policy in the file at `path` (or of that shipped name), which will be used in `scenario`. Warns on stderr of settings there that differ from
-/// the policy's card.
+/// Reads the policy in the file at `path`, or of that shipped name, to be used in `scenario`. Warns on stderr of settings of the
+/// scenario that differ from the policy's card.
 ///
 /// # Errors
 /// The file cannot be read, or the policy's inputs or actions do not match `scenario`.
@@ -49,7 +49,8 @@ pub fn read(path: &Path, scenario: &Scenario, extensions: &Extensions) -> Result
     Ok(policy)
 }
 
-/// Checks that the policy from `path` can be used in `scenario`. Warns on stderr of settings there that differ from its card.
+/// Checks that the policy from `path` can be used in `scenario`. Warns on stderr of settings of the scenario that differ from the
+/// policy's card.
 ///
 /// # Errors
 /// The policy's inputs or actions do not match `scenario`.

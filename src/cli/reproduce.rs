@@ -1,4 +1,4 @@
-//! The mode `--reproduce`: reproduces the paper's figures and tables.
+//! The mode `--reproduce`: reproduces the paper's figures and tables, or runs the user's experiments.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -40,7 +40,7 @@ pub struct ReproduceArgs {
     #[arg(long, value_name = "FILE")]
     experiment: Vec<PathBuf>,
 
-    /// Do only part K of N of the trainings, without the report. When all parts are done, in one folder or copied into one,
+    /// Do only part K of N of the training runs, without the report. When all parts are done, in one folder or copied into one,
     /// the same command without --shard writes the report
     #[arg(long, value_name = "K/N")]
     shard: Option<Shard>,

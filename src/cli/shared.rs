@@ -14,8 +14,9 @@ use crate::simulation::Extensions;
 #[command(next_help_heading = "Options of several modes")]
 pub struct SharedArgs {
     /// The scenario: a RON file, or a shipped one by name (scenario-1, scenario-2, empty, corridor, doorway,
-    /// slalom, random-field, u-trap, crossing, crowd, hall, maze); with --train, --eval, --draw and in the app also a set of scenarios
-    /// or a level generator [default: the preset's, else scenario-1; with --eval the one that the policy was trained in]
+    /// slalom, random-field, u-trap, crossing, crowd, hall, maze); with --train, --eval, --draw and in the app also a set of
+    /// scenarios or a level generator [default: the preset's, else scenario-1; with --eval the one that the policy was
+    /// trained in]
     #[arg(long, value_name = "FILE")]
     pub scenario: Option<String>,
 
@@ -39,13 +40,14 @@ pub struct SharedArgs {
     #[arg(long, value_name = "N", value_parser = values::budget, allow_negative_numbers = true)]
     pub episodes: Option<u64>,
 
-    /// The output folder. With --train: a new run folder [default: runs/<scenario>-<preset>-<seed>, with -2, -3, ...
-    /// appended if that exists]. With --reproduce: the report's folder, continued if it already holds a report, but not of other experiments or more seeds
-    /// [default: runs/reproduce; with --experiment: runs/reproduce-<experiment>]. With --import: the scenario's file
+    /// The output. With --train: a new run folder [default: runs/<scenario>-<preset>-<seed>, with -2, -3, ... appended if
+    /// that exists]. With --reproduce: the report's folder; an earlier report there is continued, unless it is of other
+    /// experiments or more seeds [default: runs/reproduce; with --experiment: runs/reproduce-<experiment>]. With --import: the
+    /// scenario file, or a folder for all worlds of a file
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 
-    /// The size of the picture of --draw in pixels (96 per inch in PDF), such as 1600x1200 [default: the figure's, which
+    /// The size of the figure of --draw in pixels (96 per inch in PDF), such as 1600x1200 [default: the figure's own, which
     /// is 640 wide; in PNG four times that].
     #[cfg_attr(feature = "gui", doc = "In the app: the size of the window in points")]
     #[arg(long, value_name = "WxH", value_parser = values::size)]

@@ -40,7 +40,7 @@ pub struct TrainArgs {
     init: Option<PathBuf>,
 
     /// Initial epsilon with --init (the paper: 0.5) [default: the preset's]
-    #[arg(long, value_name = "X", requires = "init", value_parser = values::share, allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", requires = "init", value_parser = values::fraction, allow_negative_numbers = true)]
     epsilon: Option<f32>,
 
     /// Continue the run in DIR exactly where it stopped (--train may be left out); --episodes or --steps set a
@@ -61,7 +61,7 @@ pub struct TrainArgs {
 /// What the first signal prints.
 pub const SAVING: &str = "saving a checkpoint, then stopping (a second Ctrl-C quits without saving)";
 
-/// Trains, and prints the run's summary. `again` is the configuration of a run to repeat.
+/// Trains, and prints the run's summary. `again` is the run to repeat: its folder or `config.ron`.
 ///
 /// # Errors
 /// An option or a file is invalid, the run failed, or a signal stopped it.
@@ -92,7 +92,7 @@ pub fn run(
     Err(RunError::Stopped(format!("stopped; help: `{} --resume {folder}` continues", program())))
 }
 
-/// A new run, or the run of the configuration file `again` once more.
+/// A new training run, or a repetition of the run `again`.
 fn new_run(
     again: Option<&Path>,
     args: TrainArgs,
@@ -169,7 +169,7 @@ fn summary_text(folder: &Path, summary: &Summary) -> String {
             )
         }
         None if summary.finished => "none: the preset asks for none".into(),
-        None => "none: it follows at the end of the training".into(),
+        None => "none yet: it follows at the end of training".into(),
     };
     let best_at = match summary.best_env_steps {
         Some(0) => ", at env step 0, before any training".into(),

@@ -8,7 +8,7 @@ use crate::limits::{MAX_PICTURE_SIDE, MAX_SHEET_LEVELS, MAX_STEPS};
 use crate::reproduce::Seeds;
 use crate::scenario::whole_number;
 
-/// The least width and height of a picture, in pixels.
+/// The minimum width and height of an image, in pixels.
 const MIN_PICTURE_SIDE: u16 = 16;
 
 /// A parser of whole numbers in `range`. They may be written 600000, 600_000, 6e5 or 600k.
@@ -29,7 +29,7 @@ pub fn whole<N: TryFrom<u64>>(
     }
 }
 
-/// The whole number `text` without the separators of its groups of three digits, such as 600,000; `None` if there are none.
+/// The whole number `text` without the separators of its groups of three digits, such as 600,000; `None` without such groups.
 fn ungrouped(text: &str) -> Option<u64> {
     let mut groups = text.split([',', ' ', '\'', '’', '\u{a0}', '\u{202f}']);
     let first = groups.next().filter(|first| (1..=3).contains(&first.len()))?;
@@ -68,8 +68,8 @@ pub fn seeds(text: &str) -> Result<Seeds, String> {
     }
 }
 
-/// Parses a share from 0 to 1.
-pub fn share(text: &str) -> Result<f32, String> {
+/// Parses a fraction from 0 to 1.
+pub fn fraction(text: &str) -> Result<f32, String> {
     let value = text.parse().ok().filter(|x| (0.0..=1.0).contains(x));
     value.ok_or_else(|| format!("give a number from 0 to 1{}", decimal_point(text)))
 }
@@ -158,8 +158,8 @@ mod tests {
         assert_eq!(seeds("0"), Err("give a whole number from 1 to 1000".into()));
         assert_eq!(seeds("3,17,3"), Err("3 is given twice; give each seed once".into()));
         assert!(seeds("3,x").is_err() && seeds(",").is_err());
-        assert_eq!(share("0,5"), Err("give a number from 0 to 1; write 0.5".into()));
-        assert_eq!(share("NaN"), Err("give a number from 0 to 1".into()));
+        assert_eq!(fraction("0,5"), Err("give a number from 0 to 1; write 0.5".into()));
+        assert_eq!(fraction("NaN"), Err("give a number from 0 to 1".into()));
         assert_eq!(seconds("1,5"), Err("give 0.01 to 1000000 seconds; write 1.5".into()));
     }
 }

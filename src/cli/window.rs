@@ -121,7 +121,7 @@ pub fn run(args: WindowArgs, shared: SharedArgs, save_every: Option<Duration>) -
 /// because the app loads it once the user has fixed it. For a screenshot it is an error.
 fn check_start_files(start: &StartOptions, screenshot: bool) -> Result<(), RunError> {
     let scenario = Path::new(&start.scenario);
-    // The app follows the scenario's file and writes it, which would spoil the run.
+    // The app reloads a scenario's file when it changes, and the editor saves to it: that would spoil the run.
     if read_text(scenario).is_ok_and(|text| RunConfig::is_meant_by(&text)) {
         let why = "this is the configuration of a run; help: open the run's folder with --open";
         return Err(RunError::invalid_input(scenario, why));
@@ -136,7 +136,7 @@ fn check_start_files(start: &StartOptions, screenshot: bool) -> Result<(), RunEr
     Ok(())
 }
 
-/// Checks the file of the screenshot before the training that may take hours.
+/// Checks the file of the screenshot before the training, which may take hours.
 fn check_screenshot_file(path: &Path) -> Result<(), RunError> {
     if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
         let why = "screenshots are PNG files; help: give a file name that ends in .png";

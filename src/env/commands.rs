@@ -1,4 +1,4 @@
-//! What the caller commands the robots: actions by number, or motions.
+//! What the caller commands the robots to do: actions by index, or motions.
 
 use bevy::prelude::World;
 
@@ -11,12 +11,12 @@ use crate::task::{Actions, CommandedMotions};
 pub enum Commands<'a> {
     /// Indices into the robot's motions.
     Actions(&'a [usize]),
-    /// Speeds and turning rates, which are limited to those between 0 and the extremes of the robot's motions; then turning
-    /// rates are limited to what the robot's least turning radius allows at that speed.
+    /// Speeds and turning rates. They are limited to the range of the robot's motions and 0; then turning rates are limited to
+    /// what the robot's minimum turning radius allows at that speed.
     Motions(&'a [Motion]),
 }
 
-/// The number of the robot's motions, and the limits of motions.
+/// The number of actions, and the limits of commanded motions.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CommandRules {
     pub num_actions: usize,
@@ -33,7 +33,7 @@ impl CommandRules {
         Self { num_actions: scenario.robot.motions.len(), low, high }
     }
 
-    /// Checks `commands` for the first `num_envs` environments of `world`, and makes them those of the next control step.
+    /// Checks `commands` for the first `num_envs` environments of `world`, and sets them for the next control step.
     pub fn apply(
         &self,
         commands: Commands<'_>,

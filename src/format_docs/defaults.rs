@@ -1,4 +1,4 @@
-//! The defaults of a format's fields, as the program reads them: from the shortest file that has the type in it.
+//! The defaults of a format's fields, as the program reads them from the shortest file that contains the type.
 
 use std::collections::VecDeque;
 
@@ -9,32 +9,32 @@ use super::schema::{Entry, Group, Section, inner, name};
 /// Reads a file of the format, and writes it with all fields.
 pub type Read = fn(&str) -> String;
 
-/// A way into a file: fields of groups, each with the type that it leads to.
+/// A path into a file: the fields that lead from the whole file to a type in it, each with the group that it belongs to.
 #[derive(Clone, Default)]
-struct Way<'a>(Vec<(&'a Group, &'a Entry)>);
+struct FieldPath<'a>(Vec<(&'a Group, &'a Entry)>);
 
-/// The text of each field of `group`, which belongs to `section`, if the fields without defaults have any values. `None` for a
-/// field that is not written at all.
+/// The value of each field of `group` in `section`, as text, in a file that gives only the fields without a default. `None` for a
+/// field that is not written when it has its default.
 pub fn defaults(sections: &[Section], read: Read, section: &Section, group: &Group) -> Vec<Option<String>> {
-    let way = way_to(sections, &section.name);
-    let text = read(&way.text(&shortest(group, sections), sections));
+    let fields = path_to(sections, &section.name);
+    let text = read(&fields.file(&shortest(group, sections), sections));
     let map = SourceMap::new(&text);
-    let path = way.path();
+    let prefix = fields.notation();
     let value = |entry: &Entry| {
-        let path = [path.as_str(), &entry.name].join(if path.is_empty() { "" } else { "." });
+        let path = [prefix.as_str(), &entry.name].join(if prefix.is_empty() { "" } else { "." });
         let offset = map.offset_of(&path).filter(|offset| map.path_at(*offset) == path)?;
         Some(squeezed(&text[map.value_at(offset)]))
     };
     group.entries.iter().map(value).collect()
 }
 
-/// The shortest way from the first of `sections` to the one called `target`.
-fn way_to<'a>(sections: &'a [Section], target: &str) -> Way<'a> {
-    let mut open = VecDeque::from([(&sections[0], Way::default())]);
+/// The shortest path from the first of `sections` to the one called `target`.
+fn path_to<'a>(sections: &'a [Section], target: &str) -> FieldPath<'a> {
+    let mut open = VecDeque::from([(&sections[0], FieldPath::default())]);
     let mut seen = vec![&sections[0].name];
-    while let Some((section, way)) = open.pop_front() {
+    while let Some((section, path)) = open.pop_front() {
         if section.name == target {
-            return way;
+            return path;
         }
         for (group, entry) in
             section.groups.iter().flat_map(|group| group.entries.iter().map(move |e| (group, e)))
@@ -43,16 +43,16 @@ fn way_to<'a>(sections: &'a [Section], target: &str) -> Way<'a> {
             if let Some(next) = sections.iter().find(|next| next.name == kind && !seen.contains(&&next.name))
             {
                 seen.push(&next.name);
-                open.push_back((next, Way([way.0.as_slice(), &[(group, entry)]].concat())));
+                open.push_back((next, FieldPath([path.0.as_slice(), &[(group, entry)]].concat())));
             }
         }
     }
     panic!("no field leads to {target}")
 }
 
-impl Way<'_> {
-    /// A file with `value` at the end of this way.
-    fn text(&self, value: &str, sections: &[Section]) -> String {
+impl FieldPath<'_> {
+    /// Writes a file with `value` at the end of this path.
+    fn file(&self, value: &str, sections: &[Section]) -> String {
         self.0.iter().rev().fold(value.to_owned(), |value, (group, entry)| {
             let value = if name(&entry.kind) == "Vec" { format!("[{value}]") } else { value };
             let others = group.entries.iter().filter(|other| !other.optional && other.name != entry.name);
@@ -62,8 +62,8 @@ impl Way<'_> {
         })
     }
 
-    /// The path of its end in the file.
-    fn path(&self) -> String {
+    /// The path as a [`SourceMap`] writes it.
+    fn notation(&self) -> String {
         let mut path = String::new();
         for (_, entry) in &self.0 {
             path += if path.is_empty() || entry.name.is_empty() { "" } else { "." };
@@ -94,7 +94,7 @@ fn sample(entry: &Entry, sections: &[Section]) -> String {
         "f32" | "f64" => "1.0".into(),
         "u8" | "u16" | "u32" | "u64" | "usize" => "1".into(),
         "Vec" => "[]".into(),
-        // A whole number is a number, too.
+        // A whole number is also read as a float.
         "Ranged" => "1".into(),
         name => {
             let section = sections.iter().find(|section| section.name == name);
@@ -103,7 +103,7 @@ fn sample(entry: &Entry, sections: &[Section]) -> String {
     }
 }
 
-/// RON on several lines, on one.
+/// Puts RON from several lines on one.
 fn squeezed(text: &str) -> String {
     let line = text.lines().map(str::trim).collect::<Vec<_>>().join(" ");
     line.replace("( ", "(").replace("[ ", "[").replace(", )", ")").replace(", ]", "]")

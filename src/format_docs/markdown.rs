@@ -1,4 +1,4 @@
-//! The reference of a format in Markdown: its types, with a table of fields each.
+//! The reference of a format in Markdown: its types, each with a table of its fields.
 
 use std::fmt::Write as _;
 
@@ -10,7 +10,8 @@ use super::schema::{Entry, Group, Section, inner, name};
 /// The longest default in a table, in characters.
 const MAX_DEFAULT: usize = 40;
 
-/// The reference of the format with the types `sections`, the whole file first. `last` is the label of a section that follows.
+/// Writes the reference of the format with the types `sections`, the whole file first. `last` is the label of a section that
+/// follows.
 pub fn reference(sections: &[Section], read: Read, last: Option<&str>) -> String {
     let mut page = String::from("\n## Contents\n\n");
     for section in sections {
@@ -86,14 +87,14 @@ fn default(entry: &Entry, value: Option<String>, sections: &[Section]) -> (Strin
     let is_struct = sections.iter().any(|section| section.name == kind && section.is_struct());
     match value.as_deref() {
         _ if !entry.optional => ("must be given".into(), None),
-        _ if is_struct => ("see there".into(), None),
+        _ if is_struct => ("its own defaults".into(), None),
         None | Some("None") => ("none".into(), None),
         Some(text) if text.len() > MAX_DEFAULT => ("see below".into(), value),
         Some(text) => (format!("`{text}`"), None),
     }
 }
 
-/// The notation of a value of the type. Points are `Vec2`, ranges are pairs.
+/// How a value of the type is written. Points are `Vec2`, ranges are pairs.
 fn written(kind: &Type) -> String {
     match (name(kind).as_str(), inner(kind)) {
         ("", _) => match kind {
@@ -138,7 +139,7 @@ fn link(label: &str) -> String {
     format!("[{label}](#{})", label.to_lowercase().replace(' ', "-"))
 }
 
-/// `text` in a table.
+/// Escapes `text` for a table.
 fn cell(text: &str) -> String {
     text.replace('|', "\\|")
 }

@@ -44,7 +44,7 @@ const EXPERIMENT: &[&str] = &[
     "crates/learning/src/config.rs",
 ];
 
-/// A file of the format `T` with all fields.
+/// Reads a file of the format `T`, and writes it with all fields.
 fn read<T: serde::Serialize + serde::de::DeserializeOwned>(text: &str) -> String {
     let value: T = parse_ron(text, text).unwrap_or_else(|error| panic!("{error}"));
     to_ron(&value).expect("RON")
@@ -70,7 +70,7 @@ fn the_scenario_format_in_the_docs_is_that_of_the_schema() {
     let reference = reference("Scenario", SCENARIO, read::<Scenario>, Some(whole));
     let example = text("scenarios/empty.ron");
     let last = format!(
-        "\n## {whole}\n\n[`scenarios/empty.ron`](../scenarios/empty.ron), which spells every field of the whole with its \
+        "\n## {whole}\n\n[`scenarios/empty.ron`](../scenarios/empty.ron), which spells out every field of a scenario with its \
          default:\n\n```ron\n{example}```\n"
     );
     check("docs/scenario-format.md", &(reference + &last));
@@ -110,7 +110,7 @@ fn the_experiment_format_in_the_docs_is_that_of_the_types() {
 
 #[test]
 fn every_field_of_a_preset_has_a_default() {
-    // A motion of a list is written as a whole.
+    // The fields of a motion in a list have no defaults.
     let is_part = |section: &&Section| section.is_struct() && section.name != "RelativeMotion";
     for section in types("Preset", PRESET).iter().filter(is_part) {
         for entry in &section.groups[0].entries {
@@ -124,7 +124,7 @@ fn every_field_of_a_preset_has_a_default() {
 fn empty_ron_has_every_field_of_a_scenario_with_a_default() {
     let example = text("scenarios/empty.ron");
     let mut named = 0;
-    // Types whose fields all have defaults: the parts that every scenario has.
+    // Types whose fields all have defaults are the parts that every scenario has.
     for section in types("Scenario", SCENARIO).iter().filter(|section| section.is_struct()) {
         let entries = &section.groups[0].entries;
         let is_part = section.name != "Wall" && entries.iter().all(|entry| entry.optional);
@@ -179,7 +179,7 @@ fn the_examples_and_messages_in_the_docs_are_those_of_the_program() {
 
 #[test]
 fn a_small_format_gives_the_reference_written_by_hand() {
-    /// The part of the format that is not under test in detail.
+    /// The types of `source`, from which the defaults are read.
     #[derive(serde::Serialize, serde::Deserialize)]
     #[serde(deny_unknown_fields)]
     struct Robot {

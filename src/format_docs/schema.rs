@@ -117,7 +117,7 @@ fn docs(attributes: &[Attribute]) -> Vec<String> {
         match (meta.path.is_ident("doc"), line.value().trim()) {
             (true, "") => paragraphs.push(String::new()),
             (true, line) => {
-                let last = paragraphs.last_mut().expect("one at least");
+                let last = paragraphs.last_mut().expect("at least one");
                 *last += if last.is_empty() { "" } else { " " };
                 *last += line;
             }
@@ -159,7 +159,7 @@ pub fn inner(kind: &Type) -> Option<&Type> {
     }
 }
 
-/// The types that the type named `root` consists of, itself first, each followed by those in it.
+/// The type named `root` and the types in it, each followed by those of its fields.
 pub fn reachable(root: &str, mut all: Vec<Section>) -> Vec<Section> {
     let mut names = Vec::new();
     visit(root, &all, &mut names);

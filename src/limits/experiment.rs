@@ -2,7 +2,7 @@
 
 /// Maximum number of seeds.
 pub const MAX_SEEDS: u64 = 1000;
-/// Maximum number of arms, conditions, figures, tables or claims, and of numbers or names in one of their lists.
+/// Maximum number of arms, conditions, figures, tables or claims, and of entries in one of their lists.
 pub const MAX_ENTRIES: usize = 200;
 /// Maximum number of panels in a figure.
 pub const MAX_SERIES: usize = 10;

@@ -23,7 +23,7 @@ struct Table {
 /// A row: what is limited, the limit, its unit ("" for a count), and the reason.
 struct Limit(&'static str, Value, &'static str, &'static str);
 
-/// A limit: a maximum, or a range that includes both ends.
+/// A limit: a maximum, a minimum, or a range that includes both ends.
 enum Value {
     Max(u64),
     Bytes(u64),
@@ -96,8 +96,8 @@ const RON_FILES: &[Limit] = &[
 
 const SETS: &[Limit] = &[
     Limit("entries", counts(&scenario::SET_SCENARIOS), "", "memory"),
-    Limit("share of an entry, relative to the others", reals(&scenario::SET_SHARE), "", "mistyped values"),
-    Limit("levels of a generator", counts32(&scenario::SET_LEVELS), "", "evaluations use the seeds above"),
+    Limit("`share` of an entry, relative to the others", reals(&scenario::SET_SHARE), "", "mistyped values"),
+    Limit("levels of a generator", counts32(&scenario::SET_LEVELS), "", "evaluations use larger seeds"),
 ];
 
 const SUITES: &[Limit] = &[
@@ -129,7 +129,7 @@ const SCENARIOS: &[Limit] = &[
     Limit("sizes of shapes", reals(&scenario::SHAPE_SIZE_M), "m", "rounding"),
     Limit("corners of a polygonal obstacle", counts(&scenario::POLYGON_CORNERS), "", "time of a step"),
     Limit(
-        "its corners' coordinates in its own frame",
+        "coordinates of its corners in the obstacle's frame",
         reals(&scenario::POLYGON_COORDINATE_M),
         "m",
         "rounding",
@@ -138,7 +138,7 @@ const SCENARIOS: &[Limit] = &[
         "area of a polygonal obstacle",
         Min(scenario::MIN_POLYGON_AREA_M2),
         "m²",
-        "that of the smallest square",
+        "the area of the smallest square",
     ),
     Limit(
         "rotations and headings",
@@ -166,7 +166,7 @@ const SCENARIOS: &[Limit] = &[
     Limit("positions of a `OneOf` rule", counts(&scenario::POSITIONS), "", "time of the checks"),
     Limit("radius of the robot", reals(&scenario::ROBOT_RADIUS_M), "m", "mistyped values"),
     Limit("motions of the robot", counts(&scenario::MOTIONS), "", "size of the network's output"),
-    Limit("least turning radius", reals(&scenario::TURNING_RADIUS_M), "m", "mistyped values"),
+    Limit("minimum turning radius", reals(&scenario::TURNING_RADIUS_M), "m", "mistyped values"),
     Limit("actuator lag", reals(&scenario::ACTUATOR_LAG_S), "s", "mistyped values"),
     Limit("acceleration of the drive", reals(&scenario::ACCELERATION_M_S2), "m/s^2", "mistyped values"),
     Limit(
@@ -202,7 +202,7 @@ const SCENARIOS: &[Limit] = &[
         "pairs of sides tested for overlaps",
         count(scenario::MAX_OVERLAP_WORK),
         "",
-        "time of the checks; of a larger scenario, a part is tested",
+        "time of the checks; a larger scenario is tested in part",
     ),
 ];
 
@@ -311,8 +311,8 @@ const TRAINING: &[Limit] = &[
 ];
 
 const IMPORTS: &[Limit] = &[
-    Limit("size of a picture's file", Bytes(import::MAX_PICTURE_BYTES), "", "memory"),
-    Limit("pixels of a picture", count(import::MAX_CELLS), "", "memory; checked before it is decoded"),
+    Limit("size of an image file", Bytes(import::MAX_PICTURE_BYTES), "", "memory"),
+    Limit("pixels of an image", count(import::MAX_CELLS), "", "memory; checked before it is decoded"),
     Limit(
         "corners of an outline of a map's floor",
         count(import::MAX_RING_CORNERS),
@@ -335,10 +335,10 @@ const IMPORTS: &[Limit] = &[
 ];
 
 const COMMAND_LINE: &[Limit] = &[
-    Limit("levels of a contact sheet (`--levels`)", Max(MAX_SHEET_LEVELS), "", "size of the picture"),
+    Limit("levels of a contact sheet (`--levels`)", Max(MAX_SHEET_LEVELS), "", "size of the image"),
     Limit("episodes of one `--eval`, over all rounds", Max(MAX_EVAL_EPISODES), "", "memory"),
     Limit(
-        "width and height of a picture (`--size`)",
+        "width and height of an image (`--size`)",
         Max(MAX_PICTURE_SIDE as u64),
         "pixels",
         "memory: 256 MiB",
@@ -357,8 +357,8 @@ const EXPERIMENTS: &[Limit] = &[
     Limit("stages of an arm", count(experiment::MAX_STAGES), "", "time of the plan"),
     Limit("rounds of a test, and of the paper's values", count(experiment::MAX_ROUNDS), "", "time of a test"),
     Limit("episodes per round of a test", Max(experiment::MAX_TEST_EPISODES), "", "time of a test"),
-    Limit("panels of a figure", count(experiment::MAX_SERIES), "", "size of the picture"),
-    Limit("columns of a figure or table", count(experiment::MAX_MEASURES), "", "size of the picture"),
+    Limit("panels of a figure", count(experiment::MAX_SERIES), "", "size of the image"),
+    Limit("columns of a figure or table", count(experiment::MAX_MEASURES), "", "size of the image"),
     Limit("moving average in a figure", Max(experiment::MAX_SMOOTHING), "episodes", "mistyped values"),
     Limit("a number in a figure or table", MaxReal(experiment::MAX_VALUE), "in magnitude", "width of a cell"),
     Limit("a name or heading", count(experiment::MAX_NAME_CHARS), "characters", "width of the report"),
@@ -375,7 +375,7 @@ const POLICIES: &[Limit] = &[
         "they list the rounds",
     ),
     Limit(
-        "size of its header with the card",
+        "size of the policy's header with the card",
         Bytes(policy::MAX_HEADER_BYTES as u64),
         "",
         "a scenario grows when all its defaults are written out",
@@ -423,7 +423,7 @@ impl Value {
     }
 }
 
-/// A whole number: a large power of two or ten as such, else with separators.
+/// Formats a whole number: a large power of two or ten as a power, any other with separators.
 fn whole(value: u64) -> String {
     let digits = value.to_string();
     if value >= 1 << 24 && value.is_power_of_two() {
@@ -446,7 +446,7 @@ fn mebibytes(bytes: u64) -> String {
     format!("{} MiB", whole(bytes >> 20))
 }
 
-/// A real number, very large or small ones in scientific notation: 0.001, 1,000, 1e9.
+/// Formats a real number, a very large or small one in scientific notation: 0.001, 1,000, 1e9.
 fn real<T: Display + LowerExp + Into<f64> + Copy>(value: T) -> String {
     let size = value.into().abs();
     if size != 0.0 && !(1e-4..1e6).contains(&size) {

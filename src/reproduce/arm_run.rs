@@ -1,4 +1,4 @@
-//! An arm under a condition with a seed: its trainings, and its policies at each point.
+//! An arm under a condition with a seed: its training runs, and its policies at each point.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,10 +7,10 @@ use super::plan::Training;
 use super::test_point::{TestPoint, difference};
 use crate::run::preset::Budget;
 
-/// One of a training's policies.
+/// A policy of a training run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum PolicyId {
-    /// The policy after a number of episodes or env steps of the training.
+    /// The policy after a number of episodes or env steps of the run.
     After(Budget),
     /// The best policy by the evaluations during training.
     Best,
@@ -18,16 +18,16 @@ pub enum PolicyId {
     Last,
 }
 
-/// An arm under a condition with a seed: its trainings, one per stage that is needed.
+/// An arm under a condition with a seed: its training runs, one per stage that is needed.
 #[derive(Clone, Debug)]
 pub struct ArmRun {
     /// For each stage, the index into [`RunPlan::trainings`](super::plan::RunPlan::trainings) and how much of that
-    /// training belongs to the stage.
+    /// training run belongs to the stage.
     pub stages: Vec<(usize, Budget)>,
 }
 
 impl ArmRun {
-    /// The stage that the arm is in at `point`, as an index into `stages`, and the length of that stage until then. `None`
+    /// The stage that the arm is in at `point`, as an index into `stages`, and how much of the stage comes before it. `None`
     /// if the arm is shorter, or if a stage's length is not given in the same unit.
     #[must_use]
     pub fn stage_at(&self, point: TestPoint) -> Option<(usize, Budget)> {
@@ -44,7 +44,7 @@ impl ArmRun {
         None
     }
 
-    /// The training and the policy that is tested at `point`. `None` if there is no such point.
+    /// The index of the training run, and its policy that is tested at `point`. `None` if the arm is shorter.
     #[must_use]
     pub fn policy(
         &self,

@@ -12,8 +12,8 @@ use crate::run::preset::Budget;
 pub struct Claim {
     /// The claim in words.
     pub statement: String,
-    /// The measure that decides. Below a curve, that of the curve: `SuccessRate`, `Return` or `Goals`. `Success` is a test of
-    /// its own.
+    /// The measure that decides. A claim about a curve has the curve's: `SuccessRate`, `Return` or `Goals`. `Success` is
+    /// measured in the test after training.
     pub measure: Measure,
     /// The arm that is claimed to be better.
     pub better: String,

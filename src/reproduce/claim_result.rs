@@ -1,7 +1,7 @@
 //! The result of a claim: the outcome, and a sentence with the numbers.
 //!
 //! In: a claim, and the values of both arms over the seeds. Out: a [`ClaimResult`]. If both arms have the same seeds, the
-//! difference is that within each seed, with Student's interval; otherwise it is the difference of the means, with Welch's.
+//! difference is taken within each seed, with Student's interval; otherwise it is that of the means, with Welch's interval.
 //! A claim **held** if the 95 % interval of the difference lies entirely on the claimed side of 0. It is **reversed** if
 //! the interval lies entirely on the other side, and otherwise **not shown**. An arm with a lower bound among its values is
 //! never called better, and a few seeds that happen to agree exactly show nothing.
@@ -18,7 +18,7 @@ use crate::report::statistics::{Estimate, SMALL_SAMPLE, difference, paired_diffe
 pub struct Comparison {
     /// The mean of the first arm minus the mean of the second, in the measure's unit; `None` without values.
     pub difference: Option<Estimate>,
-    /// Whether both arms have the same seeds, so that the difference is within each seed.
+    /// Whether both arms have the same seeds, so that the difference is taken within each seed.
     pub is_paired: bool,
     /// The outcome of the claim that the first arm is better.
     pub outcome: ClaimOutcome,
@@ -32,7 +32,7 @@ pub fn compare(measure: Measure, better: &ArmValues, than: &ArmValues) -> Compar
     let sign = if measure.more_is_better() { 1.0 } else { -1.0 };
     let outcome = match difference {
         Some(Estimate { mean, half_width: Some(half_width), .. })
-            if !is_accident(difference, better, than) =>
+            if !is_coincidence(difference, better, than) =>
         {
             // A difference within rounding errors counts as 0.
             let rounding = 1e-9 * mean.abs().max(1.0);
@@ -51,14 +51,14 @@ pub fn compare(measure: Measure, better: &ArmValues, than: &ArmValues) -> Compar
     Comparison { difference, is_paired, outcome }
 }
 
-/// Whether so few seeds agree exactly that their spread is unknown.
-fn is_accident(difference: Option<Estimate>, better: &ArmValues, than: &ArmValues) -> bool {
+/// Whether all seeds agree exactly, but are too few to know their spread.
+fn is_coincidence(difference: Option<Estimate>, better: &ArmValues, than: &ArmValues) -> bool {
     let fewest = better.seeds.len().min(than.seeds.len());
     fewest < SMALL_SAMPLE && difference.is_some_and(|difference| difference.half_width == Some(0.0))
 }
 
-/// The result of `claim`; `anchor` is the section that shows the data, and `window` the number of training episodes in the
-/// means of the claim's figure, if it is about them.
+/// Tests `claim`. `anchor` is the section that shows the data, and `window` the number of training episodes in the moving means
+/// of the claim's figure, if it has curves.
 pub fn claim_result(
     claim: &Claim,
     better: &ArmValues,
@@ -70,7 +70,7 @@ pub fn claim_result(
     let mut sentence = numbers(claim, (better, than), window, comparison);
     sentence += ". ";
     sentence += conclusion(comparison, (better, than));
-    sentence += &little(better.seeds.len().min(than.seeds.len()), comparison.outcome);
+    sentence += &small_sample_remark(better.seeds.len().min(than.seeds.len()), comparison.outcome);
     for (name, values) in [(&claim.better, better), (&claim.than, than)] {
         let bounds = values.bounds();
         if bounds > 0 {
@@ -96,8 +96,8 @@ pub fn claim_result(
     }
 }
 
-/// What a small number of seeds says, after a conclusion.
-fn little(seeds: usize, outcome: ClaimOutcome) -> String {
+/// A remark on a small number of seeds, after a conclusion.
+fn small_sample_remark(seeds: usize, outcome: ClaimOutcome) -> String {
     match (seeds, outcome) {
         (0 | 1 | SMALL_SAMPLE.., _) => String::new(),
         (n, ClaimOutcome::NotShown) => format!(" n = {n} says little."),
@@ -173,8 +173,8 @@ fn conclusion(comparison: Comparison, (better, than): (&ArmValues, &ArmValues)) 
         (ClaimOutcome::NotShown, Some(_)) if difference.is_some_and(contains_0) => {
             "The interval contains 0, so no difference is shown."
         }
-        (ClaimOutcome::NotShown, Some(_)) if is_accident(difference, better, than) => {
-            "All seeds happen to agree, but they are too few to know their spread."
+        (ClaimOutcome::NotShown, Some(_)) if is_coincidence(difference, better, than) => {
+            "All seeds happen to agree, but there are too few to know their spread."
         }
         (ClaimOutcome::NotShown, Some(_)) => "Too many values are lower bounds to show a difference.",
     }

@@ -27,7 +27,7 @@ const PAPER: &str = "Li, Yue, Shangguan, Jin: Navigation of Mobile Robots Based 
 const QUICK_WARNING: &str = "this is a quick report (--quick), with a tenth of the training and tests. Its numbers \
                              mean nothing for the claims.";
 
-/// The page of the report.
+/// Composes the page of the report.
 ///
 /// # Errors
 /// Results are missing, or a figure could not be drawn.
@@ -54,7 +54,7 @@ pub fn page(
     })
 }
 
-/// What a reader must know before any number.
+/// The warning that a reader needs before any number, if there is one.
 fn warning(results: &Results<'_>, experiments: usize, quick: bool) -> Option<String> {
     let fewest = (0..experiments).map(|index| fewest_seeds(results, index)).min();
     let parts = [quick.then(|| QUICK_WARNING.to_string()), fewest.and_then(small_sample_note)];
@@ -72,7 +72,7 @@ fn title_and_lead(
          on. All numbers below come from these runs, except those marked as the paper's, and every claim result is \
          computed from them.",
         env!("CARGO_PKG_VERSION"),
-        counted(plan.trainings.len() as f64, "training")
+        counted(plan.trainings.len() as f64, "training run")
     );
     if options.experiments.is_empty() {
         ("The paper, reproduced".to_string(), format!("Figures and tables of {PAPER}; {made}"))
@@ -82,7 +82,7 @@ fn title_and_lead(
     }
 }
 
-/// The claim results of all sections. A claim that a figure and a table share is listed once.
+/// The claim results of all sections. A result that a figure and a table share is listed once.
 fn unique_claims(sections: &[Section]) -> Vec<ClaimResult> {
     let mut claims: Vec<ClaimResult> = Vec::new();
     for claim_result in sections.iter().flat_map(|section| &section.items).flat_map(claim_results) {
@@ -126,7 +126,7 @@ fn section(results: &Results<'_>, index: usize, selected: &SelectedExperiment) -
     Ok(Section { id: id.clone(), heading: experiment.title.clone(), about: experiment.about.clone(), items })
 }
 
-/// Tests a claim under the first condition. With a `window`, the numbers are those of the curves that were smoothed with it.
+/// Tests a claim under the first condition. With a `window`, episodes are averaged over it, as in the figure's curves.
 fn test_claim(
     results: &Results<'_>,
     index: usize,
@@ -169,7 +169,7 @@ fn settings(
     Ok(settings)
 }
 
-/// The arms, conditions and stages that a training belongs to.
+/// The arms, conditions and stages that a training run belongs to.
 fn used_by(index: usize, selected: &[SelectedExperiment], plan: &RunPlan) -> String {
     let mut uses = Vec::new();
     for ((experiment, condition, arm, _), arm_run) in &plan.arm_runs {

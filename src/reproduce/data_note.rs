@@ -1,4 +1,4 @@
-//! From how much data the arms learned: whether they are compared on equal data, and over how many seeds.
+//! How much data the arms learned from: whether they are compared on equal data, and over how many seeds.
 
 use super::results::{ArmIndex, Results};
 use super::rows::{row_name, rows};
@@ -6,8 +6,8 @@ use super::test_point::TestPoint;
 use crate::report::format::counted;
 use crate::run::RunError;
 
-/// Numbers of env steps or episodes that differ by at most this share count as equal.
-const EQUAL: f64 = 0.01;
+/// Numbers of env steps or episodes that differ by at most this fraction count as equal.
+const TOLERANCE: f64 = 0.01;
 
 /// The data that an arm learned from until a point, as means over its seeds.
 struct Data {
@@ -16,11 +16,11 @@ struct Data {
     env_steps: f64,
 }
 
-/// A sentence about the data from which the arms learned until `point`: in which unit they are equal, and how much it is in
-/// the other.
+/// A sentence about the data that the arms learned from until `point`: whether they are equal, and in which unit, and each
+/// arm's env steps and episodes.
 ///
 /// # Errors
-/// An arm is too short; a plan has no such arm.
+/// An arm is too short. Planning rules this out.
 pub fn data_note(results: &Results<'_>, index: usize, point: TestPoint) -> Result<String, RunError> {
     let data = rows(results, index)
         .into_iter()
@@ -28,7 +28,7 @@ pub fn data_note(results: &Results<'_>, index: usize, point: TestPoint) -> Resul
         .collect::<Result<Vec<_>, _>>()?;
     let are_equal = |of: fn(&Data) -> f64| {
         let most = data.iter().map(of).fold(0.0, f64::max);
-        data.iter().map(of).all(|amount| most - amount <= EQUAL * most)
+        data.iter().map(of).all(|amount| most - amount <= TOLERANCE * most)
     };
     let measured: Vec<String> = data
         .iter()
@@ -46,14 +46,14 @@ pub fn data_note(results: &Results<'_>, index: usize, point: TestPoint) -> Resul
     };
     let transfers: String = data
         .iter()
-        .filter(|arm| is_transfer(results, arm.row))
+        .filter(|arm| has_unknown_origin(results, arm.row))
         .map(|arm| transfer_note(results, arm))
         .collect();
     Ok(format!("{lead} (means over the seeds): {}.{transfers}", measured.join("; ")))
 }
 
-/// Whether an arm's runs were trained elsewhere and started from a policy, whose training is unknown.
-fn is_transfer(results: &Results<'_>, row: ArmIndex) -> bool {
+/// Whether a run of an arm was trained elsewhere and started from a policy, whose training is unknown.
+fn has_unknown_origin(results: &Results<'_>, row: ArmIndex) -> bool {
     let mut trainings =
         results.arm_runs(row).flat_map(|(_, run)| &run.stages).map(|stage| results.training(stage.0));
     trainings.any(|training| training.elsewhere.is_some() && training.config.transfer.is_some())

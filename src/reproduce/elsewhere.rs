@@ -1,6 +1,6 @@
-//! Runs that were trained elsewhere, as the trainings of an arm.
+//! Runs that were trained elsewhere, as the training runs of an arm.
 //!
-//! In: the folders that an arm names. Out: their configurations, checked: finished, one seed each, and one way to learn.
+//! In: the folders that an arm names. Out: their runs, which are finished and differ only in the seed.
 //! The folders are never written to.
 
 use std::path::PathBuf;
@@ -30,7 +30,7 @@ pub struct FinishedRun {
 }
 
 impl FinishedRun {
-    /// The run in `folder`, and its configuration.
+    /// Opens the run in `folder`. Returns its configuration, too.
     ///
     /// # Errors
     /// It is not a run, or is not finished. The message is about `folder`.
@@ -75,7 +75,7 @@ impl FinishedRun {
         }
     }
 
-    /// Checks that the run has the policy `file`, which `arm` of the experiment `from` needs after `when`.
+    /// Checks that the run has the policy `file`, which `arm` of the experiment `from` needs: the one after `when`.
     ///
     /// # Errors
     /// The file is missing.
@@ -91,7 +91,7 @@ impl FinishedRun {
     }
 }
 
-/// The runs of `arm`, which are one way to learn with several seeds.
+/// Reads the finished runs of `arm`, which must differ only in the seed.
 ///
 /// # Errors
 /// A folder holds no finished run, two runs have the same seed, or they differ in more than the seed.
@@ -111,7 +111,7 @@ pub fn read(source: &ExperimentSource, arm: &Arm) -> Result<Vec<(RunConfig, Fini
 fn difference(earlier: &(RunConfig, FinishedRun), run: &(RunConfig, FinishedRun)) -> Option<String> {
     let other = printable(&earlier.1.folder.display().to_string()).into_owned();
     let (earlier, config) = (&earlier.0, &run.0);
-    let separate = "help: an arm is one way to learn with several seeds: give this run an arm of its own";
+    let separate = "help: the runs of an arm may differ only in the seed, so give this run an arm of its own";
     if earlier.scenario.name != config.scenario.name {
         let (this, that) = (&config.scenario.name, &earlier.scenario.name);
         return Some(format!("is a run in \"{this}\", but {other} is one in \"{that}\"; {separate}"));
@@ -127,7 +127,7 @@ fn difference(earlier: &(RunConfig, FinishedRun), run: &(RunConfig, FinishedRun)
     (earlier.seed == seed).then(|| format!("has seed {seed}, as {other} has; help: leave one of them out"))
 }
 
-/// Checks that arms with runs from elsewhere are compared with arms in the same scenario, by its name.
+/// Checks that arms with runs from elsewhere are only compared with arms in a scenario of the same name.
 ///
 /// # Errors
 /// A claim or table compares arms that end in different scenarios.

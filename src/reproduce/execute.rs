@@ -1,6 +1,6 @@
 //! The execution of a plan: trains and tests, several runs in parallel.
 //!
-//! In: a [`RunPlan`] and a folder. Out: a run folder for each training, with its test results. A run depends only on
+//! In: a [`RunPlan`] and a folder. Out: a run folder for each training run, with its test results. A run depends only on
 //! its configuration, so no result depends on the number of parallel runs, on their order, or on interruptions.
 
 use std::fs;
@@ -24,7 +24,7 @@ use crate::run::train::{CHECKPOINT_INTERVAL, Job, train};
 use crate::run::{RunError, checkpoint};
 use crate::simulation::Extensions;
 
-/// Runs all trainings of `plan` in folders below `folder`, `jobs` at a time.
+/// Does all training runs of `plan` in folders below `folder`, `jobs` at a time.
 ///
 /// # Errors
 /// A run failed (the others are stopped and keep their checkpoints), or `stop` was set.
@@ -33,7 +33,7 @@ pub fn execute(plan: &RunPlan, folder: &Path, jobs: usize, stop: &AtomicBool) ->
     let queue = Queue::new(plan);
     let worker = || {
         while let Some(index) = queue.next(stop) {
-            // A panic must be recorded, or runs that start from this one would be waited for forever.
+            // A panic must be recorded, or threads would wait forever for runs that start from this one.
             let work = AssertUnwindSafe(|| run(plan, index, folder, &progress, stop));
             let result = catch_unwind(work)
                 .unwrap_or_else(|_| Err(RunError::Failed("panicked (see the message above)".into())));
@@ -57,7 +57,7 @@ pub fn execute(plan: &RunPlan, folder: &Path, jobs: usize, stop: &AtomicBool) ->
     Ok(())
 }
 
-/// Trains and tests training `index`; `false` if it was stopped.
+/// Trains and tests the run at `index`; `false` if it was stopped.
 fn run(
     plan: &RunPlan,
     index: usize,
@@ -100,8 +100,8 @@ pub fn is_done(training: &Training, folder: &Path) -> bool {
     is_trained(training, folder) && training.tests.iter().all(is_tested)
 }
 
-/// Whether `folder` holds a finished run with this configuration, at least this long, and with all policies that are
-/// needed.
+/// Whether `training` was done elsewhere, or `folder` holds a finished run with this configuration, at least this long, and with
+/// all policies that are needed.
 fn is_trained(training: &Training, folder: &Path) -> bool {
     if training.elsewhere.is_some() {
         return true;
@@ -161,7 +161,7 @@ fn run_training(
     Ok(true)
 }
 
-/// The policy that a training starts from, if any. Its path is relative to `folder`.
+/// Reads the policy that a training run starts from, if any. Its path is relative to `folder`.
 fn origin(training: &Training, folder: &Path) -> Result<Option<Policy>, RunError> {
     let transfer = training.config.transfer.as_ref();
     transfer.map(|transfer| policy_test::read_policy(&folder.join(&transfer.policy))).transpose()

@@ -3,8 +3,9 @@
 //! In: a RON file from `assets/experiments/` or from the user. Out: an [`Experiment`].
 //!
 //! An **arm** is one way to learn: a stage of training, or several stages, each of which starts from the weights of the
-//! stage before it (knowledge transfer), or runs that exist already. A **condition** changes all arms in the same way;
-//! with conditions, every arm is trained under each of them. **Figures** and **tables** show the results, and **claims** are tested against them.
+//! stage before it (knowledge transfer), or runs that exist already. A **condition** changes all arms, or some of them, in the
+//! same way; with conditions, every arm is trained under each of them. **Figures** and **tables** show the results, and
+//! **claims** are tested against them.
 
 use serde::{Deserialize, Serialize};
 
@@ -39,7 +40,7 @@ pub struct Experiment {
     pub overrides: Settings,
     /// The arms to compare, at least one.
     pub arms: Vec<Arm>,
-    /// The conditions under which all arms are trained. If empty, they are trained once, without changes.
+    /// The conditions under which all arms are trained. If empty, the arms are trained once, without changes.
     #[serde(default)]
     pub conditions: Vec<Condition>,
     /// The figures.
@@ -124,7 +125,7 @@ pub struct Stage {
     pub scenario: String,
     /// The preset: a RON file, or the name of a shipped preset.
     pub preset: String,
-    /// The length of the training, instead of the preset's own.
+    /// The length of the training run, instead of the preset's own.
     #[serde(default)]
     pub budget: Option<Budget>,
     /// The initial epsilon of a stage that starts from another stage's weights, instead of the preset's (the paper:
@@ -146,7 +147,7 @@ pub struct Condition {
     /// Another scenario for every stage. The overrides apply to it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scenario: Option<String>,
-    /// Fields of the preset and the scenario to change in every stage, by path, after those of the stage.
+    /// Fields of the preset and the scenario to change in every stage, by path, after the stage's own overrides.
     #[serde(default, skip_serializing_if = "Settings::is_empty")]
     pub overrides: Settings,
     /// The names of the arms that are changed; empty for all.

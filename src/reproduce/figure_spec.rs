@@ -25,8 +25,8 @@ pub struct FigureSpec {
 }
 
 impl FigureSpec {
-    /// The number of training episodes in the figure's moving means; the figure's claims are about the same means. `None`
-    /// for a figure without curves.
+    /// The number of training episodes in the figure's moving means, which its claims use, too. `None` for a figure without
+    /// curves.
     #[must_use]
     pub fn window(&self) -> Option<usize> {
         match self.draw {
@@ -44,7 +44,7 @@ pub enum FigureKind {
     LearningCurves {
         /// The series, one panel each.
         series: Vec<Series>,
-        /// The x axis. By default episodes; env steps if a stage has a budget in env steps, or if the trainings differ in
+        /// The x axis. By default episodes; env steps if a stage has a budget in env steps, or if the training runs differ in
         /// the number of arenas.
         #[serde(default)]
         over: Option<Axis>,
@@ -59,13 +59,15 @@ pub enum FigureKind {
     DotPlot {
         /// The measures, one column each.
         measures: Vec<Measure>,
-        /// The policy after these episodes or env steps, over all stages, 0 for the initial one; without it, after the whole training.
+        /// The episodes or env steps, over all stages, after which the policies are tested; 0 is before the first step. Without
+        /// it, after the whole training.
         #[serde(default)]
         after: Option<Budget>,
     },
     /// A map of the benchmark route with the planner's path and each arm's trajectory (its first seed).
     BenchmarkRoute {
-        /// The policy after these episodes or env steps, over all stages; without it, after the whole training.
+        /// The episodes or env steps, over all stages, after which the policies drive the route. Without it, after the whole
+        /// training.
         #[serde(default)]
         after: Option<Budget>,
     },
@@ -82,7 +84,7 @@ pub enum Series {
     Return,
     /// The number of goals reached in each training episode.
     Goals,
-    /// The share of episodes that succeed in each evaluation during training, in percent. A claim about it has the measure
+    /// The percentage of episodes that succeed in each evaluation during training. A claim about it has the measure
     /// `SuccessRate`.
     SuccessRate,
 }

@@ -56,14 +56,14 @@ pub fn caption(results: &Results<'_>, index: usize, figure: &FigureSpec) -> Resu
             if series.contains(&Series::SuccessRate)
                 && figure.claims.iter().any(|claim| claim.measure == Measure::Success)
             {
-                parts.push("Claims about \"Success\" are about the test after the training, not about these evaluations.".into());
+                parts.push("Claims about \"Success\" are about the test after training, not about these evaluations.".into());
             }
         }
         FigureKind::DotPlot { measures, after } => {
             parts.push(arrow_note(results, index, measures, TestPoint::overall(*after))?.into());
             parts.push(data_note(results, index, TestPoint::overall(*after))?);
             if !figure.claims.is_empty() {
-                parts.push("The claims are about the differences within each seed, which have intervals of their own.".into());
+                parts.push("The claims are about the differences between the arms, which have intervals of their own.".into());
             }
         }
         FigureKind::BenchmarkRoute { .. } => parts.push(driven_note(results, index)),
@@ -86,7 +86,7 @@ fn arrow_note(
         for &measure in measures {
             if results.values(row, measure, point, Windows::default())?.bounds() > 0 {
                 return Ok(
-                    "An arrow: some seeds never reached it and count with a lower bound, so the mean is larger.",
+                    "An arrow marks a lower bound: some seeds never reached the goals, or failed every time.",
                 );
             }
         }
@@ -94,13 +94,13 @@ fn arrow_note(
     Ok("")
 }
 
-/// Which seeds' policies drive the benchmark route.
+/// A sentence on which seeds' policies drive the benchmark route.
 fn driven_note(results: &Results<'_>, index: usize) -> String {
     let first = |row| results.arm_runs(row).next().map(|(seed, _)| seed);
     let seeds: BTreeSet<u64> = rows(results, index).into_iter().filter_map(first).collect();
     let seeds: Vec<u64> = seeds.into_iter().collect();
-    let (of, s) = (seeds_text(&seeds), if seeds.len() == 1 { "" } else { "s" });
-    format!("Each arm is driven by the policy of its first seed (seed{s} {of}).")
+    let (list, s) = (seeds_text(&seeds), if seeds.len() == 1 { "" } else { "s" });
+    format!("The path of each arm is driven by the policy of its first seed (seed{s} {list}).")
 }
 
 fn dot_plot(
@@ -135,7 +135,7 @@ fn dot_plot(
     })
 }
 
-/// The map of the benchmark route: the planner's path, and the trajectory of each arm's policy of its first seed.
+/// The map of the benchmark route: the planner's path, and for each arm the trajectory of the policy of its first seed.
 fn benchmark_route(
     results: &Results<'_>,
     index: usize,

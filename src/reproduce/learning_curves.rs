@@ -45,7 +45,7 @@ impl LearningCurves<'_> {
         })
     }
 
-    /// What the curves are. Evaluations are not smoothed.
+    /// The label of the curves. Evaluations are not smoothed.
     fn mean_label(&self) -> &'static str {
         let evaluations = self.series.iter().filter(|&&series| series == Series::SuccessRate).count();
         match evaluations {
@@ -132,14 +132,14 @@ fn smoothed(curve: &[(f64, f64)], window: usize) -> Vec<(f64, f64)> {
     curve.iter().map(|point| point.0).zip(moving_mean(&values, window)).collect()
 }
 
-/// The x axis of the experiment at `index` if its figure names none, and why: env steps if a budget is in env steps, or if
-/// the trainings differ in the number of arenas.
+/// The x axis of a figure that names none, in the experiment at `index`: env steps if a budget is in env steps, or if the
+/// training runs differ in the number of arenas. The text gives the reason, if it needs one.
 pub fn default_axis(results: &Results<'_>, index: usize) -> (Axis, &'static str) {
     let runs = rows(results, index).into_iter().flat_map(|row| results.arm_runs(row));
     let stages: Vec<(usize, Budget)> = runs.flat_map(|(_, run)| run.stages.iter().copied()).collect();
     let arenas = |&(training, _): &(usize, Budget)| results.training(training).config.preset.arenas;
     if stages.iter().any(|stage| arenas(stage) != arenas(&stages[0])) {
-        return (Axis::EnvSteps, "Over env steps, because the trainings differ in the number of arenas.");
+        return (Axis::EnvSteps, "Over env steps, because the training runs differ in the number of arenas.");
     }
     match stages.iter().any(|(_, length)| matches!(length, Budget::EnvSteps(_))) {
         true => (Axis::EnvSteps, ""),

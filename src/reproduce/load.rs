@@ -7,7 +7,7 @@ use super::experiment::Experiment;
 use crate::scenario::{Diagnostic, FileError, parse_checked, read_text};
 
 impl Experiment {
-    /// The experiment in the file at `path`, checked.
+    /// Reads and checks the experiment in the file at `path`.
     ///
     /// # Errors
     /// The file cannot be read, is not an experiment, or has invalid values. The error names file, line and column, and
@@ -17,7 +17,7 @@ impl Experiment {
         Self::parse(&read_text(path)?, path)
     }
 
-    /// The experiment in `text`, checked; `path` is only used in errors.
+    /// Reads and checks the experiment in `text`; `path` is only used in errors.
     ///
     /// # Errors
     /// As for [`Experiment::load`].

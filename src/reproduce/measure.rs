@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// A measure of a trained arm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Measure {
-    /// The share of test episodes that succeed, in percent.
+    /// The percentage of test episodes that succeed.
     Success,
     /// The mean time on the scenario's benchmark route over 25 episodes, in s; a failed episode counts as the time limit.
     BenchmarkRouteTime,
@@ -91,7 +91,7 @@ impl Measure {
         matches!(self, Self::Success | Self::SuccessRate | Self::Return | Self::Goals)
     }
 
-    /// Whether the measure comes from a test of the policy, and not from the records of the training.
+    /// Whether the measure comes from a test of the policy, and not from the records of training.
     #[must_use]
     pub fn needs_test(self) -> bool {
         self != Self::SuccessRate && !self.is_of_episodes()
@@ -103,7 +103,7 @@ impl Measure {
         matches!(self, Self::Return | Self::Goals | Self::EpisodesTo(_) | Self::StepsTo(_))
     }
 
-    /// The problem with the measure's number; `None` if it is valid.
+    /// The problem with the measure's parameter; `None` if it is valid.
     pub(super) fn invalid_reason(self) -> Option<String> {
         match self {
             Self::EpisodesTo(x) | Self::StepsTo(x) if !(0.01..=1000.0).contains(&x) => {

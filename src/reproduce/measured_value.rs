@@ -5,7 +5,7 @@
 pub struct MeasuredValue {
     /// The value, in the measure's unit.
     pub value: f64,
-    /// Whether the true value is larger: the run ended before the event, or every episode failed.
+    /// Whether the true value is larger: the run ended before it was reached, or every episode failed.
     pub is_lower_bound: bool,
 }
 
@@ -26,7 +26,7 @@ pub struct ArmValues {
 }
 
 impl ArmValues {
-    /// The values without their flags.
+    /// The values, whether or not they are lower bounds.
     pub fn raw(&self) -> Vec<f64> {
         self.values.iter().map(|value| value.value).collect()
     }

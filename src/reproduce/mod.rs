@@ -1,16 +1,16 @@
 //! Reproduction of the paper: trains the policies for its figures and tables, over several seeds, and writes a report.
 //!
-//! In: experiments (RON files) and a folder. Out, in that folder: a run folder for each training, and the report:
+//! In: experiments (RON files) and a folder. Out, in that folder: a run folder for each training run, and the report:
 //! `report.html`, `README.md`, each figure as SVG and PNG, each table as CSV and Markdown.
 //!
 //! | step | files | duty |
 //! |---|---|---|
 //! | read | `experiment.rs`, `figure_spec.rs`, `table_spec.rs`, `claim.rs`, `measure.rs`, `seeds.rs` | the schema of an experiment's file |
-//! | | `load.rs`, `check/`, `training_check.rs` | reading and checking such a file, and its trainings |
+//! | | `load.rs`, `check/`, `training_check.rs` | reading and checking such a file, and its training runs |
 //! | select | `options.rs`, `select.rs`, `selected.rs`, `quick.rs` | the figures and tables that the user asked for |
-//! | plan | `plan.rs`, `arm_run.rs`, `test_point.rs`, `run_config.rs`, `shard.rs` | the trainings they need, each once, and the policies to test; parts of them for several machines |
+//! | plan | `plan.rs`, `arm_run.rs`, `test_point.rs`, `run_config.rs`, `shard.rs` | the training runs they need, each once, and the policies to test; parts of the plan for several machines |
 //! | | `elsewhere.rs` | runs that were trained elsewhere |
-//! | | `training_task.rs` | a training as a task for another machine |
+//! | | `training_task.rs` | a training run as a task for another machine |
 //! | execute | `open_report.rs`, `execute.rs`, `queue.rs`, `policy_test.rs`, `progress.rs` | training and testing, several runs in parallel |
 //! | measure | `results.rs`, `records.rs`, `measured_value.rs`, `optimal_times.rs` | numbers from the run folders |
 //! | compare | `claim_result.rs` | whether a claim held |
@@ -84,7 +84,7 @@ pub struct Reproduction {
     pub page: Option<PathBuf>,
     /// The results of all claims.
     pub claims: Vec<ClaimResult>,
-    /// The number of trainings that the report is based on, or of the shard.
+    /// The number of training runs that the report is based on, or that the shard contains.
     pub runs: usize,
     /// Wall time of all processes that worked on it, in s.
     pub wall_s: f64,

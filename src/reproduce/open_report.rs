@@ -56,18 +56,18 @@ impl OpenReport {
         self.folder.join("runs")
     }
 
-    /// The trainings of the plan, each before those that start from it, without those that were done elsewhere.
+    /// The training runs of the plan, each before those that start from it, without those that were done elsewhere.
     #[must_use]
     pub fn tasks(&self) -> Vec<TrainingTask> {
         let own = self.plan.trainings.iter().filter(|training| training.elsewhere.is_none());
         own.map(TrainingTask::from).collect()
     }
 
-    /// Does the trainings that are missing and writes the report; of a shard, only does its trainings. `parallel` is the number
-    /// of runs that other machines did in parallel, for the report; `None` if this one does all.
+    /// Does the missing training runs and writes the report; with a shard, only does the training runs in it. `parallel` is how
+    /// many runs other machines did in parallel, for the report; `None` if this machine does all.
     ///
     /// # Errors
-    /// As [`reproduce`](super::reproduce).
+    /// As for [`reproduce`](super::reproduce).
     pub fn finish(mut self, parallel: Option<usize>, stop: &AtomicBool) -> Result<Reproduction, RunError> {
         let (runs, began) = (self.runs(), self.began);
         let cores = || std::thread::available_parallelism().map_or(1, usize::from);

@@ -50,8 +50,8 @@ impl OptimalTimesCache {
         &self.progress
     }
 
-    /// The optimal times of the test by `rule` in `scenario`. If they are not known, the policy in the file `policy` is
-    /// run to find the starts and goals, which are the same for every policy.
+    /// Reads or computes the optimal times of the test by `rule` in `scenario`. If they are not known, the policy in the file
+    /// `policy` is run to find the starts and goals, which are the same for every policy.
     ///
     /// # Errors
     /// The policy cannot be read, or the folder cannot be written.
@@ -99,9 +99,9 @@ fn compute(
     let (episodes, benchmark_route) = policy_test::run_episodes(&policy, scenario, rule)?;
     let (all_cores, all) = (0, episodes.len());
     let mut known = Vec::with_capacity(all);
-    for some in episodes.chunks(EPISODES_PER_UPDATE) {
+    for chunk in episodes.chunks(EPISODES_PER_UPDATE) {
         progress.show(&format!("optimal times in {}: {} of {all} episodes", scenario.name, known.len()));
-        known.extend(bounds(scenario, some, all_cores));
+        known.extend(bounds(scenario, chunk, all_cores));
     }
     let benchmark_route = bounds(scenario, &benchmark_route, all_cores);
     Ok(OptimalTimes { episodes: known, benchmark_route })

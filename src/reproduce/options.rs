@@ -23,7 +23,7 @@ pub struct ReproduceOptions {
     pub quick: bool,
     /// The report's folder, instead of the default one.
     pub out: Option<PathBuf>,
-    /// The part of the trainings to run, without a report; all of them and the report if there is none.
+    /// The part of the training runs to do, without a report; `None` for all of them and the report.
     pub shard: Option<Shard>,
     /// The number of runs in parallel, instead of one per core.
     pub jobs: Option<usize>,

@@ -189,7 +189,7 @@ impl RunPlan {
         }
     }
 
-    /// Adds the tests of an arm to its trainings. `points` says of each point whether a policy is needed there.
+    /// Adds the tests of an arm to its trainings. `points` maps each point to whether a policy is needed there.
     fn add_tests(
         &mut self,
         arm_run: &ArmRun,

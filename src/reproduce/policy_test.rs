@@ -41,7 +41,7 @@ pub struct PolicyTestResult {
 }
 
 impl PolicyTestResult {
-    /// The share of episodes that succeeded, 0 to 1.
+    /// The fraction of episodes that succeeded, 0 to 1.
     pub fn success_rate(&self) -> f64 {
         self.steps.iter().flatten().count() as f64 / self.steps.len() as f64
     }
@@ -62,7 +62,7 @@ pub fn policy_file(policy: PolicyId) -> String {
     }
 }
 
-/// The policy in the file at `path`.
+/// Reads the policy in the file at `path`.
 ///
 /// # Errors
 /// The file cannot be read, or is not a policy.
@@ -95,8 +95,8 @@ pub fn run(
     })
 }
 
-/// Runs the random episodes, and the episodes on the benchmark route if there is one. Starts, goals and the obstacles' clocks are the
-/// same for every policy.
+/// Runs the random episodes, and the episodes on the benchmark route if there is one. Starts, goals and the obstacles' clocks
+/// are the same for every policy.
 ///
 /// # Errors
 /// The policy does not fit the scenario, or no free start was found.
@@ -118,7 +118,7 @@ pub fn run_episodes(
     Ok((episodes, on_route))
 }
 
-/// The results in the folder at `folder`; empty if there are none, or if the file has another version.
+/// Reads the results in the folder at `folder`; empty if there are none, or if the file has another format.
 pub fn read_results(folder: &Path) -> Vec<PolicyTestResult> {
     let text = std::fs::read_to_string(folder.join(RESULTS)).unwrap_or_default();
     serde_json::from_str(&text).unwrap_or_default()

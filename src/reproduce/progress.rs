@@ -27,8 +27,8 @@ pub struct OverallProgress {
 struct Inner {
     /// The cost of each run, in expected gradient steps.
     costs: Vec<f64>,
-    /// The finished share of each run, 0 to 1.
-    shares: Vec<f64>,
+    /// The finished fraction of each run, 0 to 1.
+    fractions: Vec<f64>,
     runs_done: usize,
     /// The names of the runs in progress, by index.
     running: BTreeMap<usize, String>,
@@ -46,7 +46,7 @@ impl OverallProgress {
         Arc::new(Self {
             inner: Mutex::new(Inner {
                 costs: trainings.iter().map(|t| gradient_steps(t, t.config.preset.budget)).collect(),
-                shares: vec![0.0; trainings.len()],
+                fractions: vec![0.0; trainings.len()],
                 runs_done: 0,
                 running: BTreeMap::new(),
                 started: Instant::now(),
@@ -61,7 +61,7 @@ impl OverallProgress {
         self.inner.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Starts run `index`; the listener takes its progress.
+    /// Records that run `index` has started, and returns the listener for its progress.
     pub fn listener(self: &Arc<Self>, index: usize, training: &Training) -> ProgressListener {
         let config = &training.config;
         let name = format!("{} in {}, seed {}", config.preset_name(), config.scenario.name, config.seed);
@@ -74,17 +74,17 @@ impl OverallProgress {
                 Budget::Episodes(_) => Budget::Episodes(progress.episodes),
                 Budget::EnvSteps(_) => Budget::EnvSteps(progress.env_steps),
             };
-            let share = gradient_steps(&training, so_far) / gradient_steps(&training, budget);
+            let fraction = gradient_steps(&training, so_far) / gradient_steps(&training, budget);
             let mut inner = overall.lock();
-            inner.shares[index] = share.clamp(0.0, 1.0);
+            inner.fractions[index] = fraction.clamp(0.0, 1.0);
             inner.show(false);
         })
     }
 
-    /// Finishes run `index`; `was_finished` if it was finished before this process started.
+    /// Records that run `index` is finished; `was_finished` if it was finished before this process started.
     pub fn finish_run(&self, index: usize, was_finished: bool) {
         let mut inner = self.lock();
-        inner.shares[index] = 1.0;
+        inner.fractions[index] = 1.0;
         inner.runs_done += 1;
         inner.running.remove(&index);
         if was_finished {
@@ -112,23 +112,23 @@ impl Inner {
         }
         self.next_line = elapsed + LINE_INTERVAL;
         let total: f64 = self.costs.iter().sum();
-        let done: f64 = self.costs.iter().zip(&self.shares).map(|(cost, share)| cost * share).sum();
-        let share = if total > 0.0 { done / total } else { 1.0 };
+        let done: f64 = self.costs.iter().zip(&self.fractions).map(|(cost, fraction)| cost * fraction).sum();
+        let fraction = if total > 0.0 { done / total } else { 1.0 };
         let here = done - self.done_before;
-        let left = if share < 1.0 && here > 0.0 && elapsed.as_secs() >= 5 {
+        let left = if fraction < 1.0 && here > 0.0 && elapsed.as_secs() >= 5 {
             let left = elapsed.mul_f64(((total - done) / here).clamp(0.0, 1e6));
             format!(", {} left", HumanDuration(left))
         } else {
             String::new()
         };
         let (runs, all) = (self.runs_done, self.costs.len());
-        let prefix = format!("{:>3.0}%  {runs} of {all} runs{left}", (100.0 * share).floor());
+        let prefix = format!("{:>3.0}%  {runs} of {all} runs{left}", (100.0 * fraction).floor());
         let running: Vec<&str> = self.running.values().map(String::as_str).collect();
         match &self.bar {
             Some(bar) => {
                 bar.set_prefix(prefix);
                 bar.set_message(running.join("; "));
-                bar.set_position((share * BAR_STEPS as f64) as u64);
+                bar.set_position((fraction * BAR_STEPS as f64) as u64);
                 bar.tick();
             }
             None => print_stderr(format!("{prefix}  {}", running.join("; ")).trim_end()),
@@ -136,7 +136,7 @@ impl Inner {
     }
 }
 
-/// The approximate number of gradient steps of a training, to which its time is proportional.
+/// The approximate cost of a training run in gradient steps, to which its time is proportional.
 pub fn gradient_steps(training: &Training, budget: Budget) -> f64 {
     let learning = &training.config.preset.learning;
     let env_steps = match budget {

@@ -1,4 +1,4 @@
-//! The provenance of a report: version, command, seeds, trainings, machine and time.
+//! The provenance of a report: version, command, seeds, training runs, machine and time.
 
 use std::collections::BTreeSet;
 
@@ -25,7 +25,7 @@ pub fn provenance(
         ("Command", options.command()),
         ("Seeds", seeds_text(&seeds)),
         (
-            "Trainings",
+            "Training runs",
             format!(
                 "{}: {} in {}",
                 plan.trainings.len(),
@@ -73,7 +73,7 @@ fn processors(results: &Results<'_>) -> String {
         _ => format!("{count} runs on {kind}"),
     };
     let runs: Vec<String> = counts.iter().map(run).collect();
-    let mixed = "; a run has the same bits only on its own kind of processor";
+    let mixed = "; a run gives the same bits only on the same kind of processor";
     runs.join("; ") + if counts.len() > 1 { mixed } else { "" }
 }
 

@@ -1,4 +1,4 @@
-//! The queue of trainings. It returns the trainings that can start, and collects the results.
+//! The queue of training runs. It returns the runs that can start, and collects the results.
 
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -8,7 +8,7 @@ use super::plan::RunPlan;
 use crate::run::RunError;
 use crate::run::preset::Budget;
 
-/// The trainings that are not finished.
+/// The training runs of a plan: which of them wait and which are done.
 pub struct Queue<'a> {
     plan: &'a RunPlan,
     state: Mutex<State>,
@@ -16,7 +16,7 @@ pub struct Queue<'a> {
 }
 
 struct State {
-    /// Trainings not started yet, the most urgent first.
+    /// Training runs not started yet, the most urgent first.
     waiting: Vec<usize>,
     done: BTreeSet<usize>,
     running: usize,
@@ -26,7 +26,7 @@ struct State {
 impl<'a> Queue<'a> {
     pub fn new(plan: &'a RunPlan) -> Self {
         let mut waiting: Vec<usize> = (0..plan.trainings.len()).collect();
-        // Trainings that others start from come first, then the longest, so that all cores stay busy until the end.
+        // Runs that others start from come first, then the longest, so that all cores stay busy until the end.
         let urgency = |&index: &usize| {
             let is_origin = plan.trainings.iter().any(|t| t.origin == Some(index));
             let length = match plan.trainings[index].config.preset.budget {
@@ -40,7 +40,7 @@ impl<'a> Queue<'a> {
         Self { plan, state: Mutex::new(state), changed: Condvar::new() }
     }
 
-    /// The next training that can start; waits for one if necessary. `None` when there is nothing left to do.
+    /// Returns the next training run that can start; waits for one if necessary. `None` when there is nothing left to do.
     pub fn next(&self, stop: &AtomicBool) -> Option<usize> {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         loop {
@@ -62,7 +62,7 @@ impl<'a> Queue<'a> {
         }
     }
 
-    /// Records the result of training `index`: `Ok(true)` if it is finished, `Ok(false)` if it was stopped.
+    /// Records the result of training run `index`: `Ok(true)` if it is finished, `Ok(false)` if it was stopped.
     ///
     /// After a failure, `stop` is set: the other runs write a checkpoint and stop.
     pub fn finish(&self, index: usize, result: Result<bool, RunError>, stop: &AtomicBool) {
@@ -77,7 +77,7 @@ impl<'a> Queue<'a> {
                 let name = &self.plan.trainings[index].name;
                 let error = match error {
                     RunError::Failed(why) => RunError::Failed(format!("{name}: {why}")),
-                    invalid_input => invalid_input,
+                    other => other,
                 };
                 state.failed.get_or_insert(error);
                 stop.store(true, Ordering::Relaxed);
@@ -86,7 +86,7 @@ impl<'a> Queue<'a> {
         self.changed.notify_all();
     }
 
-    /// The number of finished trainings.
+    /// The number of finished training runs.
     ///
     /// # Errors
     /// A run failed; the error is that of the first one.

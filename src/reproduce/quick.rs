@@ -11,7 +11,7 @@ use crate::run::preset::{Budget, EvaluationConfig};
 /// The factor by which budgets and tests are shorter.
 const SHORTER: u64 = 10;
 
-/// The number of seeds.
+/// The maximum number of seeds.
 const SEEDS: u64 = 2;
 
 /// The most episodes of an evaluation during training.
@@ -68,14 +68,15 @@ fn default_evaluation() -> EvaluationConfig {
     }
 }
 
-/// The experiment's own evaluation, as often during the shorter training, and with its own final test.
+/// The experiment's own evaluation: as many in the shorter training, each of at most [`MAX_EVALUATION_EPISODES`] episodes. The
+/// final test stays the same.
 fn quick_evaluation(own: EvaluationConfig) -> EvaluationConfig {
     let every_env_steps = (own.every_env_steps / SHORTER).max(1);
     EvaluationConfig { every_env_steps, episodes: own.episodes.min(MAX_EVALUATION_EPISODES), ..own }
 }
 
 fn shortened(length: Budget) -> Budget {
-    // The start of a training stays the start.
+    // 0 stays 0, and anything longer stays at least 1.
     let shortened = |n: u64| (n / SHORTER).max(n.min(1));
     match length {
         Budget::Episodes(n) => Budget::Episodes(shortened(n)),

@@ -1,4 +1,4 @@
-//! The records of a training: every episode and evaluation, and the measures computed from them.
+//! The records of a training run: every episode and evaluation, and the measures computed from them.
 
 use std::path::Path;
 
@@ -13,12 +13,12 @@ use crate::run::RunError;
 use crate::run::metric_rows::{EpisodeRow, EvaluationRow, Summary};
 use crate::run::preset::Budget;
 
-/// The numbers of training episodes in means.
+/// The numbers of training episodes over which means are taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Windows {
     /// Episodes in the mean at the end of training.
     pub last: usize,
-    /// Episodes in the moving mean that must reach a number of goals.
+    /// Episodes in the moving mean of [`Records::episodes_to`] and [`Records::steps_to`].
     pub moving: usize,
 }
 
@@ -29,16 +29,16 @@ impl Default for Windows {
 }
 
 impl Windows {
-    /// The same window for both, as in a figure.
+    /// The same window for both means, as in a figure.
     pub fn equal(window: usize) -> Self {
         Self { last: window, moving: window }
     }
 }
 
-/// The episodes and evaluations of a training.
+/// The episodes and evaluations of a training run.
 #[derive(Debug)]
 pub struct Records {
-    /// Env steps of the whole run at the end of each episode.
+    /// Env steps that the run had taken at the end of each episode.
     env_steps: Vec<u64>,
     /// Env steps of the whole run.
     total_env_steps: u64,
@@ -50,7 +50,7 @@ pub struct Records {
 }
 
 impl Records {
-    /// The records in the folder of a run with this number of arenas.
+    /// Reads the records in the folder of a run with this number of arenas.
     ///
     /// # Errors
     /// A file cannot be read.
@@ -85,7 +85,7 @@ impl Records {
         }
     }
 
-    /// The env steps of the first control step that reaches `env_steps`, after which the policy is saved.
+    /// `env_steps`, rounded up to whole control steps: the policy is saved after a control step.
     fn whole_steps(&self, env_steps: u64) -> u64 {
         env_steps.div_ceil(self.arenas).saturating_mul(self.arenas)
     }
@@ -101,7 +101,7 @@ impl Records {
         }
     }
 
-    /// The length of the training until `policy` was saved, in units of `axis`.
+    /// The length of training until `policy` was saved, in units of `axis`.
     pub fn length(&self, policy: PolicyId, axis: Axis) -> f64 {
         match axis {
             Axis::Episodes => self.episodes(policy) as f64,
@@ -137,11 +137,11 @@ impl Records {
         self.evaluations.iter().filter(is_before).map(point).collect()
     }
 
-    /// The success rate in the evaluations, in percent, when `policy` was saved: the value there of the curve that ends at `end`.
-    /// Before the first step, it is that of the initial policy.
+    /// The success rate in the evaluations, in percent, when `policy` was saved: the value at that point of the curve that
+    /// ends at `end`. Before the first step, it is the success rate of the initial policy.
     pub fn success_rate(&self, policy: PolicyId, end: PolicyId) -> MeasuredValue {
         let axis = match policy {
-            // Evaluations before the end of the first episode have the same x.
+            // On the axis of episodes, all evaluations before the end of the first episode are at 0.
             PolicyId::After(Budget::Episodes(1..)) => Axis::Episodes,
             _ => Axis::EnvSteps,
         };

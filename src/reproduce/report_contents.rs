@@ -18,9 +18,9 @@ const SHIPPED: &str = "the paper's experiments";
 pub struct ReportContents {
     /// Whether it is a quick report.
     pub quick: bool,
-    /// The user's experiment files, absolute if that is known, or one entry for the shipped experiments.
+    /// The user's experiment files, with absolute paths where possible, or one entry for the shipped experiments.
     pub experiments: Vec<String>,
-    /// The number of seeds of each experiment that is shown, by its name.
+    /// The number of seeds of each experiment in the report, by the experiment's name.
     pub seeds: BTreeMap<String, u64>,
 }
 
@@ -35,9 +35,9 @@ impl ReportContents {
         Self { quick: options.quick, experiments, seeds: selected.iter().map(seeds).collect() }
     }
 
-    /// Why this report must not replace the full report `old`: it leaves out an experiment, or seeds of one.
+    /// Why this report must not replace the full report `old`: it leaves out an experiment, or seeds of one. `None` if it may.
     pub fn cannot_replace(&self, old: &Self) -> Option<String> {
-        if let Some(other) = old.experiments.iter().find(|other| !self.is_of(other)) {
+        if let Some(other) = old.experiments.iter().find(|other| !self.includes(other)) {
             let other = printable_path(Path::new(other));
             return Some(format!("holds a full report of {other}, which this one would replace"));
         }
@@ -51,7 +51,7 @@ impl ReportContents {
     }
 
     /// Whether `other` is one of these experiments, perhaps under the path that it had before it was moved.
-    fn is_of(&self, other: &String) -> bool {
+    fn includes(&self, other: &String) -> bool {
         let path = Path::new(other);
         let moved = |own: &String| Path::new(own).file_name() == path.file_name() && !path.exists();
         self.experiments.iter().any(|own| own == other || moved(own))

@@ -16,7 +16,7 @@ const PNG_SCALE: f32 = 2.0;
 
 /// The files of the page.
 const PAGES: [&str; 2] = ["README.md", "report.html"];
-/// The folder of the figures, and that of the tables.
+/// The folders of the figures and of the tables.
 const FIGURES: &str = "figures";
 const TABLES: &str = "tables";
 /// The extensions of figures and tables.
@@ -32,8 +32,7 @@ pub fn prepare(folder: &Path) -> Result<(), RunError> {
         remove_temporary_files(&sub);
         // A link is refused, because outdated files in this folder will be deleted.
         if fs::symlink_metadata(&sub).is_ok_and(|found| !found.is_dir()) {
-            let why =
-                "is not a folder, but part of the report; help: move it, or choose another folder with --out";
+            let why = "is not a folder, but must be one; help: move it, or choose another folder with --out";
             return Err(RunError::invalid_input(&sub, why));
         }
     }
@@ -43,10 +42,11 @@ pub fn prepare(folder: &Path) -> Result<(), RunError> {
     Ok(())
 }
 
-/// Writes the report `page` to `folder`, and deletes the figures and tables of an earlier report that are not part of it.
+/// Writes the report `page` to `folder`, and deletes the figures and tables that only an earlier report had.
 ///
 /// # Errors
-/// A figure cannot be drawn, or a file cannot be written. An earlier report then is as it was.
+/// A figure cannot be drawn, or a file cannot be written. An earlier report is then unchanged, unless all new files are complete
+/// and one of them cannot replace an earlier one.
 pub fn write(folder: &Path, page: &Page) -> Result<(), RunError> {
     for sub in [folder.join(FIGURES), folder.join(TABLES)] {
         fs::create_dir_all(&sub).map_err(|error| RunError::not_written(&sub, error))?;
@@ -64,7 +64,7 @@ pub fn write(folder: &Path, page: &Page) -> Result<(), RunError> {
         written.push(path);
     }
     for outdated in figures_and_tables(folder).filter(|path| !written.contains(path)) {
-        // A file that cannot be deleted is not part of the page.
+        // A file that cannot be deleted does no harm: the page does not show it.
         let _ = fs::remove_file(outdated);
     }
     Ok(())
@@ -87,7 +87,7 @@ fn stage_item(folder: &Path, item: &Item, files: &mut Vec<(PathBuf, StagedFile)>
     }
 }
 
-/// Writes a file that is to replace `path`, and adds it to `files`.
+/// Writes a temporary file that is to replace `path`, and adds it to `files`.
 fn stage(path: PathBuf, bytes: &[u8], files: &mut Vec<(PathBuf, StagedFile)>) -> Result<(), RunError> {
     let file = StagedFile::write(&path, |file| file.write_all(bytes));
     let file = file.map_err(|error| RunError::not_written(&path, error))?;

@@ -1,4 +1,4 @@
-//! The report's folder: opening it, what must be true before any work is done in it, and the time spent on it.
+//! The report's folder: opening it, the checks before any work is done in it, and the time spent on the report.
 
 use std::fs::{self, DirEntry};
 use std::io::{self, Write};
@@ -15,31 +15,32 @@ use crate::run::RunError;
 use crate::run::lock::Lock;
 use crate::run::output_file::{check_entry, is_temporary, replace};
 
-/// The beginning of the names of the files with the wall time spent, one for the report and one for each shard. They also mark
-/// the folder as that of a report, quick or full.
+/// The prefix of the names of the files with the wall time spent, one for the report and one for each shard. They also mark the
+/// folder as that of a report, and the report as quick or full.
 const SPENT: &str = "spent";
-/// The beginning of the names of the files that processes lock.
+/// The prefix of the names of the files that processes lock.
 const LOCK: &str = "lock";
 
 /// The folder of a report, locked by this process.
 pub struct ReportFolder {
     path: PathBuf,
-    /// The file with the wall time that was spent.
+    /// The file with the wall time spent on the report, or on the shard that this process works on.
     spent: PathBuf,
-    /// Wall time that earlier processes spent, as that file has it, in s.
+    /// Wall time that earlier processes recorded in that file, in s.
     earlier_s: f64,
-    /// Wall time that shards spent, in s.
+    /// Wall time of all shards, in s; 0 if this process works on a shard.
     of_shards_s: f64,
-    /// What the report in the folder is made of, if it is a full one; and the one to be made.
+    /// What the report in the folder is made of, if there is a full one.
     shown: Option<ReportContents>,
+    /// What the report to be written is made of.
     contents: ReportContents,
     _locks: Vec<Lock>,
 }
 
-/// The time spent on a report so far, as stored in `spent.json`.
+/// The time spent so far on a report, or on a shard of it, as stored in `spent*.json`.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct Spent {
-    /// Wall time of all processes, in s.
+    /// Wall time of all processes that worked on it, in s.
     wall_s: f64,
     /// Whether all of them made quick reports.
     #[serde(default)]
@@ -50,12 +51,12 @@ struct Spent {
 }
 
 impl ReportFolder {
-    /// Creates the folder, or continues one that an earlier reproduction created. Checks that the report can be written to it,
-    /// and that it does not replace a full report of other experiments or more seeds, or by a quick one. Several shards can
-    /// use the folder at the same time.
+    /// Creates the folder, or continues one that an earlier reproduction created. Checks that the report can be written to it. A
+    /// full report must not be replaced by a quick one, nor by one that leaves out experiments or seeds. Several shards can use
+    /// the folder at the same time.
     ///
     /// # Errors
-    /// Another process uses the folder, it holds something else or such a report, or it cannot be written.
+    /// Another process uses the folder, it holds other files or a report that must not be replaced, or it cannot be written.
     pub fn open(path: &Path, contents: ReportContents, shard: Option<Shard>) -> Result<Self, RunError> {
         check_own(path)?;
         let unwritable = |error: io::Error| {
@@ -79,7 +80,7 @@ impl ReportFolder {
         let of_shards_s = if shard.is_none() { shards_wall_s(path) } else { 0.0 };
         let path = path.to_path_buf();
         let folder = Self { path, spent, earlier_s, of_shards_s, shown, contents, _locks: locks };
-        // The first file marks the folder: a process that is started now must not take it for another's.
+        // This file marks the folder as a report's, also for a process that is started from now on.
         folder.write_spent(earlier_s).map_err(unwritable)?;
         fs::create_dir_all(folder.join("runs")).map_err(unwritable)?;
         Ok(folder)
@@ -90,7 +91,8 @@ impl ReportFolder {
         self.path.join(name)
     }
 
-    /// Writes the wall time that all processes have spent, of which this one `began` then. Returns it, in s.
+    /// Writes the wall time that this process, which started at `began`, and earlier ones have spent. Returns it with that of
+    /// the shards, in s.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -103,7 +105,7 @@ impl ReportFolder {
     /// Writes the report.
     ///
     /// # Errors
-    /// A figure cannot be drawn, or a file cannot be written. An earlier report then is as it was.
+    /// As for [`report_files::write`].
     pub fn write(&mut self, page: &Page) -> Result<(), RunError> {
         report_files::write(&self.path, page)?;
         self.shown = (!self.contents.quick).then(|| self.contents.clone());
@@ -119,13 +121,13 @@ impl ReportFolder {
 }
 
 impl Spent {
-    /// The time in the file at `path`, if there is one.
+    /// Reads the file at `path`; `None` if that cannot be read, the default if its contents are invalid.
     fn read(path: &Path) -> Option<Self> {
         let text = fs::read_to_string(path).ok()?;
         Some(serde_json::from_str(&text).unwrap_or_default())
     }
 
-    /// Why a report of `contents` must not be made in the folder of this file.
+    /// Why a report of `contents` must not be made in the folder of this file; `None` if it may.
     fn keeps_out(&self, contents: &ReportContents) -> Option<String> {
         if contents.quick && !self.quick {
             return Some("holds a full report, which --quick would overwrite".into());
@@ -146,7 +148,7 @@ fn shards_wall_s(folder: &Path) -> f64 {
     files.filter_map(|entry| Spent::read(&entry.path())).map(|spent| spent.wall_s).sum()
 }
 
-/// Locks `folder`: alone for a report; for a shard together with the other shards.
+/// Locks `folder`: exclusively for a report; for a shard, shared with the other shards.
 fn lock(folder: &Path, shard: Option<Shard>) -> Result<Vec<Lock>, RunError> {
     let all = folder.join(LOCK);
     let Some(shard) = shard else { return Ok(vec![Lock::acquire(folder, &all)?]) };
@@ -154,12 +156,12 @@ fn lock(folder: &Path, shard: Option<Shard>) -> Result<Vec<Lock>, RunError> {
     Ok(vec![Lock::share(folder, &all)?, Lock::acquire(folder, &own)?])
 }
 
-/// Checks that `folder` is missing or empty, or holds a reproduction. (One that was killed before it wrote its first file has
-/// left a lock, perhaps with a temporary file.)
+/// Checks that `folder` is missing or empty, or holds a reproduction. (A process that was killed before it wrote its first file
+/// has left a lock, perhaps with a temporary file.)
 fn check_own(folder: &Path) -> Result<(), RunError> {
     let is_foreign = entries(folder).any(|entry| !is_named(&entry, LOCK) && !is_temporary(&entry));
     if is_foreign && !entries(folder).any(|entry| is_named(&entry, SPENT)) {
-        // A process that has just started holds the lock.
+        // If a process that has just started holds the lock, that is the error to report.
         if folder.join(LOCK).exists() {
             Lock::acquire(folder, &folder.join(LOCK))?;
         }
@@ -173,7 +175,7 @@ fn entries(folder: &Path) -> impl Iterator<Item = DirEntry> {
     fs::read_dir(folder).into_iter().flatten().flatten()
 }
 
-/// Whether an entry is the file `name` of the report or of a shard.
+/// Whether an entry is the file of the report or of a shard whose name starts with `name`.
 fn is_named(entry: &DirEntry, name: &str) -> bool {
     let file = entry.file_name();
     let rest = file.to_str().and_then(|file| file.strip_prefix(name));

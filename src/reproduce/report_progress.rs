@@ -1,4 +1,4 @@
-//! The progress of a report after its trainings, on stderr: figures and tables, and the optimal times that they need.
+//! The progress of a report on stderr, after its training runs: figures and tables, and the optimal times that they need.
 //!
 //! In: the number of figures and tables, and what is being worked on. Out: a progress bar on a terminal; elsewhere, a plain line
 //! every ten seconds.

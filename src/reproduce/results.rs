@@ -46,7 +46,7 @@ pub struct Results<'a> {
 }
 
 impl<'a> Results<'a> {
-    /// Reads the records and test results of all trainings of `plan`, which was executed in the folder `runs`.
+    /// Reads the records and test results of all training runs of `plan`, which was executed in the folder `runs`.
     ///
     /// # Errors
     /// A record cannot be read.
@@ -96,10 +96,10 @@ impl<'a> Results<'a> {
         first.ok_or_else(|| RunError::Failed("an arm has no run".into()))
     }
 
-    /// The training and the policy of an arm's run at a point.
+    /// The policy of an arm's run at a point, and the index of its training run.
     ///
     /// # Errors
-    /// The run is too short; a plan has no such run.
+    /// The run is too short, which does not occur in a plan.
     pub fn policy(
         &self,
         index: ArmIndex,
@@ -141,7 +141,7 @@ impl<'a> Results<'a> {
         Ok(values)
     }
 
-    /// The value of `measure` for a policy of a training, of whose stage `end` is the last policy.
+    /// The value of `measure` for a policy of a training run. `end` is the last policy of its stage.
     fn value(
         &self,
         training: usize,
@@ -182,7 +182,8 @@ impl<'a> Results<'a> {
         round_to_microsecond(sum as f64 / steps.len() as f64 * period_s(task.control_period_s))
     }
 
-    /// The time of the successful episodes over the planner's time, or over the lower bounds, for the same episodes.
+    /// The total time of the successful episodes divided by that of the planner, or by the lower bounds, for the same episodes.
+    /// Episodes without a plan are left out. NaN if no episode remains.
     fn time_ratio(
         &self,
         training: usize,
@@ -201,7 +202,7 @@ impl<'a> Results<'a> {
         Ok(if reference == 0 { f64::NAN } else { steps as f64 / reference as f64 })
     }
 
-    /// The success rate of each round, in percent, of a run of an arm at a point.
+    /// The success rate in each round of the test, in percent, of an arm's run at a point.
     ///
     /// # Errors
     /// The test result is missing.
@@ -211,10 +212,10 @@ impl<'a> Results<'a> {
         Ok(result.rounds().into_iter().map(|rate| 100.0 * rate).collect())
     }
 
-    /// The optimal times of a test in a training's scenario.
+    /// The optimal times of a test in the scenario of a training run.
     ///
     /// # Errors
-    /// The policy that provides the test's starts and goals cannot be read.
+    /// The policy that provides the test's starts and goals cannot be read, or the times cannot be stored.
     pub fn optimal_times(
         &self,
         training: usize,
@@ -269,30 +270,30 @@ impl<'a> Results<'a> {
         }
     }
 
-    /// The sum of all trainings' wall times, in minutes.
+    /// The wall time of all training runs together, in minutes.
     pub fn total_wall_minutes(&self) -> f64 {
         let wall_s =
             |training: &Training| Summary::read(&training.folder(&self.runs)).map(|summary| summary.wall_s);
         self.plan.trainings.iter().filter_map(wall_s).sum::<f64>() / 60.0
     }
 
-    /// The number of trainings on each kind of processor.
+    /// The number of training runs on each kind of processor.
     pub fn processors(&self) -> BTreeMap<String, usize> {
         let mut counts = BTreeMap::new();
         for training in &self.plan.trainings {
             let kinds = processor::read(&training.folder(&self.runs));
-            let kinds = if kinds.is_empty() { "an unrecorded one".into() } else { kinds.join(", then ") };
+            let kinds = if kinds.is_empty() { "an unknown processor".into() } else { kinds.join(", then ") };
             *counts.entry(kinds).or_default() += 1;
         }
         counts
     }
 
-    /// The sum of all trainings' env steps.
+    /// The env steps of all training runs together.
     pub fn total_env_steps(&self) -> u64 {
         self.records.iter().map(Records::total_env_steps).sum()
     }
 
-    /// The sum of all trainings' episodes.
+    /// The episodes of all training runs together.
     pub fn total_episodes(&self) -> usize {
         self.records.iter().map(|records| records.episodes(PolicyId::Last)).sum()
     }

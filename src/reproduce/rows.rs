@@ -9,7 +9,7 @@ pub fn rows(results: &Results<'_>, experiment: usize) -> Vec<ArmIndex> {
     (0..of.conditions.len().max(1)).flat_map(row).collect()
 }
 
-/// The name of a row: the arm, the condition, or both if there are several of each.
+/// The name of a row: the arm if there are no conditions, the condition if there is only one arm, otherwise both.
 pub fn row_name(results: &Results<'_>, row: ArmIndex) -> String {
     let experiment = results.experiment(row.experiment);
     let arm = &experiment.arms[row.arm].name;

@@ -11,7 +11,7 @@ use crate::scenario::{FileError, to_ron};
 /// The configuration of a `stage` of `arm` under a condition, without its transfer. `from` is the experiment's file.
 ///
 /// # Errors
-/// The scenario or the preset is invalid, before or after the changes.
+/// The scenario or the preset cannot be read, or is invalid before or after the overrides.
 pub fn run_config(
     from: &str,
     experiment: &Experiment,
@@ -23,7 +23,7 @@ pub fn run_config(
     let scenario_from =
         condition.and_then(|condition| condition.scenario.as_ref()).unwrap_or(&stage.scenario).clone();
     for name in [&scenario_from, &stage.preset] {
-        check_is_file(from, name)?;
+        check_no_pipe(from, name)?;
     }
     let scenario = shipped::scenario(&resolve(from, &scenario_from));
     let (mut scenario, mut preset) = match (scenario, shipped::preset(&resolve(from, &stage.preset))) {
@@ -57,10 +57,10 @@ pub fn run_config(
     Ok(RunConfig::new((scenario_from, scenario), (stage.preset.clone(), preset), seed))
 }
 
-/// The name of a run's folder: equal configurations have equal names. The length is not part of it, unless the
-/// best policy is tested, because a longer run contains the shorter one.
+/// The name of a run's folder: equal configurations have equal names. The length is not part of it, because a longer
+/// run contains the shorter one; but it is if the best policy is tested.
 pub fn run_name(config: &RunConfig, tested: TestedPolicy) -> Result<String, RunError> {
-    // A new commit of the same version continues the report of the last one.
+    // A report can be continued by a program of the same version from another commit.
     let mut identity = RunConfig { commit: None, ..config.clone() };
     identity.save_policy_after.clear();
     if tested == TestedPolicy::After {
@@ -98,8 +98,8 @@ fn resolve_as(experiment: &str, name: &str, exists: fn(&Path) -> bool) -> String
     if exists(&path) { path.display().to_string() } else { name.into() }
 }
 
-/// An untrusted experiment must not name a pipe or a device, because reading it might never end.
-fn check_is_file(experiment: &str, name: &str) -> Result<(), RunError> {
+/// Checks that a file is no pipe or device: an untrusted experiment might name one, and reading it might never end.
+fn check_no_pipe(experiment: &str, name: &str) -> Result<(), RunError> {
     let path = resolve(experiment, name);
     let path = Path::new(&path);
     if path.exists() && !path.is_file() && !path.is_dir() {

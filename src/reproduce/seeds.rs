@@ -39,7 +39,7 @@ impl Seeds {
         }
     }
 
-    /// The value of `--seeds` for these seeds. A comma makes a single number a list.
+    /// The value of `--seeds` for these seeds. A trailing comma makes a single number a list.
     pub(super) fn flag_value(&self) -> String {
         match self {
             Self::First(n) => n.to_string(),

@@ -10,10 +10,11 @@ use super::selected::{ExperimentSource, SelectedExperiment};
 use crate::run::{RunError, shipped};
 use crate::scenario::closest_name;
 
-/// The experiments that `options` ask for, with the seeds and the length that they ask for.
+/// The experiments that `options` ask for, with the options' settings, length and seeds applied to them.
 ///
 /// # Errors
-/// A file is invalid, a name is used twice, or a name after `--only` does not exist.
+/// A file is invalid, a name is used twice, a name after `--only` does not exist, or `--set` or `--quick` is given for an arm
+/// with finished runs.
 pub fn select(options: &ReproduceOptions) -> Result<Vec<SelectedExperiment>, RunError> {
     let sources = sources(options)?;
     check_wanted(&options.only, &names(&sources)?)?;
@@ -49,11 +50,11 @@ pub fn select(options: &ReproduceOptions) -> Result<Vec<SelectedExperiment>, Run
     Ok(selected)
 }
 
-/// Checks that all arms are trained, which `option` needs ("--quick shortens").
+/// Checks that all arms are trained here: `option` (such as "--quick shortens") has no effect on finished runs.
 fn check_trains(from: &str, experiment: &Experiment, option: &str) -> Result<(), RunError> {
     let Some(arm) = experiment.arms.iter().find(|arm| !arm.runs.is_empty()) else { return Ok(()) };
     let why = format!(
-        "{from}: {option} trainings, but arm \"{}\" has finished runs; help: leave the option out",
+        "{from}: {option} training runs, but arm \"{}\" has finished runs; help: leave the option out",
         arm.name
     );
     Err(RunError::InvalidInput(why))
@@ -78,7 +79,7 @@ fn indices<T>(entries: &[T], wanted: impl Fn(&T) -> bool) -> Vec<usize> {
     (0..entries.len()).filter(|&i| wanted(&entries[i])).collect()
 }
 
-/// Every name after `--only` must exist.
+/// Checks that every name after `--only` exists.
 fn check_wanted(only: &[String], names: &BTreeMap<String, String>) -> Result<(), RunError> {
     let Some(unknown) = only.iter().find(|name| !names.contains_key(*name)) else { return Ok(()) };
     let all: Vec<&str> = names.keys().map(String::as_str).collect();
@@ -90,7 +91,7 @@ fn check_wanted(only: &[String], names: &BTreeMap<String, String>) -> Result<(),
     Err(RunError::InvalidInput(why))
 }
 
-/// Every name that `--only` accepts, with the experiment's file.
+/// Every name that `--only` accepts, with the file of its experiment.
 fn names(sources: &[ExperimentSource]) -> Result<BTreeMap<String, String>, RunError> {
     let mut names: BTreeMap<String, String> = BTreeMap::new();
     for source in sources {
@@ -102,7 +103,7 @@ fn names(sources: &[ExperimentSource]) -> Result<BTreeMap<String, String>, RunEr
             }
         }
     }
-    // The report has sections of these names.
+    // The report has sections with these names.
     let mut sections = BTreeSet::from(["settings".to_string(), "provenance".to_string()]);
     for source in sources {
         let name = source.name();

@@ -79,18 +79,18 @@ impl SelectedExperiment {
             })
     }
 
-    /// The length that is needed of `arm`; `None` for all of it.
+    /// How much of `arm` must be trained; `None` for all of it.
     #[must_use]
     pub fn needed_length(&self, arm: &str) -> Option<Budget> {
         if self.has_curves() {
             return None;
         }
-        // The last stage starts when all stages before it are complete.
+        // The stages before the last one must be complete, so a length within the last stage is not the length of the arm.
         let length = |point: &TestPoint| point.after.filter(|_| !point.of_last_stage);
         let lengths: Vec<Budget> = self.points(arm).keys().map(length).collect::<Option<_>>()?;
         let longest = lengths.iter().copied().max()?;
         let longest = match longest {
-            // A training is needed even for its initial policy.
+            // Even the initial policy needs a training run.
             Budget::Episodes(0) => Budget::Episodes(1),
             Budget::EnvSteps(0) => Budget::EnvSteps(1),
             longest => longest,
@@ -98,7 +98,7 @@ impl SelectedExperiment {
         lengths.iter().all(|&length| shorter(length, longest).is_some()).then_some(longest)
     }
 
-    /// The points of `arm` that the selected figures, tables and claims are about, and whether a policy is needed there.
+    /// The points of `arm` that the selected figures, tables and claims are about, each with whether a policy is needed.
     #[must_use]
     pub fn points(&self, arm: &str) -> BTreeMap<TestPoint, bool> {
         let experiment = &self.source.experiment;

@@ -1,7 +1,8 @@
 //! Shards: the parts of a plan that several machines execute without knowing of each other.
 //!
-//! In: a plan, and which part of how many. Out: the plan of that part. Trainings that start from each other's weights stay
-//! together, and the parts take about equally long. All depends on the plan alone, so every machine divides it alike.
+//! In: a plan, and which part of how many. Out: the plan of that part. Training runs that start from each other's weights
+//! stay together, and the parts take about equally long. The division depends on the plan alone, so every machine makes the same
+//! one.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -49,7 +50,7 @@ impl Shard {
         format!("-{}-of-{}", self.number, self.count)
     }
 
-    /// This part of `plan`: its trainings, without the arms.
+    /// This part of `plan`: its training runs, without the arms.
     pub(super) fn of(self, plan: &RunPlan) -> RunPlan {
         let mut part = RunPlan::default();
         let chains = self.chains(plan);
@@ -65,8 +66,8 @@ impl Shard {
         part
     }
 
-    /// The chains of trainings in this part, by their first trainings: the longest chain first, each goes to the part that has
-    /// the least to do.
+    /// The chains of training runs in this part, as the indices of their first runs. A chain is a run and all that start from
+    /// its weights, directly or not. The chains are distributed, the longest first, each to the part that has the least to do.
     fn chains(self, plan: &RunPlan) -> Vec<usize> {
         let mut costs: BTreeMap<usize, f64> = BTreeMap::new();
         for (index, training) in plan.trainings.iter().enumerate() {
@@ -89,7 +90,7 @@ impl Shard {
     }
 }
 
-/// The index of the first training of a chain of trainings.
+/// The index of the first training run in the chain of run `index`.
 fn root(plan: &RunPlan, mut index: usize) -> usize {
     while let Some(origin) = plan.trainings[index].origin {
         index = origin;

@@ -10,7 +10,7 @@ use crate::run::preset::Budget;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TableSpec {
-    /// The name of its files and for `--only`: lower-case letters, digits and `-`.
+    /// The name of the table's files, also used by `--only`: lower-case letters, digits and `-`.
     pub name: String,
     /// Other names for `--only`.
     #[serde(default)]
@@ -47,7 +47,7 @@ pub enum TableKind {
         /// Episodes or env steps over all stages; without it, after the whole training.
         #[serde(default)]
         after: Option<Budget>,
-        /// The paper's rounds in percent, by arm.
+        /// The paper's success rates in each round, in percent, by arm.
         #[serde(default)]
         paper: Vec<(String, Vec<f64>)>,
     },
@@ -59,7 +59,7 @@ pub enum TableKind {
         #[serde(default)]
         after: Option<Budget>,
     },
-    /// One arm against another: a row for each condition and each of `after`.
+    /// One arm against another: a row for each condition and each entry of `after`.
     Contrast {
         /// The measures, a group of columns each.
         measures: Vec<Measure>,

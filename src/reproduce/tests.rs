@@ -1,4 +1,4 @@
-//! Unit tests: the shipped experiments can be planned, shared trainings are planned once, and measures are computed
+//! Unit tests: the shipped experiments can be planned, shared training runs are planned once, and measures are computed
 //! from the records.
 
 use std::path::{Path, PathBuf};
@@ -52,7 +52,7 @@ fn all_shipped_experiments_can_be_planned_in_full_and_quickly() {
     assert_eq!(
         plan.trainings.len() / 5,
         quick_plan.trainings.len() / 2,
-        "the number of trainings per seed is the same"
+        "the number of training runs per seed is the same"
     );
     for selected in quick {
         let experiment = &selected.source.experiment;
@@ -67,7 +67,7 @@ fn all_shipped_experiments_can_be_planned_in_full_and_quickly() {
     for (index, training) in plan.trainings.iter().enumerate() {
         assert!(
             training.origin.is_none_or(|from| from < index),
-            "origins precede the trainings that start from them"
+            "origins precede the runs that start from them"
         );
     }
 }
@@ -94,7 +94,7 @@ fn a_quick_version_has_the_experiments_own_evaluation() {
 }
 
 #[test]
-fn a_training_shared_by_experiments_is_planned_once() {
+fn a_training_run_shared_by_experiments_is_planned_once() {
     // Figure 8's DQN is the beginning of figure 9's; figure 10's transfer starts from figure 9's PER-D3QN.
     let (_, plan) = planned(&only(&["fig8", "fig9", "fig10"]));
     assert_eq!(
@@ -107,11 +107,8 @@ fn a_training_shared_by_experiments_is_planned_once() {
             ("per_d3qn".into(), Budget::Episodes(1000)),
         ]
     );
-    let transferred = plan
-        .trainings
-        .iter()
-        .find(|t| t.config.transfer.is_some())
-        .expect("one training starts from weights");
+    let transferred =
+        plan.trainings.iter().find(|t| t.config.transfer.is_some()).expect("one run starts from a policy");
     let origin = &plan.trainings[transferred.origin.expect("it has an origin")];
     assert_eq!(origin.config.scenario.name, "Scenario I");
     assert!(
@@ -121,7 +118,7 @@ fn a_training_shared_by_experiments_is_planned_once() {
     let mut names: Vec<&str> = plan.trainings.iter().map(|training| training.name.as_str()).collect();
     names.sort_unstable();
     names.dedup();
-    assert_eq!(names.len(), plan.trainings.len(), "every training has its own folder");
+    assert_eq!(names.len(), plan.trainings.len(), "every training run has its own folder");
 }
 
 #[test]
@@ -150,10 +147,10 @@ fn shards_are_a_plan_in_equal_parts_and_keep_transfers_together() {
         let mut all: Vec<String> = plan.trainings.iter().map(|training| training.name.clone()).collect();
         all.sort();
         names.sort();
-        assert_eq!(names, all, "every training is in exactly one of {count} parts");
+        assert_eq!(names, all, "every training run is in exactly one of {count} parts");
     }
     let part = "9/9".parse::<Shard>().expect("a shard").of(&planned(&only(&["fig8"])).1);
-    assert!(part.trainings.len() <= 2, "more parts than trainings");
+    assert!(part.trainings.len() <= 2, "ten training runs in nine parts");
     for wrong in ["0/2", "3/2", "2", "1/0", "a/b", "1/2/3", "-1/2", "1/200000"] {
         assert!(wrong.parse::<Shard>().is_err_and(|why| why.starts_with("give K/N")), "{wrong}");
     }
@@ -285,7 +282,7 @@ fn measures_are_computed_from_the_records() {
     let not_reached = MeasuredValue { value: 200.0, is_lower_bound: true };
     assert_eq!(value(Measure::EpisodesTo(4.5), 300), not_reached, "a lower bound");
 
-    // A figure's own window: goals in all of the last 20 episodes, and a mean of 2 after 10 of them.
+    // A figure's own window of 20 episodes: 10 episodes with 4 goals make a mean of 2.
     assert_eq!(value_in(Measure::Return, 210, Windows::equal(20)), exactly(200.0), "10 of 20 episodes");
     assert_eq!(value_in(Measure::EpisodesTo(2.0), 300, Windows::equal(20)), exactly(110.0));
 
@@ -355,7 +352,7 @@ fn overrides_and_conditions_change_the_fields_that_they_name_in_the_arms_that_th
 }
 
 #[test]
-fn settings_from_the_command_line_change_all_trainings() {
+fn settings_from_the_command_line_change_all_training_runs() {
     let (_, plan) = planned(&only(&["fig8"]));
     let settings = ["learning.gamma=0.97", "scenario.lidar.noise_std_m=0.02"];
     let settings = Settings(settings.iter().map(|text| text.parse().expect("a setting")).collect());

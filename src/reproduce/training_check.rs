@@ -1,5 +1,5 @@
-//! The check of an experiment's trainings, as `--check` makes it: whether all of them can be planned, and what is doubtful in
-//! their settings.
+//! The check of an experiment's training runs by `--check`: whether all of them can be planned, and what is doubtful in their
+//! settings.
 
 use std::cell::RefCell;
 use std::path::Path;
@@ -16,12 +16,12 @@ use crate::run::notes::{RunNote, run_notes};
 use crate::scenario::{Diagnostic, FileError, Note, NoteLevel, overlap, parse_checked, printable_path};
 
 impl Experiment {
-    /// Checks the experiment in the file at `path`, which has this `text`, and its trainings. Returns the doubtful settings of the
-    /// trainings: each is at the stage, or at the condition that makes the setting doubtful.
+    /// Checks the experiment with this `text`, from the file at `path`, and its training runs. Returns notes on their doubtful
+    /// settings, each at the path of the stage, or of the condition if that changes the stage.
     ///
     /// # Errors
-    /// As for [`Experiment::parse`]; also, trainings are invalid after their overrides, a scenario, preset or run cannot be read,
-    /// or a figure or table needs more training than there is. All invalid trainings are listed.
+    /// As for [`Experiment::parse`]; also, training runs are invalid after their overrides, a scenario, preset or run cannot be
+    /// read, or a figure or table needs more training than there is. All invalid training runs are listed.
     pub fn check(text: &str, path: &Path) -> Result<Vec<Note>, FileError> {
         let notes = RefCell::new(Vec::new());
         let check = |experiment: &Self, unknown: &[String]| {
@@ -37,8 +37,8 @@ impl Experiment {
         Ok(notes.into_inner())
     }
 
-    /// The doubtful settings of the trainings, and the problems. The values at the paths `unknown` could not be read, and `found`
-    /// are the problems of the file itself.
+    /// Notes on the doubtful settings of the training runs, and the runs' problems. The values at the paths `unknown` could not
+    /// be read, and `found` are the problems of the file itself.
     fn check_trainings(
         &self,
         path: &Path,
@@ -49,23 +49,23 @@ impl Experiment {
         let faulty: Vec<&str> =
             unknown.iter().map(String::as_str).chain(found.iter().map(|found| found.path.as_str())).collect();
         let is_faulty = |path: &str| faulty.iter().any(|other| overlap(other, path));
-        // Seeds change no setting.
+        // One seed is enough, because seeds change no setting.
         let first =
             Some(&self.seeds).filter(|_| !is_faulty("seeds")).and_then(|seeds| seeds.list().first().copied());
         let seeds = Seeds::List(vec![first.unwrap_or(1)]);
         let mut experiment = Self { seeds, ..self.clone() };
         experiment.evaluation = experiment.evaluation.filter(|_| !is_faulty("evaluation"));
-        let mut trainings = Trainings { from: &from, unknown, notes: Vec::new(), invalid: Vec::new() };
+        let mut findings = Findings { from: &from, unknown, notes: Vec::new(), invalid: Vec::new() };
         for (i, arm) in experiment.arms.iter_mut().enumerate() {
             for (k, stage) in arm.stages.iter_mut().enumerate() {
                 stage.budget = stage.budget.filter(|_| !is_faulty(&format!("arms[{i}].stages[{k}].budget")));
             }
         }
         for condition in 0..experiment.conditions.len().max(1) {
-            trainings.check(&experiment, condition);
+            findings.check(&experiment, condition);
         }
         let planned = ["arms", "conditions", "overrides", "figures", "tables", "seeds"];
-        if trainings.invalid.is_empty() && !planned.iter().any(|part| is_faulty(part)) {
+        if findings.invalid.is_empty() && !planned.iter().any(|part| is_faulty(part)) {
             let selected = SelectedExperiment {
                 figures: (0..experiment.figures.len()).collect(),
                 tables: (0..experiment.tables.len()).collect(),
@@ -73,15 +73,15 @@ impl Experiment {
             };
             if let Err(error) = RunPlan::new(&[selected]) {
                 let message = without_path(&error, path);
-                trainings.invalid.push(Diagnostic { path: String::new(), message });
+                findings.invalid.push(Diagnostic { path: String::new(), message });
             }
         }
-        (trainings.notes, trainings.invalid)
+        (findings.notes, findings.invalid)
     }
 }
 
-/// What was found in the trainings so far.
-struct Trainings<'a> {
+/// What was found in the training runs so far.
+struct Findings<'a> {
     from: &'a str,
     /// The paths of values that could not be read.
     unknown: &'a [String],
@@ -89,8 +89,8 @@ struct Trainings<'a> {
     invalid: Vec<Diagnostic>,
 }
 
-impl Trainings<'_> {
-    /// Checks the trainings under a condition, as far as it is known what they are.
+impl Findings<'_> {
+    /// Checks the training runs under a condition, except those with settings that could not be read.
     fn check(&mut self, experiment: &Experiment, condition: usize) {
         let is_known = |path: &str| !self.unknown.iter().any(|other| overlap(other, path));
         if !is_known("overrides") || !is_known(&format!("conditions[{condition}]")) {
@@ -124,8 +124,8 @@ impl Trainings<'_> {
         }
     }
 
-    /// Adds the notes of a training, except those that another training has, too. Of a condition, whose settings are unusual on
-    /// purpose, only the warnings.
+    /// Adds the notes of a training run, except those that another run has, too. For a condition, whose settings are unusual on
+    /// purpose, it adds only the warnings.
     fn add_notes(&mut self, at: &str, arm: &str, config: &RunConfig) {
         let is_wanted =
             |found: &RunNote| found.note.level == NoteLevel::Warning || !at.starts_with("conditions");
@@ -139,7 +139,7 @@ impl Trainings<'_> {
     }
 }
 
-/// An error without the path of the experiment at its start.
+/// The message of an error, without the path of the experiment at its start.
 fn without_path(error: &RunError, path: &Path) -> String {
     let message = error.to_string();
     let prefix = format!("{}: ", printable_path(path));

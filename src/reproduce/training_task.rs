@@ -1,7 +1,7 @@
-//! A training as a task for another machine: all that it needs, in one text.
+//! A training run as a task for another machine: all that it needs, in one text.
 //!
-//! In: a training of a plan, or the configuration of a single run. Out: a [`TrainingTask`] as RON, which another process with
-//! the same version of wayfield carries out. It needs no other file, except the policy that the training starts from.
+//! In: a training run of a plan, or the configuration of a single one. Out: a [`TrainingTask`] as RON, which another process with
+//! the same version of wayfield carries out. It needs no other file, except the policy that the run starts from.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -24,7 +24,7 @@ use crate::scenario::{Diagnostic, FileError, parse_ron_with_limit, to_ron};
 /// The name of a task's text in messages.
 const NAME: &str = "<task>";
 
-/// A training and its tests.
+/// A training run and its tests.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TrainingTask {
@@ -52,7 +52,7 @@ impl TrainingTask {
         Ok(Self { name: run_name(&config, TestedPolicy::Best)?, config, tests: BTreeSet::new() })
     }
 
-    /// The task in the RON text of [`to_text`](Self::to_text).
+    /// Reads a task from the RON text of [`to_text`](Self::to_text).
     ///
     /// # Errors
     /// The text is not a task, or has invalid values.
@@ -76,7 +76,7 @@ impl TrainingTask {
     /// The task as RON.
     ///
     /// # Errors
-    /// None that is known.
+    /// The task cannot be written as RON, which does not occur.
     pub fn to_text(&self) -> Result<String, RunError> {
         to_ron(self).map_err(|error| RunError::Failed(error.to_string()))
     }
@@ -87,7 +87,7 @@ impl TrainingTask {
         &self.name
     }
 
-    /// The file with the policy that the training starts from, relative to the folder of all runs.
+    /// The file with the policy that the training run starts from, relative to the folder of all runs.
     #[must_use]
     pub fn starts_from(&self) -> Option<&str> {
         self.config.transfer.as_ref().map(|transfer| transfer.policy.as_str())
@@ -105,7 +105,8 @@ impl TrainingTask {
         is_done(&self.training(), runs)
     }
 
-    /// Trains and tests in the folder `runs`, and calls the listener with the progress. What is done already is not repeated.
+    /// Trains and tests in the folder `runs`. `listener` makes the listener to the progress of training. What is done already is
+    /// not repeated.
     ///
     /// # Errors
     /// The run failed, a file cannot be read or written, or `stop` was set.
@@ -145,7 +146,7 @@ mod tests {
     #[test]
     fn every_task_of_the_paper_is_read_as_it_was_written() {
         let tasks = tasks();
-        assert!(tasks.iter().any(|task| task.starts_from().is_some()), "some trainings start from others");
+        assert!(tasks.iter().any(|task| task.starts_from().is_some()), "some runs start from others");
         for task in tasks {
             let text = task.to_text().expect("it can be written");
             assert_eq!(TrainingTask::parse(&text).expect("it can be read"), task);

@@ -3,8 +3,8 @@
 //! In: candidate policies. Out: their evaluations, in the same order. Evaluations use a separate simulation
 //! and separate random streams, so that a run's result does not depend on how fast they are.
 //!
-//! The evaluator has a thread (`threaded.rs`). Where none can be started, as in a browser or at a limit of processes, it works
-//! in time slices on the caller's thread (`sliced.rs`).
+//! The evaluator has its own thread (`threaded.rs`). If none can be started, as in a browser or at the limit of processes, it
+//! works in time slices on the caller's thread (`sliced.rs`).
 
 mod sliced;
 #[cfg(not(target_arch = "wasm32"))]
@@ -23,7 +23,7 @@ use sliced::SlicedEvaluator;
 #[cfg(not(target_arch = "wasm32"))]
 use threaded::ThreadedEvaluator;
 
-/// The evaluator of a training.
+/// The evaluator of a training run.
 pub enum BackgroundEvaluator {
     /// An evaluator with its own thread.
     #[cfg(not(target_arch = "wasm32"))]
@@ -97,7 +97,7 @@ pub struct Candidate {
     pub episodes: u64,
     /// Gradient steps of the run so far.
     pub gradient_steps: u64,
-    /// Other episodes than those of the evaluator, for a test; `None` for an evaluation.
+    /// The episodes of a test; `None` for an evaluation, which uses the evaluator's episodes.
     pub test: Option<EpisodeSet>,
 }
 

@@ -12,9 +12,9 @@ use crate::scenario::read_bytes;
 use super::output_file::{check_writable, is_stream, write_atomic};
 use super::{RunError, policy_card};
 
-/// The name of a model card on Hugging Face.
+/// The file name of a model card on Hugging Face.
 const MODEL_CARD: &str = "README.md";
-/// The largest part of an existing page in which [`MODEL_CARD_MARK`] is searched, in bytes.
+/// How much of an existing page is searched for [`MODEL_CARD_MARK`], in bytes.
 const MAX_SEARCHED_BYTES: u64 = 1 << 16;
 
 /// What became of the model card.
@@ -32,8 +32,8 @@ pub enum ModelCardFile {
 /// folder. The model card lists the results of tests in the files `eval_results`, which `--eval --json` has printed.
 ///
 /// # Errors
-/// `policy` is not a policy or has no card, a file of results is not one or is about another policy, `onnx` has another extension
-/// than `onnx`, or a file cannot be written.
+/// `policy` is not a policy or has no card, a file of results is invalid or about another policy, `onnx` does not end in
+/// `.onnx`, or a file cannot be written.
 pub fn export_onnx(policy: &Path, onnx: &Path, eval_results: &[PathBuf]) -> Result<ModelCardFile, RunError> {
     check_extension(onnx)?;
     let from = policy;
@@ -43,7 +43,7 @@ pub fn export_onnx(policy: &Path, onnx: &Path, eval_results: &[PathBuf]) -> Resu
     export_policy(&policy, from, onnx, &results)
 }
 
-/// Does the same with a policy in memory; error messages name it by `from`.
+/// Like [`export_onnx`], with a policy in memory, which error messages call `from`.
 ///
 /// # Errors
 /// As for [`export_onnx`].
@@ -61,7 +61,7 @@ pub fn export_policy(
     let page = model_card(policy, &name.to_string_lossy(), results)
         .map_err(|error| RunError::failed(from, error))?;
     let path = onnx.with_file_name(MODEL_CARD);
-    if is_of_a_person(&path) {
+    if is_foreign(&path) {
         return Ok(ModelCardFile::Kept(path));
     }
     write(&path, page.as_bytes())?;
@@ -95,7 +95,7 @@ fn write(path: &Path, bytes: &[u8]) -> Result<(), RunError> {
 }
 
 /// Whether there is something at `path` that this program did not write.
-fn is_of_a_person(path: &Path) -> bool {
+fn is_foreign(path: &Path) -> bool {
     let Ok(found) = fs::symlink_metadata(path) else { return false };
     let mut text = Vec::new();
     let read = File::open(path).and_then(|file| file.take(MAX_SEARCHED_BYTES).read_to_end(&mut text));

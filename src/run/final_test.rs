@@ -1,6 +1,7 @@
-//! The final test: the best policy of a training, in episodes that did not select it.
+//! The final test: the best policy of a training run, in episodes that did not select it.
 //!
-//! The best of many evaluations, all in the same episodes, is optimistic. This test is not, so its numbers are those to report.
+//! The best of many evaluations, all in the same episodes, is optimistic. This test is not, so it is the result to
+//! report.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,18 +13,18 @@ use super::folder::RunConfig;
 use crate::policy::Policy;
 use crate::random;
 
-/// The test of the best policy after a training, in episodes that are not those of the evaluations.
+/// The results of testing the best policy after training, in other episodes than those of the evaluations.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FinalTest {
-    /// Share of episodes that succeeded, 0 to 1.
+    /// Fraction of episodes that succeeded, 0 to 1.
     pub success_rate: f64,
     /// Its 95 % confidence interval, within 0 to 1.
     pub success_interval: [f64; 2],
-    /// Share of episodes that ended in a collision, 0 to 1.
+    /// Fraction of episodes that ended in a collision, 0 to 1.
     pub collision_rate: f64,
     /// Its 95 % confidence interval, within 0 to 1.
     pub collision_interval: [f64; 2],
-    /// Share of episodes that ended at the time limit, 0 to 1.
+    /// Fraction of episodes that ended at the time limit, 0 to 1.
     pub timeout_rate: f64,
     /// Its 95 % confidence interval, within 0 to 1.
     pub timeout_interval: [f64; 2],
@@ -72,8 +73,8 @@ pub fn candidate(config: &RunConfig, trainer_state: &TrainerState) -> Result<Opt
     Ok(Some(Candidate { policy, env_steps: 0, episodes: 0, gradient_steps: 0, test }))
 }
 
-/// The seed of the final test. It is hashed, so that its episodes are neither those of the evaluations nor those of `--eval`
-/// with the same seed; and below 2^32, so that it can be given to `--eval` by hand.
+/// The seed of the final test of a run with `seed`. It is hashed, so that its episodes are neither those of the evaluations nor
+/// those of `--eval` with the run's seed; and below 2^32, so that it can be given to `--eval` by hand.
 #[must_use]
 pub fn test_seed(seed: u64) -> u64 {
     let mut stream = random::stream(seed, "final test", 0);

@@ -24,7 +24,7 @@ pub struct Fingerprint {
 }
 
 impl fmt::Display for Fingerprint {
-    /// The checksums of weights and world as 16 hexadecimal digits.
+    /// The checksums of the weights and of the arenas' states, as 16 hexadecimal digits.
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(to, "{:08x}{:08x}", self.weights, self.world)
     }

@@ -22,16 +22,16 @@ pub enum ImageFormat {
 /// The size of an image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ImageSize {
-    /// The figure's own. A PNG has as many pixels.
+    /// The figure's own size; a PNG has that many pixels.
     Screen,
-    /// The figure's own. A PNG has four times as many pixels in each direction, enough for print.
+    /// The figure's own size; a PNG has four times as many pixels in each direction, enough for print.
     Print,
-    /// Width and height in pixels; in PDF 96 of them per inch. The figure is scaled to fit.
+    /// Width and height in pixels, 96 per inch in a PDF. The figure is scaled to fit.
     Pixels(u32, u32),
 }
 
 impl ImageFormat {
-    /// The format that the extension of `path` names. A device or a pipe gets an SVG file.
+    /// The format that the extension of `path` names. A device or a pipe without such an extension gets SVG.
     ///
     /// # Errors
     /// The extension is not `svg`, `png` or `pdf`.
@@ -49,7 +49,7 @@ impl ImageFormat {
         }
     }
 
-    /// The contents of a file with the figure `svg`.
+    /// The contents of an image file of this format that shows the figure `svg`.
     fn encode(self, svg: String, size: ImageSize) -> Result<Vec<u8>, DrawError> {
         let (svg, scale) = match size {
             ImageSize::Screen => (svg, 1.0),

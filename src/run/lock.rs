@@ -25,7 +25,7 @@ impl Lock {
     /// Like [`acquire`](Self::acquire), but other processes can share the lock.
     ///
     /// # Errors
-    /// Another process holds the lock alone, or the file cannot be created.
+    /// Another process holds the lock exclusively, or the file cannot be created.
     pub fn share(folder: &Path, file: &Path) -> Result<Self, RunError> {
         Self::open(folder, file, File::try_lock_shared)
     }

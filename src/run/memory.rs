@@ -130,7 +130,7 @@ mod tests {
     #[test]
     fn the_sensors_of_plugins_count() {
         let scenario = shipped::scenario("empty").expect("shipped");
-        // 400,032 states of 28 numbers fit, and of 28 + 6,000 they are 2.4e9.
+        // 400,048 states of 28 + 1,000 numbers each fit (4.1e8); with 28 + 6,000 they do not (2.4e9).
         let layout = |width| {
             let camera = ObservationSlice { name: "camera".into(), width };
             ObservationLayout::new(Encoding::Scaled, vec![camera])

@@ -1,4 +1,4 @@
-//! The check of a training against the limits of the process's memory (`ulimit -v`, `ulimit -d`), as batch systems set them.
+//! Checks that a training run fits into the memory limits of the process (`ulimit -v`, `ulimit -d`), as batch systems set them.
 //!
 //! At such a limit an allocation fails, and a failed allocation ends a Rust program on the spot. So the check comes first, with
 //! an estimate. Should an allocation fail in spite of it, the process still ends with exit status 1 (`signals/unix.rs`).
@@ -11,20 +11,20 @@ use super::memory::bodies_per_arena;
 
 /// Address space of a thread, in bytes. The allocator reserves 32 MiB or more at a time, most of which is never used.
 const THREAD_ADDRESS_SPACE: u64 = 64 << 20;
-/// Threads, apart from one per core.
-const THREADS: u64 = 4;
-/// Address space that a training takes apart from its learner, its bodies and its threads, in bytes.
+/// Number of threads besides one per core.
+const EXTRA_THREADS: u64 = 4;
+/// Address space that a training run needs besides that of its learner, bodies and threads, in bytes.
 const BASE_ADDRESS_SPACE: u64 = 384 << 20;
-/// The part of it that is data, with that of all threads.
+/// Data (`ulimit -d`) that a training run needs besides that of its learner and bodies, in bytes. Includes all threads.
 const BASE_DATA: u64 = 128 << 20;
-/// The address space in which an evaluation works, in bytes. With less, the first threads may already fail.
+/// The address space that is enough for an evaluation, in bytes. With less, even the first threads may fail to start.
 const MIN_ADDRESS_SPACE: u64 = 520 << 20;
-/// Memory of a body in the simulation, in bytes.
-const BODY: u64 = 2048;
+/// Memory of a body in the simulation.
+const BYTES_PER_BODY: u64 = 2048;
 /// Copies of the network's parameters: tensors, target network, gradient, moments, policies, a checkpoint in progress.
 const PARAMETER_COPIES: u64 = 12;
 
-/// Checks that the process may use the address space that a training or an evaluation takes at least. Call it before the first
+/// Checks that the process may use the address space that every training run and evaluation needs. Call it before the first
 /// thread is started.
 ///
 /// # Errors
@@ -36,14 +36,14 @@ pub fn check_start() -> Result<(), RunError> {
     }
 }
 
-/// Checks that the training of `config` fits into the memory that the process may use.
+/// Checks that the training run of `config` fits into the memory that the process may use.
 ///
 /// # Errors
 /// It does not fit. The message names the limit, the memory needed, and how to raise or reduce them.
 pub fn check(config: &RunConfig) -> Result<(), RunError> {
     let learner_and_bodies = training_bytes(config);
     let cores = std::thread::available_parallelism().map_or(1, usize::from) as u64;
-    let threads = (THREADS + cores) * THREAD_ADDRESS_SPACE;
+    let threads = (EXTRA_THREADS + cores) * THREAD_ADDRESS_SPACE;
     for (resource, flag, base) in
         [(Resource::As, "-v", BASE_ADDRESS_SPACE + threads), (Resource::Data, "-d", BASE_DATA)]
     {
@@ -59,7 +59,7 @@ pub fn check(config: &RunConfig) -> Result<(), RunError> {
 
 fn too_small(limit: u64, flag: &str, needed: u64, or: &str) -> RunError {
     RunError::Failed(format!(
-        "the memory of this process is limited to {} MB (`ulimit {flag}`), and it needs about {} MB; help: raise the limit{or}",
+        "the memory of this process is limited to {} MB (`ulimit {flag}`), but it needs about {} MB; help: raise the limit{or}",
         limit / 1_000_000,
         needed.div_ceil(1_000_000)
     ))
@@ -75,8 +75,8 @@ fn training_bytes(config: &RunConfig) -> u64 {
     let shape = learning.network.shape(inputs, preset.actions.len(scenario.robot.motions.len()));
     let parameters = shape.map_or(0, |shape| shape.parameter_count());
     let bodies = bodies_per_arena(scenario) * (preset.arenas + preset.evaluation.episodes);
-    // A state has its numbers and a reference; a transition 18 bytes; the sum tree two nodes or up to four per transition.
+    // A state has its values and an 8-byte reference. A transition has up to 24 bytes, and up to four f64 nodes in the sum tree.
     (states * (4 * inputs + 8) + learning.replay.capacity * (24 + 32)) as u64
         + parameters as u64 * 4 * PARAMETER_COPIES
-        + bodies as u64 * BODY
+        + bodies as u64 * BYTES_PER_BODY
 }

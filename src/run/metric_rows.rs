@@ -12,23 +12,23 @@ use crate::report::run_figure::{EpisodePoint, EvaluationPoint};
 use crate::scenario::{column_name, read_text};
 use crate::task::EpisodeEnd;
 
-/// A row with further columns in a run over a set of scenarios. They come after the fields of the row.
+/// A row with further columns in a run over a set of scenarios: the set columns. They come after the fields of the row.
 pub trait SetColumns: Sized {
-    /// A value of these columns.
+    /// The type of a value in these columns.
     type Value: Serialize;
 
-    /// The names of the columns, for a set of the `scenarios` with these names; none without scenarios.
+    /// The names of the columns for a set whose scenarios have the names `scenarios`; no columns if that is empty.
     fn set_columns(scenarios: &[String]) -> Vec<String>;
 
     /// The values of the columns.
     fn set_values(&self, scenarios: &[String]) -> Vec<Self::Value>;
 
-    /// Sets the values from those that `value` returns for the names of columns.
+    /// Reads the values of the columns; `value` returns the text in the column with a given name.
     fn read_set_values<'v>(&mut self, scenarios: &[String], value: impl Fn(&str) -> Option<&'v str>);
 }
 
-/// The rows in `csv`, the contents of a CSV file with a header; of a run over a set of the `scenarios` with these names, with the
-/// set's columns.
+/// The rows in `csv`, the contents of a CSV file with a header. `scenarios` are the names of the scenarios in the run's set, for
+/// the set columns; it is empty without a set.
 ///
 /// # Errors
 /// A row cannot be parsed as `Row`.
@@ -73,11 +73,10 @@ pub struct EpisodeRow {
     pub reward_attraction: f32,
     /// Part of the return: the decrease of the repulsive potential U_r.
     pub reward_repulsion: f32,
-    /// The scenario of the episode, by its name in the run's set. With a set, it is the column `scenario` after all others.
+    /// The scenario of the episode, by its name in the run's set. With a set, it is the column `scenario` after the other fields.
     #[serde(skip)]
     pub scenario: Option<String>,
-    /// Parts of the return from plugin reward terms. They are written as extra columns `reward_<name>` after
-    /// all others.
+    /// Parts of the return from plugin reward terms. They are written as extra columns `reward_<name>` after all others.
     #[serde(skip)]
     pub extra_rewards: Vec<f32>,
     /// Number of goals reached.
@@ -129,17 +128,17 @@ impl SetColumns for EpisodeRow {
 /// A row of `evaluations.csv`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EvaluationRow {
-    /// Env steps of the run when the policy was submitted.
+    /// Env steps of the run when the policy was submitted for evaluation.
     pub env_steps: u64,
-    /// Episodes finished when the policy was submitted.
+    /// Episodes finished when the policy was submitted for evaluation.
     pub episodes: u64,
-    /// Gradient steps of the run when the policy was submitted.
+    /// Gradient steps of the run when the policy was submitted for evaluation.
     pub gradient_steps: u64,
-    /// Share of episodes that succeeded, 0 to 1.
+    /// Fraction of episodes that succeeded, 0 to 1.
     pub success_rate: f64,
-    /// Share of episodes that ended in a collision, 0 to 1.
+    /// Fraction of episodes that ended in a collision, 0 to 1.
     pub collision_rate: f64,
-    /// Share of episodes that ended at the time limit, 0 to 1.
+    /// Fraction of episodes that ended at the time limit, 0 to 1.
     pub timeout_rate: f64,
     /// Mean simulated time of the successful episodes, in s.
     pub mean_time_s: Option<f64>,
@@ -148,7 +147,8 @@ pub struct EvaluationRow {
     pub mean_cost_s: f64,
     /// Wall time from the start of the process, in s; summed over all processes of a resumed run.
     pub wall_s: f64,
-    /// The success rates in the scenarios of a set, 0 to 1, by name. With a set, they are columns `success_rate_<name>` after all others.
+    /// The success rates in the scenarios of a set, 0 to 1, by name. With a set, they are columns `success_rate_<name>` after
+    /// all others.
     #[serde(skip)]
     pub scenario_success_rates: Vec<(String, f64)>,
 }
@@ -221,7 +221,7 @@ pub struct Summary {
     /// Wall time from the start of the process, including evaluations but not the final test, in s; summed over all processes
     /// of a resumed run.
     pub wall_s: f64,
-    /// Number of evaluations, with those at env step 0 and at the end.
+    /// Number of evaluations, including those at env step 0 and at the end.
     #[serde(default)]
     pub evaluations: usize,
     /// Success rate of the best policy in the evaluation that selected it, 0 to 1; `None` without an evaluation. The best of
@@ -229,7 +229,7 @@ pub struct Summary {
     pub best_success_rate: Option<f64>,
     /// Mean simulated time of the successful episodes in that evaluation, in s.
     pub best_mean_time_s: Option<f64>,
-    /// Env steps of the training before that evaluation: 0 if the initial policy was never surpassed. `None` without an
+    /// Env steps of the run before that evaluation: 0 if the initial policy was never surpassed. `None` without an
     /// evaluation, or if the policy has no card.
     #[serde(default)]
     pub best_env_steps: Option<u64>,
@@ -239,8 +239,8 @@ pub struct Summary {
     pub first_96: Option<Milestone>,
     /// The first evaluation with a success rate of at least 99 %.
     pub first_99: Option<Milestone>,
-    /// The test of the best policy in fresh episodes, after the training; `None` if the run has not finished or the preset asks
-    /// for no test. These are the numbers to report.
+    /// The test of the best policy in fresh episodes, after training; `None` if the run has not finished or the preset asks
+    /// for no test. These are the results to report.
     #[serde(default)]
     pub final_test: Option<FinalTest>,
 }

@@ -16,8 +16,8 @@ use crate::policy::Policy;
 use crate::random::{self, Stream};
 use crate::task::{EpisodeEnded, ScenarioPool};
 
-/// The rows of all episodes that ended since the last call, with the wall time `wall_s`. Their messages are
-/// removed from `world`.
+/// Takes the rows of all episodes that ended since the last call, with the wall time `wall_s`, and removes their
+/// [`EpisodeEnded`] messages from `world`.
 pub fn take_episode_rows(
     world: &mut World,
     trainer_state: &mut TrainerState,
@@ -156,7 +156,7 @@ pub fn policy_bytes(policy: &Policy) -> Result<Vec<u8>, RunError> {
     policy.to_bytes().map_err(|error| RunError::Failed(format!("the policy cannot be saved: {error}")))
 }
 
-/// The episodes of the evaluations during the training of `config`.
+/// The episodes of the evaluations during the training run of `config`.
 #[must_use]
 pub fn evaluation_episodes(config: &RunConfig) -> EpisodeSet {
     EpisodeSet { count: config.preset.evaluation.episodes, seed: evaluation_seed(config.seed) }

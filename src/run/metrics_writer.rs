@@ -146,7 +146,7 @@ impl MetricsWriter {
         self.events.flush().map_err(|error| self.failed("events", error))
     }
 
-    /// Like [`flush`](Self::flush); the rows then survive a power cut, because a checkpoint will refer to them. Returns the
+    /// Like [`flush`](Self::flush), but also makes the rows survive a power cut, as a checkpoint will refer to them. Returns the
     /// lengths of `episodes.csv` and `evaluations.csv`, in bytes.
     ///
     /// # Errors
@@ -166,7 +166,7 @@ impl MetricsWriter {
         Ok((episodes, evaluations))
     }
 
-    /// The number of evaluations on disk, which include those before a resume.
+    /// The number of evaluations on disk, including those before a resume.
     ///
     /// # Errors
     /// The rows cannot be read.
@@ -174,7 +174,7 @@ impl MetricsWriter {
         Ok(self.folder.rows::<EvaluationRow>(EVALUATIONS)?.len())
     }
 
-    /// Draws `learning-curve.svg` of the run of `config`, from the rows on disk, which include those before a resume.
+    /// Draws `learning-curve.svg` of the run of `config`, from the rows on disk, including those before a resume.
     ///
     /// # Errors
     /// The rows cannot be read, or the SVG file cannot be written.

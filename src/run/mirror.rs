@@ -1,4 +1,4 @@
-//! The mirror image of a run's observations and actions, left for right, for mirror augmentation (`learning.mirror`).
+//! The mirror image of a run's observations and actions, left and right swapped, for mirror augmentation (`learning.mirror`).
 //!
 //! In: a run's configuration. Out: a [`Mirror`] for its learner, or the reason why there is none.
 
@@ -53,10 +53,10 @@ pub(crate) fn of_run(config: &RunConfig) -> Result<Option<Mirror>, RunError> {
     Mirror::new(inputs, images).map(Some).map_err(|error| fail(format!("is true, but {error}")))
 }
 
-/// For each action, the one that is its mirror image.
+/// For each action, the index of its mirror image.
 ///
 /// # Errors
-/// An action has none.
+/// An action has no mirror image.
 fn images(actions: &ActionSet, of_robot: &[Motion]) -> Result<Vec<u32>, String> {
     let relative: Vec<Motion>;
     let (motions, list, [speed, turn]) = match actions {
@@ -80,8 +80,8 @@ fn is_image(one: &Motion, other: &Motion) -> bool {
     one.v_m_s == other.v_m_s && one.w_rad_s == -other.w_rad_s
 }
 
-/// For each motion, the index of the one that turns as fast to the other side. Of equal motions, the first mirrors the first,
-/// the second the second.
+/// For each motion, the index of its mirror image: the motion that turns equally fast to the other side. If a motion is listed
+/// several times, its first entry mirrors the first entry of its image, the second the second, and so on.
 ///
 /// # Errors
 /// A motion has no mirror image.

@@ -5,9 +5,9 @@
 //! | file | contents |
 //! |---|---|
 //! | `preset.rs` | training presets |
-//! | `settings.rs` | single fields of a preset or scenario that are set from outside of their files |
+//! | `settings.rs` | single fields of a preset or scenario that are set from outside their files |
 //! | `notes/` | doubtful settings of a run |
-//! | `memory.rs`, `memory_limit.rs` | the memory that a run needs, and the limit of the process |
+//! | `memory.rs`, `memory_limit.rs` | the memory that a run needs, and the limits of the process |
 //! | `scenario_set.rs` | the files of sets of scenarios |
 //! | `shipped.rs` | the shipped scenarios, presets and policies, by name |
 //! | `training_setup.rs` | the learner and the simulation of a new run |
@@ -18,7 +18,7 @@
 //! | `suite/` | tests of drivers and policies in many scenarios, by families |
 //! | `on_all_cores.rs` | work on all cores, with results in a fixed order |
 //! | `background_evaluator.rs` | evaluation during training |
-//! | `final_test.rs` | the test of the best policy after a training |
+//! | `final_test.rs` | the test of the best policy after training |
 //! | `folder/` | run folders: configuration, CSV files |
 //! | `output_file/` | output files, written whole or not at all |
 //! | `image_file.rs` | image files: SVG, PNG, PDF |
@@ -27,10 +27,10 @@
 //! | `metric_rows.rs`, `metrics_writer.rs` | the rows of `episodes.csv` and `evaluations.csv`, and their writer |
 //! | `policy_card/` | the card in a policy file, and its comparison with a scenario |
 //! | `export.rs` | a policy for other programs, as an ONNX file with a model card |
-//! | `provenance.rs` | the program and the scenario that a record names |
+//! | `provenance.rs` | the program and the scenario that a record of results names |
 //! | `checkpoint/` | checkpoints, from which a run resumes bit-identically |
 //! | `fingerprint.rs` | checksums that show whether two builds simulate bit-identically |
-//! | `scenario_image.rs`, `run_image.rs` | the figure of a scenario from above; that of a run, its learning curves |
+//! | `scenario_image.rs`, `run_image.rs` | the figure of a scenario, seen from above; the learning curves of a run |
 //! | `processor.rs` | the kinds of processor that a run was trained on |
 //! | `tensorboard/`, `progress/` | TensorBoard events; progress on stderr |
 //! | `signals.rs` | the signals that ask the program to stop |
@@ -115,7 +115,7 @@ impl RunError {
         Self::InvalidInput(format!("{}: {why}", crate::scenario::printable_path(path)))
     }
 
-    /// The error for a file that failed during the work.
+    /// The error for a file on which the work failed.
     pub(crate) fn failed(path: &std::path::Path, why: impl std::fmt::Display) -> Self {
         Self::Failed(format!("{}: {why}", crate::scenario::printable_path(path)))
     }

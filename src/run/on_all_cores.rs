@@ -3,8 +3,8 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread::Builder;
 
-/// `of` each index from 0 to `count` - 1, in this order, on that many `threads` (0: one per core). Each thread first makes a
-/// `state` of its own. The number of threads changes no result if `of` does not depend on what else was in the state.
+/// The results of `of` for the indices 0 to `count` - 1, in this order, on `threads` threads (0: one per core). Each thread
+/// first makes its own `state`. The number of threads changes no result if `of` does not depend on what earlier calls left in it.
 pub fn map<S, T: Send>(
     count: usize,
     threads: usize,
@@ -13,7 +13,7 @@ pub fn map<S, T: Send>(
 ) -> Vec<T> {
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
     let threads = if threads == 0 { cores() } else { threads }.min(count);
-    // Some take a hundred times as long as others, so threads take one at a time.
+    // Some indices take a hundred times as long as others, so a thread takes one at a time.
     let next = AtomicUsize::new(0);
     let work = || {
         let mut state = state();

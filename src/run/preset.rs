@@ -22,8 +22,8 @@ use crate::task::{Encoding, LevelSampling, RewardConfig};
 pub struct Preset {
     /// A description: what the preset is for, and what is special about it. At most 20,000 characters.
     pub about: String,
-    /// Another preset, from which all fields come that this file does not have: a shipped one by name, such as `"fast"`, or a
-    /// file, relative to this one. The parts `evaluation`, `reward`, `learning`, `network` and `replay` are combined field by
+    /// Another preset, which provides all fields that this file lacks: a shipped one by name, such as `"fast"`, or a file,
+    /// relative to this one. The parts `evaluation`, `reward`, `learning`, `network` and `replay` are combined field by
     /// field; a choice or a list is replaced as a whole. A preset that has been read is complete and has `None`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub based_on: Option<String>,
@@ -33,8 +33,8 @@ pub struct Preset {
     pub budget: Budget,
     /// Schedule of the evaluations during training.
     pub evaluation: EvaluationConfig,
-    /// The observation: that of the paper, eq. (8), `Scaled` to the order of one or `Raw` in m and rad, which the paper doesn't
-    /// specify; or `Sectors`, for any LIDAR and any robot.
+    /// The observation: the paper's, eq. (8), `Scaled` to the order of one or `Raw` in m and rad (the paper doesn't say which);
+    /// or `Sectors`, for any LIDAR and any robot.
     pub observation: Encoding,
     /// The motions to choose among: those of the scenario's `Robot`, as in the paper, or `Relative` ones, in units of any robot's
     /// limits.
@@ -43,10 +43,10 @@ pub struct Preset {
     pub reward: RewardConfig,
     /// The algorithm and its hyperparameters.
     pub learning: LearningConfig,
-    /// The draw of levels in a training over a level generator or a set with generators.
+    /// How levels are drawn in training over a level generator or a set with generators.
     pub levels: LevelSampling,
-    /// The scenario, the level generator or the set of scenarios of a training for which `--scenario` names no other: a file,
-    /// relative to this one, or a shipped name, such as `"clutter"`.
+    /// The scenario, level generator or set of scenarios to train in, unless `--scenario` names another: a file, relative to this
+    /// one, or a shipped name, such as `"clutter"`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scenario: Option<String>,
 }
@@ -71,8 +71,8 @@ pub struct EvaluationConfig {
     pub every_env_steps: u64,
     /// Number of episodes, 1 to 100,000. Every evaluation uses the same episodes.
     pub episodes: usize,
-    /// Number of episodes of the final test, 0 (no test) to 100,000. After the training, the best policy is tested in episodes
-    /// that it was not selected by.
+    /// Number of episodes of the final test, 0 (no test) to 100,000. After training, the best policy is tested in episodes that
+    /// were not used to select it.
     pub final_episodes: usize,
 }
 
@@ -108,8 +108,8 @@ impl Preset {
         SetFit { lidar: self.observation.sectors().is_none(), motions: self.actions == ActionSet::Robot }
     }
 
-    /// Why the network of a training in `here` does not fit `there`, without sensors of plugins: another number of inputs or
-    /// outputs. `None` if it fits.
+    /// Why a network that was built for `here` does not fit `there`: the number of inputs or outputs differs. `None` if it fits.
+    /// Plugin sensors are not considered.
     #[must_use]
     pub fn network_misfit(&self, here: &Scenario, there: &Scenario) -> Option<String> {
         let count = |scenario: &Scenario| {
@@ -129,8 +129,8 @@ impl Preset {
     /// The preset in the file at `path`.
     ///
     /// # Errors
-    /// The file cannot be read, is not a preset or has invalid values. The message gives file, line, column
-    /// and a fix.
+    /// The file cannot be read, is not a preset or has invalid values. The message gives the file, line and
+    /// column, and a fix.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, FileError> {
         let path = path.as_ref();
         Self::parse(&read_text(path)?, path)
@@ -151,8 +151,8 @@ impl Preset {
         }
     }
 
-    /// The locations of `diagnostics` of the preset whose file is at `path` with this `text`: each in the file from which the
-    /// field comes, if the preset is based on another.
+    /// Locates `diagnostics` of the preset in `text`, the contents of the file at `path`: each in the file that its field comes
+    /// from, if the preset is based on another.
     #[must_use]
     pub fn locate<'d>(
         text: &str,
@@ -178,7 +178,7 @@ impl Preset {
         diagnostics
     }
 
-    /// The invalid values, each by itself.
+    /// The values that are invalid on their own.
     fn value_diagnostics(&self) -> Vec<Diagnostic> {
         let mut diagnostics = Vec::new();
         let mut add =

@@ -11,7 +11,7 @@ use crate::scenario::read_text_with_limit;
 
 /// The file in a run folder: the kinds of processor in the order of their use, as JSON.
 pub const PROCESSORS_FILE: &str = "processors.json";
-/// The largest such file that is read, in bytes.
+/// Maximum size of this file when it is read, in bytes.
 const MAX_BYTES: u64 = 1 << 16;
 
 /// Records in the run folder `folder` that this machine trains the run from now on.

@@ -53,10 +53,10 @@ pub fn set_crc32c(set: &ScenarioSet) -> String {
     serde_json::to_string(set).and_then(RawJson::new).map(|json| json.crc32c()).unwrap_or_default()
 }
 
-/// The scenario as policy cards have it.
+/// The scenario as JSON, as it is on policy cards.
 ///
 /// # Errors
-/// None that is known: a scenario has only structs, lists, strings and numbers.
+/// None are known: a scenario has only structs, lists, strings and numbers.
 pub fn scenario_json(scenario: &Scenario) -> Result<RawJson, serde_json::Error> {
     RawJson::new(serde_json::to_string(scenario)?)
 }

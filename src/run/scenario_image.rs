@@ -17,7 +17,7 @@ use crate::report::chart::{
 use crate::scenario::{IndexedScenario, Obstacle, ObstacleMotion, Outline, Scenario, Shape, Track};
 use crate::task::{Arena, ArenaLayout, Clock, Goal, Pedestrians, Pose, Scan};
 
-/// The layout seed of the generated obstacles in thumbnails.
+/// The layout seed of the generated obstacles in figures and thumbnails.
 const LAYOUT_SEED: u64 = 1;
 /// Number of straight segments in a capsule's round end.
 const END_SEGMENTS: u32 = 16;
@@ -72,7 +72,7 @@ pub fn figure(scenario: &Scenario) -> Result<String, DrawError> {
     figure_over(scenario, Vec::new())
 }
 
-/// The same with marked areas, such as the occupied cells of the map that it was imported from. The corners of each are in m.
+/// Like [`figure`], with marked areas, such as the occupied cells of an imported map. Each is given by its corners in m.
 ///
 /// # Errors
 /// The drawing library failed. No input is known to cause this.
@@ -117,7 +117,7 @@ pub fn frame_svg(world: &mut World, arena: usize) -> Option<Result<String, DrawE
     frame_with_path(world, arena, Vec::new())
 }
 
-/// The same with the robot's path so far: its positions in m.
+/// Like [`frame_svg`], with the robot's path so far: its positions in m.
 ///
 /// # Errors
 /// Drawing fails.
@@ -244,7 +244,7 @@ mod tests {
             }],
             ..Scenario::default()
         };
-        // At 0.5 m/s and 0.2 s per step, it is 1.5 m along its loop after 15 steps, 0.5 m past the corner.
+        // At 0.5 m/s and 0.2 s per step, the capsule is 1.5 m along its loop after 15 steps, 0.5 m past the corner.
         let map = map(&scenario, LAYOUT_SEED, 15);
         assert_near(&map.enclosure, &[(-3.0, -2.0), (3.0, -2.0), (0.0, 2.0)]);
         let kinds: Vec<MapObstacleKind> = map.obstacles.iter().map(|obstacle| obstacle.kind).collect();

@@ -71,7 +71,7 @@ fn source(entry: &SetEntry, wanted: &str) -> Result<SetSource, String> {
     }
     let loaded = shipped::Source::load(wanted).map_err(|error| error.to_string())?;
     let shipped::Source::Levels(generator) = loaded else {
-        return Err("it is no level generator; help: write `scenario:` instead of `generator:`".into());
+        return Err("it is not a level generator; help: write `scenario:` instead of `generator:`".into());
     };
     let generator = Box::new(generator);
     let levels = SetSource::Levels { generator, levels: entry.levels() };
@@ -79,12 +79,12 @@ fn source(entry: &SetEntry, wanted: &str) -> Result<SetSource, String> {
     Ok(levels)
 }
 
-/// What the file at `from` means by `name`: the file with that path relative to the folder of `from` if there is one, else `name`
-/// itself.
+/// The file or shipped name that the file at `from` refers to as `name`: the file with that path relative to the folder of `from`
+/// if there is one, else `name` itself. `name` need not exist.
 ///
 /// # Errors
-/// It is neither a file nor a shipped name. An untrusted file must not name a pipe or a device, because reading it might never
-/// end.
+/// It is a folder, a pipe or a device, and not a shipped scenario. An untrusted file must not name a pipe or a device, because
+/// reading it might never end.
 pub(super) fn named_file(from: &Path, name: &str) -> Result<String, String> {
     let beside = from.parent().map(|folder| folder.join(name));
     let wanted =

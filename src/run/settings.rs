@@ -1,4 +1,4 @@
-//! Settings: single fields of a preset or a scenario that are set from outside of their files.
+//! Settings: single fields of a preset or a scenario that are set from outside their files.
 //!
 //! In: pairs of a path and a value in RON, such as `learning.gamma=0.97` or `scenario.lidar.noise_std_m=0.02`. Out: the
 //! changed preset and scenario, or errors that name the setting.
@@ -22,8 +22,9 @@ use crate::scenario::{
 /// A setting: a field of the preset, such as `learning.replay.sampling.alpha`, or of the scenario, such as
 /// `scenario.obstacles[0].motion.speed_rad_s`, and its new value.
 ///
-/// Its text is `path=value`. An index `[*]` means every element of a list that has the rest of the path. A choice's fields are
-/// reached without its name. A choice is set as a whole: `learning.loss=Huber(delta: 1.0)`.
+/// Its text is `path=value`. The index `[*]` stands for all elements that have the rest of the path. The name of an enum variant
+/// is not part of a path: `learning.loss.delta=1.0`. To choose another variant, set it as a whole:
+/// `learning.loss=Huber(delta: 1.0)`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Setting {
     /// The path of the field.
@@ -37,7 +38,7 @@ pub struct Setting {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Settings(pub Vec<Setting>);
 
-/// The problem of a setting, with its fix.
+/// The problem with a setting, and its fix.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{setting}: {problem}")]
 pub struct SettingError {
@@ -54,7 +55,7 @@ impl Settings {
         self.0.is_empty()
     }
 
-    /// Changes the scenario and the preset, which are valid. So are the results.
+    /// Changes a valid scenario and a valid preset; the results are valid, too.
     ///
     /// # Errors
     /// All problems: there is no such field, it does not take the value, or the result is invalid.
@@ -62,7 +63,7 @@ impl Settings {
         self.apply_to(Some(scenario), Some(preset))
     }
 
-    /// Changes the scenarios of `set` as [`apply`](Self::apply) changes a scenario next to `preset`, which stays.
+    /// Changes the scenarios of `set` as [`apply`](Self::apply) changes a scenario; `preset` stays as it is.
     ///
     /// # Errors
     /// As [`Settings::apply`]; also a setting of the scenario where the set has a level generator.
@@ -88,7 +89,7 @@ impl Settings {
         Ok(())
     }
 
-    /// Changes the scenario, where there is no preset.
+    /// Changes the scenario where there is no preset.
     ///
     /// # Errors
     /// As [`Settings::apply`]; also a setting of the preset.
@@ -96,7 +97,7 @@ impl Settings {
         self.apply_to(Some(scenario), None)
     }
 
-    /// Changes the preset, where the scenario must stay.
+    /// Changes the preset where the scenario must stay as it is.
     ///
     /// # Errors
     /// As [`Settings::apply`]; also a setting of the scenario.
@@ -124,7 +125,7 @@ impl Settings {
         if errors.is_empty() { Ok(()) } else { Err(errors) }
     }
 
-    /// The error of an invalid result: of the last setting around the field, or of all if there is none.
+    /// The error for an invalid result. It names the last setting that contains the field, or all settings if none does.
     fn error(&self, found: &Diagnostic) -> SettingError {
         match self.0.iter().rev().find(|setting| setting.contains(&found.path)) {
             Some(setting) => setting.error(found.to_string()),
@@ -167,8 +168,8 @@ impl Setting {
         SettingError { setting: self.to_string(), problem }
     }
 
-    /// Whether the field at `path` is the setting's, or in it. The path of a diagnostic has an index where that of the setting
-    /// may have a star.
+    /// Whether the field at `path`, the path of a diagnostic, is the setting's field or inside it. `path` has an index where the
+    /// setting's path may have a star.
     fn contains(&self, path: &str) -> bool {
         let parts = |path: &'_ str| path.split(['.', '[']).map(str::to_owned).collect::<Vec<_>>();
         let (own, path) = (parts(&self.path), parts(path));
@@ -247,7 +248,7 @@ impl<'de> Deserialize<'de> for Settings {
     }
 }
 
-/// The error of settings from the command line, one line per problem.
+/// The error for settings from the command line, one line per problem.
 impl From<Vec<SettingError>> for RunError {
     fn from(errors: Vec<SettingError>) -> Self {
         let lines: Vec<_> = errors.iter().map(|error| format!("--set {error}")).collect();

@@ -41,7 +41,7 @@ const SCENARIOS: &[Shipped] = shipped!(
 const GENERATORS: &[Shipped] = shipped!(
     "scenarios/generators": "clutter", "rooms", "traffic", "mixed", "pedestrians", "circle-crossing"
 );
-/// The level generators of the training set `general`.
+/// The level generators of the set `general`.
 const GENERAL_GENERATORS: &[Shipped] = shipped!(
     "scenarios/generators": "general/clutter-small", "general/clutter-fine", "general/clutter-noisy", "general/clutter-fast",
     "general/clutter-agile", "general/caves-fine", "general/caves-fast", "general/rooms-small",
@@ -83,7 +83,7 @@ impl ShippedPolicy {
         policy_card::fits_every_robot(&self.policy)
     }
 
-    /// Whether it was trained in exactly this scenario.
+    /// Whether it was trained in exactly the scenario of `config`.
     #[must_use]
     pub fn is_at_home_in(&self, config: &RunConfig) -> bool {
         let is_scenario = config.scenario_set.is_none() && self.scenario.as_ref() == Some(&config.scenario);
@@ -115,7 +115,7 @@ pub fn is_scenario(name: &str) -> bool {
     SCENARIOS.iter().any(|file| file.name == name)
 }
 
-/// Whether `name` is a shipped level generator.
+/// Whether `name` is a shipped level generator, other than those of the set `general`.
 pub fn is_level_generator(name: &str) -> bool {
     GENERATORS.iter().any(|file| file.name == name)
 }
@@ -187,16 +187,16 @@ pub fn presets() -> impl Iterator<Item = (&'static str, Preset)> {
     PRESETS.iter().filter_map(|file| Some((file.name, Preset::parse(file.text, file.path).ok()?)))
 }
 
-/// The shipped level generators, by name.
+/// The shipped level generators, by name, without those of the set `general`.
 pub fn level_generators() -> impl Iterator<Item = (&'static str, LevelGenerator)> {
     GENERATORS.iter().filter_map(|file| Some((file.name, LevelGenerator::parse(file.text, file.path).ok()?)))
 }
 
-/// The scenario in the file `wanted`, which may be the `config.ron` of a run, or the shipped scenario of that name. Of a
-/// level generator, the level that `wanted` names ([`Source::load`]), or level 0.
+/// The scenario in the file `wanted`, which may be the `config.ron` of a run, or the shipped scenario of that name. For a
+/// level generator, it is the level that `wanted` names ([`Source::load`]), or level 0.
 ///
 /// # Errors
-/// As for [`Source::load`]; for a set of scenarios, its scenarios.
+/// As for [`Source::load`]; also if it is a set of scenarios. The message names its scenarios.
 pub fn scenario(wanted: &str) -> Result<Scenario, FileError> {
     Source::load(wanted)?.into_scenario(wanted)
 }
@@ -205,7 +205,7 @@ pub fn scenario(wanted: &str) -> Result<Scenario, FileError> {
 /// with a set, the first scenario of the set, and the set. A level generator is the set of its levels.
 ///
 /// # Errors
-/// As for [`scenario`]; a scenario of the set cannot be used.
+/// As for [`Source::load`]; or a scenario of the set cannot be used.
 pub fn scenario_or_set(wanted: &str) -> Result<(Scenario, Option<ScenarioSet>), FileError> {
     match Source::load(wanted)? {
         Source::Scenario(scenario) => Ok((scenario, None)),
@@ -220,7 +220,7 @@ pub fn scenario_or_set(wanted: &str) -> Result<(Scenario, Option<ScenarioSet>), 
 /// The preset in the file `wanted`, which may be the `config.ron` of a run, or the shipped preset of that name.
 ///
 /// # Errors
-/// As for [`Preset::load`]; for an unknown name, the closest shipped one.
+/// As for [`Preset::load`]. For an unknown name, the message names the closest shipped one.
 pub fn preset(wanted: &str) -> Result<Preset, FileError> {
     match find(PRESETS, wanted) {
         Some(file) => Preset::parse(file.text, file.path),
@@ -228,7 +228,7 @@ pub fn preset(wanted: &str) -> Result<Preset, FileError> {
     }
 }
 
-/// The user's file `wanted`: by `parse`, or the `part` of a run's `config.ron`.
+/// Reads the user's file `wanted` with `parse`; if it is the `config.ron` of a run, returns `part` of it.
 fn user_file<T>(
     wanted: &str,
     shipped: &[Shipped],
@@ -327,8 +327,8 @@ mod tests {
         }
     }
 
-    /// `policy` with the card that this version writes. The training and its program stay.
-    fn with_present_card(policy: &Policy) -> Policy {
+    /// `policy` with the card that this version writes. The training data and the program on it stay as they were.
+    fn with_current_card(policy: &Policy) -> Policy {
         let mut policy = policy.clone();
         let card = policy.card.take().expect("a card");
         let training = &card.training;
@@ -343,18 +343,18 @@ mod tests {
     fn the_cards_of_the_shipped_policies_are_up_to_date() {
         for (name, bytes) in POLICIES {
             let policy = Policy::from_bytes(bytes).expect("a policy");
-            let present = with_present_card(&policy).to_bytes().expect("a valid card");
+            let current = with_current_card(&policy).to_bytes().expect("a valid card");
             if std::env::var_os("WAYFIELD_RENEW").is_some() {
                 let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/policies");
-                std::fs::write(folder.join(format!("{name}.safetensors")), present).expect("a writable file");
+                std::fs::write(folder.join(format!("{name}.safetensors")), current).expect("a writable file");
             } else {
-                assert!(present == *bytes, "{name}: the card is out of date; help: cargo xtask policies");
+                assert!(current == *bytes, "{name}: the card is out of date; help: cargo xtask policies");
             }
         }
     }
 
     #[test]
-    fn the_papers_scenario_is_told_by_its_contents_not_by_its_name() {
+    fn the_paper_s_scenario_is_recognized_by_its_contents_not_by_its_name() {
         let papers = scenario("scenario-1").expect("shipped");
         assert!(is_paper_scenario_1(&papers));
         let renamed = Scenario { name: "Office".into(), about: String::new(), ..papers.clone() };

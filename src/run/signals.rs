@@ -1,10 +1,10 @@
 //! The signals that ask the program to stop: Ctrl-C (SIGINT), SIGTERM, SIGHUP, and those by which batch systems announce the
 //! end of a job's time.
 //!
-//! In: signals. Out: a stop flag, which whatever runs for long polls, and the first signal, which determines the exit status.
+//! In: signals. Out: a stop flag, which long-running work polls, and the first signal, which determines the exit status.
 //! Further signals change nothing, with one exception: a second Ctrl-C in the terminal, at least half a second after the
-//! first signal, ends the process at once. On Linux, a signal that the process was started with ignored (`nohup`, a background
-//! job of `sh`) stays ignored.
+//! first signal, ends the process at once. On Linux, a signal that was already ignored when the process started (`nohup`, a
+//! background job of `sh`) stays ignored.
 
 #[cfg(not(unix))]
 #[path = "signals/ctrl_c.rs"]
@@ -22,7 +22,7 @@ pub use platform::{exit_on_signal, survive_limits};
 
 /// Whether to stop. Also set by the code that polls it, to stop parallel work.
 static STOP: AtomicBool = AtomicBool::new(false);
-/// The number of the first signal; 0 before it.
+/// The number of the first signal; 0 before the first.
 static FIRST: AtomicUsize = AtomicUsize::new(0);
 
 /// A signal that asked the program to stop.

@@ -68,8 +68,8 @@ pub fn start_training(
 /// The learner of `config`, with the weights of `policy` if there is one.
 ///
 /// # Errors
-/// The configuration needs too much memory, its observations or actions have no mirror image although the preset needs it, or
-/// the policy does not fit it.
+/// The configuration needs too much memory, its observations or actions have no mirror image although the preset needs one, a
+/// scenario of its set does not fit the preset, or the policy does not fit the configuration.
 pub fn create_learner(config: &RunConfig, policy: Option<&Policy>) -> Result<Learner, RunError> {
     let inputs = config.observation_layout().width(config.scenario.lidar.beams);
     let preset = &config.preset;
@@ -106,14 +106,14 @@ pub(super) fn set_mirror(learner: &mut Learner, config: &RunConfig) -> Result<()
 }
 
 /// Checks that `policy` was trained with the preset's encoding of observations.
-fn check_encoding(policy: &Policy, preset: Encoding) -> Result<(), RunError> {
+fn check_encoding(policy: &Policy, expected: Encoding) -> Result<(), RunError> {
     let encoding = policy_card::encoding(policy)?;
-    if encoding == preset {
+    if encoding == expected {
         return Ok(());
     }
     Err(RunError::InvalidInput(format!(
         "the policy was trained with {} observations, but the preset's are {}; help: use a preset with `observation: {encoding:?}`",
         policy_card::encoding_name(encoding),
-        policy_card::encoding_name(preset)
+        policy_card::encoding_name(expected)
     )))
 }

@@ -1,4 +1,4 @@
-//! Write points: named places between the writes of a run, where a test can abort the process.
+//! Write points: named points between the writes of a run, where a test can abort the process.
 //!
 //! In: the environment variable `WAYFIELD_ABORT_AT`, which is `NAME` or `NAME:N`. Out: an abort the N-th time that the
 //! process passes the write point `NAME` (by default the first time). `tests/cli_crash_recovery.rs` aborts a run at every

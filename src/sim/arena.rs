@@ -19,7 +19,7 @@ use crate::task::{
     Twist, observation,
 };
 
-/// Replaces all arenas by `arenas` new arenas of `scenario` with the random streams of `seed`, and starts an episode in
+/// Replaces all arenas with `arenas` new arenas of `scenario` with the random streams of `seed`, and starts an episode in
 /// each.
 pub fn spawn_arenas(world: &mut World, scenario: &Arc<Scenario>, arenas: usize, seed: u64) {
     let mut old = world.query_filtered::<Entity, With<RapierContextSimulation>>();
@@ -55,7 +55,7 @@ pub fn spawn_arenas(world: &mut World, scenario: &Arc<Scenario>, arenas: usize, 
     world.run_schedule(Reset);
 }
 
-/// Starts a new episode in every arena, with the streams and clock that `start` returns for the arena's number. An arena
+/// Starts a new episode in every arena, with the streams and clock that `start` returns for the arena's index. An arena
 /// for which it returns None becomes inactive.
 pub fn reset_arenas(world: &mut World, mut start: impl FnMut(usize) -> Option<(Streams, Clock)>) {
     let mut arenas = world.query::<(&Arena, &mut Streams, &mut Clock, &mut Episode)>();
@@ -71,8 +71,8 @@ pub fn reset_arenas(world: &mut World, mut start: impl FnMut(usize) -> Option<(S
     world.run_schedule(Reset);
 }
 
-/// Sets the scenario of the next episode of each arena, one of the [`ScenarioPool`]. These arenas draw no
-/// scenarios any more. Without a pool, it does nothing.
+/// Sets the scenario of each arena's next episodes, one of the [`ScenarioPool`]. The arenas no longer draw scenarios. Does
+/// nothing without a pool.
 pub fn assign_scenarios(world: &mut World, choice: impl Fn(usize) -> ScenarioChoice) {
     let mut arenas = world.query::<(&Arena, &mut ArenaScenario)>();
     for (arena, mut scenario) in arenas.iter_mut(world) {
@@ -80,8 +80,8 @@ pub fn assign_scenarios(world: &mut World, choice: impl Fn(usize) -> ScenarioCho
     }
 }
 
-/// Lets the selected arenas draw the scenarios of their next episodes by the random streams of `seed`. Without a
-/// [`ScenarioPool`], it does nothing.
+/// Lets the selected arenas draw the scenarios of their next episodes with the random streams of `seed`. Does nothing without a
+/// [`ScenarioPool`].
 pub(crate) fn seed_scenarios(world: &mut World, seed: u64, is_selected: impl Fn(usize) -> bool) {
     let mut arenas = world.query::<(&Arena, &mut ArenaScenario)>();
     for (arena, mut scenario) in arenas.iter_mut(world).filter(|(arena, _)| is_selected(arena.0)) {
@@ -89,8 +89,8 @@ pub(crate) fn seed_scenarios(world: &mut World, seed: u64, is_selected: impl Fn(
     }
 }
 
-/// Restarts the arenas for whose number `reset` returns a reset. Those with streams get them, and a clock at 0. The other
-/// arenas stay as they are.
+/// Restarts the arenas for whose index `reset` returns a reset. If it also returns streams, the arena gets them, and a clock
+/// at 0. The other arenas stay as they are.
 pub fn restart_arenas(
     world: &mut World,
     mut reset: impl FnMut(usize) -> Option<(PendingReset, Option<Streams>)>,
@@ -106,7 +106,7 @@ pub fn restart_arenas(
     world.run_schedule(Reset);
 }
 
-/// The states of all arenas, in the order of their numbers.
+/// The states of all arenas, in the order of their indices.
 pub fn snapshot(world: &mut World) -> Vec<ArenaState> {
     let mut arenas = world.query::<(
         &Arena,
@@ -239,7 +239,7 @@ pub fn change_scenario(world: &mut World, scenario: &Arc<Scenario>) {
 }
 
 /// Replaces the scenario and starts a new episode in every arena. Random streams and clocks continue; layouts, starts and
-/// goals are drawn in the new scenario. The number of LIDAR beams and of the robot's motions must be the same.
+/// goals are drawn in the new scenario. The numbers of LIDAR beams and of the robot's motions must be the same.
 pub fn reset_with_scenario(world: &mut World, scenario: &Arc<Scenario>) {
     let (states, fault) = (snapshot(world), world.resource::<TaskFault>().clone());
     spawn_arenas(world, scenario, states.len(), 0);

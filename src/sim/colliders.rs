@@ -8,7 +8,7 @@ use bevy_rapier2d::rapier::prelude::SharedShape;
 
 use crate::scenario::{Enclosure, Shape, polygon};
 
-/// The thickness of the enclosure's walls, in m. Rapier lets few bodies through it; `contact.rs` stops the others.
+/// The thickness of the enclosure's walls, in m. Rapier lets few bodies through them; `contact.rs` stops those.
 const WALL_M: f32 = 0.5;
 
 /// The shapes of the enclosure's walls and their poses, in m and rad.
@@ -32,14 +32,14 @@ pub(super) fn enclosure_colliders(enclosure: &Enclosure) -> Vec<(SharedShape, (f
     }
 }
 
-/// The rapier shape of a shape, centred at the shape's origin.
+/// The rapier shape of a scenario's shape, centred at the shape's origin.
 pub(super) fn shared_shape(shape: &Shape) -> SharedShape {
     match shape {
         Shape::Circle { radius_m } => SharedShape::ball(*radius_m),
         Shape::Rectangle { width_m, height_m } => SharedShape::cuboid(width_m / 2.0, height_m / 2.0),
         Shape::Capsule { length_m, radius_m } => SharedShape::capsule_x(length_m / 2.0, *radius_m),
         Shape::Polygon { corners_m } => {
-            // Keeps every corner; parry's default would drop nearly collinear ones. It fails only for a polygon without
+            // Keeps every corner; parry's default would drop nearly collinear ones. This fails only for a polygon without
             // area, which the scenario's checks reject.
             let corners = polygon::counterclockwise(corners_m).into_iter().collect();
             ConvexPolygon::from_convex_polyline_unmodified(corners)

@@ -6,7 +6,7 @@
 //! Rapier alone does not detect every contact. It predicts contacts with obstacles only within 2 mm, and looks one second
 //! ahead. An obstacle that moves or turns fast can pass over a small robot, and in a step of ten seconds a robot slides
 //! along a wall and off its end. Rapier also stops a body at the plane in front of an obstacle, even if the body would
-//! pass the obstacle. So this file checks the motion of robot and obstacles through the step by conservative
+//! pass beside the obstacle. So this file checks the motion of robot and obstacles through the step by conservative
 //! advancement: two bodies cannot touch before they have covered the distance between them.
 
 use bevy::prelude::*;
@@ -20,7 +20,7 @@ use crate::scenario::polygon::{distance_to_segment, sides};
 use crate::scenario::{IndexedScenario, MotionSpeed};
 use crate::task::Clock;
 
-/// The gap in m below which bodies touch. Rapier leaves a small gap when it stops a body.
+/// The gap in m below which bodies count as touching. Rapier leaves a small gap when it stops a body.
 const CONTACT_MARGIN_M: f32 = 0.0005;
 /// The penetration in m that is tolerated where rapier stops a robot.
 const MAX_PENETRATION_M: f32 = 0.001;
@@ -74,9 +74,9 @@ impl ContactQuery<'_> {
         })
     }
 
-    /// The smallest fraction of the step that `approach` returns for a shape that comes within `reach_m` of the robot's centre,
-    /// or others near it. `approach` gets the obstacle of a shape that may move, and the largest distance that it and the
-    /// robot's centre together cover.
+    /// The smallest fraction of the step that `approach` returns for any shape that may come within `reach_m` of the robot's
+    /// centre. `approach` gets a shape, its obstacle's index if it may move, and the largest distance that it and the robot's
+    /// centre together cover.
     #[inline]
     fn first(
         &self,
@@ -92,19 +92,19 @@ impl ContactQuery<'_> {
         };
         let still = self.still_near(to, reach_m + step_m);
         let still = still.filter_map(|shape| approach(shape, None, step_m));
-        let others = self.bodies.not_in_grid().filter_map(|(number, handle)| {
+        let others = self.bodies.not_in_grid().filter_map(|(index, handle)| {
             let shape = placed(self.colliders.get(handle)?);
             // The scenario's own obstacles come first among the solids; all others are static.
-            let is_own = number < self.bodies.obstacles.len();
-            let obstacle = Some(number).filter(|_| is_own);
+            let is_own = index < self.bodies.obstacles.len();
+            let obstacle = Some(index).filter(|_| is_own);
             let max_travel_m = step_m + obstacle.map_or(0.0, |o| self.max_travel_m(o));
             approach(shape, obstacle, max_travel_m)
         });
         others.chain(still).reduce(f32::min)
     }
 
-    /// The fraction of the step after which a shape, that of an obstacle or a wall, first comes within `reach_m` of the
-    /// robot's centre. Robot and obstacle together cover at most `max_travel_m`.
+    /// The fraction of the step after which the shape of an obstacle or a wall first comes within `reach_m` of the robot's
+    /// centre. Robot and obstacle together cover at most `max_travel_m`.
     #[inline]
     fn approach(
         &self,
@@ -129,7 +129,7 @@ impl ContactQuery<'_> {
         }
     }
 
-    /// The shapes in the grid at most `radius_m` from `at`, and others near it.
+    /// The shapes in the grid at most `radius_m` from `at`, and possibly others.
     fn still_near(&self, at: Vec2, radius_m: f32) -> impl Iterator<Item = PlacedShape<'_>> {
         let still = self.bodies.still.iter().flat_map(move |still| still.near(at, radius_m));
         still.map(|shape| (&shape.position, shape.shape()))
@@ -169,7 +169,7 @@ impl ContactQuery<'_> {
         }
     }
 
-    /// The way of an obstacle's origin in this step, in m.
+    /// The displacement of an obstacle's origin in this step, in m.
     fn translation_m(&self, obstacle: usize) -> Vec2 {
         if let Some(pedestrian) = self.layout.pedestrian(obstacle) {
             return pedestrian.velocity_m_s * self.layout.scenario.task.control_period_s;
@@ -195,8 +195,8 @@ pub(super) enum ObstacleTrajectory {
 }
 
 impl ObstacleTrajectory {
-    /// The position relative to the obstacle of a point that is at `at` when the fraction `left` of the step remains. It
-    /// is expressed as a position next to the obstacle at the end of the step.
+    /// Takes a point that is at `at` when the fraction `left` of the step remains. Returns the point that has the same position
+    /// relative to the obstacle at the end of the step.
     pub(super) fn in_obstacle_frame(&self, at: Vec2, left: f32) -> Vec2 {
         match *self {
             Self::Static => at,

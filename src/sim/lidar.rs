@@ -2,7 +2,7 @@
 //!
 //! In: rapier's colliders and the robot's pose. Out: [`Scan`], in m. The beams start at the robot's centre and are cast
 //! against the same colliders that collisions use (`ray_cast.rs`). A scan is taken after every physics step and after
-//! every reset, from the robot's pose at that moment, so it is never stale.
+//! every reset that may move the robot, from its pose at that moment. So only a latency in the scenario delays it.
 
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::*;
@@ -34,7 +34,7 @@ pub(super) fn scan(mut arenas: Query<Scanned>) {
     }
 }
 
-/// `Reset`: takes the scan of every robot that was placed.
+/// `Reset`: takes the scan of every robot that may have been moved.
 pub(super) fn scan_after_reset(mut arenas: Query<Scanned>) {
     for (layout, bodies, colliders, pose, episode, mut streams, mut scan) in &mut arenas {
         if episode.pending_reset.moves_robot() {

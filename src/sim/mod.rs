@@ -13,7 +13,7 @@
 //! | `obstacles.rs` | moving obstacles as a function of the clock, and generated obstacles |
 //! | `lidar.rs` | scans with noise, dropout and latency |
 //! | `ray_cast.rs` | exact ranges along the beams |
-//! | `still_shapes.rs` | a grid over the still shapes of large worlds |
+//! | `still_shapes.rs` | a grid over the still shapes of large scenarios |
 //! | `probe.rs` | scans from arbitrary poses, for displays |
 
 mod arena;

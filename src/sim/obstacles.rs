@@ -1,8 +1,8 @@
-//! Obstacles: the pose of a moving obstacle is a function of the arena's clock alone, that of a pedestrian depends on the step
-//! before. Generated obstacles are replaced when an episode begins.
+//! Obstacles. A moving obstacle's pose is a function of the arena's clock alone; a pedestrian's depends on the previous step.
+//! Generated obstacles are replaced when an episode begins.
 //!
-//! In: the arena's [`Clock`], [`ArenaLayout`] and [`Pedestrians`]. Out: the poses of kinematic bodies, which neither drift nor get pushed,
-//! and the shapes and poses of generated obstacles.
+//! In: the arena's [`Clock`], [`ArenaLayout`] and [`Pedestrians`]. Out: the poses of kinematic bodies, which neither drift nor
+//! get pushed, and the shapes and poses of generated obstacles.
 
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::*;
@@ -47,8 +47,8 @@ pub(super) fn advance(mut arenas: Query<Advanced>) {
     }
 }
 
-/// `Place`: places the generated obstacles of a new episode. If the clock was set, there are pedestrians, or speeds may have changed,
-/// also places the moving obstacles.
+/// `Place`: places the generated obstacles of a new episode. Also places the moving obstacles if the clock was set, there are
+/// pedestrians, or speeds may have changed.
 pub(super) fn place(
     mut arenas: Query<(
         &Clock,
@@ -97,7 +97,7 @@ pub(super) fn place_generated_obstacles(
     bodies.index_generated(&colliders.colliders, layout.scenario.lidar.max_range_m);
 }
 
-/// Places the moving obstacles, and the colliders that the LIDAR senses, at their poses at `clock`.
+/// Moves the moving obstacles' bodies, and with them the colliders that the LIDAR senses, to their poses at `clock`.
 pub(super) fn place_bodies(
     layout: IndexedScenario,
     clock: Clock,
@@ -125,7 +125,7 @@ fn body_pose(layout: IndexedScenario, obstacle: usize, clock: Clock) -> BodyPose
     as_body_pose(layout.pose_at(obstacle, clock.0))
 }
 
-/// A pose in m and rad as rapier's.
+/// Converts a pose in m and rad to rapier's.
 fn as_body_pose((x, y, rotation): (f32, f32, f32)) -> BodyPose {
     let (sin, cos) = libm::sincosf(rotation);
     BodyPose::from_parts(Vector::new(x, y), Rotation::from_cos_sin_unchecked(cos, sin))

@@ -53,7 +53,7 @@ pub struct Bodies {
     pub(super) footprint: Option<Footprint>,
     /// The still solids in a grid, if there are many.
     pub(super) still: Option<Arc<StillShapes>>,
-    /// The numbers in `solids` of those that are not in the grid.
+    /// The indices into `solids` of the solids that are not in the grid.
     pub(super) not_in_grid: Vec<usize>,
 }
 
@@ -82,13 +82,13 @@ impl ArenaBodies {
     pub(super) fn new(scenario: &Arc<Scenario>) -> Self {
         let (mut set, mut colliders) = (RapierRigidBodySet::default(), RapierContextColliders::default());
         let mut bodies = make_bodies(scenario, &mut set, &mut colliders);
-        bodies.index_permanent(&colliders.colliders, scenario.lidar.max_range_m);
+        bodies.index_solids(&colliders.colliders, scenario.lidar.max_range_m);
         Self { bodies, set, colliders }
     }
 }
 
-/// The bodies of scenarios that arenas have changed to, so that they are made once: by the address of the scenario, which they
-/// keep alive.
+/// The bodies of scenarios that arenas have switched to, kept so that they are made only once. The key is the address of the
+/// scenario, which the bodies keep alive.
 #[derive(Default)]
 pub(super) struct KeptBodies(HashMap<usize, ArenaBodies>);
 
@@ -191,8 +191,8 @@ fn step(mut pipeline: ResMut<Pipeline>, mut arenas: Query<Stepped>) {
 
 /// Makes the bodies and colliders of `scenario` in the empty sets of an arena.
 ///
-/// Rapier's numbers depend on their order, which depends on the scenario alone: everything that stands still, the robot,
-/// then the moving obstacles.
+/// Rapier's results depend on the order of insertion, which depends on the scenario alone: everything that stands still, the
+/// robot, then the moving obstacles.
 fn make_bodies(
     scenario: &Arc<Scenario>,
     set: &mut RapierRigidBodySet,
@@ -260,8 +260,8 @@ fn robot_body(robot: &Robot) -> RigidBody {
     body
 }
 
-/// A pose in m and rad as rapier's. The rotation is rounded as in Bevy's transforms, on which the results of earlier versions
-/// depend.
+/// Converts a pose in m and rad to rapier's. The rotation is rounded as in Bevy's transforms; other rounding would change
+/// results.
 fn body_pose((x, y, rotation_rad): (f32, f32, f32)) -> BodyPose {
     let local = Transform::from_xyz(x, y, 0.0).with_rotation(Quat::from_rotation_z(rotation_rad));
     let global = GlobalTransform::from(local).compute_transform();

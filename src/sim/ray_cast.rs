@@ -2,7 +2,7 @@
 //!
 //! In: rapier's colliders, the robot's pose and the beam directions. Out: one range per beam, in m. Beams are cast against
 //! the colliders of one arena, in each shape's own frame. Most casts are skipped, because the beam cannot hit the shape
-//! ([`BeamRange`]), or because the shape is in none of the cells that the beam crosses (`still_shapes.rs`).
+//! ([`BeamFilter`]), or because the shape is in none of the cells that the beam crosses (`still_shapes.rs`).
 
 use bevy::prelude::*;
 use bevy_rapier2d::rapier::geometry::{
@@ -31,7 +31,7 @@ pub fn cast(
     shorten(solids, origin, heading, beams, ranges_m);
 }
 
-/// [`cast`] against everything in an arena.
+/// Like [`cast`], against everything in an arena.
 pub fn cast_in_arena(
     colliders: &ColliderSet,
     bodies: &Bodies,
@@ -48,7 +48,7 @@ pub fn cast_in_arena(
     shorten(solids, origin, heading, beams, ranges_m);
 }
 
-/// Fills `ranges_m` with the range of a beam that hits nothing. Returns the position and the heading (as a unit vector) of `pose`.
+/// Fills `ranges_m` with the range of a beam that hits nothing. Returns the position of `pose`, and its heading as a unit vector.
 fn start(pose: &Pose, beams: &[Vec2], max_range_m: f32, ranges_m: &mut Vec<f32>) -> (Vec2, Vec2) {
     ranges_m.clear();
     ranges_m.resize(beams.len(), max_range_m);
@@ -69,10 +69,10 @@ fn shorten<'a>(
         let position = collider.position();
         let local_origin = position.inverse_transform_point(origin);
         let local_heading = position.inverse_transform_vector(heading);
-        let beam_range = BeamRange::new(shape, local_origin, local_heading);
+        let filter = BeamFilter::new(shape, local_origin, local_heading);
         let shape = shape.as_typed_shape();
         for (beam, range) in beams.iter().zip(ranges_m.iter_mut()) {
-            if beam_range.may_hit(*beam, *range) {
+            if filter.may_hit(*beam, *range) {
                 let ray = Ray::new(local_origin, local_heading.rotate(*beam));
                 if let Some(distance) = cast_ray(&shape, &ray, *range) {
                     *range = distance;
@@ -101,7 +101,7 @@ pub(super) fn cast_ray(shape: &TypedShape, ray: &Ray, max_m: f32) -> Option<f32>
                 .fold(None, |found, (from, to)| nearest(found, cast_to_segment(from, to, ray, max_m)))
         }
         TypedShape::Capsule(capsule) => {
-            // A capsule lies along its own x axis, centred at 0 (`physics.rs`).
+            // A capsule lies along its own x axis, centred at 0 (`colliders.rs`).
             let middle = Cuboid::new(Vec2::new(capsule.segment.b.x.abs(), capsule.radius));
             let ends = [capsule.segment.a, capsule.segment.b].map(|end| {
                 let end_ray = Ray::new(ray.origin - end, ray.dir);
@@ -109,7 +109,7 @@ pub(super) fn cast_ray(shape: &TypedShape, ray: &Ray, max_m: f32) -> Option<f32>
             });
             nearest(middle.cast_local_ray(ray, max_m, true), nearest(ends[0], ends[1]))
         }
-        // `physics.rs` makes no other shapes.
+        // `colliders.rs` makes no other shapes.
         _ => None,
     }
 }
@@ -132,12 +132,12 @@ fn cast_to_segment(from: Vec2, to: Vec2, ray: &Ray, max_m: f32) -> Option<f32> {
     let (distance, fraction) = (gap.perp_dot(side) / cross, gap.perp_dot(ray.dir) / cross);
     // A ray parallel to the segment hits only the neighbouring segments: 1 / 0 and 0 / 0 are in no range.
     let hit = (0.0..=max_m).contains(&distance) && (-EXTENSION..=1.0 + EXTENSION).contains(&fraction);
-    // Without the sign of a zero, which would depend on the order of the casts.
+    // Adding 0 removes the sign of a zero, which would depend on the order of the casts.
     hit.then_some(distance + 0.0)
 }
 
-/// The margin of skipped casts, relative to the lengths of the cast: the distance and the size of the shape. A grazing cast
-/// may be off by the root of f32's rounding error, 0.0003 of these lengths.
+/// The margin of the tests that skip casts, relative to the sum of the shape's distance and size. A grazing cast may be off by
+/// the square root of f32's rounding error, 0.0003 of these lengths.
 pub(super) const MARGIN: f32 = 0.003;
 
 /// The beams that may hit a convex shape, in the robot's frame: a cheap test that makes most casts unnecessary.
@@ -145,7 +145,7 @@ pub(super) const MARGIN: f32 = 0.003;
 /// A beam that hits the shape passes through the shape's bounding circle. It also crosses the line through the shape's
 /// nearest point, perpendicular to the direction towards that point, since the whole shape lies beyond this line. Both
 /// tests have a margin far above the rounding errors of the cast, so a rejected beam would have hit nothing.
-struct BeamRange {
+struct BeamFilter {
     /// The vector from the robot to the centre of the bounding circle, in m.
     centre: Vec2,
     /// The square of the circle's radius with the margin, in m^2.
@@ -156,7 +156,7 @@ struct BeamRange {
     margin_m: f32,
 }
 
-impl BeamRange {
+impl BeamFilter {
     fn new(shape: &dyn Shape, local_origin: Vec2, local_heading: Vec2) -> Self {
         let to_robot_frame = Vec2::new(local_heading.x, -local_heading.y);
         let circle = shape.compute_local_bounding_sphere();

@@ -12,7 +12,7 @@
 //! simplification: the true path is not an arc. Its rotation and its signed length are kept, so the heading
 //! after the step is exact.
 //!
-//! The body is a disc with locked rotation, which only the wheels turn, never a contact. The heading is integrated here,
+//! The body is a disc with locked rotation: only the wheels turn it, never a contact. The heading is integrated here,
 //! with `libm`, so that its bits are the same on every platform. A body of another shape (`footprint.rs`) stops and stops
 //! turning where it first touches something.
 
@@ -47,7 +47,7 @@ pub fn integrate_heading(heading_rad: f32, motion: &Motion, seconds: f32) -> f32
     wrap_angle(heading_rad + motion.w_rad_s * seconds)
 }
 
-/// What commands the robots: the scenario's motions by number, or motions that the caller sets.
+/// What commands the robots: the action set's motions by index, or motions that the caller sets.
 #[derive(SystemParam)]
 pub(super) struct MotionCommands<'w> {
     actions: Res<'w, Actions>,
@@ -57,7 +57,7 @@ pub(super) struct MotionCommands<'w> {
 
 impl MotionCommands<'_> {
     /// The motion that is commanded in `arena`, whose scenario is `scenario`. A motion that the caller sets is limited to what
-    /// the robot's least turning radius allows.
+    /// the robot's minimum turning radius allows.
     fn motion(&self, arena: &Arena, scenario: &Scenario) -> Motion {
         match self.motions.0.get(arena.0).copied().flatten() {
             Some(motion) => scenario.robot.steerable(motion),
@@ -76,7 +76,7 @@ struct DrivenStep {
     end: Twist,
 }
 
-/// The step to `clock` of a robot that has the twist `twist` while `commanded` is commanded.
+/// The step that ends at `clock`, of a robot that begins it with `twist` and gets the command `commanded`.
 fn driven(layout: &ArenaLayout, clock: Clock, twist: &Twist, commanded: &Motion) -> DrivenStep {
     let Scenario { robot, task, .. } = &*layout.scenario;
     let (wheels, end) = robot.drive(task.control_period_s).step(&(*twist).into(), commanded);
@@ -204,7 +204,7 @@ pub(super) fn read_pose(commands: MotionCommands, mut arenas: Query<Stepped>) {
     }
 }
 
-/// `Place`: moves the body of every reset robot to its pose, at rest. The robot then knows its pose.
+/// `Place`: moves the body of every reset robot to its pose, at rest. The robot's estimated pose is then exact.
 pub(super) fn place(
     mut arenas: Query<(&Bodies, &Pose, &mut EstimatedPose, &Episode, &mut RapierRigidBodySet)>,
 ) {

@@ -1,7 +1,7 @@
-//! The still shapes of a world in a grid, for ray casts and contacts in worlds with many shapes.
+//! The still shapes of a scenario in a grid, for ray casts and contacts in scenarios with many shapes.
 //!
-//! In: rapier's colliders of what never moves. Out: ranges along beams, and the shapes near a point. Arenas of the same world
-//! share one [`StillShapes`]. The results are those of a test of every shape, to the bit.
+//! In: rapier's colliders of what never moves. Out: ranges along beams, and the shapes near a point. Arenas of the same scenario
+//! share one [`StillShapes`], unless it generates many obstacles. The results equal those of testing every shape, bit for bit.
 
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ use super::physics::Bodies;
 use super::ray_cast::{MARGIN, cast_ray};
 use crate::scenario::UniformGrid;
 
-/// The rounding of coordinates in a cast, relative to the coordinates.
+/// The rounding error of coordinates in a cast, relative to the coordinates.
 const ROUNDING: f32 = 1e-5;
 
 /// Shapes that never move, and a grid over them.
@@ -37,17 +37,18 @@ pub(super) struct StillShape {
     kind: Kind,
 }
 
-/// A LIDAR beam; all vectors but the origin have length 1.
+/// A LIDAR beam. All vectors but the origin have length 1.
 struct Beam {
     origin: Vec2,
     /// The robot's heading.
     heading: Vec2,
     /// The beam's direction in the robot's frame.
     in_robot: Vec2,
+    /// The beam's direction in the scenario's frame.
     direction: Vec2,
 }
 
-/// A copy of a shape: the frequent ones in place, so that a cast follows no pointers.
+/// A copy of a shape. Common kinds are stored inline, so that a cast follows no pointers.
 #[derive(Clone, Debug)]
 enum Kind {
     Ball(Ball),
@@ -112,7 +113,7 @@ impl StillShapes {
             still.iter().map(|solid| solid.compute_aabb()).map(|bounds| (bounds.mins, bounds.maxs)).collect();
         let shapes: Vec<_> =
             still.iter().map(|solid| StillShape::new(*solid.position(), solid.shared_shape())).collect();
-        // As in `BeamRange`.
+        // As in `BeamFilter`.
         let largest_m = shapes.iter().map(|one| one.shape().compute_local_bounding_sphere().radius);
         let farthest_m = boxes.iter().flat_map(|(low, high)| [low, high]).map(|at| at.abs().max_element());
         let margin_m = MARGIN * (max_range_m + largest_m.fold(0.0, f32::max))
@@ -122,7 +123,7 @@ impl StillShapes {
         Some(Self { grid, shapes, max_range_m })
     }
 
-    /// The shapes at most `radius_m` from `at`, and others. A shape may come more than once.
+    /// The shapes at most `radius_m` from `at`, and possibly others. A shape may occur more than once.
     pub(super) fn near(&self, at: Vec2, radius_m: f32) -> impl Iterator<Item = &StillShape> {
         self.grid.near(at, radius_m).map(|item| &self.shapes[item])
     }
@@ -141,9 +142,9 @@ impl StillShapes {
         }
     }
 
-    /// The range of a beam, at most `range_m`, from the shapes in the cells that it crosses.
+    /// The distance along a beam, at most `range_m`, to the nearest shape in the cells that it crosses.
     fn cast_along_cells(&self, beam: &Beam, mut range_m: f32) -> f32 {
-        // The shapes of the cell before, which are not tested again. In a crowded cell, the search would take longer.
+        // The shapes of the previous cell, which are not tested again. If there are many, a search in them would take longer.
         let mut tested: &[u32] = &[];
         self.grid.walk(beam.origin, beam.direction, |items, exit_m| {
             let known = if tested.len() <= 4 { tested } else { &[] };
@@ -156,54 +157,54 @@ impl StillShapes {
     }
 }
 
-/// The range of a beam, at most `range_m`, from `shapes`.
+/// The distance along a beam, at most `range_m`, to the nearest of `shapes`.
 #[inline]
 fn nearest_m<'a>(shapes: impl IntoIterator<Item = &'a StillShape>, beam: &Beam, range_m: f32) -> f32 {
     shapes.into_iter().fold(range_m, |range_m, shape| shape.cast(beam, range_m).unwrap_or(range_m))
 }
 
 impl Bodies {
-    /// Tests every solid in every query from now on, which changes no result. For comparisons.
+    /// Removes the grid. Every query then tests every solid, with the same results. For comparisons.
     pub fn remove_grid(&mut self) {
         self.set_grid(None);
     }
 
-    /// The solids that are not in the grid, and their numbers in `solids`.
+    /// The solids that are not in the grid, each with its index in `solids`.
     pub(super) fn not_in_grid(&self) -> impl Iterator<Item = (usize, ColliderHandle)> {
-        self.not_in_grid.iter().map(|&number| (number, self.solids[number]))
+        self.not_in_grid.iter().map(|&index| (index, self.solids[index]))
     }
 
-    /// Indexes the solids of new bodies.
-    pub(super) fn index_permanent(&mut self, colliders: &ColliderSet, max_range_m: f32) {
+    /// Indexes all solids.
+    pub(super) fn index_solids(&mut self, colliders: &ColliderSet, max_range_m: f32) {
         let still = self.make_grid(colliders, max_range_m);
         self.set_grid(still);
     }
 
-    /// Indexes the generated obstacles, which have been replaced. The few of most scenarios stay outside the grid.
+    /// Indexes the generated obstacles after they have been replaced. If there are only a few, they stay outside the grid.
     pub(super) fn index_generated(&mut self, colliders: &ColliderSet, max_range_m: f32) {
         if self.generated.len() < UniformGrid::MIN_ITEMS {
             let permanent = self.solids.iter().take_while(|solid| !self.generated.contains(solid)).count();
-            self.not_in_grid.retain(|&number| number < permanent);
+            self.not_in_grid.retain(|&index| index < permanent);
             self.not_in_grid.extend(permanent..self.solids.len());
         } else {
-            self.index_permanent(colliders, max_range_m);
+            self.index_solids(colliders, max_range_m);
         }
     }
 
     /// The grid over all still solids.
     fn make_grid(&self, colliders: &ColliderSet, max_range_m: f32) -> Option<Arc<StillShapes>> {
-        let still = (0..self.solids.len()).filter(|&number| !self.moves(number));
-        StillShapes::new(colliders, still.map(|number| self.solids[number]), max_range_m).map(Arc::new)
+        let still = (0..self.solids.len()).filter(|&index| !self.moves(index));
+        StillShapes::new(colliders, still.map(|index| self.solids[index]), max_range_m).map(Arc::new)
     }
 
     /// Uses the grid from [`Self::make_grid`].
     fn set_grid(&mut self, still: Option<Arc<StillShapes>>) {
-        let numbers = 0..self.solids.len();
-        self.not_in_grid = numbers.filter(|&number| still.is_none() || self.moves(number)).collect();
+        let indices = 0..self.solids.len();
+        self.not_in_grid = indices.filter(|&index| still.is_none() || self.moves(index)).collect();
         self.still = still;
     }
 
-    fn moves(&self, number: usize) -> bool {
-        self.obstacles.get(number).is_some_and(Option::is_some)
+    fn moves(&self, index: usize) -> bool {
+        self.obstacles.get(index).is_some_and(Option::is_some)
     }
 }

@@ -12,7 +12,7 @@ use crate::scenario::Scenario;
 use crate::sim::{SimPlugin, spawn_arenas};
 use crate::task::{RewardConfig, TaskMode, TaskPlugin};
 
-/// The component that chooses actions.
+/// What chooses the actions.
 enum Agent {
     /// The caller writes [`Actions`](crate::task::Actions) before each step.
     Caller,

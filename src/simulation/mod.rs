@@ -20,7 +20,7 @@ use crate::learning::DivergenceError;
 use crate::task::{Fault, TaskFault};
 
 /// Gives Bevy's task pools one thread in all, which is enough for headless simulations. Call it before the first simulation is
-/// built, in a process that opens no window. Returns whether the thread could be started. (Builds without the app need none.)
+/// built, in a process that opens no window. Returns whether the thread could be started. (Builds without the app start none.)
 #[must_use]
 pub fn use_one_task_thread() -> bool {
     let threads = |count| TaskPoolThreadAssignmentPolicy {
@@ -33,7 +33,7 @@ pub fn use_one_task_thread() -> bool {
     let options = TaskPoolOptions {
         io: threads(0),
         async_compute: threads(0),
-        // Bevy's transform systems do not end on a pool without threads.
+        // Bevy's transform systems never finish on a pool without threads.
         compute: threads(1),
         ..TaskPoolOptions::default()
     };
@@ -74,7 +74,7 @@ impl Simulation {
 /// The reason why a control step failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StepError {
-    /// No free space for a start or goal, or a non-finite number.
+    /// No free space for a start or goal, no level with the drawn seed, or a non-finite number.
     #[error(transparent)]
     Task(#[from] Fault),
     /// A non-finite loss or weight.
@@ -85,14 +85,15 @@ pub enum StepError {
 /// Runs one control step in all arenas of `world`.
 ///
 /// # Errors
-/// - No free space was found for a start or goal.
-/// - A number is NaN or infinite. The message names the number, the arena and the step.
+/// - No free space was found for a start or goal, or a generator has no level with the drawn seed.
+/// - A number of the task is NaN or infinite. The message names the number, the arena and the step.
+/// - Learning diverged: the loss or a weight is not finite.
 pub fn step(world: &mut World) -> Result<(), StepError> {
     world.run_schedule(ControlStep);
     if let Some(fault) = &world.resource::<TaskFault>().0 {
         return Err(fault.clone().into());
     }
-    // A suspended training keeps its fault. Only an active one can fail this step.
+    // A suspended training run keeps its fault. Only an active one can fail this step.
     let is_training = world.get_resource::<ActionSelection>() == Some(&ActionSelection::EpsilonGreedy)
         && world.contains_resource::<ActiveLearner>();
     let fault = world.get_resource::<TrainingFault>().filter(|_| is_training);

@@ -13,12 +13,12 @@ use crate::scenario::limits::{
     COORDINATE_M, EPISODE_STEPS, LIDAR_RANGE_M, MAX_ANGULAR_SPEED_RAD_S, MAX_SPEED_M_S,
 };
 
-/// The state of an arena that a checkpoint stores, so that a resumed run continues to the bit.
+/// The state of an arena that a checkpoint stores, so that a resumed run equals an uninterrupted one bit for bit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ArenaState {
     /// The robot's pose.
     pub pose: Pose,
-    /// The pose that the robot believes in ([`EstimatedPose`](super::EstimatedPose)). Checkpoints store it separately.
+    /// The robot's estimate of its pose ([`EstimatedPose`](super::EstimatedPose)). Checkpoints store it separately.
     #[serde(skip)]
     pub estimated_pose: Pose,
     /// The robot's speed and turning rate.
@@ -28,7 +28,7 @@ pub struct ArenaState {
     /// The last readings of plugins' sensors; empty without such plugins. Checkpoints store them separately.
     #[serde(skip)]
     pub readings: Vec<f32>,
-    /// The scans that the robot remembers for its observation by sectors; empty without one. Checkpoints store them separately.
+    /// The scans that the robot remembers for an observation by sectors; empty otherwise. Checkpoints store them separately.
     #[serde(skip)]
     pub earlier_scans: Vec<EarlierScan>,
     /// The current goal.
@@ -38,9 +38,9 @@ pub struct ArenaState {
     /// The pedestrians. Checkpoints store them separately.
     #[serde(skip)]
     pub pedestrians: Pedestrians,
-    /// The seed of the generated obstacles and of the drawn numbers ([`ArenaLayout`](super::ArenaLayout)).
+    /// The seed of the generated obstacles and of the numbers drawn from ranges ([`ArenaLayout`](super::ArenaLayout)).
     pub layout_seed: u64,
-    /// The member of the scenario pool, if there is one. Checkpoints store it separately.
+    /// The scenario of the pool, if there is a pool. Checkpoints store it separately.
     #[serde(skip)]
     pub scenario: Option<ArenaScenario>,
     /// The current episode.

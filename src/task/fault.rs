@@ -1,4 +1,4 @@
-//! Faults of a step: no free space for a start or goal, or a non-finite number.
+//! Faults of a step: no free space for a start or goal, no level with the drawn seed, or a non-finite number.
 //!
 //! In: the results of `Sense` and `Reward`. Out: [`TaskFault`], which the caller of the step must check. A step with a
 //! non-finite number is not stored in the replay buffer, and ends no episode.
@@ -21,7 +21,7 @@ pub enum Fault {
     /// No free space for a start or goal was found. The run can continue after the scenario is changed.
     #[error("arena {arena}, step {step}: {why}")]
     NoFreeSpace {
-        /// The arena's number.
+        /// The arena's index.
         arena: usize,
         /// The arena's clock, in control steps.
         step: u64,
@@ -31,7 +31,7 @@ pub enum Fault {
     /// A generator of the run's set has no level with the drawn seed.
     #[error("arena {arena}, step {step}: {why}")]
     NoLevel {
-        /// The arena's number.
+        /// The arena's index.
         arena: usize,
         /// The arena's clock, in control steps.
         step: u64,
@@ -41,7 +41,7 @@ pub enum Fault {
     /// A number is NaN or infinite. All later numbers are meaningless.
     #[error("arena {arena}, step {step}: {what}")]
     NonFinite {
-        /// The arena's number.
+        /// The arena's index.
         arena: usize,
         /// The arena's clock, in control steps.
         step: u64,
@@ -109,7 +109,7 @@ fn cause_in_observation(
     let column = row.iter().position(|number| !number.is_finite())?;
     let beams = scan.ranges_m.len();
     let meaning = layout.describe_column(column, beams);
-    Some(format!("number {column} of the observation ({meaning}) is {}", row[column]))
+    Some(format!("entry {column} of the observation ({meaning}) is {}", row[column]))
 }
 
 /// The description of a non-finite reward and its terms.
@@ -165,7 +165,7 @@ mod tests {
         let what = cause(POSE, vec![3.5; 2], Goal { x_m: nan, ..GOAL }, &[nan; 6]).expect("a fault");
         assert_eq!(what, "the goal lies at (NaN m, -2 m)");
         let what = cause(POSE, vec![3.5; 2], GOAL, &[1.0, 1.0, 1.0, nan, 1.0, 0.5]).expect("a fault");
-        assert_eq!(what, "number 3 of the observation (d_g, the goal's distance) is NaN");
+        assert_eq!(what, "entry 3 of the observation (d_g, the goal's distance) is NaN");
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Level sampling by learning progress: a training draws those levels more often that are sometimes solved and sometimes not.
+//! Level sampling by learning progress: training more often draws levels that are sometimes solved and sometimes not.
 //!
 //! In: the ends of episodes. Out: [`LevelProgress`], the results in each level of a [`ScenarioPool`], by which the pool draws.
 //! Evaluations draw without it.
@@ -10,10 +10,10 @@ use super::{Arena, ArenaScenario, Episode, EpisodeEnd, ScenarioPool, StepOutcome
 use crate::learning::sum_tree::SumTree;
 use crate::random::{self, Stream};
 
-/// The results of a level are halved when there are more.
+/// The maximum number of results of a level. They are halved when there are more.
 const MAX_RESULTS: f32 = 64.0;
 
-/// The draw of the levels of a generator, or of each generator of a set, in a training. Evaluations and the shares of a set's
+/// The sampling of levels in training, from a generator or from each generator of a set. Evaluations and the shares of a set's
 /// entries do not depend on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -21,11 +21,11 @@ pub enum LevelSampling {
     /// Every level has the same probability.
     #[default]
     Uniform,
-    /// The probability of a level is proportional to p (1 - p), where p = (goals + 1) / (goals + failures + 2) is the estimated
-    /// success in it: from the goals reached there, and the collisions and time-outs. Levels that are always or never solved
-    /// are rare; one without an episode has p = 1/2. (Sampling for learnability, Rutherford et al. 2024.)
+    /// The probability of a level is proportional to p (1 - p), where p = (goals + 1) / (goals + failures + 2) is its estimated
+    /// success rate; failures are collisions and time-outs. Levels that are always or never solved are rare; one without an
+    /// episode has p = 1/2. (Sampling for learnability, Rutherford et al. 2024.)
     ByProgress {
-        /// The share of the levels that are drawn uniformly, 0 to 1.
+        /// The fraction of draws that are uniform, 0 to 1.
         #[serde(default = "default_uniform")]
         uniform: f32,
     },
@@ -44,7 +44,7 @@ pub struct LevelResults {
 }
 
 impl LevelResults {
-    /// p (1 - p) of the estimated success p: the mean of the Beta distribution after these results and a uniform prior.
+    /// p (1 - p), where p is the estimated success rate: the posterior mean after these results, with a uniform prior.
     fn weight(self) -> f64 {
         let [goals, failures] = [self.goals, self.failures].map(|count| f64::from(count) + 1.0);
         goals * failures / (goals + failures).powi(2)
@@ -64,7 +64,7 @@ impl LevelResults {
     }
 }
 
-/// The results of the levels of a pool's member, with their weights.
+/// The results in the levels of a pool's member, and the levels' weights.
 #[derive(Clone, Debug)]
 struct Member {
     results: Vec<LevelResults>,
@@ -79,12 +79,12 @@ impl Member {
     }
 }
 
-/// The results in each level of a training, by which its [`ScenarioPool`] draws levels. Without this resource, it draws them
+/// The results of training in each level, by which the [`ScenarioPool`] draws levels. Without this resource, it draws them
 /// uniformly.
 #[derive(Resource, Clone, Debug)]
 pub struct LevelProgress {
     uniform: f32,
-    /// By member; a scenario has no levels.
+    /// By the pool's member; one that is a scenario has no levels.
     members: Vec<Member>,
 }
 
@@ -94,7 +94,7 @@ impl LevelProgress {
     pub(crate) fn new(sampling: LevelSampling, pool: &ScenarioPool) -> Option<Self> {
         let LevelSampling::ByProgress { uniform } = sampling else { return None };
         let empty = |levels| Member::new(vec![LevelResults::default(); levels]);
-        Some(Self { uniform, members: pool.numbers_of_levels().map(empty).collect() })
+        Some(Self { uniform, members: pool.training_level_counts().map(empty).collect() })
     }
 
     /// The results, by member and level.
@@ -103,19 +103,19 @@ impl LevelProgress {
         self.members.iter().map(|member| member.results.clone()).collect()
     }
 
-    /// Replaces the results by those of [`results`](Self::results) that [`fit`](Self::fit).
+    /// Replaces the results with those of an earlier [`results`](Self::results). They must [`fit`](Self::fit).
     pub(crate) fn restore(&mut self, results: &[Vec<LevelResults>]) {
         self.members = results.iter().cloned().map(Member::new).collect();
     }
 
-    /// Whether a training with these can have had `results`.
+    /// Whether a training run with these levels can have had `results`.
     #[must_use]
     pub(crate) fn fit(&self, results: &[Vec<LevelResults>]) -> bool {
         let lengths = self.members.iter().map(|member| member.results.len());
         lengths.eq(results.iter().map(Vec::len)) && results.iter().flatten().all(|results| results.is_valid())
     }
 
-    /// A random level of a member with levels.
+    /// Draws a level of `member`, which must have levels.
     pub(super) fn draw(&self, member: usize, stream: &mut Stream) -> u64 {
         let Member { results, weights } = &self.members[member];
         if random::uniform_01(stream) < self.uniform {
@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn every_episode_of_a_training_counts_in_the_level_in_which_it_took_place() {
+    fn every_training_episode_counts_in_the_level_in_which_it_took_place() {
         let mut preset = shipped::preset("fast").expect("a shipped preset");
         preset.levels = LevelSampling::ByProgress { uniform: 0.3 };
         let scenario_set = Some(set(3));
@@ -228,13 +228,13 @@ mod tests {
     }
 
     #[test]
-    fn levels_are_drawn_in_proportion_to_their_weights_and_uniformly_in_the_given_share() {
-        // The weights are 0.25 of a level without an episode, and 0.09 of one with p = (17 + 1) / (17 + 1 + 2).
+    fn the_given_fraction_of_draws_is_uniform_and_the_rest_in_proportion_to_the_weights() {
+        // The weights are 0.25 for a level without an episode, and 0.09 for one with p = (17 + 1) / (17 + 1 + 2).
         let mut progress = progress(0.4, 2);
         progress.add(1, 1, 17, true);
         let (draws, found) = (20_000, counts(&progress, 2, 20_000));
-        let share = 0.6 * 0.09 / 0.34 + 0.4 / 2.0;
-        let expected = (draws as f64 * share) as usize;
+        let probability = 0.6 * 0.09 / 0.34 + 0.4 / 2.0;
+        let expected = (draws as f64 * probability) as usize;
         // Four standard deviations of a binomial distribution are below 280.
         assert!(found[1].abs_diff(expected) < 280, "{found:?}, not {expected}");
         let uniform = counts(&self::progress(1.0, 2), 2, 20_000);
@@ -242,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn a_level_that_is_always_solved_or_never_is_drawn_less_and_less() {
+    fn a_level_that_is_always_or_never_solved_is_drawn_less_and_less() {
         let mut progress = progress(0.0, 3);
         let mut before = [1.0, 1.0];
         for _ in 0..20 {
@@ -266,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn results_that_no_training_can_have_had_are_recognized() {
+    fn results_that_no_training_run_can_have_had_are_recognized() {
         let progress = progress(0.3, 3);
         let valid = progress.results();
         assert!(progress.fit(&valid) && valid.iter().map(Vec::len).eq([0, 3]));

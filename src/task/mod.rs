@@ -13,7 +13,7 @@
 //! | `reset.rs` | new starts and goals |
 //! | `scenario_pool.rs` | sets of scenarios, from which episodes draw |
 //! | `level_progress.rs` | level sampling by learning progress |
-//! | `fault.rs` | detection of non-finite numbers and of scenarios without free space |
+//! | `fault.rs` | the faults of a step, and the detection of non-finite numbers |
 //! | `extension.rs` | sensors and reward terms of plugins |
 
 mod arena_state;
@@ -82,12 +82,12 @@ impl ActiveActionSet {
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Actions(pub Vec<usize>);
 
-/// The motion that each arena's robot is commanded in place of one that [`Actions`] choose. `None`, or no element for an arena:
-/// its action chooses.
+/// For each arena, the motion that its robot is commanded in place of the one that [`Actions`] choose. Without an element, or
+/// with `None`, the action chooses.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct CommandedMotions(pub Vec<Option<Motion>>);
 
-/// Whether an arena whose return has ended waits, inactive, until the caller restarts it
+/// Whether an arena whose step was terminal or truncated waits, inactive, until the caller restarts it
 /// ([`restart_arenas`](crate::sim::restart_arenas)).
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DeferResets(pub bool);

@@ -109,7 +109,7 @@ impl ObservationLayout {
         self.encoding.width(beams).saturating_add(self.extra_width())
     }
 
-    /// A description of number `column` of an observation with `beams` LIDAR beams, for messages.
+    /// A description of entry `column` of an observation with `beams` LIDAR beams, for messages.
     #[must_use]
     pub(crate) fn describe_column(&self, column: usize, beams: usize) -> String {
         if let Some(beyond) = column.checked_sub(self.encoding.width(beams)) {
@@ -131,11 +131,11 @@ impl ObservationLayout {
         }
     }
 
-    /// A description of number `index` of the readings of plugins' sensors.
+    /// A description of entry `index` of the readings of plugins' sensors.
     fn describe_reading(&self, mut index: usize) -> String {
         for ObservationSlice { name, width } in &self.slices {
             if index < *width {
-                return format!("number {index} of sensor `{name}`");
+                return format!("entry {index} of sensor `{name}`");
             }
             index -= width;
         }
@@ -152,8 +152,8 @@ pub struct ScanMemory {
 }
 
 impl ScanMemory {
-    /// Forgets all scans, and takes in the first one of an episode in `scenario`, or of any other start. `pose` is the one that the
-    /// robot believes in ([`EstimatedPose`]).
+    /// Forgets all scans, and takes in the first one after the robot was placed in `scenario`. `pose` is the robot's estimate of
+    /// its pose ([`EstimatedPose`]).
     pub fn begin(
         &mut self,
         encoding: Encoding,
@@ -180,7 +180,7 @@ impl ScanMemory {
         }
     }
 
-    /// Makes an observer for the robot of `scenario`, if there is none yet.
+    /// Makes an observer for the robot of `scenario`, unless the present one fits. Removes it if `encoding` needs none.
     fn fit(&mut self, encoding: Encoding, scenario: &Arc<Scenario>) {
         let Some(sectors) = encoding.sectors() else {
             self.sectors = None;
@@ -217,9 +217,9 @@ impl ScanMemory {
     }
 }
 
-/// Writes the observation of one arena into `row`. `pose` is the one that the robot believes in ([`EstimatedPose`]).
+/// Writes the observation of one arena into `row`. `pose` is the robot's estimate of its pose ([`EstimatedPose`]).
 ///
-/// A row of another length than that of the layout is filled with zeros, and so are the sectors of an arena that has not
+/// A row whose length differs from the layout's is filled with zeros, and so are the sectors of an arena that has not
 /// [begun](ScanMemory::begin) an episode with this `encoding`.
 pub fn encode(
     encoding: Encoding,
@@ -231,7 +231,7 @@ pub fn encode(
 ) {
     let width = encoding.width(scan.ranges_m.len());
     if width + readings.0.len() != row.len() {
-        // In a set of scenarios with different LIDARs, only classical drivers drive by the paper's observation.
+        // Happens with the paper's encoding in sets with different LIDARs, where only classical drivers drive. They read no rows.
         row.fill(0.0);
         return;
     }
@@ -377,12 +377,12 @@ mod tests {
         encode(Encoding::Raw, &ScanMemory::default(), &scan, (&pose, &goal), &readings, &mut row);
         assert_eq!(row, [3.5, 0.7, -core::f32::consts::FRAC_PI_2, 2.0, 0.7, 1.0, 0.0, 0.0, 7.0]);
         assert_eq!(layout.describe_column(3, 2), "d_g, the goal's distance");
-        assert_eq!(layout.describe_column(8, 2), "number 0 of sensor `bumper`");
+        assert_eq!(layout.describe_column(8, 2), "entry 0 of sensor `bumper`");
     }
 
     #[test]
-    fn an_arena_that_has_not_begun_with_an_encoding_has_a_row_of_it() {
-        // An evaluator uses arenas again, also with another encoding, and some of them may be inactive.
+    fn a_row_is_encoded_even_if_the_arena_has_begun_no_episode_with_the_encoding() {
+        // An evaluator reuses arenas, possibly with another encoding, and some of them may be inactive.
         let (beams, sectors) = (
             360,
             Encoding::Sectors { count: 4, earlier_steps: 1, free_paths: false, predicted_paths: false },

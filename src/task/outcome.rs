@@ -63,7 +63,7 @@ impl StepOutcome {
         }
     }
 
-    /// The reset that follows the step: a new episode, or a new goal for a robot that has reached its own.
+    /// The reset that follows the step: a new episode, or a new goal for a robot that has reached its goal.
     #[must_use]
     pub fn reset(&self, mode: TaskMode) -> PendingReset {
         if self.episode_end(mode).is_some() {
@@ -96,7 +96,7 @@ pub enum EpisodeEnd {
 pub struct EpisodeEnded {
     /// The arena.
     pub arena: usize,
-    /// The member of the [`ScenarioPool`](super::ScenarioPool) that the episode took place in; 0 without a pool.
+    /// The index of the [`ScenarioPool`](super::ScenarioPool) member that the episode took place in; 0 without a pool.
     pub scenario: usize,
     /// The reason for the end.
     pub end: EpisodeEnd,

@@ -1,7 +1,8 @@
 //! New episodes: their layouts, starts and goals.
 //!
-//! In: each arena's [`PendingReset`], its stream `places`, and the scenario's placement rules. Out: a new [`Pose`] at
-//! rest, a new [`Goal`], an empty [`Episode`], and the pedestrians at their positions. Bodies, scans and observations follow in the schedule [`Reset`].
+//! In: each arena's [`PendingReset`], its stream `places`, and the scenario's placement rules. Out: a new [`Pose`] at rest, a
+//! new [`Goal`], an empty [`Episode`], and the pedestrians at their start positions. Bodies, scans and observations follow in
+//! the schedule [`Reset`].
 
 use bevy::prelude::*;
 
@@ -51,8 +52,7 @@ type ResetData = (
 /// The draw for an arena: a start, unless the robot stays where it is, and a goal.
 type StartAndGoalDraw = (Option<Pose>, Goal);
 
-/// `Draw`: a new goal; for a new episode also a new start, and a new layout if the scenario has generators
-/// or ranges.
+/// `Draw`: draws a new goal; for a new episode also a new start, and a new layout if the scenario has generators or ranges.
 pub(super) fn draw(setup: Res<EpisodeSetup>, mut fault: ResMut<TaskFault>, mut arenas: Query<ResetData>) {
     for (arena, clock, mut layout, mut crowd, mut pose, mut twist, mut goal, mut episode, mut streams) in
         &mut arenas
@@ -75,7 +75,7 @@ pub(super) fn draw(setup: Res<EpisodeSetup>, mut fault: ResMut<TaskFault>, mut a
                 layout.generate(layout_seed);
             }
             let drawn = match *setup {
-                EpisodeSetup::Route(route) => Ok(ends_of(route)),
+                EpisodeSetup::Route(route) => Ok(start_and_goal(route)),
                 EpisodeSetup::Random => draw_random(layout.indexed(&crowd), clock.0, kept_pose, &mut streams),
             };
             attempts -= 1;
@@ -101,9 +101,9 @@ pub(super) fn draw(setup: Res<EpisodeSetup>, mut fault: ResMut<TaskFault>, mut a
     }
 }
 
-/// The layout seed of a new episode. Generators take a number of the stream `places`. Ranges alone take none, so that starts and
-/// goals are the same as without ranges: their seed is a function of the stream's state and of the clock, which an episode
-/// between fixed positions advances as well.
+/// The layout seed of a new episode. For generators it is drawn from the stream `places`. Ranges alone draw nothing from it, so
+/// that starts and goals are the same as without ranges: their seed is a function of the stream's state and of the clock. The
+/// clock makes it change even if start and goal are fixed and nothing is drawn.
 fn layout_seed(written: &Scenario, clock: Clock, places: &mut Stream) -> u64 {
     if !written.generators.is_empty() {
         return random::random_u64(places);
@@ -113,12 +113,12 @@ fn layout_seed(written: &Scenario, clock: Clock, places: &mut Stream) -> u64 {
 }
 
 /// The start and goal of a route.
-fn ends_of(route: BenchmarkRoute) -> StartAndGoalDraw {
+fn start_and_goal(route: BenchmarkRoute) -> StartAndGoalDraw {
     let start = Pose { x_m: route.start_m.x, y_m: route.start_m.y, heading_rad: route.heading_rad };
     (Some(start), Goal { x_m: route.goal_m.x, y_m: route.goal_m.y })
 }
 
-/// A goal for a robot that stays at `kept_pose`. Also a start if no goal is far enough from that pose, or if it is None.
+/// Draws a goal for a robot that stays at `kept_pose`; also a start if that is `None` or no goal is far enough from it.
 fn draw_random(
     scenario: IndexedScenario,
     step: u64,

@@ -1,4 +1,4 @@
-//! The reward of a step, term by term: eqs. (3) to (7).
+//! The reward of a step, term by term: eqs. (3) to (7) of the paper.
 //!
 //! In: the potentials before and after a step, whether the goal was reached, whether the robot collided. Out:
 //! [`RewardTerms`], whose sum is the reward.
@@ -17,8 +17,8 @@ pub enum RewardKind {
     Optimized,
 }
 
-/// The distance to the goal that attracts the robot. It is d_g in eq. (5). The policy observes the straight distance in any case,
-/// and a goal is reached by it. Evaluations do not use the reward.
+/// How the distance to the goal is measured for the attraction. It is d_g in eq. (5). The policy always observes the straight
+/// distance, which also decides whether a goal is reached. Evaluations do not use the reward.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum GoalDistance {
     /// The straight distance, as in the paper.
@@ -51,7 +51,7 @@ pub enum RewardLengths {
 }
 
 /// The distance from surfaces at which the paper's robot collides, in m.
-const PAPER_ROBOT_M: f32 = 0.13;
+const PAPER_ROBOT_UNIT_M: f32 = 0.13;
 
 /// The parameters of the reward (Table 1).
 #[derive(Resource, Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -144,8 +144,8 @@ impl RewardConfig {
     /// The potential of eqs. (4) to (6): U = mu d_g^2 / 2 + sigma (1 - d_o/l_r)^2 / 2, where the second term is 0 for
     /// d_o > l_r. A linear attraction is mu d_g.
     ///
-    /// `d_g` is the distance to the goal that attracts ([`RewardConfig::distance`]), and `d_o` the smallest LIDAR range, both in
-    /// m, or times [`scale`](Self::scale).
+    /// `d_g` is the distance to the goal, measured as [`RewardConfig::distance`] says, and `d_o` the smallest LIDAR range. Both
+    /// are in m, times [`scale`](Self::scale).
     #[must_use]
     pub fn potential(&self, d_g: f32, d_o: f32) -> Potential {
         let attraction = match self.attraction {
@@ -161,13 +161,13 @@ impl RewardConfig {
         Potential { attraction, repulsion }
     }
 
-    /// The factor of the lengths for a robot whose unit is `robot_unit_m`
-    /// ([`robot_unit_m`](crate::scenario::Scenario::robot_unit_m)): 1 in metres.
+    /// The factor for the lengths in the potential, given the robot's
+    /// [`robot_unit_m`](crate::scenario::Scenario::robot_unit_m): 1 if lengths are in metres.
     #[must_use]
     pub fn scale(&self, robot_unit_m: f32) -> f32 {
         match self.lengths {
             RewardLengths::Metres => 1.0,
-            RewardLengths::Robot => PAPER_ROBOT_M / robot_unit_m,
+            RewardLengths::Robot => PAPER_ROBOT_UNIT_M / robot_unit_m,
         }
     }
 
@@ -187,7 +187,7 @@ impl RewardConfig {
         terms
     }
 
-    /// Checks that every parameter is from -1e9 to 1e9, the gains are not negative, and l_r is positive.
+    /// Checks that the rewards and gains are from -1e9 to 1e9, the gains are not negative, and l_r is positive.
     ///
     /// # Errors
     /// The first of the [`problems`](Self::problems).
@@ -199,9 +199,9 @@ impl RewardConfig {
     #[must_use]
     pub fn problems(&self) -> Vec<(&'static str, String)> {
         let mut problems = Vec::new();
-        let finite = [("reached", self.reached), ("collided", self.collided)];
+        let rewards = [("reached", self.reached), ("collided", self.collided)];
         let gains = [("mu", self.mu), ("sigma", self.sigma)];
-        for (field, value) in finite.into_iter().chain(gains) {
+        for (field, value) in rewards.into_iter().chain(gains) {
             if !value.is_finite() || value.abs() > MAX_REWARD_PARAMETER {
                 let range = format!("-{MAX_REWARD_PARAMETER:e} to {MAX_REWARD_PARAMETER:e}");
                 problems.push((field, format!("is {value:e}; help: give a number from {range}")));
@@ -232,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn a_linear_attraction_is_mu_d_and_lengths_in_units_of_the_robot_are_those_of_the_paper_s() {
+    fn a_linear_attraction_is_mu_d_and_robot_lengths_are_scaled_to_the_paper_s_robot() {
         let r = RewardConfig {
             attraction: Attraction::Linear,
             lengths: RewardLengths::Robot,

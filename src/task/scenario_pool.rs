@@ -17,9 +17,9 @@ use crate::scenario::{
     TaskRules,
 };
 
-/// The number of seeds of the levels of evaluations.
+/// The number of level seeds for evaluations, from [`FIRST_EVALUATION_LEVEL`] on.
 const EVALUATION_LEVELS: usize = 1_000_000;
-/// The most levels of a generator that are kept in memory.
+/// The maximum number of levels per generator that are kept in memory.
 const MAX_KEPT_LEVELS: usize = 4_096;
 
 /// A set of scenarios, from which each episode of each arena draws one. Add it as a plugin to a simulation.
@@ -36,14 +36,14 @@ struct PoolMember {
 #[derive(Debug)]
 enum PoolSource {
     Scenario(Box<ArenaLayout>),
-    /// A generator, the number of levels of a training, and the levels that were used, by their seeds.
+    /// A generator, its number of training levels, and a cache of levels by seed.
     Levels(Box<LevelGenerator>, u32, Mutex<HashMap<u64, ArenaLayout>>),
 }
 
 /// A scenario of a pool.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ScenarioChoice {
-    /// The number of the pool's member.
+    /// The index of the pool's member.
     pub member: u32,
     /// The seed of the level, if the member is a generator.
     pub level: u64,
@@ -56,7 +56,7 @@ impl Plugin for ScenarioPool {
 }
 
 impl ScenarioPool {
-    /// The scenarios of `set`, which has no diagnostics.
+    /// The pool of the scenarios of `set`, which must have no [`diagnostics`](ScenarioSet::diagnostics).
     #[must_use]
     pub fn new(set: &ScenarioSet) -> Self {
         let source = |source: &SetSource| match source {
@@ -81,8 +81,8 @@ impl ScenarioPool {
         self.0.len()
     }
 
-    /// The number of levels of a training in each member; 0 of a scenario.
-    pub(crate) fn numbers_of_levels(&self) -> impl Iterator<Item = usize> {
+    /// The number of training levels of each member; 0 for a scenario.
+    pub(crate) fn training_level_counts(&self) -> impl Iterator<Item = usize> {
         self.0.iter().map(|member| match member.source {
             PoolSource::Scenario(_) => 0,
             PoolSource::Levels(_, levels, _) => levels as usize,
@@ -95,7 +95,7 @@ impl ScenarioPool {
         self.0.get(member).map_or("?", |member| &member.name)
     }
 
-    /// The name of a scenario's member; of a level, with its seed.
+    /// The name of the chosen member; for a level, with its seed.
     #[must_use]
     pub fn title(&self, choice: ScenarioChoice) -> String {
         let name = self.name(choice.member as usize);
@@ -105,7 +105,7 @@ impl ScenarioPool {
         }
     }
 
-    /// The rules of the task in all scenarios of a member; the default ones if there is no such member.
+    /// The task rules of all scenarios of a member; the default rules if there is no such member.
     #[must_use]
     pub fn rules(&self, member: usize) -> TaskRules {
         match self.0.get(member).map(|member| &member.source) {
@@ -115,7 +115,7 @@ impl ScenarioPool {
         }
     }
 
-    /// Robot, LIDAR and rules of each member, in a scenario without anything else.
+    /// For each member, a scenario with its name, robot, LIDAR and task rules; everything else is the default.
     pub fn tasks(&self) -> impl Iterator<Item = Scenario> + '_ {
         self.0.iter().map(|member| {
             let (robot, lidar, task) = match &member.source {
@@ -129,8 +129,8 @@ impl ScenarioPool {
         })
     }
 
-    /// A scenario, before its own generators are used; `None` if there is no such member. The same choice gives the same
-    /// scenario.
+    /// The layout of a scenario as written, without generated obstacles; `None` if there is no such member. The same choice
+    /// gives the same layout.
     ///
     /// # Errors
     /// The generator has no such level.
@@ -152,16 +152,16 @@ impl ScenarioPool {
         Ok(Some(kept.entry(choice.level).or_insert(level).clone()))
     }
 
-    /// The members of episodes 0 to `count` - 1 of an evaluation. Every beginning of the list has each member as often as its
-    /// share demands, to within an episode.
+    /// The members of episodes 0 to `count` - 1 of an evaluation. In every prefix of the list, the number of episodes of each
+    /// member is proportional to its share, to within about one episode.
     #[must_use]
     pub fn in_fixed_shares(&self, count: usize) -> Vec<usize> {
         let total: f64 = self.0.iter().map(|member| member.share).sum();
         let mut taken = vec![0_u32; self.0.len()];
         let next = |episode: usize| {
             let owed = |k: usize| self.0[k].share / total * (episode + 1) as f64 - f64::from(taken[k]);
-            let most = (0..taken.len()).reduce(|best, k| if owed(k) > owed(best) { k } else { best });
-            let member = most.unwrap_or(0);
+            let most_owed = (0..taken.len()).reduce(|best, k| if owed(k) > owed(best) { k } else { best });
+            let member = most_owed.unwrap_or(0);
             taken[member] += 1;
             member
         };
@@ -169,7 +169,7 @@ impl ScenarioPool {
     }
 
     /// The scenarios of episodes 0 to `count` - 1 of the evaluation with `seed`: the members in fixed shares, with levels that
-    /// no training uses.
+    /// are never used in training.
     #[must_use]
     pub fn evaluation(&self, seed: u64, count: usize) -> Vec<ScenarioChoice> {
         let choice = |(episode, member): (usize, usize)| {
@@ -180,7 +180,7 @@ impl ScenarioPool {
         self.in_fixed_shares(count).into_iter().enumerate().map(choice).collect()
     }
 
-    /// A random scenario of a training, by the shares; of a generator a level by its progress, if that is known.
+    /// Draws a training scenario: a member by its share and, for a generator, a level by `progress`, or uniformly without it.
     fn draw(&self, progress: Option<&LevelProgress>, stream: &mut Stream) -> ScenarioChoice {
         let total: f64 = self.0.iter().map(|member| member.share).sum();
         let mut left = f64::from(random::uniform_01(stream)) * total;
@@ -211,26 +211,26 @@ pub struct ArenaScenario {
 }
 
 impl ArenaScenario {
-    /// The scenarios of arena `index` in the run with `seed`.
+    /// The component of arena `index` in the run with `seed`, before the first draw.
     #[must_use]
     pub(crate) fn new(seed: u64, index: u64) -> Self {
         Self { choice: ScenarioChoice::default(), stream: Some(random::stream(seed, "scenario", index)) }
     }
 
-    /// The scenario of an arena in a training with `pool`; `None` if no such arena can have this state.
+    /// The scenario of an arena that trains with `pool`; `None` if such an arena cannot be in this state.
     #[must_use]
     pub(crate) fn scenario_in(&self, pool: &ScenarioPool) -> Option<Arc<Scenario>> {
         self.stream.as_ref().filter(|stream| random::is_valid(stream))?;
-        let is_trained = |member: &PoolMember| match &member.source {
+        let can_be_drawn = |member: &PoolMember| match &member.source {
             PoolSource::Scenario(_) => true,
             PoolSource::Levels(_, levels, _) => self.choice.level < u64::from(*levels),
         };
-        pool.0.get(self.choice.member as usize).filter(|member| is_trained(member))?;
+        pool.0.get(self.choice.member as usize).filter(|member| can_be_drawn(member))?;
         Some(pool.layout(self.choice).ok()??.written)
     }
 }
 
-/// `Draw`, first: the scenario of every new episode.
+/// `Draw`, first: draws the scenario of every new episode.
 pub(super) fn draw_scenarios(
     pool: Option<Res<ScenarioPool>>,
     progress: Option<Res<LevelProgress>>,

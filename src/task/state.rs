@@ -13,7 +13,7 @@ use super::reward::{GoalDistance, Potential, RewardConfig, RewardTerms};
 use crate::random::{self, Stream};
 use crate::scenario::{Crowd, FreeCells, Geodesic, IndexedScenario, Motion, Scenario, SpatialIndex};
 
-/// The number of an arena: one robot in one enclosure. It is the arena's row in every batch.
+/// The index of an arena: one robot in one enclosure. It is the arena's row in every batch.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Arena(pub usize);
 
@@ -22,16 +22,16 @@ pub struct Arena(pub usize);
 pub struct ArenaLayout {
     /// The scenario as written, with its generators instead of their obstacles.
     pub written: Arc<Scenario>,
-    /// The seed of the generated obstacles and of the numbers drawn from ranges; 0 if the scenario has neither generators nor
+    /// The seed of the generated obstacles and of the values drawn from ranges; 0 if the scenario has neither generators nor
     /// ranges.
     pub layout_seed: u64,
-    /// The scenario with the generated obstacles and the drawn numbers ([`Scenario::with_generated_obstacles`]).
+    /// The scenario with the generated obstacles and the drawn values ([`Scenario::with_generated_obstacles`]).
     pub scenario: Arc<Scenario>,
     /// The spatial index of `scenario`, if it has many still parts.
     pub index: Option<Arc<SpatialIndex>>,
     /// The free cells of `scenario`, once they are needed. Clones share them.
     free_cells: Arc<OnceLock<Arc<FreeCells>>>,
-    /// The unit of lengths in units of the robot, in m ([`Scenario::robot_unit_m`]).
+    /// The unit, in m, of lengths relative to the robot ([`Scenario::robot_unit_m`]).
     pub robot_unit_m: f32,
     /// The directions of the LIDAR's beams in the robot's frame: unit vectors, in the sensor's order.
     pub beams: Arc<[Vec2]>,
@@ -54,7 +54,7 @@ impl ArenaLayout {
         }
     }
 
-    /// Replaces the generated obstacles and the drawn numbers by those of `layout_seed`. Does nothing if the scenario has neither
+    /// Replaces the generated obstacles and the drawn values by those of `layout_seed`. Does nothing if the scenario has neither
     /// generators nor ranges.
     pub(crate) fn generate(&mut self, layout_seed: u64) {
         if self.written.varies_by_episode() {
@@ -114,7 +114,7 @@ impl Pose {
 pub struct PathLengths(Geodesic);
 
 impl PathLengths {
-    /// The distance from the goal, in m, that attracts a robot at `pose`.
+    /// The distance from `pose` to the goal, in m, on which the attraction depends.
     pub(crate) fn distance_m(
         &mut self,
         reward: &RewardConfig,
@@ -132,13 +132,13 @@ impl PathLengths {
     }
 }
 
-/// The pose that the robot believes in, from which it observes the goal: its true [`Pose`] unless its odometry drifts
+/// The robot's estimate of its pose, from which it observes the goal: its true [`Pose`] unless its odometry drifts
 /// ([`OdometryDrift`](crate::scenario::OdometryDrift)).
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 pub struct EstimatedPose(pub Pose);
 
-/// The speed and turning rate of the robot's wheels, after the actuator lag. Zero at the start of an episode. A contact that
-/// stops the body does not change it.
+/// The robot's speed and turning rate as its wheels turn, after the actuator lag. Zero at the start of an episode. A contact
+/// that stops the body does not change it.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Twist {
     /// Speed along the heading, in m/s.
@@ -192,7 +192,7 @@ pub struct Scan {
     pub delayed: VecDeque<(Pose, Vec<f32>)>,
 }
 
-/// The position that the robot is to reach.
+/// The position that the robot has to reach.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Goal {
     /// Position along x, in m.
@@ -201,7 +201,7 @@ pub struct Goal {
     pub y_m: f32,
 }
 
-/// The pedestrians. At the start of an episode they stand at their positions.
+/// The pedestrians. An episode starts with them at their start positions.
 #[derive(Component, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Pedestrians(pub Crowd);
 
@@ -221,7 +221,7 @@ pub enum PendingReset {
     StartAndGoal,
     /// A new episode with a new start and goal.
     Episode,
-    /// A new episode, with the moving obstacles at their poses at a clock that was set.
+    /// A new episode after the clock was set, with the moving obstacles at their poses at that time.
     Full,
     /// An update of bodies, scan and observation after an edit. Nothing is drawn, and the episode continues.
     Refresh,
@@ -261,7 +261,7 @@ pub struct Episode {
     pub inactive: bool,
 }
 
-/// The random streams of an arena. They depend on the seed and the arena's number alone.
+/// The random streams of an arena. They depend on the seed and the arena's index alone.
 #[derive(Component, Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Streams {
     /// Layout seeds, starts and goals.

@@ -125,7 +125,7 @@ fn a_scenario_changed_by_hand_is_marked() {
     assert!(window.query_by_label("changed by hand").is_some());
     window.get_by_label("Restart training").hover();
     window.run_steps(60);
-    assert!(window.query_by_label_contains("in the scenario as in its file").is_some());
+    assert!(window.query_by_label_contains("in the scenario as it is in its file").is_some());
     click(&mut window, "Scenario");
     click(&mut window, "Scenario II");
     assert!(window.query_by_label("changed by hand").is_none(), "another scenario is chosen");

@@ -1,4 +1,4 @@
-//! No tunnelling: at any speed of robot and obstacle, a contact stops the robot, and the step is a collision.
+//! No tunnelling: at any speed of the robot or the obstacle, a contact stops the robot and counts as a collision.
 
 use std::f32::consts::PI;
 
@@ -102,7 +102,7 @@ impl ArenaBatch {
         self.lab.scenario.with_generated_obstacles(self.fresh[arena].layout_seed)
     }
 
-    /// Runs one step from these poses and clocks, with these motions; one element per arena.
+    /// Runs one step from these poses and clocks, with these actions; one element per arena.
     fn step(&mut self, starts: &[(Pose, u64, usize)]) -> Vec<Step> {
         let mut states = self.fresh.clone();
         for (state, &(pose, clock, _)) in states.iter_mut().zip(starts) {
@@ -215,10 +215,10 @@ fn the_longest_step_ends_at_the_thinnest_obstacle() {
             let starts: Vec<_> = (0..16)
                 .map(|k| {
                     let pose = free_pose(scenario, 0, 0.05, &mut stream).expect("free space");
-                    // Heads for the thin obstacle at the origin (its side or a corner), slightly past it, or anywhere.
+                    // Drives at the thin obstacle at the origin, past it or elsewhere; forwards if k < 8, else backwards.
                     let to_origin = (-pose.y_m).atan2(-pose.x_m);
                     let offset = [0.0, 1e-4, -3e-4, 2e-3, -0.02, 0.3, 1.0, -2.0][k % 8];
-                    // From 0.1 m to 49 m away.
+                    // From 0.1 m to 48 m away.
                     let away = 0.1 + 48.9 * (round as f32 / 40.0);
                     let (sin, cos) = to_origin.sin_cos();
                     let candidate = Pose { x_m: -away * cos, y_m: -away * sin, ..pose };

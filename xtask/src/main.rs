@@ -1,6 +1,6 @@
 //! Maintenance commands, run as `cargo xtask <command>`.
 //!
-//! Files that the tests compare with what the code says are renewed here, so that nobody has to remember how.
+//! Most of them regenerate files that tests compare with what the code would write.
 
 use std::path::Path;
 use std::process::{Command, ExitCode};
@@ -8,15 +8,15 @@ use std::process::{Command, ExitCode};
 const USAGE: &str = "\
 usage: cargo xtask <command>
 
-  docs        renew the formats of scenarios, presets and experiments in docs/ (from the types), the flags in
-              docs/command-line.md (from clap) and the limits in docs/trust.md (from the constants)
-  policies    renew the cards of the shipped policies in assets/policies/; their weights stay
-  messages    renew the command line's error messages in tests/snapshots/messages/
-  snapshots   renew the app's screenshots in tests/snapshots/; look at each before you commit it
-  pictures    redraw the shipped scenarios in docs/worlds/
+  docs        regenerate the file formats in docs/ (from the types), the flags in docs/command-line.md
+              (from clap) and the limits in docs/trust.md (from the constants)
+  policies    regenerate the cards of the shipped policies in assets/policies/; the weights do not change
+  messages    regenerate the command line's error messages in tests/snapshots/messages/
+  snapshots   regenerate the app's screenshots in tests/snapshots/; look at each before you commit it
+  pictures    redraw the shipped scenarios in docs/worlds/ and the level generators in docs/generators/
   ci          run all CI checks, .ci/run";
 
-/// One step: a program, its arguments, and the variables that make a test write instead of compare.
+/// One step: a program, its arguments, and the environment variables that make a test write instead of compare.
 struct Step<'a> {
     program: &'a str,
     arguments: Vec<String>,

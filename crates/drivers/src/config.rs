@@ -15,12 +15,12 @@ use crate::robot::Robot;
 use crate::rolling_map::RollingMap;
 use crate::true_map::TrueMap;
 
-/// What a driver may perceive. Numbers of different classes do not belong into one column.
+/// What a driver may perceive. Results of different classes do not belong in one column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub enum DriverClass {
-    /// The scans, the goal and the robot's own motion of the last second, as a policy.
+    /// The scans, the goal and the robot's own motion of the last second, like a policy.
     A,
-    /// That, and a map that it builds as it drives.
+    /// The same as class A, and a map that it builds as it drives.
     B,
     /// The true scenario and pose.
     C,
@@ -38,21 +38,21 @@ impl DriverClass {
     }
 }
 
-/// A classical driver with its parameters. Lengths that are not in m are in units of the keep-out distance: the robot's radius or
-/// the collision range, whichever is larger.
+/// A classical driver with its parameters. Lengths that are not in m are in units of the keep-out distance: the reach of the
+/// robot's body or the collision range, whichever is larger.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum DriverConfig {
     /// Potential field, class A.
     Field(FieldParameters),
-    /// Dynamic window approach, which takes everything in the scan for still; class A.
+    /// Dynamic window approach, which treats everything in the scan as static; class A.
     Dwa(DwaParameters),
     /// Dynamic window approach with constant velocities of moving obstacles, which it estimates from the scans; class A.
     DwaCv(TrackingParameters),
-    /// A* on a map that is built from the scans, and the dynamic window approach towards a point of that path; class B.
+    /// A* on a map that is built from the scans, and the dynamic window approach towards a point of the path; class B.
     GridDwa(PlannerParameters),
-    /// A* on the true map, and the dynamic window approach towards a point of that path; class C.
+    /// A* on the true map, and the dynamic window approach towards a point of the path; class C.
     AstarDwa(PlannerParameters),
-    /// A* on the true map and pure pursuit of that path; class C.
+    /// A* on the true map and pure pursuit of the path; class C.
     Astar(AstarParameters),
     /// Optimal reciprocal collision avoidance with the true poses and velocities; class C.
     Orca(OrcaParameters),
@@ -250,7 +250,7 @@ impl DriverConfig {
         parse_checked(text, path, |driver, _| Self::diagnostics(driver), Self::diagnostics)
     }
 
-    /// Whether the text of a RON file is meant as a driver: whether the name of a variant begins it.
+    /// Whether the text of a RON file is meant as a driver: whether it begins with the name of a variant.
     #[must_use]
     pub fn is_meant_by(text: &str) -> bool {
         let variants = ["Field", "Dwa", "DwaCv", "GridDwa", "AstarDwa", "Astar", "Orca"];
@@ -378,7 +378,7 @@ fn planner_checks(cell: f32, margin: f32, replan_steps: u32, lookahead: f32) -> 
 }
 
 impl DwaParameters {
-    /// The checks of its values, whose names begin with `prefix`.
+    /// The checks of its values. `prefix` comes before the names of the fields in errors.
     fn checks(&self, prefix: &str) -> [Check; 7] {
         let name = |field: &str| format!("{prefix}{field}");
         [

@@ -3,7 +3,7 @@
 //! Source: D. Fox, W. Burgard and S. Thrun, *The dynamic window approach to collision avoidance*, IEEE Robotics and Automation
 //! Magazine 4(1), 1997. The score is their eq. (13) without smoothing: heading, clearance (as time until a collision) and
 //! speed. The window is the robot's set of motions, with the lag of its drive. A motion is admissible if the robot can stop
-//! after it before it collides; a robot that cannot stop needs a free way over the whole horizon. If no motion is admissible,
+//! after it before it collides; for a robot that cannot stop, it must be free over the whole horizon. If no motion is admissible,
 //! the one with the latest collision is chosen.
 
 use std::collections::VecDeque;
@@ -21,26 +21,26 @@ use crate::tracks::Tracks;
 /// The most samples of a simulated motion.
 const MAX_SAMPLES: f32 = 100.0;
 
-/// A point of an obstacle in the robot's frame, with its velocity there.
+/// A point of an obstacle, with its velocity, in the robot's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct MovingPoint {
     pub(crate) at_m: Vec2,
     pub(crate) velocity_m_s: Vec2,
 }
 
-/// The dynamic window of a robot.
+/// The dynamic window approach for a robot.
 pub(crate) struct Dwa {
     robot: Robot,
     parameters: DwaParameters,
     /// The time between two samples of a simulated motion, in s.
     sample_s: f32,
-    /// The drive between two samples.
+    /// The drive over steps of `sample_s`.
     drive: Drive,
-    /// The time for which an admissible motion must be free, in s.
+    /// The time for which an admissible motion must be free of collisions, in s.
     admissible_s: f32,
 }
 
-/// A simulated motion.
+/// The result of simulating a motion.
 struct Rollout {
     /// The time until a collision, in s; the horizon if there is none.
     free_s: f32,
@@ -62,9 +62,9 @@ impl Dwa {
         Self { sample_s, drive: drive.over(sample_s), admissible_s, robot, parameters }
     }
 
-    /// The best motion towards `target_m` (in the robot's frame) among obstacles. `clearance(point_m, after_s)` is the distance
-    /// in m from a point in the robot's present frame to the nearest surface after that time. A target with a radius ends the
-    /// simulation of a motion that gets within it.
+    /// The index of the best motion towards `target_m` (in the robot's frame) among obstacles. `clearance(point_m, after_s)` is
+    /// the distance in m from a point in the robot's present frame to the nearest surface after `after_s`. The simulation of a
+    /// motion ends when it gets within `target_radius_m` of the target.
     pub(crate) fn choose(
         &self,
         twist: &Motion,
@@ -127,7 +127,7 @@ impl Dwa {
         rollout
     }
 
-    /// The clearance from `points`, for [`Dwa::choose`]. Points out of reach are left out.
+    /// The function `clearance` of [`Dwa::choose`] for obstacles at `points`. Points out of reach are left out.
     pub(crate) fn clearance_from<I: Iterator<Item = MovingPoint>>(
         &self,
         points: I,
@@ -151,7 +151,7 @@ fn alignment(pose: &Odometry, target_m: Vec2) -> f32 {
     1.0 - libm::atan2f(target.y, target.x).abs() / PI
 }
 
-/// The still points of the last scans.
+/// The points of the last scans that are taken as static.
 #[derive(Default)]
 struct Memory {
     /// The points of each scan in the present frame, oldest scan first.
@@ -177,7 +177,7 @@ impl Memory {
     }
 }
 
-/// The dynamic window approach on the scan, which is taken as still.
+/// The dynamic window approach on the scans, in which all points are taken as static.
 pub(crate) struct DwaDriver {
     dwa: Dwa,
     memory: Memory,
@@ -236,7 +236,7 @@ mod tests {
 
     const STILL: Motion = Motion { v_m_s: 0.0, w_rad_s: 0.0 };
 
-    /// A robot that keeps 0.13 m, drives at up to 0.5 m/s and decides every 0.2 s.
+    /// A robot with these motions (m/s, rad/s) that keeps 0.13 m from obstacles and decides every 0.2 s.
     fn dwa(motions: &[(f32, f32)]) -> Dwa {
         let motions = motions.iter().map(|&(v_m_s, w_rad_s)| Motion { v_m_s, w_rad_s }).collect();
         let robot = Robot { motions, ..Robot::of(&Scenario::default()) };
@@ -269,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn a_robot_that_cannot_stop_takes_the_way_that_is_free_for_the_whole_horizon() {
+    fn a_robot_that_cannot_stop_takes_the_motion_that_is_free_for_the_whole_horizon() {
         let dwa = dwa(&[(0.15, 1.5), (0.15, 0.75), (0.15, 0.0), (0.15, -0.75), (0.15, -1.5)]);
         assert_eq!(choose(&dwa, (2.0, 0.0), &[]), 2);
         // Walls 0.3 m ahead and to the left.
@@ -283,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn a_velocity_makes_the_difference_between_a_free_way_and_a_blocked_one() {
+    fn the_velocity_of_an_obstacle_decides_whether_the_path_is_free() {
         let dwa = dwa(&[(0.0, 0.0), (0.5, 0.0)]);
         let crossing = |velocity| choose(&dwa, (5.0, 0.0), &[point(0.5, 0.5, velocity)]);
         assert_eq!(crossing((0.0, 0.0)), 1, "still, it is beside the way");

@@ -1,8 +1,8 @@
 //! The potential field: the goal attracts, surfaces repel, and the robot drives along the sum of the forces.
 //!
 //! Source: O. Khatib, *Real-time obstacle avoidance for manipulators and mobile robots*, International Journal of Robotics
-//! Research 5(1), 1986: the repulsion of eq. (16), FIRAS, of each point that the scan hit. The attraction is that of a cone, so
-//! its strength does not depend on the distance.
+//! Research 5(1), 1986: the repulsion of eq. (16), FIRAS, of each point that a beam hit. The attraction is that of a conic
+//! potential, so its strength does not depend on the distance.
 
 use glam::Vec2;
 
@@ -11,7 +11,7 @@ use crate::config::FieldParameters;
 use crate::percept::Percept;
 use crate::robot::Robot;
 
-/// The smallest distance of a surface, in units of the keep-out distance; closer ones repel as this one does.
+/// Surfaces closer to the keep-out circle than this, in keep-out distances, repel as if they were at this distance.
 const LEAST_DISTANCE: f32 = 0.05;
 
 /// A robot in a potential field.
@@ -39,7 +39,7 @@ impl Field {
 
     /// The sum of the repulsions of all points of a scan, each weighted by the angle that its beam stands for, so that the
     /// number of beams doesn't matter. With the distance d from the keep-out circle, in units of its radius:
-    /// gain (1 / d - 1 / influence) / d^2 away from the point.
+    /// `repulsion` (1 / d - 1 / `influence_distance`) / d^2 away from the point.
     fn repulsion(&self, ranges_m: &[f32]) -> Vec2 {
         let FieldParameters { repulsion, influence_distance, .. } = self.parameters;
         let keep_out_m = self.robot.keep_out_m;
@@ -86,7 +86,7 @@ mod tests {
         let attraction = field.attraction(&percept(&ranges_m, std::f32::consts::FRAC_PI_2));
         assert!((attraction - vec2(0.0, 1.0)).length() < 1e-6, "a goal to the left: {attraction}");
         assert_eq!(field.repulsion(&ranges_m), Vec2::ZERO, "nothing in sight repels");
-        // The keep-out distance is 0.13 m. A hit 0.39 m ahead is 2 of them beyond it:
+        // The keep-out distance is 0.13 m. A hit 0.39 m ahead is 2 such distances beyond it:
         // 0.5 (1/2 - 1/4) / 4 = 0.03125, times 2 pi / 24 for the beam.
         ranges_m[0] = 0.39;
         let expected = -0.031_25 * std::f32::consts::TAU / 24.0;

@@ -1,7 +1,7 @@
 //! The space that earlier scans saw free.
 //!
-//! A hit where an earlier beam had passed is a thing that has moved there. Source: C.-C. Wang, C. Thorpe and S. Thrun, *Online
-//! simultaneous localization and mapping with detection and tracking of moving objects*, ICRA 2003.
+//! A hit where an earlier beam had passed is on something that has moved there. Source: C.-C. Wang, C. Thorpe and S. Thrun,
+//! *Online simultaneous localization and mapping with detection and tracking of moving objects*, ICRA 2003.
 
 use std::collections::VecDeque;
 
@@ -22,12 +22,12 @@ pub(crate) struct FreeSpace {
 
 struct EarlierScan {
     ranges_m: Vec<f32>,
-    /// The robot's motion since.
+    /// The robot's motion since this scan.
     since: Odometry,
 }
 
 impl FreeSpace {
-    /// Adds a scan. Earlier ones are `percept.odometry` further away.
+    /// Adds a scan. Since the previous one, the robot has moved by `percept.odometry`.
     pub(crate) fn add(&mut self, robot: &Robot, percept: &Percept) {
         for scan in &mut self.scans {
             scan.since = scan.since.then(&percept.odometry);
@@ -40,7 +40,7 @@ impl FreeSpace {
         self.scans.push_back(EarlierScan { ranges_m, since: Odometry::default() });
     }
 
-    /// Whether both beams next to `point_m`, which is given in the robot's present frame, once ended at least `margin_m` behind
+    /// Whether, in one of the scans, all beams next to `point_m` (in the robot's present frame) ended at least `margin_m` behind
     /// it.
     pub(crate) fn contains(&self, robot: &Robot, point_m: Vec2, margin_m: f32) -> bool {
         self.scans.iter().any(|scan| scan.passed(robot, point_m, margin_m))
@@ -51,10 +51,10 @@ impl EarlierScan {
     fn passed(&self, robot: &Robot, point_m: Vec2, margin_m: f32) -> bool {
         let point_m = self.since.to_outer(point_m);
         let distance_m = point_m.length();
-        let is_next_to = libm::cosf(robot.beam_spacing_rad) * distance_m;
+        let min_along_m = libm::cosf(robot.beam_spacing_rad) * distance_m;
         let ranges = robot.beams.iter().zip(&self.ranges_m);
         let mut next_to =
-            ranges.filter(|(beam, _)| beam.dot(point_m) > is_next_to).map(|(_, range_m)| *range_m);
+            ranges.filter(|(beam, _)| beam.dot(point_m) > min_along_m).map(|(_, range_m)| *range_m);
         next_to.next().is_some_and(|first_m| next_to.fold(first_m, f32::min) >= distance_m + margin_m)
     }
 }
@@ -74,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn a_point_is_free_while_a_beam_of_the_last_second_had_passed_it() {
+    fn a_point_is_free_if_a_beam_of_the_last_second_passed_it() {
         let robot = Robot::of(&Scenario::default());
         let mut space = FreeSpace::default();
         let step = Odometry { translation_m: vec2(0.1, 0.0), rotation_rad: 0.0 };

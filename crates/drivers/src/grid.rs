@@ -17,7 +17,7 @@ pub(crate) struct Grid {
 }
 
 impl Grid {
-    /// The grid over the rectangle with cells of `cell_m`, or of more where there would be more than [`MAX_CELLS`].
+    /// The grid over the rectangle with cells of `cell_m`, or larger ones if there would be more than [`MAX_CELLS`].
     pub(crate) fn over(min_m: Vec2, max_m: Vec2, cell_m: f32) -> Self {
         let size = (max_m - min_m).max(Vec2::splat(cell_m));
         let least_m = (size.x * size.y / MAX_CELLS as f32).sqrt();
@@ -36,7 +36,7 @@ impl Grid {
         at.cmpge(Vec2::ZERO).all() && at.x < self.columns as f32 && at.y < self.rows as f32
     }
 
-    /// The cell at `point_m`, or the nearest one for a point outside.
+    /// The index of the cell at `point_m`, or of the nearest one for a point outside.
     pub(crate) fn cell(&self, point_m: Vec2) -> usize {
         let (column, row) = self.column_row(point_m);
         row * self.columns + column
@@ -65,8 +65,8 @@ impl Grid {
 
     /// Whether the straight line from `from_m` to `to_m` passes only through cells for which `is_free` holds.
     pub(crate) fn sees(&self, from_m: Vec2, to_m: Vec2, is_free: impl Fn(usize) -> bool) -> bool {
-        let way = to_m - from_m;
-        let samples = (2.0 * way.length() / self.cell_m).ceil().clamp(1.0, MAX_CELLS as f32);
-        (0..=samples as usize).all(|k| is_free(self.cell(from_m + way * (k as f32 / samples))))
+        let line = to_m - from_m;
+        let samples = (2.0 * line.length() / self.cell_m).ceil().clamp(1.0, MAX_CELLS as f32);
+        (0..=samples as usize).all(|k| is_free(self.cell(from_m + line * (k as f32 / samples))))
     }
 }

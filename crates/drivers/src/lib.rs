@@ -1,8 +1,8 @@
-//! Classical drivers: baselines for trained policies, behind the same interface; and policies behind it, also with a map.
+//! Drivers behind one interface: classical ones, as baselines for trained policies, and the policies, without and with a map.
 //!
-//! In: a [`Percept`] per control step. Out: an action, an index into the robot's motions. A driver knows its [`Robot`] and
-//! what it has perceived since its episode began, nothing else, so that its numbers can be compared with a policy's. What it
-//! may perceive is its [`DriverClass`].
+//! In: a [`Percept`] per control step. Out: an action, an index into the robot's motions or the driver's own. A driver knows its
+//! [`Robot`] and what it has perceived since its episode began, nothing else, so that its results can be compared with a
+//! policy's. What it may perceive is its [`DriverClass`].
 //!
 //! ```
 //! use wayfield_drivers::{Driver, DriverConfig, Odometry, Percept, Robot};
@@ -28,7 +28,7 @@
 //! | `actions` | the motions that the actions of a policy stand for |
 //! | `config` | the parameters of each driver, as RON |
 //! | `percept` | what a driver perceives |
-//! | `observer` | the observer of a scenario's robot, for policies |
+//! | `observer` | for policies: the observer of the sectors around a scenario's robot |
 //! | `robot` | what a driver knows about its robot; arcs, and the motion that is closest to a wanted velocity |
 //! | `field` | potential field (Khatib 1986) |
 //! | `dwa` | dynamic window approach (Fox, Burgard and Thrun 1997) |
@@ -37,7 +37,7 @@
 //! | `grid`, `path_search` | grids of cells, and A* over them (Hart, Nilsson and Raphael 1968) |
 //! | `rolling_map` | a map that is built from scans |
 //! | `true_map` | a map of the true scenario |
-//! | `path` | the way along a path: the point to pursue (Coulter 1992) |
+//! | `path` | following a path: the point to pursue (Coulter 1992) |
 //! | `planned` | the drivers with a map: A* with DWA or pure pursuit |
 //! | `policy_driver` | a policy as a driver, without and with a map that it builds |
 //! | `waypoints` | the point to drive to, in place of a goal that is out of sight in the map |
@@ -77,17 +77,17 @@ pub use robot::Robot;
 
 /// A driver in one episode. A new episode gets a [new driver](DriverConfig::driver).
 pub trait Driver: Send + Sync {
-    /// The action for the next control step, an index into its [motions](Driver::motions) or else the robot's.
+    /// The action for the next control step, an index into its own [motions](Driver::motions) or, if it has none, the robot's.
     ///
     /// It depends on the percepts of the episode alone: not on time, threads or chance.
     fn act(&mut self, percept: &Percept) -> usize;
 
-    /// The motions that its actions are indices of, if they are its own; `None` for those of the robot.
+    /// Its own motions, which its actions are indices of; `None` if its actions are indices of the robot's motions.
     fn motions(&self) -> Option<&[Motion]> {
         None
     }
 
-    /// What it plans with; `None` if it plans no path.
+    /// The path that it has planned, and the map that it has built; `None` if it plans no path.
     ///
     /// `pose` is the robot's pose at the last decision, in the frame of the result (x in m, y in m, heading in rad).
     fn plan(&self, pose: (f32, f32, f32)) -> Option<DriverPlan> {
@@ -110,8 +110,8 @@ pub struct DriverPlan {
 }
 
 impl DriverPlan {
-    /// The plan of a robot at `pose` (x in m, y in m, heading in rad) that has the pose `in_map` in the frame of its `path` and of
-    /// the cells of its map (their centres and their side, in m).
+    /// Transforms a `path` and the `occupied` cells from the frame of a map, where the robot has the pose `in_map`, to the frame
+    /// where it has the pose of the first argument (x in m, y in m, heading in rad). All lengths are in m.
     fn seen_from(
         (x_m, y_m, heading_rad): (f32, f32, f32),
         in_map: &Odometry,

@@ -1,13 +1,13 @@
-//! The observer of a scenario's robot.
+//! The observer of the sectors around a scenario's robot.
 
 use glam::vec2;
 use wayfield_policy::observation::{BodyScale, LidarBeams, SectorLayout, SectorObserver};
 use wayfield_scenario::{Scenario, Shape};
 
-/// Halvings of the interval in which the edge of a body is searched: to a millionth of its extent.
+/// Steps of the bisection that finds the edge of a body: to a millionth of its extent.
 const HALVINGS: u32 = 20;
 
-/// The observer of the robot of `scenario`, which has sensed nothing yet.
+/// A new observer for the robot of `scenario`.
 #[must_use]
 pub fn sector_observer(layout: SectorLayout, scenario: &Scenario) -> SectorObserver {
     let Scenario { robot, lidar, task, .. } = scenario;
@@ -51,7 +51,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_extent_of_a_rectangle_is_the_way_to_its_edge() {
+    fn the_extent_of_a_rectangle_is_the_distance_to_its_edge() {
         let shape = Shape::Rectangle { width_m: 0.4, height_m: 0.2 };
         for (angle_rad, expected) in
             [(0.0, 0.2), (0.5 * std::f32::consts::PI, 0.1), (0.3, 0.2 / 0.3_f32.cos())]

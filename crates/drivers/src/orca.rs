@@ -44,7 +44,7 @@ impl Driver for OrcaDriver {
     }
 }
 
-/// The moving obstacles as discs, with their velocities over the next step; of pedestrians, over the last one.
+/// The moving obstacles as discs, with their velocities over the next step; for pedestrians, over the last one.
 fn discs(truth: &Truth, period_s: f32) -> Vec<Disc> {
     let layout = truth.layout;
     let disc = |index: usize| {

@@ -1,4 +1,4 @@
-//! The way along a path: the point to steer for, and the motion that leads there.
+//! Following a path: the point to steer for, and the motion that leads there.
 //!
 //! Source: R. C. Coulter, *Implementation of the pure pursuit path tracking algorithm*, Carnegie Mellon University,
 //! CMU-RI-TR-92-01, 1992: the arc through a point at distance l that lies y to the side has the curvature 2 y / l^2.
@@ -7,8 +7,8 @@ use glam::Vec2;
 
 use crate::robot::Robot;
 
-/// The point on `path` to steer for: the farthest one within `lookahead_m` along the path from the point nearest to `at_m`
-/// that can be seen from there; at least the next one.
+/// The point of `path` to steer for. Of the points up to `lookahead_m` along the path after the one nearest to `at_m`, it is the
+/// last that the robot `sees`; if there is none, the first after the nearest.
 pub(crate) fn point_ahead(
     path: &[Vec2],
     at_m: Vec2,
@@ -31,8 +31,8 @@ pub(crate) fn point_ahead(
     Some(chosen)
 }
 
-/// The motion of `robot` that pursues `point_m` (in its frame): the one closest to the arc through the point, as fast as the
-/// largest turning rate allows. A point behind is turned to first.
+/// The index of the motion of `robot` that pursues `point_m` (in its frame): the one closest to the arc through the point,
+/// as fast as the largest turning rate allows. If the point is behind the robot, it turns towards the point first.
 pub(crate) fn pursue(robot: &Robot, point_m: Vec2) -> usize {
     let (max_speed, max_turn) = (robot.max_speed_m_s(), robot.max_turn_rad_s());
     let squared = point_m.length_squared();

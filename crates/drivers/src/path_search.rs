@@ -1,4 +1,4 @@
-//! A* over a grid: the cheapest path from cell to cell among the eight neighbours.
+//! A* over a grid: the cheapest path between two cells, by steps to any of the eight neighbours.
 //!
 //! Source: P. E. Hart, N. J. Nilsson and B. Raphael, *A formal basis for the heuristic determination of minimum cost paths*, IEEE
 //! Transactions on Systems Science and Cybernetics 4(2), 1968.
@@ -8,15 +8,15 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// The extra cost of a cell that is too close to something. It can be passed, so that a robot that stands in one, or whose goal
-/// lies in one, still has a path; but any way around is taken.
+/// The extra cost of a cell that is too close to something. It is passable, so that there is a path even if the robot or its
+/// goal is in such a cell; but long detours are cheaper.
 pub(crate) const TOO_CLOSE: u16 = 200;
-/// The cost of a step to the side, without extra costs.
+/// The cost of a horizontal or vertical step, without extra costs.
 const SIDE: u32 = 10;
 /// The cost of a diagonal step, without extra costs.
 const DIAGONAL: u32 = 14;
 
-/// A search for cheapest paths, with the memory that the next one uses again.
+/// A search for cheapest paths, with buffers that the next search reuses.
 #[derive(Default)]
 pub(crate) struct PathSearch {
     costs: Vec<u32>,
@@ -25,9 +25,8 @@ pub(crate) struct PathSearch {
 }
 
 impl PathSearch {
-    /// The cheapest path from the cell `from` to the cell `to`, both included, in a grid with `columns` columns. A step to a
-    /// cell costs 10 (to the side) or 14 (diagonally) times 1 plus its entry in `extra_costs`. Of equally cheap paths, always
-    /// the same.
+    /// The cheapest path from the cell `from` to the cell `to`, both included, in a grid with `columns` columns. A step costs 10,
+    /// or 14 diagonally, times (1 + the entry of the new cell in `extra_costs`). Ties are always broken in the same way.
     pub(crate) fn cheapest_path(
         &mut self,
         columns: usize,
@@ -128,8 +127,7 @@ mod tests {
         for row in 0..3 {
             extra[row * 5 + 2] = TOO_CLOSE;
         }
-        // Up three rows and over four columns and down again: two diagonals up, one step, ... : 0 -> 5 -> 11 -> 17 -> 13 -> 9 -> 4
-        // or alike, with 4 diagonal steps and 2 to the side.
+        // Up three rows and down again, such as 0 -> 5 -> 11 -> 17 -> 13 -> 9 -> 4: 4 diagonal steps and 2 vertical ones.
         let around = cheapest_path(5, &extra, 0, 4);
         assert!(around.contains(&17), "through the opening: {around:?}");
         assert_eq!(cost(5, &extra, &around), 4 * 14 + 2 * 10, "{around:?}");

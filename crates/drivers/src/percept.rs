@@ -60,14 +60,14 @@ impl Odometry {
         Self { translation_m, rotation_rad: to.2 - from.2 }
     }
 
-    /// A point of the moved frame, in the frame before the motion.
+    /// Transforms a point from the moved frame to the frame before the motion.
     #[must_use]
     pub fn to_outer(&self, point: Vec2) -> Vec2 {
         let (sin, cos) = libm::sincosf(self.rotation_rad);
         vec2(cos, sin).rotate(point) + self.translation_m
     }
 
-    /// A point of the frame before the motion, in the moved frame.
+    /// Transforms a point from the frame before the motion to the moved frame.
     #[must_use]
     pub fn to_inner(&self, point: Vec2) -> Vec2 {
         let (sin, cos) = libm::sincosf(-self.rotation_rad);

@@ -15,16 +15,16 @@ const MARGIN_COST: f32 = 8.0;
 
 /// A map of the surroundings.
 pub(crate) trait Map {
-    /// Enters a percept. Returns the robot's pose in the map's frame.
+    /// Updates the map with a percept. Returns the robot's pose in the map's frame.
     fn update(&mut self, percept: &Percept) -> Odometry;
 
-    /// A path from `from_m` to `to_m`; empty without a map.
+    /// A path from `from_m` to `to_m`; empty if there is no map yet.
     fn plan(&mut self, from_m: Vec2, to_m: Vec2) -> Vec<Vec2>;
 
     /// Whether the straight line from `from_m` to `to_m` is free in the map of the last plan.
     fn sees(&self, from_m: Vec2, to_m: Vec2) -> bool;
 
-    /// The clearance in m of a point in the robot's frame after some seconds. Things beyond `reach_m` may be left out.
+    /// The function `clearance` of [`Dwa::choose`]. Things farther than `reach_m` from the robot may be left out.
     fn clearance(&self, reach_m: f32) -> impl Fn(Vec2, f32) -> f32;
 
     /// The centres of the occupied cells of a map that was built from scans, and the side of a cell, in m.

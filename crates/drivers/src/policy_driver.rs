@@ -1,4 +1,4 @@
-//! A policy as a driver: from a percept to the network's inputs, and to its greedy action; and the same policy with a map.
+//! A policy as a driver, from a percept to the network's inputs and its greedy action; and the same policy with a map.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use crate::robot::Robot;
 use crate::waypoints::{Waypoint, Waypoints};
 use crate::{Driver, DriverClass, DriverPlan};
 
-/// A policy that drives by percepts. It must have been trained without sensors of plugins.
+/// A policy that drives by percepts. It must have been trained without sensors from plugins.
 #[derive(Clone, Debug)]
 pub struct DrivingPolicy {
     /// The policy.
@@ -22,13 +22,13 @@ pub struct DrivingPolicy {
     pub encoding: Encoding,
     /// The motions that it chooses among.
     pub actions: ActionSet,
-    /// Whether it builds a map as it drives. While the straight way to the goal is not free in the map, it drives to a point of
-    /// the shortest path instead, with the same weights.
+    /// Whether it builds a map as it drives. While the straight line to the goal is not free in the map, it drives to a point of
+    /// the cheapest path instead, with the same weights.
     pub has_map: bool,
 }
 
 impl DrivingPolicy {
-    /// What it perceives.
+    /// What it may perceive.
     #[must_use]
     pub fn class(&self) -> DriverClass {
         if self.has_map { DriverClass::B } else { DriverClass::A }
@@ -130,7 +130,7 @@ impl Driver for MapDriver {
             Some(Waypoint { at_m, way_m }) => {
                 let bearing_rad = libm::atan2f(at_m.y, at_m.x);
                 let distance_m = match self.driver.observer {
-                    // Ways are longer than any distance in its training: it drives better with that to the waypoint.
+                    // Paths are longer than any distance in its training, so it gets the distance to the waypoint.
                     Observer::Paper(_) => at_m.length(),
                     Observer::Sectors { .. } => way_m,
                 };

@@ -12,12 +12,12 @@ use crate::percept::Odometry;
 pub struct Robot {
     /// The motions to choose from; at least one.
     pub motions: Vec<Motion>,
-    /// The drive over a control step; of a range of lags, that with the middle.
+    /// The drive over steps of one control period; if the actuator lag is a range, with the middle of it.
     pub drive: Drive,
     /// Simulated time per control step, in s.
     pub control_period_s: f32,
-    /// The distance in m that the robot's centre must keep from every surface: the collision range, or the reach of a body that
-    /// is not a disc, whichever is larger.
+    /// The distance in m that the robot's centre must keep from every surface: the collision range, or the reach of its body,
+    /// whichever is larger.
     pub keep_out_m: f32,
     /// The goal is reached when the robot's centre is closer to it than this, in m.
     pub goal_radius_m: f32,
@@ -72,11 +72,11 @@ impl Robot {
         Odometry { translation_m: vec2(cos, sin) * (motion.v_m_s * seconds * sinc), rotation_rad: 2.0 * half }
     }
 
-    /// The motion that is closest to turning towards `velocity` (in the robot's frame, in m/s) within `turn_time_s` and
-    /// driving as fast as it says.
+    /// The index of the motion that is closest to turning towards `velocity` (in the robot's frame, in m/s) within `turn_time_s`
+    /// and driving at its magnitude.
     ///
     /// The wanted turning rate is the angle to `velocity` divided by the time; the wanted speed is the part of `velocity` along
-    /// the heading, but not backwards. Both are compared in units of the largest ones.
+    /// the heading, but not backwards. They are compared as in [`Robot::closest_motion`].
     pub(crate) fn motion_towards(&self, velocity: Vec2, turn_time_s: f32) -> usize {
         let speed = velocity.length();
         let angle = if speed > 0.0 { libm::atan2f(velocity.y, velocity.x) } else { 0.0 };
@@ -86,8 +86,8 @@ impl Robot {
         self.closest_motion(speed * ahead, turn)
     }
 
-    /// The motion that is closest to the speed `v_m_s` and the turning rate `w_rad_s`, both in units of the largest ones; the
-    /// first of equally close ones.
+    /// The index of the motion that is closest to the speed `v_m_s` and the turning rate `w_rad_s`; the first of equally close
+    /// ones. Differences are relative to the highest speed and turning rate.
     pub(crate) fn closest_motion(&self, v_m_s: f32, w_rad_s: f32) -> usize {
         let (max_v, max_w) = (self.max_speed_m_s(), self.max_turn_rad_s());
         let difference = |motion: &Motion| {
@@ -98,7 +98,7 @@ impl Robot {
     }
 }
 
-/// The index of the first of the least numbers.
+/// The index of the smallest number; the first of equal ones.
 pub(crate) fn first_least(numbers: impl Iterator<Item = f32>) -> usize {
     let least = |best: (usize, f32), (index, number)| if number < best.1 { (index, number) } else { best };
     numbers.enumerate().fold((0, f32::INFINITY), least).0

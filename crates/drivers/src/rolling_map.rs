@@ -1,8 +1,8 @@
 //! A map that is built from scans: an occupancy grid that moves with the robot.
 //!
 //! The frame of the map is the robot's pose at the start of the episode; odometry says where the robot is. A cell in which a beam
-//! ends is occupied; a cell that a beam passes is cleared. Unknown cells are free. The map holds the cells around the robot and
-//! forgets the others.
+//! ends becomes occupied; a few beams that pass through it clear it again. Unknown cells count as free. The map keeps the cells
+//! around the robot and forgets the others.
 
 use glam::{IVec2, Vec2, ivec2};
 
@@ -20,7 +20,7 @@ const MAX_EVIDENCE: u8 = 6;
 /// A cell of the map.
 #[derive(Clone, Copy)]
 struct Cell {
-    /// Its column and row in the whole plane. Far cells take turns in the same place of memory.
+    /// Its column and row in the unbounded plane. Cells that are a multiple of `side` apart share a slot.
     at: IVec2,
     /// It is occupied if this is above 0.
     evidence: u8,
@@ -37,15 +37,15 @@ pub(crate) struct RollingMap {
     pose: Odometry,
     /// The extra costs around an occupied cell, by offset.
     stamp: Vec<(IVec2, u16)>,
-    /// The window of the last plan and its costs.
+    /// The grid around the robot at the last [`RollingMap::make_costs`], and the extra costs of its cells.
     window: Grid,
     costs: Vec<u16>,
     search: PathSearch,
 }
 
 impl RollingMap {
-    /// An empty map with cells of `cell` keep-out distances. Paths keep a distance of `margin` keep-out distances in addition if
-    /// they can.
+    /// An empty map. The side of a cell is `cell` keep-out distances, or more where there would be too many cells. If they can,
+    /// paths keep `margin` keep-out distances beyond the keep-out distance.
     pub(crate) fn new(robot: &Robot, cell: f32, margin: f32) -> Self {
         let half_m = 1.5 * robot.max_range_m;
         let wanted_m = cell * robot.keep_out_m;
@@ -70,7 +70,7 @@ impl RollingMap {
         (point_m / self.cell_m).floor().as_ivec2()
     }
 
-    /// The place in memory of the cell `at`.
+    /// The slot of the cell `at`: its index in `cells`.
     fn slot(&self, at: IVec2) -> usize {
         (at.y.rem_euclid(self.side) * self.side + at.x.rem_euclid(self.side)) as usize
     }
@@ -92,7 +92,7 @@ impl RollingMap {
         }
     }
 
-    /// Enters a scan.
+    /// Adds a scan to the map.
     fn enter(&mut self, ranges_m: &[f32]) {
         let from = self.pose.translation_m;
         for (index, &range_m) in ranges_m.iter().enumerate().take(self.robot.beams.len()) {
@@ -119,14 +119,14 @@ impl RollingMap {
         self.cells.iter().filter(move |cell| cell.evidence > 0 && is_near(cell.at)).map(|cell| cell.at)
     }
 
-    /// The cheapest path in the window of the last [`RollingMap::make_costs`], by the centres of its cells.
+    /// The cheapest path in the window of the last [`RollingMap::make_costs`], as the centres of its cells.
     pub(crate) fn cheapest_path(&mut self, from_m: Vec2, to_m: Vec2) -> Vec<Vec2> {
         let (from, to) = (self.window.cell(from_m), self.window.cell(to_m));
         let path = self.search.cheapest_path(self.window.columns, &self.costs, from, to);
         path.into_iter().map(|cell| self.window.centre_m(cell)).collect()
     }
 
-    /// The cost of the way from `at_m` straight to the first point of `path`, as if nothing were there, and along it.
+    /// The cost of `path`, plus that of the straight line from `at_m` to its first point as if nothing were there.
     pub(crate) fn path_cost(&self, at_m: Vec2, path: &[Vec2]) -> u32 {
         let columns = self.window.columns;
         let cells = path.iter().map(|point| self.window.cell(*point));
@@ -137,8 +137,8 @@ impl RollingMap {
     }
 
     /// Whether the straight line from `from_m`, the robot's position, to `to_m` passes only through cells with extra costs of at
-    /// most `most`. What is closer to the robot than its keep-out distance and is left does not count; nor what is outside the
-    /// window.
+    /// most `most`. Costlier cells at its start, within the keep-out distance of the robot, are ignored; so is everything outside
+    /// the window.
     pub(crate) fn is_clear(&self, from_m: Vec2, to_m: Vec2, most: u16) -> bool {
         let way = to_m - from_m;
         let samples = (2.0 * way.length() / self.cell_m).ceil().clamp(1.0, MAX_CELLS as f32);
@@ -154,7 +154,7 @@ impl RollingMap {
         })
     }
 
-    /// Sets the window around the robot, and the costs of its cells.
+    /// Moves the window to the robot, and computes the extra costs of its cells.
     pub(crate) fn make_costs(&mut self) {
         let low = self.at(self.pose.translation_m) - self.side / 2;
         self.window.min_m = low.as_vec2() * self.cell_m;
@@ -240,7 +240,7 @@ mod tests {
         map.update(&percept(&ranges_m, Odometry::default()));
         let place = map.at(vec2(1.0, 0.0));
         assert_eq!(map.occupied().collect::<Vec<_>>(), [place]);
-        // 0.4 m ahead and a turn of a beam to the left: the thing is 0.6 m away in the last beam.
+        // After 0.4 m ahead and a turn to the left by one beam, the last beam sees the thing, 0.6 m away.
         let moved = Odometry { translation_m: vec2(0.4, 0.0), rotation_rad: std::f32::consts::TAU / 24.0 };
         ranges_m[0] = 3.5;
         ranges_m[23] = 0.6;
@@ -248,7 +248,7 @@ mod tests {
         for at in map.occupied() {
             assert!((at - place).abs().max_element() <= 1, "{at} is not near {place}");
         }
-        // It has gone: beams that pass the cell clear it.
+        // It is gone: beams that pass through the cell clear it.
         ranges_m[23] = 3.5;
         for _ in 0..8 {
             map.update(&percept(&ranges_m, Odometry::default()));

@@ -1,8 +1,9 @@
 //! Velocities of moving obstacles, estimated from scans.
 //!
-//! Neighbouring hits of a scan form clusters. A compact cluster may be a moving obstacle: it is followed from scan to scan, in the
-//! robot's present frame, by an alpha-beta filter with constant velocity. It moves if its filter says so and it stands where an
-//! earlier beam had passed: a wall also seems to move when other beams hit it. All other hits are taken as still.
+//! Neighbouring hits of a scan form clusters. A compact cluster may be a moving obstacle: it is followed from scan to scan,
+//! in the robot's present frame, by an alpha-beta filter with constant velocity. It counts as moving if its estimated speed
+//! is high enough and it is where an earlier beam had passed: a wall also seems to move when other beams hit it. All other
+//! hits are taken as static.
 //!
 //! Source of the filter: P. R. Kalata, *The tracking index*, IEEE Transactions on Aerospace and Electronic Systems 20(2), 1984.
 
@@ -16,7 +17,7 @@ use crate::free_space::FreeSpace;
 use crate::percept::{Odometry, Percept};
 use crate::robot::Robot;
 
-/// Scans after which a thing that is not seen is forgotten.
+/// A thing is forgotten if it was missed in more than this many scans in a row.
 const MAX_MISSED: u32 = 3;
 
 /// The things that may move.
@@ -32,7 +33,7 @@ struct Track {
     velocity_m_s: Vec2,
     /// The number of scans in which it was seen.
     seen: u32,
-    /// The number of scans since.
+    /// The number of scans since it was last seen.
     missed: u32,
 }
 
@@ -47,7 +48,7 @@ impl Tracks {
         Self { parameters, tracks: Vec::new(), free_space: FreeSpace::default() }
     }
 
-    /// The hits of the scan with their velocities.
+    /// Updates the tracks with a scan. Returns its hits with their velocities.
     pub(crate) fn update(&mut self, robot: &Robot, percept: &Percept) -> Vec<MovingPoint> {
         let still = |at_m| MovingPoint { at_m, velocity_m_s: Vec2::ZERO };
         let mut points: Vec<MovingPoint> = robot.hits(percept.ranges_m).map(still).collect();
@@ -60,8 +61,8 @@ impl Tracks {
         for track in &mut self.tracks {
             let gate_m = (2.0 * robot.keep_out_m).max(2.0 * robot.beam_spacing_rad * track.at_m.length());
             let distance = |k: usize| (clusters[k].centre_m - track.at_m).length();
-            let free = (0..clusters.len()).filter(|&k| !is_taken[k] && distance(k) <= gate_m);
-            let nearest = free.reduce(|best, k| if distance(k) < distance(best) { k } else { best });
+            let near = (0..clusters.len()).filter(|&k| !is_taken[k] && distance(k) <= gate_m);
+            let nearest = near.reduce(|best, k| if distance(k) < distance(best) { k } else { best });
             let Some(nearest) = nearest else {
                 track.missed += 1;
                 continue;
@@ -166,7 +167,7 @@ mod tests {
         for step in 0..15 {
             let odometry = if step == 0 { Odometry::default() } else { moved };
             pose = pose.then(&odometry);
-            // In the world it moves at 0.2 m/s along -y, past a still one.
+            // In the world frame, one disc moves at 0.2 m/s along -y. The other one is static.
             let (moving, still) = (vec2(1.5, 0.6 - 0.04 * step as f32), vec2(-1.0, -0.5));
             let turn = Odometry { translation_m: Vec2::ZERO, ..pose };
             let ranges_m: Vec<f32> = robot

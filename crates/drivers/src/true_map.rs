@@ -23,7 +23,7 @@ pub(crate) struct TrueMap {
     /// Clearance of the static parts at the centre of each cell, in m, at most `reach_m`.
     clearances_m: Vec<f32>,
     reach_m: f32,
-    /// The extra costs of the last plan.
+    /// The extra cost of each cell in the last plan.
     costs: Vec<u16>,
     search: PathSearch,
     moving: Vec<Moving>,
@@ -72,8 +72,8 @@ impl TrueMap {
         }
     }
 
-    /// Enters the parts of `scenario`.
-    fn enter(&mut self, scenario: &Scenario) {
+    /// Builds the map of `scenario`.
+    fn build(&mut self, scenario: &Scenario) {
         let (low, high) = scenario.enclosure.bounds_m();
         self.grid = Grid::over(low, high, self.cell_m);
         let enclosure = |cell| enclosure_distance(&scenario.enclosure, self.grid.centre_m(cell));
@@ -124,7 +124,7 @@ impl Map for TrueMap {
     fn update(&mut self, percept: &Percept) -> Odometry {
         if let Some(truth) = &percept.truth {
             if self.clearances_m.is_empty() {
-                self.enter(truth.layout.scenario);
+                self.build(truth.layout.scenario);
             }
             self.clock = truth.clock;
             for moving in &mut self.moving {

@@ -1,7 +1,7 @@
-//! The point to drive to, in place of a goal that is out of sight in a map that is built as the robot drives.
+//! The waypoint: the point to drive to while the goal is out of sight. The map is built as the robot drives.
 //!
-//! While the straight way to the goal is free in the map, there is none. Otherwise it is the farthest point in sight on the
-//! cheapest path, within a distance along it. What is unknown is free.
+//! While the straight way to the goal is free in the map, there is no waypoint. Otherwise it is the farthest point in sight on
+//! the cheapest path, up to a lookahead distance along it. Unknown cells are free.
 
 use glam::Vec2;
 
@@ -22,19 +22,19 @@ const REPLAN_STEPS: u32 = 3;
 const LOOKAHEAD: f32 = 8.0;
 /// The nearest waypoint along the path if none is in sight, in keep-out distances.
 const NEAREST: f32 = 2.0;
-/// The most extra costs of a cell on a way that is in sight: it is not too close to anything.
+/// The highest extra cost of a cell on a line that counts as in sight: just below that of a cell too close to something.
 const IN_SIGHT: u16 = TOO_CLOSE - 1;
-/// The same for the way to a goal that was out of sight: half the margin. A goal on the edge of sight does not come and go.
+/// The same for a goal that was out of sight: the cost at half the margin. A goal on the edge of sight does not come and go.
 const IN_SIGHT_AGAIN: u16 = 4;
-/// A path is kept until another one costs less than this part of it, so that the robot does not turn between equal ways.
+/// A path is kept until another costs less than this fraction of its cost, so that the robot does not waver between equal ways.
 const BETTER: f32 = 0.8;
 
 /// A point to drive to.
 pub(crate) struct Waypoint {
     /// The point in the robot's frame, in m.
     pub(crate) at_m: Vec2,
-    /// The length of the way to the goal through the point, in m. A policy for which the goal is that far away does not hurry to
-    /// the point as if everything ended there.
+    /// The length of the way to the goal through the point, in m. A policy that observes it as the goal distance does not hurry
+    /// to the point as if the episode ended there.
     pub(crate) way_m: f32,
 }
 
@@ -43,7 +43,7 @@ pub(crate) struct Waypoints {
     map: RollingMap,
     keep_out_m: f32,
     goal_radius_m: f32,
-    /// The robot's pose in the map's frame, which the following points also have.
+    /// The robot's pose in the map's frame. The points below are in the same frame.
     pose: Odometry,
     goal_m: Vec2,
     /// The path to the goal; empty while the goal is in sight.
@@ -70,7 +70,7 @@ impl Waypoints {
         }
     }
 
-    /// Enters a percept. Returns the waypoint; `None` if the robot is to drive to its goal.
+    /// Updates the map with a percept. Returns the waypoint; `None` if the robot is to drive to its goal.
     pub(crate) fn update(&mut self, percept: &Percept) -> Option<Waypoint> {
         self.pose = self.map.update(percept);
         let goal_m = self.pose.to_outer(percept.goal_m());
@@ -121,8 +121,8 @@ impl Waypoints {
         self.pose.translation_m + way * (1.0 - self.goal_radius_m / way.length().max(self.goal_radius_m))
     }
 
-    /// The farthest point in sight on the path, within the distance ahead; at least the one at the nearest distance. The last
-    /// point is the goal.
+    /// The farthest point in sight on the path, up to [`LOOKAHEAD`] along it. Points up to [`NEAREST`] count as in sight. The
+    /// last point is the goal.
     fn farthest_in_sight(&self, at_m: Vec2) -> Vec2 {
         let mut chosen = None;
         let mut along_m = 0.0;
@@ -164,7 +164,7 @@ mod tests {
         Robot::of(&Scenario { lidar: Lidar { beams: 360, ..Lidar::default() }, ..Scenario::default() })
     }
 
-    /// A robot that always faces along x, at `at_m`, before a wall along x = 1 from `low` to `high`. Its goal is at (2, 0).
+    /// A robot at `at_m` that always faces along x, and its goal at (2, 0). A wall, if any, is on the line x = 1.
     struct Place {
         robot: Robot,
         waypoints: Waypoints,
@@ -203,7 +203,7 @@ mod tests {
             Some(waypoint.at_m + to_m)
         }
 
-        /// The waypoint after the robot has stood there until the next plan.
+        /// The waypoint after the robot has stood at `to_m` until the next plan.
         fn planned(&mut self, to_m: Vec2, wall: Option<(f32, f32)>) -> Option<Vec2> {
             (0..=REPLAN_STEPS).map(|_| self.waypoint(to_m, wall)).last().flatten()
         }
@@ -214,25 +214,25 @@ mod tests {
         let wall = Some((-0.9, 0.3));
         let mut place = Place::new(Vec2::ZERO);
         assert_eq!(place.waypoint(Vec2::ZERO, None), None, "the goal is in sight");
-        // The shorter way leads past the upper end, (1, 0.3). The corner at the keep-out distance from it is 1.04 m along the
-        // path or farther, so the waypoint lies near there, at 8 x 0.13 = 1.04 m along the path.
+        // The shorter way leads past the upper end, (1, 0.3), and turns there at the keep-out distance, after 1.04 m or more. So
+        // the waypoint is near the end of the lookahead, 8 x 0.13 = 1.04 m along the path.
         let point = place.planned(Vec2::ZERO, wall).expect("the wall is in the way");
         assert!((0.9..=1.05).contains(&point.length()), "{point}");
         assert!((0.35..=0.75).contains(&point.y), "{point}");
         // The whole way leads around the end at a distance of 0.13 to 0.26 m.
         assert!((2.1..=2.5).contains(&place.way_m), "{}", place.way_m);
-        // The straight way there keeps clear of the end of the wall.
+        // The straight way to the waypoint keeps clear of the end of the wall.
         let end = vec2(1.0, 0.3);
         let along = end.dot(point.normalize()).min(point.length());
         assert!((end - point.normalize() * along).length() > 0.13 - 0.03, "{point}");
-        // From there the way to the goal passes the end at 0.36 m.
+        // From (1, 0.75) the way to the goal passes the end at 0.36 m.
         assert_eq!(place.planned(vec2(1.0, 0.75), wall), None);
     }
 
     #[test]
     fn a_goal_on_the_edge_of_sight_does_not_come_and_go() {
         // From (0.6, 0.67) the way to the goal passes the wall's end at (0.67 - 0.42) / |(1.4, 0.67)| = 0.16 m: farther than the
-        // robot must keep, but within half the margin.
+        // keep-out distance, but within half the margin beyond it.
         let (wall, edge) = (Some((-0.9, 0.3)), vec2(0.6, 0.67));
         assert_eq!(Place::new(edge).planned(edge, wall), None, "it was never out of sight");
         let mut place = Place::new(Vec2::ZERO);
@@ -250,7 +250,7 @@ mod tests {
             let point = place.planned(vec2(0.0, -0.02 * side * step as f32), wall).expect("out of sight");
             assert_eq!(point.y.signum(), side, "{point}");
         }
-        // The wall turns out to go on on this side.
+        // The wall turns out to continue on this side.
         let longer = Some(if side > 0.0 { (-0.6, 3.0) } else { (-3.0, 0.6) });
         let point = place.planned(Vec2::ZERO, longer).expect("out of sight");
         assert_eq!(point.y.signum(), -side, "{point}");

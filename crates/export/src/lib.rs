@@ -31,7 +31,7 @@ pub use model_card::{MODEL_CARD_MARK, model_card};
 pub use onnx::{IR_VERSION, OPSET, to_onnx};
 pub use results::EvalResults;
 
-/// The reason that a policy cannot be exported.
+/// The reason why a policy cannot be exported.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExportError {
@@ -60,7 +60,7 @@ pub enum ExportError {
     OtherPolicy {
         /// The checksum of the weights of the policy that was tested.
         tested: String,
-        /// That of the policy that is exported.
+        /// The checksum of the weights of the policy that is exported.
         exported: String,
     },
     /// The policy contradicts its card.

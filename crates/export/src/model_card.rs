@@ -14,7 +14,7 @@ use crate::{EvalResults, ExportError, TrainedScenario, described};
 pub const MODEL_CARD_MARK: &str =
     "<!-- Written by `wayfield --export`. Delete this line to keep your own changes. -->";
 
-/// The model card of `policy`, which is exported into a file of the name `onnx_file`, as Markdown, with the `results` of tests.
+/// The model card of `policy`, which is exported into the file `onnx_file`, as Markdown, with the `results` of tests.
 ///
 /// # Errors
 /// The policy has no card, or its scenario is unreadable.
@@ -44,7 +44,7 @@ fn front_matter(card: &Card, scenario: &TrainedScenario, onnx_file: &str, result
         ("tags", json!(tags)),
     ];
     let mut index: Vec<Value> = results.iter().map(tested).collect();
-    // The rate of the training is optimistic, so that of a test replaces it.
+    // The success rate during training is optimistic, so the results of a test replace it.
     if let (true, Some(rate)) = (index.is_empty(), card.training.success_rate) {
         let name = "success rate in the evaluation that selected the policy";
         index.push(result(&scenario.name, &[metric("success_rate", rate, name)]));

@@ -1,8 +1,8 @@
 //! The ONNX file of a policy: measurements in, Q-values, action and velocities out.
 //!
-//! Every index of a smallest or largest element is found as `Equal -> Where -> ReduceMin`, which gives the first of equals
-//! everywhere. ArgMin and ArgMax do not: some runtimes take the last one, and free beams are all exactly as long as the
-//! LIDAR's range.
+//! The index of a smallest or largest element is found by `Equal -> Where -> ReduceMin`, which gives the first of equal elements
+//! in every runtime. ArgMin and ArgMax do not: some runtimes take the last one. Equal elements are common, because all beams that
+//! hit nothing have exactly the maximum range.
 
 use wayfield_policy::card::Quantity;
 use wayfield_policy::{Activation, Card, NetworkShape, Policy};
@@ -36,7 +36,7 @@ const METADATA_KEY: &str = "wayfield";
 
 type Attributes<'a> = [(&'a str, Attribute<'a>)];
 
-/// The reduction of each row to one element, as a matrix of one column, or as a vector.
+/// The attributes of a reduction of each row to one element: the result is a matrix with one column, or a vector.
 const TO_COLUMN: &Attributes = &[("axes", Attribute::Ints(&[1])), ("keepdims", Attribute::Int(1))];
 const TO_VECTOR: &Attributes = &[("axes", Attribute::Ints(&[1])), ("keepdims", Attribute::Int(0))];
 

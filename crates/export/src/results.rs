@@ -12,13 +12,13 @@ pub struct EvalResults {
     pub weights_crc32c: String,
     /// The name of the scenario.
     pub scenario: String,
-    /// Share of the episodes that succeeded, 0 to 1.
+    /// Fraction of the episodes that succeeded, 0 to 1.
     pub success_rate: f64,
     /// The 95 % confidence interval of the success rate, within 0 to 1.
     pub success_interval: [f64; 2],
-    /// Share of the episodes that ended in a collision, 0 to 1.
+    /// Fraction of the episodes that ended in a collision, 0 to 1.
     pub collision_rate: f64,
-    /// Share of the episodes that ended at the time limit, 0 to 1.
+    /// Fraction of the episodes that ended at the time limit, 0 to 1.
     pub timeout_rate: f64,
     /// Mean simulated time of the successful episodes in s; `None` if none succeeded.
     pub mean_time_s: Option<f64>,
@@ -29,10 +29,10 @@ pub struct EvalResults {
 }
 
 impl EvalResults {
-    /// The results in the JSON object `json`, as UTF-8, which must be those of `policy`.
+    /// Parses the results of a test in `json` (UTF-8), which must be those of `policy`.
     ///
     /// # Errors
-    /// It is not such an object, a number is out of range, or the results are those of another policy.
+    /// `json` is not such an object, a number is out of range, or the results are those of another policy.
     pub fn parse(json: &[u8], policy: &Policy) -> Result<Self, ExportError> {
         let results: Self =
             serde_json::from_slice(json).map_err(|error| ExportError::Results(error.to_string()))?;
@@ -46,9 +46,9 @@ impl EvalResults {
 
     fn check(&self) -> Result<(), ExportError> {
         let [low, high] = self.success_interval;
-        let shares = [self.success_rate, low, high, self.collision_rate, self.timeout_rate];
+        let rates = [self.success_rate, low, high, self.collision_rate, self.timeout_rate];
         let sum = self.success_rate + self.collision_rate + self.timeout_rate;
-        let problem = if shares.iter().any(|share| !(0.0..=1.0).contains(share)) {
+        let problem = if rates.iter().any(|rate| !(0.0..=1.0).contains(rate)) {
             "a rate is not within 0 and 1"
         } else if (sum - 1.0).abs() > 1e-6 {
             "the rates of success, collision and timeout do not add up to 1"

@@ -24,7 +24,7 @@ fn random(shape: NetworkShape, encoding: Encoding, sensors: &[(&str, usize)]) ->
     let mut random = wayfield_random::stream(7, "test: weights", 0);
     let mut weights = Vec::new();
     for view in shape.parameters() {
-        // The units of every layer vary about as much as those before it.
+        // He initialization: the outputs of a layer vary about as much as its inputs.
         let bound = view.shape.get(1).map_or(2.0, |&inputs| (6.0 / inputs as f32).sqrt());
         weights.extend(view.range.map(|_| uniform(&mut random, -bound, bound)));
     }
@@ -123,7 +123,7 @@ fn a_policy_without_a_card_is_not_exported() {
 }
 
 #[test]
-fn the_model_card_gives_the_cards_numbers_and_no_others() {
+fn the_model_card_gives_the_values_of_the_policy_card_and_no_others() {
     let policy = shipped("scenario-1.safetensors");
     let card = policy.card.as_ref().expect("a card");
     let rate = card.training.success_rate.expect("a measured rate");
@@ -154,7 +154,7 @@ fn the_model_card_gives_the_cards_numbers_and_no_others() {
 }
 
 #[test]
-fn the_front_matter_of_a_model_card_is_what_hugging_face_reads() {
+fn hugging_face_reads_the_front_matter_of_a_model_card() {
     let Some(python) = python::python() else { return };
     let folder = tempfile::tempdir().expect("a temporary folder");
     let page = model_card(&shipped("scenario-1.safetensors"), "policy.onnx", &[]).expect("a page");

@@ -1,7 +1,7 @@
 """Compares an exported policy with wayfield's own decisions.
 
-In the working directory are `policy.onnx` and, as rows of little-endian f32, `ranges.f32`, `goal.f32`, `sensor_readings.f32`
-(if the policy has such inputs) and the Q-values that wayfield computes for them, `q_values.f32`.
+In the working directory are `policy.onnx` and, as rows of little-endian f32, those of `ranges.f32`, `goal.f32` and
+`sensor_readings.f32` that are inputs of the policy, and `q_values.f32`, the Q-values that wayfield computes for them.
 """
 
 import json
@@ -40,7 +40,7 @@ assert (action == expected.argmax(axis=1))[is_clear].all(), "another action wher
 motions = np.array([[a["v_m_s"], a["w_rad_s"]] for a in card["actions"]], np.float32)
 assert (velocity == motions[action]).all(), "not the velocities of the action"
 
-# One observation alone, with beams that hit nothing as a real LIDAR reports them.
+# One observation alone, in which a beam hits nothing: at the maximum range, and infinite, as a real LIDAR reports it.
 scenario = card["scenario"]
 one = {name: rows[:1].copy() for name, rows in inputs.items()}
 one["ranges"][0, 0] = scenario["lidar"]["max_range_m"]

@@ -67,7 +67,7 @@ struct Task {
 }
 
 impl Task {
-    /// BARN's own, by `run.py` of the BARN Challenge.
+    /// BARN's own task, as in `run.py` of the BARN Challenge.
     fn usual(path_length_m: Option<f64>) -> Self {
         Self {
             start_m: dvec2(-2.25, 3.0),
@@ -105,10 +105,10 @@ pub fn import_world(
     scenario(path, file_name(path), solids, &task, findings, options)
 }
 
-/// The length in m of the path in the bytes of the file `path_file`, with the ways from the start and to the goal.
+/// The length in m of the path in the bytes of the file `path_file`, with the straight lines from the start and to the goal.
 ///
 /// # Errors
-/// The bytes are no path.
+/// The bytes are not a path file.
 pub fn path_length_m(bytes: &[u8], path_file: &Path) -> Result<f64, FileError> {
     let cells = npy::points(bytes)
         .map_err(|error| FileError::for_file(path_file, format!("{error}; help: fetch the file again")))?;
@@ -123,7 +123,7 @@ pub fn path_length_m(bytes: &[u8], path_file: &Path) -> Result<f64, FileError> {
 /// Reads a JSON file of worlds.
 ///
 /// # Errors
-/// The text is something else.
+/// The text is not such a file.
 pub fn parse(text: &str, path: &Path) -> Result<BarnFile, FileError> {
     json::parse(text, path, "BARN worlds")
 }
@@ -216,8 +216,8 @@ pub fn stated_path_length_m(about: &str) -> Option<f64> {
     (length_m.is_finite() && length_m > 0.0).then_some(length_m)
 }
 
-/// The robot of the BARN Challenge, a Jackal of Clearpath as a disc: up to 2 m/s, with a LIDAR of 270 degrees. Contact ends an
-/// episode. It may also stop and turn in place.
+/// The robot of the BARN Challenge, a Clearpath Jackal as a disc: up to 2 m/s, with a LIDAR of 270 degrees. It may also stop
+/// and turn in place. Contact ends an episode.
 fn robot(task: &Task) -> Scenario {
     let speeds = [0.0, 0.5, 1.0, 2.0];
     let turns = [1.5, 0.75, 0.0, -0.75, -1.5];

@@ -4,14 +4,14 @@ use glam::{DVec2, dvec2};
 
 use crate::grid::Grid;
 
-/// The outlines of the set: closed rings of corners, in cells, without the corners on straight lines. The set lies to the left
-/// of each ring, so the outer ones are counterclockwise and holes are clockwise. Cells that touch at a corner only are apart.
+/// The outlines of the set: closed rings of corners, in units of cells, without corners on straight lines. The set lies to the
+/// left of each ring, so outer rings are counterclockwise and holes clockwise. Cells that touch only at a corner are separate.
 pub fn rings(set: &Grid<bool>) -> Vec<Vec<DVec2>> {
     let is_in = |column: i64, row: i64| {
         let inside = 0 <= column && column < set.columns as i64 && 0 <= row && row < set.rows as i64;
         inside && set.at((column as usize, row as usize))
     };
-    // Whether a side with the set to its left leaves the corner (x, y) in a direction: right, up, left, down.
+    // Whether a side with the set to its left starts at the corner (x, y) in a direction: 0 right, 1 up, 2 left, 3 down.
     let leaves = |(x, y): (i64, i64), direction: usize| {
         let (left, right) = match direction {
             0 => ((x, y), (x, y - 1)),
@@ -36,7 +36,7 @@ pub fn rings(set: &Grid<bool>) -> Vec<Vec<DVec2>> {
             }
             let (dx, dy) = [(1, 0), (0, 1), (-1, 0), (0, -1)][direction];
             corner = (corner.0 + dx, corner.1 + dy);
-            // The leftmost turn stays with the same cell.
+            // Left is tried first: where two cells touch at a corner, the ring stays at the same cell.
             let next =
                 [1, 0, 3].map(|turn| (direction + turn) % 4).into_iter().find(|&next| leaves(corner, next));
             let Some(next) = next else { break };
@@ -53,18 +53,18 @@ pub fn rings(set: &Grid<bool>) -> Vec<Vec<DVec2>> {
     rings
 }
 
-/// The corners of `ring` that remain if each dropped corner may lie up to `tolerance` from the new outline, and how far the
-/// farthest lies from it (Douglas and Peucker, 1973). At least two remain.
+/// Simplifies `ring`: the corners that remain if dropped corners may lie up to `tolerance` from the new outline, and the
+/// largest distance of a dropped corner from it (Douglas and Peucker, 1973). At least two corners remain.
 pub fn simplified(ring: &[DVec2], tolerance: f64) -> (Vec<DVec2>, f64) {
     let Some(&first) = ring.first() else { return (Vec::new(), 0.0) };
     let farthest = (0..ring.len()).max_by(|&a, &b| {
         first.distance_squared(ring[a]).total_cmp(&first.distance_squared(ring[b])).then(b.cmp(&a))
     });
-    let half = farthest.unwrap_or(0);
+    let opposite = farthest.unwrap_or(0);
     let closed: Vec<DVec2> = ring.iter().copied().chain([first]).collect();
     let mut kept = vec![false; closed.len()];
-    (kept[0], kept[half]) = (true, true);
-    let (mut open, mut deviation) = (vec![(0, half), (half, ring.len())], 0.0_f64);
+    (kept[0], kept[opposite]) = (true, true);
+    let (mut open, mut deviation) = (vec![(0, opposite), (opposite, ring.len())], 0.0_f64);
     while let Some((from, to)) = open.pop() {
         let distance = |k: usize| distance_to_segment(closed[k], closed[from], closed[to]);
         let farthest =
@@ -116,8 +116,8 @@ pub fn deviation(ring: &[DVec2], corners: &[DVec2]) -> f64 {
 
 fn distance_to_segment(point: DVec2, a: DVec2, b: DVec2) -> f64 {
     let along = b - a;
-    let share = ((point - a).dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-    point.distance(a + share * along)
+    let fraction = ((point - a).dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+    point.distance(a + fraction * along)
 }
 
 #[cfg(test)]
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn the_areas_of_all_rings_add_up_to_the_cells() {
+    fn the_areas_of_all_rings_add_up_to_the_number_of_cells() {
         let cells = set(&[".#.#..", "#.#.#.", "..#..#", ".#.###"]);
         let total: f64 = rings(&cells).iter().map(|ring| area(ring)).sum();
         assert_eq!(total, cells.members().count() as f64);

@@ -1,4 +1,4 @@
-//! The scenario made of what an importer has found: starts and goals, the time limit, a benchmark route, and a description.
+//! The scenario made from what an importer has found: starts and goals, the time limit, a benchmark route, and a description.
 
 use glam::{DVec2, dvec2};
 use wayfield_scenario::limits::{
@@ -15,7 +15,7 @@ use crate::grid::Cell;
 use crate::round::{metres, point};
 use crate::trace::{Scale, Surroundings};
 
-/// Ways along the sides of cells, times this, are long enough for a robot that still learns.
+/// The time limit suffices for this many times the longest way along the sides of cells: the robot is still learning.
 const WAY_FACTOR: f64 = 1.5;
 
 /// Where a scenario comes from.
@@ -89,7 +89,7 @@ fn route(floor: &Floor, scale: Scale) -> BenchmarkRoute {
     BenchmarkRoute { start_m, heading_rad: (libm::atan2f(way.y, way.x) * 100.0).round() / 100.0, goal_m }
 }
 
-/// The time limit of `base`, or more where ways are long.
+/// The time limit, in control steps: that of `base`, or more if the longest way, `way_m`, needs it.
 fn steps(base: &Scenario, way_m: f64) -> u32 {
     let fastest = base.robot.motions.iter().map(|motion| motion.v_m_s.abs()).fold(0.0, f32::max);
     let step_m = f64::from(fastest) * f64::from(base.task.control_period_s);

@@ -1,14 +1,14 @@
-//! What a file has that a scenario cannot represent.
+//! What a file contains that a scenario cannot represent.
 
 use wayfield_scenario::printable;
 
-/// Most names that are listed of one kind.
+/// The maximum number of names listed for one kind.
 const MAX_NAMES: usize = 8;
 
-/// Most characters of a text from a file in a message.
+/// The maximum number of characters that a message shows of a text from a file.
 const MAX_SHOWN_CHARS: usize = 60;
 
-/// `text` from a file for a message: without what a terminal would act on, and cut off if it is long.
+/// A text from a file, for a message: with unprintable characters escaped, and cut off if it is long.
 pub fn shown(text: &str) -> String {
     let start: String = text.chars().take(MAX_SHOWN_CHARS).collect();
     let more = if start.len() < text.len() { "..." } else { "" };
@@ -19,7 +19,7 @@ pub fn shown(text: &str) -> String {
 #[derive(Clone, Debug, Default)]
 pub struct Findings(Vec<Kind>);
 
-/// Things of one kind: what became of them, the names of the first few, and their number.
+/// Things of one kind: what became of them, the names of the first few, and how many there are.
 #[derive(Clone, Debug)]
 struct Kind {
     what: String,
@@ -28,7 +28,7 @@ struct Kind {
 }
 
 impl Findings {
-    /// Adds the thing `name`; `what` says what became of things of its kind, as in "meshes are left out".
+    /// Adds the thing `name`. `what` states what became of things of its kind, as in "meshes are left out".
     pub fn add(&mut self, what: &str, name: &str) {
         let known = self.0.iter().position(|kind| kind.what == what);
         let index = known.unwrap_or_else(|| {

@@ -1,13 +1,13 @@
 //! The floor: the cells that the robot can reach, and those beside them.
 //!
-//! In: the free cells of a map. Out: the part of them that the scenario keeps, with the longest way across it. Rooms that the
-//! robot cannot enter are left out, because a goal in them could never be reached.
+//! In: the free cells of a map. Out: the part of them that the scenario keeps, and two ends of it that are far apart. Rooms that
+//! the robot cannot enter are left out, because a goal in them could never be reached.
 
 use std::collections::VecDeque;
 
 use crate::grid::{Cell, Grid};
 
-/// Share of the reachable positions that must keep the usual clearance; otherwise a smaller one is chosen.
+/// A clearance is chosen if at least this share of the reachable positions has it.
 const ROOMY_SHARE: f64 = 0.2;
 
 /// What the robot needs, in cells.
@@ -15,7 +15,7 @@ const ROOMY_SHARE: f64 = 0.2;
 pub struct Margins {
     /// The collision range.
     pub collision: f64,
-    /// The clearance of starts and goals.
+    /// The usual clearance of starts and goals.
     pub clearance: f64,
 }
 
@@ -26,15 +26,15 @@ pub struct Floor {
     pub cells: Grid<bool>,
     /// The clearance for starts and goals, in cells. At most the usual one; smaller where corridors are narrow.
     pub clearance: f64,
-    /// The two ends of a longest way of the robot's centre.
+    /// Two positions that keep the clearance and are about as far apart as any two, found by two breadth-first searches.
     pub ends: (Cell, Cell),
-    /// Length of that way along the sides of cells, in cells.
+    /// Length of the shortest path between them, in steps between cells that share a side.
     pub longest_way: usize,
 }
 
 impl Floor {
-    /// The part of the `free` cells through which the robot fits that has the most cells between two corners, of which the upper
-    /// right one is exclusive. `None` if the robot fits nowhere.
+    /// The floor: of the connected parts of the `free` cells that the robot fits through, the one with the most cells between the
+    /// corners `low` and `high` (exclusive). `None` if the robot fits nowhere.
     pub fn new(free: &Grid<bool>, margins: Margins, (low, high): (Cell, Cell)) -> Option<Self> {
         let distances = free.map(|is_free| !is_free).squared_distances(true);
         // From the centre of a cell to the side of the nearest one that is not free.
@@ -63,7 +63,7 @@ impl Floor {
     }
 }
 
-/// The largest clearance that enough of the positions keep; `rooms` are their distances from everything.
+/// The largest of a few clearances that enough positions have. `rooms` holds their distances from cells that are not free.
 fn clearance(rooms: &[f64], Margins { collision, clearance }: Margins) -> f64 {
     let share = |least: f64| rooms.iter().filter(|&&room| room > least).count() as f64 / rooms.len() as f64;
     let smaller = [1.8, 1.5, 1.25].map(|factor| factor * collision).into_iter();
@@ -71,8 +71,8 @@ fn clearance(rooms: &[f64], Margins { collision, clearance }: Margins) -> f64 {
     choices.find(|&least| share(least) >= ROOMY_SHARE).unwrap_or(1.1 * collision)
 }
 
-/// The cells of `free` that are at most `steps` steps from the cells `from`. Every other step may be diagonal, so that a step
-/// leads 1.12 cells away at most, and about one on average.
+/// The cells of `free` that are at most `steps` steps from the cells `from`. Every other step may be diagonal, so that n steps
+/// lead at most 1.12 n cells away, and about n on average.
 fn widened(free: &Grid<bool>, from: Grid<bool>, steps: usize) -> Grid<bool> {
     let mut cells = from;
     let mut border: Vec<Cell> = cells.members().collect();
@@ -93,7 +93,7 @@ fn widened(free: &Grid<bool>, from: Grid<bool>, steps: usize) -> Grid<bool> {
     cells
 }
 
-/// The cell that is farthest from `from` inside the set among those that `is_allowed`, with its distance in steps.
+/// The allowed cell that is farthest from `from` by steps inside the set, with the number of steps.
 fn farthest(set: &Grid<bool>, from: Cell, is_allowed: impl Fn(&Cell) -> bool) -> (Cell, usize) {
     let mut seen = Grid::filled(set.columns, set.rows, false);
     let mut queue = VecDeque::from([(from, 0)]);

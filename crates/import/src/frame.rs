@@ -1,10 +1,10 @@
-//! The pose of a scenario in the frame of the file that it was imported from, as a sentence of its `about`.
+//! The pose of a scenario in the frame of the file that it was imported from, as a sentence in its `about`.
 
 use std::fmt;
 
 use glam::{DVec2, dvec2};
 
-/// The pose of a scenario's (0, 0) in the source's frame. The scenario's axes are those of the picture.
+/// The pose of a scenario's (0, 0) in the source's frame. In the scenario of a map, the axes are those of the image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     /// Position in m.
@@ -37,13 +37,13 @@ impl Frame {
         Some(Self { origin_m: dvec2(number(x)?, number(y)?), yaw_rad: number(yaw)? })
     }
 
-    /// A point of the source, in m, in the scenario.
+    /// Converts a point, in m, from the source's frame to the scenario's.
     #[must_use]
     pub fn to_scenario(self, source_m: DVec2) -> DVec2 {
         DVec2::from_angle(-self.yaw_rad).rotate(source_m - self.origin_m)
     }
 
-    /// A point of the scenario, in m, in the source.
+    /// Converts a point, in m, from the scenario's frame to the source's.
     #[must_use]
     pub fn to_source(self, scenario_m: DVec2) -> DVec2 {
         self.origin_m + DVec2::from_angle(self.yaw_rad).rotate(scenario_m)
@@ -55,7 +55,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_sentence_is_read_back_and_the_points_too() {
+    fn the_sentence_is_read_back_and_points_convert_both_ways() {
         let frame = Frame { origin_m: dvec2(-10.25, 0.1 + 0.2), yaw_rad: 1.0 };
         let found = Frame::find(&format!("Imported. {frame}")).expect("it is there");
         assert_eq!(found, Frame { origin_m: dvec2(-10.25, 0.3), ..frame });

@@ -1,6 +1,6 @@
-//! A rectangular array of cells, with the distance of every cell to the nearest of a set.
+//! A rectangular array of cells, its connected parts, and the distance of every cell to the nearest cell of a set.
 
-/// A rectangular array. Row 0 is the lowest, column 0 the leftmost: x and y point as on paper.
+/// A rectangular array. Row 0 is the lowest, column 0 the leftmost: x points right, y up.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Grid<T> {
     /// Number of cells along x.
@@ -46,7 +46,7 @@ impl<T: Copy> Grid<T> {
         [left, right, below, above].into_iter().flatten()
     }
 
-    /// The cells that share a side or a corner with `cell`, and `cell`.
+    /// The cells that share a side or a corner with `cell`, and `cell` itself.
     pub fn around(&self, (column, row): Cell) -> impl Iterator<Item = Cell> + use<T> {
         let (right, high) = ((column + 2).min(self.columns), (row + 2).min(self.rows));
         (row.saturating_sub(1)..high)
@@ -58,7 +58,7 @@ impl<T: Copy> Grid<T> {
         ((0, 0), (self.columns, self.rows))
     }
 
-    /// The same cells with other values.
+    /// The grid with the function `value` applied to every cell.
     pub fn map<U>(&self, value: impl Fn(T) -> U) -> Grid<U> {
         Grid {
             columns: self.columns,
@@ -82,35 +82,36 @@ impl Grid<bool> {
         })
     }
 
-    /// Cells of the set that are connected by sides: a number for each, and the number of cells by number.
+    /// The connected components of the set, whose cells share sides: the label of each cell (`u32::MAX` outside of the set), and
+    /// the number of cells by label.
     pub fn components(&self) -> (Grid<u32>, Vec<usize>) {
         const NONE: u32 = u32::MAX;
-        let mut numbers = Grid::filled(self.columns, self.rows, NONE);
+        let mut labels = Grid::filled(self.columns, self.rows, NONE);
         let (mut sizes, mut stack) = (Vec::new(), Vec::new());
         for first in self.members() {
-            if numbers.at(first) != NONE {
+            if labels.at(first) != NONE {
                 continue;
             }
-            let number = sizes.len() as u32;
+            let label = sizes.len() as u32;
             sizes.push(0);
-            numbers.set(first, number);
+            labels.set(first, label);
             stack.push(first);
             while let Some(cell) = stack.pop() {
-                sizes[number as usize] += 1;
+                sizes[label as usize] += 1;
                 for next in self.neighbours(cell).filter(|&next| self.at(next)) {
-                    if numbers.at(next) == NONE {
-                        numbers.set(next, number);
+                    if labels.at(next) == NONE {
+                        labels.set(next, label);
                         stack.push(next);
                     }
                 }
             }
         }
-        (numbers, sizes)
+        (labels, sizes)
     }
 
-    /// The squared distance, in cells, from the centre of each cell to that of the nearest cell in the set. The cells outside
-    /// the grid count as in the set if `outside`. (Felzenszwalb and Huttenlocher, *Distance transforms of sampled functions*,
-    /// 2012.)
+    /// The squared distance, in cells, from the centre of each cell to that of the nearest cell in the set. With `outside`, all
+    /// cells outside the grid count as part of the set. (Felzenszwalb and Huttenlocher, *Distance transforms of sampled
+    /// functions*, 2012.)
     pub fn squared_distances(&self, outside: bool) -> Grid<f32> {
         // A border of one cell stands for all cells outside.
         let (columns, rows) = (self.columns + 2, self.rows + 2);
@@ -146,7 +147,7 @@ struct Envelope {
 }
 
 impl Envelope {
-    /// Replaces each value by the least of all values plus the squared distances to them.
+    /// Replaces each value by the minimum over all cells of the line: a cell's value plus the squared distance to it.
     fn transform(&mut self, line: &mut [f32]) {
         self.values.clear();
         self.values.extend_from_slice(line);
@@ -211,11 +212,11 @@ mod tests {
     }
 
     #[test]
-    fn components_touch_at_sides_not_at_corners() {
+    fn cells_that_touch_only_at_a_corner_are_separate_components() {
         let set = Grid { columns: 3, rows: 2, values: vec![true, false, true, false, true, true] };
-        let (numbers, sizes) = set.components();
+        let (labels, sizes) = set.components();
         assert_eq!(sizes, [1, 3]);
-        assert_ne!(numbers.at((0, 0)), numbers.at((1, 1)));
+        assert_ne!(labels.at((0, 0)), labels.at((1, 1)));
         assert_eq!(set.bounds(), Some(((0, 0), (3, 2))));
     }
 }

@@ -11,13 +11,13 @@ use crate::limits::MAX_WORLD_BYTES;
 use crate::options::ImportOptions;
 use crate::{Imported, barn, stages};
 
-/// What tells the kinds of files apart.
+/// The key that tells a file of stages from a file of BARN worlds.
 #[derive(Deserialize)]
 struct Probe {
     stages: Option<IgnoredAny>,
 }
 
-/// The scenarios in the file at `path`, with their names: that of world `options.world`, or all.
+/// The scenarios of the worlds in the file at `path`, with their names: of the world `options.world` only, or of all.
 ///
 /// # Errors
 /// The file is missing or invalid, has no such world, or a scenario would be invalid.
@@ -25,7 +25,7 @@ pub fn import_file(path: &Path, options: &ImportOptions) -> Result<Vec<(String, 
     import_text(&read_text_with_limit(path, MAX_WORLD_BYTES)?, path, options)
 }
 
-/// As [`import_file`], for the text of a file.
+/// Like [`import_file`], with the text of the file.
 ///
 /// # Errors
 /// As for [`import_file`].
@@ -46,10 +46,10 @@ pub fn import_text(
     chosen(file.by_number(), path, options)?.into_iter().map(import).collect()
 }
 
-/// Reads the text of a file of `what`, such as "BARN worlds".
+/// Parses the text of a file of `what`, such as "BARN worlds".
 ///
 /// # Errors
-/// It is something else.
+/// The text is not such a file.
 pub fn parse<T: DeserializeOwned>(text: &str, path: &Path, what: &str) -> Result<T, FileError> {
     serde_json::from_str(text).map_err(|error| {
         let start: usize = text.split_inclusive('\n').take(error.line().max(1) - 1).map(str::len).sum();
@@ -59,7 +59,7 @@ pub fn parse<T: DeserializeOwned>(text: &str, path: &Path, what: &str) -> Result
     })
 }
 
-/// The world that `options` choose, or all.
+/// The world that `options` select, or all of them.
 fn chosen<T>(
     mut worlds: BTreeMap<u32, T>,
     path: &Path,

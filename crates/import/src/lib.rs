@@ -11,7 +11,7 @@
 //! | `map.rs` | the import of a map or a picture |
 //! | `sdf/` | the solids of an SDF world |
 //! | `world.rs`, `solid.rs` | the import of a world of solids |
-//! | `json.rs` | files that hold many worlds: of BARN, or stages |
+//! | `json.rs` | files with many BARN worlds or stages |
 //! | `barn.rs`, `npy.rs` | BARN worlds, with start, goal and path |
 //! | `stages.rs` | the stages of turtlebot3_drlnav, with cylinders that move |
 //! | `floor.rs` | the part of a map that the robot can reach |
@@ -19,6 +19,7 @@
 //! | `draft.rs`, `frame.rs` | the scenario around them: starts, goals, time limit, description, position in the source |
 //! | `findings.rs` | what could not be represented |
 //! | `grid.rs` | cells, their connected parts, and distances |
+//! | `round.rs` | rounding to tenths of a millimetre |
 //!
 //! ```no_run
 //! use wayfield_import::{ImportOptions, import};
@@ -66,9 +67,9 @@ pub use options::ImportOptions;
 pub struct Imported {
     /// The scenario. It is valid.
     pub scenario: Scenario,
-    /// The largest distance, in m, of a wall from the cells that it stands for. 0 for shapes that were taken over exactly.
+    /// The largest distance, in m, between a wall and the map cells that it replaces. 0 for shapes that were imported exactly.
     pub deviation_m: f64,
-    /// The length in m of a shortest path from start to goal, if the source says it, as BARN does.
+    /// The length in m of a shortest path from start to goal, if the source states it, as BARN does.
     pub path_length_m: Option<f64>,
     /// What could not be represented, a line for each kind of thing.
     pub findings: Vec<String>,
@@ -84,12 +85,12 @@ impl Imported {
     }
 }
 
-/// The scenario in the file at `path`: a map (`.yaml`), a picture (`.png`, `.pgm`, `.pnm`, `.ppm`, `.pbm`), a world or model of
-/// Gazebo (`.world`, `.sdf`), or one of the BARN worlds or the stages in a `.json` file.
+/// The scenario in the file at `path`: a map (`.yaml`), a picture (`.png`, `.pgm`, `.pnm`, `.ppm`, `.pbm`), a Gazebo world
+/// or model (`.world`, `.sdf`), or one BARN world or stage in a `.json` file.
 ///
 /// # Errors
-/// The file or one that it names is missing, invalid or too large; or there is no valid scenario in it. The message names file,
-/// line and fix.
+/// The file or one that it names is missing, invalid or too large; or there is no valid scenario in it. The message names the
+/// file, the line and a fix.
 pub fn import(path: &Path, options: &ImportOptions) -> Result<Imported, FileError> {
     options.check(path)?;
     match kind(path) {
@@ -110,8 +111,8 @@ pub fn import(path: &Path, options: &ImportOptions) -> Result<Imported, FileErro
     }
 }
 
-/// The scenario in the `bytes` of a picture, an SDF world, or a file of worlds, whose kind the extension of `path` names; also for
-/// messages. Models that a world includes are read from files.
+/// The scenario in `bytes`: a picture, an SDF world, or a file of worlds, as the extension of `path` says. Messages name `path`.
+/// Models that a world includes are read from files.
 ///
 /// # Errors
 /// As for [`import`].
@@ -128,7 +129,7 @@ pub fn import_bytes(path: &Path, bytes: &[u8], options: &ImportOptions) -> Resul
     }
 }
 
-/// The scenario of a map of `map_server` with the description `yaml` and the bytes of its picture. Errors name `path`.
+/// The scenario of a `map_server` map, from the text of its YAML file and the bytes of its picture. Errors name `path`.
 ///
 /// # Errors
 /// As for [`import`].
@@ -142,10 +143,10 @@ pub fn import_map(
     map::Map::from_parts(yaml, picture, path)?.import(path, options)
 }
 
-/// The length in m of the path in the bytes of one of BARN's path files, from start to goal.
+/// The length, in m, of the path from start to goal in `bytes`, the contents of a BARN path file.
 ///
 /// # Errors
-/// The bytes are no path. Errors name `path`.
+/// The bytes are not a path. Errors name `path`.
 pub fn barn_path_length_m(bytes: &[u8], path: &Path) -> Result<f64, FileError> {
     barn::path_length_m(bytes, path)
 }
@@ -158,7 +159,7 @@ pub fn import_worlds(path: &Path, options: &ImportOptions) -> Result<Vec<(String
     json::import_file(path, options)
 }
 
-/// What a scenario that was imported from the map or picture at `path` can be drawn over.
+/// The backdrop over which to draw a scenario that was imported from the map or picture at `path`.
 ///
 /// # Errors
 /// As for [`import`].
@@ -194,7 +195,7 @@ enum Kind {
     Worlds,
 }
 
-/// Whether the extension of `path` is that of a map of ROS or of a world of Gazebo, which says its own scale.
+/// Whether the extension of `path` is that of a ROS map or a Gazebo world, which state their own scale.
 #[must_use]
 pub fn is_map_or_world(path: &Path) -> bool {
     matches!(kind(path), Some(Kind::Map | Kind::Sdf))

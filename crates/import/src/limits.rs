@@ -1,20 +1,20 @@
-//! The limits of imported files and of the numbers in them.
+//! The limits of imported files and of the values in them.
 
 use std::ops::RangeInclusive;
 
-/// Largest picture file, in bytes.
+/// Maximum size of an image file, in bytes.
 pub const MAX_PICTURE_BYTES: u64 = 1 << 26;
-/// Most pixels of a picture, or cells of the grid over an SDF world.
+/// Maximum number of pixels of an image.
 pub const MAX_CELLS: usize = 1 << 23;
-/// Most corners of one outline of a map's floor.
+/// Maximum number of corners of one outline of a map's floor.
 pub const MAX_RING_CORNERS: usize = 50_000;
-/// Largest SDF or JSON file, in bytes; also of all included models together.
+/// Maximum size of an SDF or JSON file, and of all included models together, in bytes.
 pub const MAX_WORLD_BYTES: u64 = 1 << 25;
-/// Most elements of an XML file, with texts and attributes.
+/// Maximum number of nodes of an XML file: elements, texts and comments, but not attributes.
 pub const MAX_XML_NODES: u32 = 1 << 20;
-/// Deepest nesting of models in models.
+/// Maximum depth of models nested in models.
 pub const MAX_MODEL_NESTING: usize = 8;
-/// Most models that a world includes.
+/// Maximum number of models that a world includes.
 pub const MAX_INCLUDES: usize = 1_000;
 /// Side of a map's cell, in m.
 pub const RESOLUTION_M: RangeInclusive<f64> = 0.001..=10.0;

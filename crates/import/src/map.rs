@@ -1,4 +1,4 @@
-//! The import of a map: a picture whose bright pixels are floor.
+//! The import of a map: an image whose free pixels become floor.
 
 use std::path::{Path, PathBuf};
 
@@ -18,7 +18,7 @@ use crate::picture::{self, Pixels};
 use crate::rectangles::rectangles;
 use crate::trace::{Scale, THICKNESS_M, surroundings};
 
-/// A map with its place.
+/// A map with its scale and pose.
 pub struct Map {
     /// The pixels.
     pub pixels: Pixels,
@@ -33,15 +33,15 @@ pub struct Map {
 /// The cells of a map that are not free.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Backdrop {
-    /// The cells as few polygons: the corners of each, counterclockwise, in m in the source's frame.
+    /// A few rectangles that cover the cells: the corners of each, counterclockwise, in m in the source's frame.
     pub areas_m: Vec<[DVec2; 4]>,
 }
 
 impl Map {
-    /// The map of `map_server` whose description is at `path`.
+    /// Reads the `map_server` map whose description is at `path`.
     ///
     /// # Errors
-    /// The description or its picture is missing or invalid.
+    /// The description or its image is missing or invalid.
     pub fn read_yaml(path: &Path) -> Result<Self, FileError> {
         let text = read_text(path)?;
         let file = MapFile::parse(&text, path)?;
@@ -59,30 +59,30 @@ impl Map {
         Ok(Self { pixels, reading: file.reading, cell_m: file.resolution_m, origin: file.origin })
     }
 
-    /// The map with this description and this picture. Errors name `path`.
+    /// The map with this description and this image. Errors name `path`.
     ///
     /// # Errors
-    /// The description or the picture is invalid.
+    /// The description or the image is invalid.
     pub fn from_parts(yaml: &str, picture: &[u8], path: &Path) -> Result<Self, FileError> {
         let file = MapFile::parse(yaml, path)?;
         let pixels = picture::decode(picture).map_err(|message| FileError::for_file(path, message))?;
         Ok(Self { pixels, reading: file.reading, cell_m: file.resolution_m, origin: file.origin })
     }
 
-    /// The plain picture at `path`, with dark walls and pixels of `resolution_m`. The source's frame has its origin in the
+    /// Reads the plain image at `path`, with dark walls and pixels of `resolution_m`. The source's frame has its origin in the
     /// lower left corner.
     ///
     /// # Errors
-    /// The picture is missing or invalid, or the scale.
+    /// The image or the resolution is missing or invalid.
     pub fn read_picture(path: &Path, resolution_m: Option<f64>) -> Result<Self, FileError> {
         let cell_m = scale(path, resolution_m)?;
         Ok(Self::from_picture(picture::read(path)?, cell_m))
     }
 
-    /// The same with the bytes of the picture.
+    /// Like [`Map::read_picture`], with the bytes of the image.
     ///
     /// # Errors
-    /// The picture is invalid, or the scale.
+    /// The image is invalid, or the resolution is missing or invalid.
     pub fn parse_picture(bytes: &[u8], path: &Path, resolution_m: Option<f64>) -> Result<Self, FileError> {
         let cell_m = scale(path, resolution_m)?;
         let pixels = picture::decode(bytes).map_err(|message| FileError::for_file(path, message))?;
@@ -110,7 +110,7 @@ impl Map {
         Backdrop { areas_m: rectangles(&blocked).into_iter().map(area).collect() }
     }
 
-    /// The frame of a scenario whose (0, 0) is at a point of the picture, given in pixels from its lower left corner.
+    /// The frame of a scenario whose (0, 0) is at `centre`, in pixels from the lower left corner of the image.
     fn frame(&self, centre: DVec2) -> Frame {
         let [x, y, yaw_rad] = self.origin;
         let corner = Frame { origin_m: dvec2(x, y), yaw_rad };
@@ -136,7 +136,7 @@ impl Map {
         let asked_m = options.tolerance_m.unwrap_or(self.cell_m + THICKNESS_M / 2.0);
         let clearance_m = floor.clearance * self.cell_m;
         let mut problem = String::new();
-        // Simplified walls may close a gap. Then the next tolerance is tried, and at last the cells themselves.
+        // Simplified walls may close a gap. Then smaller tolerances are tried, and finally the cells themselves.
         for tolerance_m in [asked_m, asked_m / 2.0, asked_m / 4.0, 0.0] {
             let checked = surroundings(&floor.cells, scale, tolerance_m, clearance_m).and_then(|found| {
                 let about = self.about(found.deviation_m, dropped);
@@ -181,7 +181,7 @@ impl Map {
     }
 }
 
-/// The side of a pixel of the picture at `path`, in m.
+/// The side of a pixel of the image at `path`, in m: `resolution_m`, which must be given.
 fn scale(path: &Path, resolution_m: Option<f64>) -> Result<f64, FileError> {
     resolution_m.filter(|side| RESOLUTION_M.contains(side)).ok_or_else(|| {
         let message =
@@ -190,17 +190,17 @@ fn scale(path: &Path, resolution_m: Option<f64>) -> Result<f64, FileError> {
     })
 }
 
-/// `free` with the blocked parts of up to `most` cells added, and the number of these parts.
-fn without_specks(free: Grid<bool>, most: usize) -> (Grid<bool>, usize) {
-    if most == 0 {
+/// `free` with the specks added, which are connected blocked parts of up to `max_cells` cells; and the number of specks.
+fn without_specks(free: Grid<bool>, max_cells: usize) -> (Grid<bool>, usize) {
+    if max_cells == 0 {
         return (free, 0);
     }
     let blocked = free.map(|is_free| !is_free);
-    let (numbers, sizes) = blocked.components();
-    let is_speck = |number: u32| sizes.get(number as usize).is_some_and(|&size| size <= most);
+    let (labels, sizes) = blocked.components();
+    let is_speck = |label: u32| sizes.get(label as usize).is_some_and(|&size| size <= max_cells);
     let mut cleaned = free;
-    blocked.members().filter(|&cell| is_speck(numbers.at(cell))).for_each(|cell| cleaned.set(cell, true));
-    (cleaned, sizes.iter().filter(|&&size| size <= most).count())
+    blocked.members().filter(|&cell| is_speck(labels.at(cell))).for_each(|cell| cleaned.set(cell, true));
+    (cleaned, sizes.iter().filter(|&&size| size <= max_cells).count())
 }
 
 /// The name of a file without its folder.

@@ -1,7 +1,7 @@
-//! The description of a map of ROS's `map_server`: a few keys of YAML.
+//! The description of a map of ROS's `map_server`: a few YAML keys.
 //!
 //! In: the text of the `.yaml` file. Out: [`MapFile`], or an error with line and column. Keys that `map_server` does not read
-//! are ignored. Values may be written in one line or, for `origin`, as a list of lines.
+//! are ignored. A value is on one line; the list of `origin` may also extend over several lines.
 
 use std::path::Path;
 
@@ -10,16 +10,16 @@ use wayfield_scenario::FileError;
 use crate::findings::shown;
 use crate::limits::{COORDINATE_M, RESOLUTION_M};
 
-/// A map of `map_server`.
+/// The description of a `map_server` map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapFile {
-    /// The picture, as written in the file.
+    /// The path of the image, as written in the file.
     pub image: String,
-    /// Byte offset of that name, for messages.
+    /// Byte offset of `image` in the file, for messages.
     pub image_at: usize,
     /// Side of a pixel in m.
     pub resolution_m: f64,
-    /// Pose of the lower left corner of the picture in the map's frame: x and y in m, yaw in rad.
+    /// Pose of the lower left corner of the image in the map's frame: x and y in m, yaw in rad.
     pub origin: [f64; 3],
     /// How to read the pixels.
     pub reading: PixelReading,
@@ -41,20 +41,20 @@ pub struct PixelReading {
 /// The three modes of `map_server`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MapMode {
-    /// Free, occupied, or unknown between the thresholds.
+    /// Free, occupied, or, between the thresholds, unknown.
     Trinary,
-    /// The same, with a probability between the thresholds.
+    /// Like [`MapMode::Trinary`], but with a probability between the thresholds.
     Scale,
     /// The pixel is the occupancy in percent; values above 100 are unknown.
     Raw,
 }
 
 impl PixelReading {
-    /// That of a plain picture: dark is occupied.
+    /// The reading of a plain image: dark is occupied.
     pub const PICTURE: Self = Self { negate: false, occupied: 0.5, free: 0.5, mode: MapMode::Trinary };
 
-    /// Whether a cell of this brightness, 0 to 255, is free. All others are walls to us: occupied cells, unknown ones, and in
-    /// the mode `scale` those between. As `map_server` does, it compares f32, and free wins.
+    /// Whether a cell of this brightness, 0 to 255, is free. All other cells count as walls: occupied, unknown, and in the mode
+    /// `scale` those between the thresholds. As in `map_server`, occupancy is f32, and a cell at both thresholds is free.
     pub fn is_free(self, brightness: u8) -> bool {
         if self.mode == MapMode::Raw {
             return f64::from(brightness) <= 100.0 * self.free && brightness <= 100;
@@ -81,11 +81,11 @@ impl MapFile {
             "write the side of a pixel in m, such as `resolution: 0.05`",
             RESOLUTION_M,
         )?;
-        let share = |key: &str, usual: f64| {
+        let fraction = |key: &str, usual: f64| {
             let help = format!("write a share of 0 to 1, such as `{key}: {usual}`");
             keys.number(key, &help, 0.0..=1.0)
         };
-        let (occupied, free) = (share("occupied_thresh", 0.65)?, share("free_thresh", 0.196)?);
+        let (occupied, free) = (fraction("occupied_thresh", 0.65)?, fraction("free_thresh", 0.196)?);
         if free > occupied {
             let entry = keys.required("free_thresh", "")?;
             let message = format!("is {free}, more than occupied_thresh, {occupied}; help: exchange them");
@@ -116,7 +116,7 @@ struct Keys<'a> {
 
 impl Keys<'_> {
     fn find(&self, key: &str) -> Option<Entry> {
-        // As in YAML readers, the last of several wins.
+        // As in most YAML readers, the last of several equal keys wins.
         self.entries.iter().rev().find(|entry| entry.key == key).cloned()
     }
 
@@ -182,7 +182,7 @@ impl Keys<'_> {
     }
 }
 
-/// `text` as a finite number; `None` if it is none.
+/// `text` as a finite number; `None` if it is not one.
 fn number(text: &str) -> Option<f64> {
     text.parse().ok().filter(|value: &f64| value.is_finite())
 }
@@ -213,12 +213,12 @@ fn entries(text: &str) -> Vec<Entry> {
     entries
 }
 
-/// Whether `text` is a list in brackets that goes on in the next line.
+/// Whether `text` is a list in brackets that continues on the next line.
 fn is_open(text: &str) -> bool {
     text.starts_with('[') && !text.ends_with(']')
 }
 
-/// `line` without its comment, which starts with `#` at its begin or after a space, outside of quotes.
+/// `line` without its comment, which starts with a `#` outside of quotes, at the start of the line or after a space.
 fn without_comment(line: &str) -> &str {
     let mut quote = None;
     let mut before = ' ';
@@ -266,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn invalid_values_are_rejected_with_their_place() {
+    fn invalid_values_are_rejected_with_the_file_and_the_key() {
         for (from, to, expected) in [
             (
                 "resolution: 0.05",
@@ -292,9 +292,9 @@ mod tests {
     }
 
     #[test]
-    fn the_grey_of_unknown_cells_is_floor_only_above_its_threshold() {
+    fn the_grey_of_unknown_cells_is_floor_only_if_the_threshold_exceeds_its_occupancy() {
         let reading = |free| PixelReading { negate: false, occupied: 0.65, free, mode: MapMode::Trinary };
-        // 205 is 0.19608.
+        // A brightness of 205 is an occupancy of 0.19608.
         assert!(!reading(0.196).is_free(205) && reading(0.25).is_free(205));
         assert!(reading(0.196).is_free(254) && !reading(0.196).is_free(0));
         let negated = PixelReading { negate: true, ..reading(0.196) };

@@ -1,4 +1,4 @@
-//! Points in a file of NumPy (`.npy`).
+//! Points in a NumPy file (`.npy`).
 
 use glam::{DVec2, dvec2};
 
@@ -7,7 +7,7 @@ use crate::limits::COORDINATE_M;
 /// The rows of an array of n x 2 numbers (int64, int32 or float64, little-endian, in C order).
 ///
 /// # Errors
-/// As a message: it is another kind of file or array, incomplete, or has numbers out of range.
+/// The file or array is of another kind, is incomplete, or has numbers out of range.
 pub fn points(bytes: &[u8]) -> Result<Vec<DVec2>, String> {
     let (header, data) = split(bytes).ok_or("not a .npy file")?;
     let wrong = || format!("not an array of n x 2 numbers in C order: {}", header.trim());
@@ -53,7 +53,7 @@ fn between<'a>(text: &'a str, start: &str, end: &str) -> Option<&'a str> {
     Some(text.split_once(start)?.1.split_once(end)?.0.trim())
 }
 
-/// The bytes of a part, which has as many.
+/// `part`, which has N bytes, as an array.
 fn fixed<const N: usize>(part: &[u8]) -> [u8; N] {
     let mut bytes = [0; N];
     bytes.copy_from_slice(part);

@@ -9,21 +9,21 @@ use crate::limits::{LIDAR_HEIGHT_M, RESOLUTION_M, TOLERANCE_M};
 /// The choices of an import. The defaults suit a map of ROS and a TurtleBot3.
 #[derive(Clone, Debug)]
 pub struct ImportOptions {
-    /// Side of a pixel of a plain picture, in m. Maps say it themselves.
+    /// Side of a pixel of a plain image, in m. Maps state their own.
     pub resolution_m: Option<f64>,
-    /// How far the walls may be from the cells of a map, in m. 0 keeps every cell. `None` is the side of a
-    /// cell, and 0.01 m for half the thickness of a wall.
+    /// How far the walls may be from the cells of a map, in m. 0 keeps every cell. `None` is the side of a cell plus 0.01 m, half
+    /// the thickness of a wall.
     pub tolerance_m: Option<f64>,
-    /// Specks of up to this many cells, such as noise of a SLAM map, count as floor.
+    /// Specks of up to this many cells, such as noise in a SLAM map, count as floor.
     pub speck_cells: usize,
     /// Height of the LIDAR above the ground, in m, at which the shapes of an SDF world are cut.
     pub lidar_height_m: f64,
-    /// Folders in which the models of an SDF world are searched, the first one first.
+    /// Folders that are searched for the models of an SDF world, in this order.
     pub models: Vec<PathBuf>,
     /// The number of the world in a file of BARN worlds, or of the stage in a file of stages.
     pub world: Option<u32>,
-    /// The scenario whose robot, LIDAR and rules are used. `None` is the default robot; in a BARN world or a stage, that of
-    /// BARN or of the stages.
+    /// The scenario whose robot, LIDAR and rules are used. `None` is the default scenario; for a BARN world or a stage, the
+    /// robot and rules of BARN or of turtlebot3_drlnav.
     pub robot_from: Option<Scenario>,
 }
 
@@ -33,7 +33,7 @@ impl Default for ImportOptions {
             resolution_m: None,
             tolerance_m: None,
             speck_cells: 0,
-            // The LDS-01 and LDS-02 of a TurtleBot3 Burger.
+            // That of the LDS-01 or LDS-02 on a TurtleBot3 Burger.
             lidar_height_m: 0.18,
             models: Vec::new(),
             world: None,
@@ -46,7 +46,7 @@ impl ImportOptions {
     /// Checks that all numbers are in their ranges ([`limits`](crate::limits)).
     ///
     /// # Errors
-    /// One is not. The error names `path`.
+    /// A number is out of range. The error names `path`.
     pub(crate) fn check(&self, path: &Path) -> Result<(), FileError> {
         let numbers = [
             ("the resolution", self.resolution_m, RESOLUTION_M),

@@ -1,7 +1,7 @@
 //! The pixels of a PNG or PNM file.
 //!
-//! In: a path. Out: brightness and opacity of every pixel, with row 0 at the bottom. The size is checked before anything is
-//! decoded, so that a small file cannot ask for much memory.
+//! In: a path, or the bytes of a file. Out: brightness and opacity of every pixel, with row 0 at the bottom. The size is
+//! checked before anything is decoded, so that a small file cannot ask for much memory.
 
 use std::io::{Cursor, ErrorKind};
 use std::path::Path;
@@ -13,15 +13,15 @@ use crate::grid::Grid;
 use crate::limits::{MAX_CELLS, MAX_PICTURE_BYTES};
 use crate::pnm;
 
-/// Brightness of a pixel, 0 to 255, or `None` if it is not opaque.
+/// The brightness of every pixel, 0 to 255; `None` if it is not opaque.
 pub type Pixels = Grid<Option<u8>>;
 
 const FORMATS: &str = "give a PGM, PPM, PBM or PNG file";
 
-/// The pixels of the picture at `path`.
+/// Reads the pixels of the image at `path`.
 ///
 /// # Errors
-/// The file is missing, no picture in one of these formats, incomplete, or too large.
+/// The file is missing, is not an image in one of the formats, is incomplete, or is too large.
 pub fn read(path: &Path) -> Result<Pixels, FileError> {
     let fail = |message: String| FileError::for_file(path, message);
     if is_special_file(path) {
@@ -38,10 +38,10 @@ pub fn read(path: &Path) -> Result<Pixels, FileError> {
     decode(&bytes).map_err(fail)
 }
 
-/// The pixels of the picture in `bytes`.
+/// Decodes the pixels of the image in `bytes`.
 ///
 /// # Errors
-/// As a message: it is no picture in one of the formats, incomplete, or too large.
+/// As a message: the image is not in one of the formats, is incomplete, or is too large.
 pub fn decode(bytes: &[u8]) -> Result<Pixels, String> {
     if pnm::is_pnm(bytes) {
         let picture = pnm::decode(bytes)?;
@@ -66,7 +66,7 @@ pub fn decode(bytes: &[u8]) -> Result<Pixels, String> {
     Ok(upright(columns, &pixels, |pixel| (pixel.0[1] == u8::MAX).then_some(pixel.0[0])))
 }
 
-/// The grid of rows of `columns` pixels, of which the topmost comes first.
+/// The grid of an image whose rows of `columns` pixels are given from the top.
 fn upright<T>(columns: usize, from_above: &[T], pixel: impl Fn(&T) -> Option<u8>) -> Pixels {
     let rows = from_above.chunks(columns.max(1));
     let count = rows.len();

@@ -4,7 +4,7 @@
 
 use crate::limits::MAX_CELLS;
 
-/// A picture in memory.
+/// A decoded image.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PnmPicture {
     /// Width in pixels.
@@ -15,15 +15,15 @@ pub struct PnmPicture {
     pub brightness: Vec<u8>,
 }
 
-/// Whether `bytes` begin as a file in one of the formats.
+/// Whether `bytes` start like a file in one of the formats.
 pub fn is_pnm(bytes: &[u8]) -> bool {
     matches!(bytes, [b'P', b'1'..=b'6', separator, ..] if separator.is_ascii_whitespace() || *separator == b'#')
 }
 
-/// The picture in `bytes`, which [begin as one](is_pnm).
+/// Decodes the image in `bytes`, for which [`is_pnm`] must hold.
 ///
 /// # Errors
-/// As a message: it is incomplete, has an invalid number, or is too large.
+/// As a message: the image is incomplete, has an invalid number, or is too large.
 pub fn decode(bytes: &[u8]) -> Result<PnmPicture, String> {
     let format = bytes.get(1).copied().unwrap_or(0);
     let mut reader = Reader { rest: bytes.get(2..).unwrap_or_default() };
@@ -55,7 +55,7 @@ pub fn decode(bytes: &[u8]) -> Result<PnmPicture, String> {
     Ok(PnmPicture { width, height, brightness })
 }
 
-/// The message about a picture that is too large.
+/// The message about an image that is too large.
 pub fn too_many_pixels(width: usize, height: usize) -> String {
     format!(
         "{width} x {height} pixels, more than {MAX_CELLS}; help: make it smaller, with a larger resolution"
@@ -77,7 +77,7 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    /// The next number, after spaces and comments.
+    /// Reads the next number, after spaces and comments.
     fn number(&mut self, what: &str) -> Result<usize, String> {
         self.skip_spaces();
         let digits = self.rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
@@ -100,7 +100,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Digits 0 and 1, with or without spaces between them.
+    /// Reads `count` digits 0 or 1, with or without spaces between them.
     fn bits(&mut self, count: usize) -> Result<Vec<usize>, String> {
         let bit = |_| {
             self.skip_spaces();
@@ -111,7 +111,7 @@ impl Reader<'_> {
         (0..count).map(bit).collect()
     }
 
-    /// One bit per pixel, the highest first, in rows of whole bytes after one space.
+    /// Reads one bit per pixel, the most significant first, in rows of whole bytes, after one byte of white space.
     fn packed_bits(&mut self, width: usize, height: usize) -> Result<Vec<usize>, String> {
         let row_bytes = width.div_ceil(8);
         let data =
@@ -120,7 +120,7 @@ impl Reader<'_> {
         Ok(data.chunks_exact(row_bytes.max(1)).flat_map(|row| (0..width).map(move |x| bit(row, x))).collect())
     }
 
-    /// One byte per sample after one space, or two if white needs them, the higher first.
+    /// Reads samples after one byte of white space: one byte each, or two if `white` needs them, big-endian.
     fn binary(&mut self, count: usize, white: usize) -> Result<Vec<usize>, String> {
         let size = if white > 255 { 2 } else { 1 };
         let data = self.rest.get(1..).and_then(|data| data.get(..count * size)).ok_or_else(incomplete)?;

@@ -1,9 +1,9 @@
-//! A set of cells as few rectangles.
+//! Covers a set of cells with few rectangles.
 
 use crate::grid::{Cell, Grid};
 
-/// Rectangles of whole cells that together cover the set and nothing else: lower left and upper right corner of each, the
-/// latter exclusive. The longer of the row and the column from each cell is taken first.
+/// Rectangles that together cover the set and nothing else: the lower left and upper right cell of each, the latter exclusive.
+/// From each cell not yet covered, two are grown, along x first and along y first, and the larger is taken.
 pub fn rectangles(set: &Grid<bool>) -> Vec<(Cell, Cell)> {
     let mut open = set.clone();
     let mut found = Vec::new();
@@ -22,7 +22,7 @@ pub fn rectangles(set: &Grid<bool>) -> Vec<(Cell, Cell)> {
     found
 }
 
-/// The upper right corner of the rectangle in the set from `first` on that is grown along x first, or along y.
+/// The exclusive upper right cell of a rectangle in the set that is grown from `first`, along x first or along y first.
 fn grown(set: &Grid<bool>, first: Cell, along_x: bool) -> Cell {
     let (mut right, mut high) = (first.0 + 1, first.1 + 1);
     for grows_x in [along_x, !along_x] {
@@ -39,7 +39,7 @@ fn grown(set: &Grid<bool>, first: Cell, along_x: bool) -> Cell {
     (right, high)
 }
 
-/// The blocks of `side` x `side` cells that lie in the set entirely, as a set of cells.
+/// The blocks of `side` x `side` cells, cut off at the grid's edge, that lie entirely in the set, as a set of cells.
 pub fn whole_blocks(set: &Grid<bool>, side: usize) -> Grid<bool> {
     let mut blocks = Grid::filled(set.columns, set.rows, false);
     for low in (0..set.rows).step_by(side) {

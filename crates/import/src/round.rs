@@ -1,4 +1,4 @@
-//! Numbers as people write them: tenths of a millimetre.
+//! Rounding to tenths of a millimetre, so that numbers in a scenario file are short.
 
 use glam::{DVec2, Vec2, vec2};
 

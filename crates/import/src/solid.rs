@@ -21,7 +21,7 @@ pub struct Solid {
 pub enum Outline {
     /// A circle with this radius.
     Circle(f64),
-    /// A rectangle with this extent along its own x and y axis.
+    /// A rectangle with this extent along its own x and y axes.
     Rectangle(DVec2),
 }
 
@@ -53,7 +53,7 @@ impl Solid {
         (self.centre_m - half, self.centre_m + half)
     }
 
-    /// All its numbers.
+    /// The numbers of its position, size and rotation, for range checks.
     pub fn numbers(&self) -> impl Iterator<Item = f64> + use<> {
         let size = match self.outline {
             Outline::Circle(radius) => DVec2::splat(radius),
@@ -91,11 +91,11 @@ impl Solid {
 fn turned(yaw_rad: f64) -> f32 {
     let half = std::f64::consts::PI;
     let turned = yaw_rad - half * (yaw_rad / half).round();
-    // Gazebo's files often say 1.5708 for a quarter turn.
+    // Six decimals suffice: Gazebo's files often have 1.5708 for a quarter turn.
     ((turned * 1e6).round() / 1e6 + 0.0) as f32
 }
 
-/// The box around all solids and points.
+/// The bounding box of all solids and points: lower left and upper right corner.
 pub fn bounds(solids: &[Solid], points: &[DVec2]) -> (DVec2, DVec2) {
     let boxes = solids.iter().map(Solid::bounds).chain(points.iter().map(|&point| (point, point)));
     boxes.fold((DVec2::MAX, DVec2::MIN), |(low, high), (from, to)| (low.min(from), high.max(to)))
@@ -108,7 +108,7 @@ mod tests {
     use std::f64::consts::FRAC_PI_2;
 
     #[test]
-    fn a_turned_box_has_the_distances_and_the_bounds_of_what_it_looks_like() {
+    fn the_distances_and_bounds_of_a_turned_box_are_those_of_its_turned_outline() {
         let wall = Solid {
             outline: Outline::Rectangle(dvec2(5.0, 0.2)),
             centre_m: dvec2(2.0, 0.0),

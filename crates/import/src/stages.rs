@@ -1,5 +1,5 @@
-//! Stages of turtlebot3_drlnav (<https://github.com/tomasvr/turtlebot3_drlnav>): rooms with boxes and cylinders, some of which move
-//! by key frames.
+//! Stages of turtlebot3_drlnav (<https://github.com/tomasvr/turtlebot3_drlnav>): rooms with boxes and cylinders, some of which
+//! follow key frames.
 //!
 //! In: a JSON file with many stages. Out: a scenario for each, with the robot, the goal and the time limit of that project.
 
@@ -23,7 +23,7 @@ use crate::round::{metres, point};
 use crate::solid::{Outline, Solid};
 use crate::world;
 
-/// A file of stages, by their numbers.
+/// A file of stages, by number.
 #[derive(Deserialize)]
 struct StageFile {
     stages: BTreeMap<u32, Stage>,
@@ -51,7 +51,7 @@ enum Fixed {
     Note(String),
 }
 
-/// A disc that moves in straight lines from frame to frame: time, x, y.
+/// A disc that moves in straight lines between key frames (time, x, y).
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MovingDisc {
@@ -63,7 +63,7 @@ pub struct MovingDisc {
 }
 
 impl MovingDisc {
-    /// The obstacle in a scenario whose (0, 0) is at `origin_m`. `None` without frames.
+    /// The obstacle in a scenario whose (0, 0) is at `origin_m`. `None` without key frames.
     pub fn obstacle(&self, origin_m: DVec2) -> Option<Obstacle> {
         let frame = |&[time_s, x, y]: &[f64; 3]| KeyFrame {
             time_s: metres(time_s),
@@ -76,7 +76,7 @@ impl MovingDisc {
         }
         let end = match self.period_s.map(metres) {
             Some(period_s) => {
-                // The scenario's loop returns to its position by itself.
+                // A loop returns to the obstacle's position by itself.
                 let returns = KeyFrame { time_s: period_s, position_m };
                 frames.pop_if(|last| *last == returns);
                 KeyFrameEnd::Loop { period_s }
@@ -147,7 +147,7 @@ pub fn import(
         findings: &findings,
     };
     let mut imported = world.import(path, &base)?;
-    // Not longer where ways are long, as in other worlds: the time limit is the project's.
+    // Other worlds get a longer time limit if the way to the goal is long. A stage keeps that of `base`.
     imported.scenario.task.max_episode_steps = base.task.max_episode_steps;
     Ok(imported)
 }

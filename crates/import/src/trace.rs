@@ -1,8 +1,8 @@
 //! The walls and obstacles around a floor.
 //!
-//! In: the floor's cells. Out: walls and obstacles that leave it free, in m. Small convex holes become solid polygons, other
-//! outlines become thin walls, and what lies behind those is filled with rectangles, so that no start or goal can be placed
-//! there. With a tolerance of less than half a wall's thickness every cell is kept, as rectangles.
+//! In: the floor's cells. Out: walls and obstacles that leave the floor free, in m. Holes that are convex within the tolerance
+//! become solid polygons, other outlines become thin walls, and the space behind those walls is filled with rectangles, so that
+//! no start or goal can be placed there. With a tolerance below half a wall's thickness, rectangles cover the exact cells.
 
 use glam::{DVec2, dvec2};
 use wayfield_scenario::limits::{POLYGON_CORNERS, WALL_CORNERS};
@@ -14,7 +14,7 @@ use crate::limits::MAX_RING_CORNERS;
 use crate::rectangles::{rectangles, whole_blocks};
 use crate::round::point;
 
-/// Thickness of walls that stand for outlines, in m.
+/// Thickness of the walls that replace outlines, in m.
 pub const THICKNESS_M: f64 = 0.02;
 
 /// What surrounds a floor, relative to the centre of its bounding box.
@@ -24,7 +24,7 @@ pub struct Surroundings {
     pub walls: Vec<Wall>,
     /// Solid obstacles.
     pub obstacles: Vec<Obstacle>,
-    /// The largest distance between an outline of the floor and the wall or obstacle that stands for it, in m.
+    /// The largest distance between an outline of the floor and the wall or obstacle that replaces it, in m.
     pub deviation_m: f64,
 }
 
@@ -38,7 +38,7 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// A point of the grid, given in cells, in m.
+    /// Converts a point of the grid from cells to m.
     pub fn point_m(self, cells: DVec2) -> DVec2 {
         (cells - self.centre) * self.cell_m
     }
@@ -66,15 +66,15 @@ pub fn covered(set: &Grid<bool>, scale: Scale) -> Vec<Obstacle> {
     rectangles(set).into_iter().map(|found| scale.rectangle(found)).collect()
 }
 
-/// The rectangles that leave no point of the set farther than `clearance_m` from what surrounds it or from a rectangle. They
-/// are coarse, because nothing can see them.
+/// Rectangles in the set, such that no point of it is farther than `clearance_m` from its border or from a rectangle. They
+/// can be coarse, because the LIDAR never sees them.
 pub fn filled(set: &Grid<bool>, scale: Scale, clearance_m: f64) -> Vec<Obstacle> {
     // The diagonal of a block is shorter than the clearance.
     let side = (0.65 * clearance_m / scale.cell_m).floor().max(1.0) as usize;
     covered(&whole_blocks(set, side), scale)
 }
 
-/// The walls and obstacles around the `floor`, which deviate from its cells by up to `tolerance_m`. No point behind them has a
+/// The walls and obstacles around `floor`. They deviate from its outlines by up to `tolerance_m`, and no point behind them has a
 /// clearance of `clearance_m`.
 ///
 /// # Errors
@@ -102,7 +102,7 @@ pub fn surroundings(
         }
         found.add(&ring, scale, tolerance_m, &mut blocked, bounds);
     }
-    // Not closer to the floor than the walls may be.
+    // What is filled is farther from the floor than the walls may be.
     let margin = (tolerance_m + THICKNESS_M) / scale.cell_m + 0.5;
     let near = floor.squared_distances(false);
     let deep = |cell: Cell| f64::from(near.at(cell)) > margin * margin;
@@ -112,8 +112,8 @@ pub fn surroundings(
 }
 
 impl Surroundings {
-    /// Adds what stands for a ring, and removes from `blocked` the cells that it fills. The sides of the `bounds` are walls of
-    /// the enclosure.
+    /// Adds the walls or the polygon that replace a ring, and removes the cells in the polygon from `blocked`. A ring along the
+    /// sides of `bounds` needs no walls, because these sides are the enclosure.
     fn add(
         &mut self,
         ring: &[DVec2],
@@ -135,7 +135,7 @@ impl Surroundings {
             remove_inside(blocked, ring);
             return;
         }
-        // Half of the wall is on the floor.
+        // Half of the wall's thickness lies on the floor.
         let (corners, deviation) = simplified(ring, tolerance - THICKNESS_M / 2.0 / scale.cell_m);
         if is_the_box(&corners, bounds) {
             self.deviation_m = self.deviation_m.max(deviation * scale.cell_m);
@@ -162,14 +162,14 @@ fn is_counterclockwise(ring: &[DVec2]) -> bool {
     ends.map(|(a, b)| a.perp_dot(*b)).sum::<f64>() > 0.0
 }
 
-/// Whether the corners are those of the box.
+/// Whether the corners are those of the box from lower left to upper right.
 fn is_the_box(corners: &[DVec2], ((left, low), (right, high)): (Cell, Cell)) -> bool {
     let (from, to) = (dvec2(left as f64, low as f64), dvec2(right as f64, high as f64));
     let is_corner = |c: &DVec2| (c.x == from.x || c.x == to.x) && (c.y == from.y || c.y == to.y);
     corners.len() == 4 && corners.iter().all(is_corner)
 }
 
-/// The obstacle with these corners, with its origin in their middle.
+/// The obstacle with these corners. Its position is their mean.
 fn polygon(corners: &[DVec2], scale: Scale) -> Obstacle {
     let middle = corners.iter().copied().sum::<DVec2>() / corners.len() as f64;
     let position_m = point(scale.point_m(middle));

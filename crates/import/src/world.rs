@@ -1,4 +1,5 @@
-//! The import of a world of solids: they are taken over exactly, and what the robot can't reach between them is filled.
+//! The import of a world of solids: those beside the floor are kept exactly, and the space between them that the robot can't
+//! reach is filled.
 
 use std::path::Path;
 
@@ -17,9 +18,9 @@ use crate::trace::{Scale, Surroundings, filled};
 
 /// Space around a world without outer walls, in m.
 const MARGIN_M: f64 = 1.0;
-/// Most cells of the grid over a world.
+/// Maximum number of cells of the grid over a world.
 const MAX_GRID_CELLS: f64 = (1 << 22) as f64;
-/// Most tests of a cell against a solid.
+/// Maximum number of tests of a cell against a solid.
 const MAX_TESTS: f64 = (1 << 27) as f64;
 
 /// A grid over a world.
@@ -33,7 +34,7 @@ struct Raster {
 }
 
 impl Raster {
-    /// A grid with cells that are small beside the robot's collision range.
+    /// A grid with cells that are small compared with `collision_m`, the robot's collision range.
     ///
     /// # Errors
     /// The world is too large for the robot, or has too many large solids.
@@ -69,8 +70,8 @@ impl Raster {
         Ok(raster)
     }
 
-    /// The cells within the margin: lower left and upper right corner, the latter exclusive. Only these count for which part of
-    /// the world is the largest, because the space around a building is as large as the margin makes it.
+    /// The cells inside the margin: lower left and upper right corner, the latter exclusive. Only these are counted to find the
+    /// largest part of the world, because the size of the space around a building depends on the margin.
     fn inner(&self) -> (Cell, Cell) {
         let beyond = (MARGIN_M / self.cell_m) as usize;
         ((beyond, beyond), (self.free.columns - beyond, self.free.rows - beyond))
@@ -80,7 +81,7 @@ impl Raster {
         self.low_m + dvec2(column as f64 + 0.5, row as f64 + 0.5) * self.cell_m
     }
 
-    /// The cells around a solid: lower left and upper right corner, the latter exclusive.
+    /// The cells of a solid's bounding box, and a few more around it: lower left and upper right corner, the latter exclusive.
     fn around(&self, solid: &Solid) -> (Cell, Cell) {
         let (low, high) = solid.bounds();
         let at = |point: DVec2, more: f64| {
@@ -107,7 +108,7 @@ pub struct World<'a> {
     pub label: String,
     /// A sentence on what was read.
     pub about: String,
-    /// What stands still, at least one.
+    /// What stands still: at least one solid.
     pub solids: &'a [Solid],
     /// What moves.
     pub moving: &'a [MovingDisc],

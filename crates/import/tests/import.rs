@@ -1,4 +1,4 @@
-//! Imports of worlds written by hand: what they become, and which message invalid ones get.
+//! Imports of maps and worlds written by hand: the scenarios that they become, and the messages for invalid ones.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -62,8 +62,8 @@ const YAML: &str = "image: map.pgm\nresolution: 0.05\norigin: [-3.0, -2.0, 0.0]\
 /// Positions of round pillars in the hand-made hall, in its own frame, whose origin is the hall's middle.
 const PILLARS: [(f64, f64); 3] = [(-1.0, 0.5), (1.0, 0.5), (0.4, -0.8)];
 
-/// A map of a hall of 5 m x 3 m with walls of 0.2 m and round pillars of 0.2 m, in a grey unknown surrounding of 6 m x 4 m. The
-/// row at the top of the picture is the first.
+/// A map of 6 m x 4 m: a hall of 5 m x 3 m with walls of 0.2 m and round pillars of radius 0.2 m, surrounded by grey, unknown
+/// cells. The top row of the image comes first.
 fn hall() -> Vec<u8> {
     pgm(120, 80, |column, row| {
         let (x, y) = (column as f64 * 0.05 + 0.025 - 3.0, 2.0 - (row as f64 * 0.05 + 0.025));
@@ -80,7 +80,7 @@ fn hall() -> Vec<u8> {
     })
 }
 
-/// The same hall as a world of Gazebo.
+/// The same hall as a Gazebo world.
 fn hall_world() -> String {
     let mut models = String::new();
     for (k, (x, y, width, height)) in
@@ -105,7 +105,7 @@ fn hall_world() -> String {
     )
 }
 
-/// Signed distance from everything at a point of the source's frame.
+/// The clearance at a point of the source's frame, in m; negative inside a solid or outside the enclosure.
 fn distance(imported: &Imported, x: f64, y: f64) -> f32 {
     let frame = Frame::find(&imported.scenario.about).expect("the about says it");
     let at = frame.to_scenario([x, y].into());
@@ -167,14 +167,14 @@ fn simplified_walls_are_few_and_the_stated_deviation_is_true() {
 }
 
 #[test]
-fn modes_thresholds_and_negated_maps_decide_what_is_floor() {
+fn the_mode_the_thresholds_and_negate_decide_what_is_floor() {
     let width_m = |yaml: &str, picture: &[u8]| {
         let folder = Folder::new(&[("map.yaml", yaml.as_bytes()), ("map.pgm", picture)]);
         let (low, high) = folder.import("map.yaml").expect("a map").scenario.enclosure.bounds_m();
         high.x - low.x
     };
     assert!((width_m(YAML, &hall()) - 5.0).abs() < 1e-4);
-    // Above 0.196 the grey of unknown cells is free: the robot may drive around the hall, where that is the larger part.
+    // With a higher `free_thresh`, the grey of unknown cells is free: all that surrounds a black block.
     let unknown_is_free = YAML.replace("0.196", "0.25");
     let island = pgm(120, 80, |c, r| if (30..50).contains(&c) && (30..50).contains(&r) { 0 } else { 205 });
     assert!((width_m(&unknown_is_free, &island) - 6.0).abs() < 1e-4);
@@ -207,11 +207,11 @@ fn specks_and_unreachable_rooms_are_dropped() {
 }
 
 #[test]
-fn the_about_leads_back_to_the_map_whose_origin_has_a_yaw() {
+fn the_about_leads_back_to_a_map_whose_origin_has_a_yaw() {
     let yaml = YAML.replace("[-3.0, -2.0, 0.0]", "[2.0, 3.0, 1.0]");
     let folder = Folder::new(&[("map.yaml", yaml.as_bytes()), ("map.pgm", &hall())]);
     let imported = folder.import("map.yaml").expect("a map");
-    // The pillar (-1, 0.5) is 2 m and 2.5 m from the lower left corner of the picture.
+    // The pillar (-1, 0.5) is 2 m and 2.5 m from the lower left corner of the image.
     let (sin, cos) = 1_f64.sin_cos();
     let pillar = (2.0 + 2.0 * cos - 2.5 * sin, 3.0 + 2.0 * sin + 2.5 * cos);
     assert!(distance(&imported, pillar.0, pillar.1) < -0.1);
@@ -231,7 +231,7 @@ fn a_plain_picture_needs_a_scale() {
     assert!((high - low - vec2(10.0, 6.0)).length() < 1e-4, "{low} {high}");
 }
 
-/// A world with one element inside.
+/// An SDF world with the elements `inside`.
 fn world(inside: &str) -> String {
     format!("<sdf version='1.6'>\n<world name='w'>\n{inside}\n</world>\n</sdf>\n")
 }
@@ -320,7 +320,7 @@ fn what_a_scenario_cannot_represent_is_listed() {
 }
 
 #[test]
-fn invalid_worlds_are_rejected_with_their_place() {
+fn invalid_worlds_are_rejected_with_the_file_and_a_fix() {
     let deep = format!("{}{}", "<model name='m'>".repeat(12), "</model>".repeat(12));
     for (text, expected) in [
         (
@@ -366,7 +366,7 @@ fn invalid_worlds_are_rejected_with_their_place() {
 }
 
 #[test]
-fn invalid_maps_are_rejected_with_their_place() {
+fn invalid_maps_are_rejected_with_the_file_and_the_problem() {
     let black = pgm(20, 20, |_, _| 0);
     let whole = hall();
     for (yaml, picture, expected) in [
@@ -438,7 +438,7 @@ const STAGES: &str = r#"{"about": "by hand", "stages": {
 "5": {"static": [{"box": [0, 1, 3, 0.1, 0]}, {"box": [0, -1, 3, 0.1, 0]}]}}}"#;
 
 #[test]
-fn what_moves_in_a_stage_has_key_frames() {
+fn moving_discs_of_a_stage_get_key_frames() {
     let folder = Folder::new(&[("stages.json", STAGES.as_bytes())]);
     let one = |world| {
         folder.import_with("stages.json", &ImportOptions { world: Some(world), ..ImportOptions::default() })
@@ -546,7 +546,7 @@ fn an_enclosed_court_that_the_robot_cannot_enter_is_filled() {
 }
 
 #[test]
-fn a_named_pipe_or_a_folder_is_not_read_as_a_picture() {
+fn a_device_or_a_folder_is_not_read_as_an_image() {
     let folder = Folder::new(&[("map.yaml", YAML.as_bytes()), ("map.pgm/x", b"")]);
     let error = folder.import("map.yaml").expect_err("a folder");
     assert!(error.starts_with("map.yaml:1:8: there is no picture `map.pgm`"), "{error}");

@@ -2,10 +2,10 @@
 //!
 //! In: a learner and a writer, or a reader and the config of the saved learner. Out: bytes, or a learner.
 //!
-//! Layout, little-endian: a header ([`HeaderFormat`] without checksum: config (`checkpoint/config.rs`), sizes, counters
-//! with the random stream, weights, moments, trajectories, positions in the replay buffer; with mirror augmentation its random
-//! stream), the arrays of the replay buffer
-//! (states, transitions, leaves of the sum tree), and the CRC-32C of everything before it.
+//! Layout, little-endian: a header ([`HeaderFormat`] without checksum), the arrays of the replay buffer (states, transitions,
+//! leaves of the sum tree), and the CRC-32C of everything before it. The header holds the config (`checkpoint/config.rs`),
+//! sizes, counters with the random stream, weights, optimizer moments, trajectories, positions in the replay buffer, and with
+//! mirror augmentation its random stream.
 //!
 //! The lengths of the arrays follow from the config and the counters, and are checked before memory is allocated. The
 //! checksum detects accidental damage only, so every value is also checked before the learner uses it.
@@ -76,7 +76,7 @@ impl From<HeaderError> for CheckpointError {
         match error {
             HeaderError::Io(error) => Self::Io(error),
             HeaderError::WrongMagic => Self::NotCheckpoint,
-            // The config determines the version.
+            // The config determines the version, so another valid version belongs to another config.
             HeaderError::Version { found } if VERSIONS.contains(&found) => {
                 Self::ConfigMismatch { field: "learning" }
             }
@@ -112,9 +112,9 @@ impl Learner {
         Ok(())
     }
 
-    /// The learner that [`Learner::save`] wrote. The config and the sizes must be those of the saved learner: `inputs` numbers
-    /// in an observation, `actions` Q-values, and `num_envs` environments, each with a trajectory of its own. The mirror is not
-    /// saved: as after [`Learner::new`], the caller gives it ([`Learner::set_mirror`]).
+    /// Reads a learner that [`Learner::save`] wrote. The config and the sizes must be those of the saved learner: `inputs` values
+    /// per observation, `actions` actions and `num_envs` environments. The mirror is not saved: set it as after [`Learner::new`],
+    /// with [`Learner::set_mirror`].
     ///
     /// # Errors
     /// The file cannot be read, is damaged, or belongs to another config. No input makes this panic.

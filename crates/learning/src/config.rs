@@ -295,7 +295,7 @@ impl Schedule {
     /// The value at `env_steps`.
     #[must_use]
     pub fn at(&self, env_steps: u64) -> f32 {
-        let share = |end: u64| env_steps as f64 / end as f64;
+        let fraction = |end: u64| env_steps as f64 / end as f64;
         match *self {
             Self::Constant(value) => value,
             Self::Linear { to, env_steps: end, .. }
@@ -305,14 +305,14 @@ impl Schedule {
             {
                 to
             }
-            Self::Linear { from, to, env_steps: end } => from + (to - from) * share(end) as f32,
+            Self::Linear { from, to, env_steps: end } => from + (to - from) * fraction(end) as f32,
             Self::Exponential { from, to, env_steps: end } => {
                 let [from, to] = [from, to].map(f64::from);
-                (from * libm::pow(to / from, share(end))) as f32
+                (from * libm::pow(to / from, fraction(end))) as f32
             }
             Self::Cosine { from, to, env_steps: end } => {
                 let [from, to] = [from, to].map(f64::from);
-                (to + (from - to) * (1.0 + libm::cos(PI * share(end))) / 2.0) as f32
+                (to + (from - to) * (1.0 + libm::cos(PI * fraction(end))) / 2.0) as f32
             }
             Self::Step { from, factor, every_env_steps } => {
                 let steps = env_steps / every_env_steps.max(1);
@@ -323,7 +323,7 @@ impl Schedule {
 }
 
 impl NetworkConfig {
-    /// The shape of a network from observations of `inputs` numbers to `actions` Q-values.
+    /// The shape of a network that maps observations of `inputs` values to `actions` Q-values.
     ///
     /// # Errors
     /// A size is out of range; see [`NetworkShape::check`].

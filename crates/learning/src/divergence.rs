@@ -36,7 +36,7 @@ pub struct Overestimate {
     pub env_step: u64,
     /// The mean |Q(s, a)| of the batch. This and the next two values are in units of scaled reward.
     pub q: f32,
-    /// The largest |reward| of an env step so far.
+    /// The largest |reward| of an env step so far; after a restore, it starts at the largest stored |n-step return|.
     pub largest_reward: f32,
     /// The largest possible |return|.
     pub largest_return: f32,
@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn advice_lists_only_changes_to_the_config() {
+    fn advice_leaves_out_what_the_config_already_has() {
         let mut config = LearningConfig::default();
         (config.loss, config.double) = (Loss::MeanSquared, false);
         config.target_update = TargetUpdate::Hard { every: 100 };

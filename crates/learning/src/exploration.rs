@@ -8,7 +8,7 @@ use super::config::{Exploration, Schedule};
 use wayfield_random::{Stream, uniform_01, uniform_index};
 
 impl Exploration {
-    /// Epsilon, the probability of a random action (0 to 1), after `env_steps` and `episodes`.
+    /// Epsilon, the probability of a random action (0 to 1), after `env_steps` env steps and `episodes` episodes.
     ///
     /// [`Exploration::PerEpisode`] is equation (10) of the paper: max(end, start x decay^episodes). After a knowledge
     /// transfer, `start` replaces the start of the schedule (section 3.2: 0.5). Epsilon is not accumulated, so a
@@ -28,7 +28,7 @@ impl Exploration {
     }
 }
 
-/// An action and whether it is the random one: a random action with probability `epsilon`, otherwise the greedy one.
+/// Chooses a random action with probability `epsilon`, otherwise the greedy one. Returns it, and whether it was random.
 ///
 /// `q_row` has one Q-value per action. Both random draws (whether to explore, and the random action) are always made, so
 /// that the position of the stream does not depend on the outcome.
@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn epsilon_is_the_share_of_random_actions_which_are_uniform() {
+    fn epsilon_is_the_fraction_of_random_actions_which_are_uniform() {
         let mut random = stream(1, "test", 0);
         let (mut explored, mut counts) = (0, [0; 4]);
         for _ in 0..100_000 {

@@ -22,7 +22,7 @@ pub struct HeaderFormat {
     pub checksum: bool,
 }
 
-/// An error when a header is read.
+/// An error from reading a header.
 #[derive(Debug, thiserror::Error)]
 pub enum HeaderError {
     /// The reader failed, or the file ends inside the header.
@@ -51,7 +51,7 @@ impl HeaderFormat {
         self.write_content(out, &encode(content)?)
     }
 
-    /// Writes the header with `content`, which is encoded already.
+    /// Writes the header with `content`, which is already encoded.
     pub(crate) fn write_content(&self, mut out: impl Write, content: &[u8]) -> io::Result<()> {
         out.write_all(self.magic)?;
         out.write_all(&self.version.to_le_bytes())?;
@@ -70,7 +70,7 @@ impl HeaderFormat {
         decode(&self.read_content(file)?)
     }
 
-    /// Reads the header, and returns its content as it is encoded.
+    /// Reads the header, and returns its content, still encoded.
     pub(crate) fn read_content(&self, mut file: impl Read) -> Result<Vec<u8>, HeaderError> {
         if &read_array(&mut file)? != self.magic {
             return Err(HeaderError::WrongMagic);
@@ -97,17 +97,17 @@ impl HeaderFormat {
     }
 }
 
-/// The content of a header as bytes.
+/// Encodes the content of a header.
 pub(crate) fn encode(content: &impl Serialize) -> io::Result<Vec<u8>> {
     postcard::to_allocvec(content).map_err(io::Error::other)
 }
 
-/// The content of a header from its bytes.
+/// Decodes the content of a header.
 pub(crate) fn decode<T: DeserializeOwned>(content: &[u8]) -> Result<T, HeaderError> {
     postcard::from_bytes(content).map_err(|_| HeaderError::Corrupt("its header cannot be decoded"))
 }
 
-/// The next `N` bytes.
+/// Reads the next `N` bytes.
 pub(crate) fn read_array<const N: usize>(mut file: impl Read) -> io::Result<[u8; N]> {
     let mut bytes = [0; N];
     file.read_exact(&mut bytes)?;

@@ -89,10 +89,10 @@ pub struct Learner {
     scratch: Scratch,
 }
 
-/// An error when a policy's weights are loaded into a learner.
+/// An error from loading a policy's weights into a learner.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LoadWeightsError {
-    /// The policy's network has another shape than the learner's.
+    /// The policy's network has a different shape from the learner's.
     #[error(
         "the policy's network is {found}, but the learner's is {expected}; help: use a config with the network {found}"
     )]
@@ -111,7 +111,7 @@ pub enum LoadWeightsError {
 }
 
 impl Learner {
-    /// A learner for observations of `inputs` numbers, `actions` actions and `num_envs` parallel environments. `seed`
+    /// A learner for observations of `inputs` values, `actions` actions and `num_envs` parallel environments. `seed`
     /// determines the initial weights and the sampled batches.
     ///
     /// # Errors
@@ -155,7 +155,7 @@ impl Learner {
     /// others it has no effect.
     ///
     /// # Errors
-    /// `mirror` has other numbers of inputs and actions than the learner.
+    /// `mirror` is for another number of inputs or actions than the learner's.
     pub fn set_mirror(&mut self, mirror: Mirror) -> Result<(), MirrorError> {
         let expected = (self.online.shape().inputs, self.online.shape().actions);
         if mirror.size() != expected {

@@ -86,9 +86,9 @@
 //!
 //! | module | duty |
 //! |---|---|
-//! | `config` | the options, their defaults (Table 1 of the paper) and their ranges |
+//! | `config` | the options, their defaults (Table 1 of the paper that wayfield reproduces) and their ranges |
 //! | `learner` | storing experiences; the gradient step with TD targets and target network |
-//! | `network`, `ops`, `matmul` | the Q-network: parameters, forward pass, gradient; the only modules that use dfdx |
+//! | `network`, `ops`, `matmul` | the Q-network: parameters, forward pass, gradient; only `network` and `ops` use dfdx |
 //! | `thread_pool` | the threads of large matrix products |
 //! | `optimizer` | RMSProp and Adam, weight decay, gradient clipping |
 //! | [`replay`], `state_ring` | the replay buffer: rings of states and transitions, uniform and prioritized sampling |

@@ -1,4 +1,4 @@
-//! Matrix products for wasm, where gemm's only kernel is not vectorized. Native builds use dfdx's products.
+//! Matrix products for wasm, where the gemm crate's only kernel is not vectorized. Native builds use dfdx's products.
 //!
 //! In: row-major matrices; the left one may be transposed. Out: their product. The loops run over blocks that fit into the
 //! registers, and the compiler vectorizes them (`simd128`, see `web/build`).

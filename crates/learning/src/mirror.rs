@@ -1,14 +1,14 @@
-//! Mirror augmentation: experience in a world also counts in its mirror image.
+//! Mirror augmentation: experience in a scenario also counts as experience in its mirror image.
 //!
-//! In: the [`Mirror`] of a task, and a sampled batch. Out: the batch in which each transition was mirrored with probability
-//! 1/2. The reward and the discount stay, so the task must be symmetric: the mirrored action in the mirrored state must have
+//! In: the [`Mirror`] of a task, and a sampled batch. Out: the batch, with each transition mirrored with probability 1/2.
+//! The reward and the discount stay the same, so the task must be symmetric: the mirrored action in the mirrored state must have
 //! the mirrored result.
 
 use wayfield_random::{Stream, random_u64};
 
 use crate::replay::Batch;
 
-/// The mirror image of observations and actions: a signed permutation of the numbers of an observation, and a permutation of
+/// The mirror image of observations and actions: a signed permutation of the entries of an observation, and a permutation of
 /// the actions. Applied twice, it changes nothing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mirror {
@@ -19,8 +19,8 @@ pub struct Mirror {
 /// An error in the definition of a [`Mirror`].
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum MirrorError {
-    /// A number of the observation is not the mirror image of its own image.
-    #[error("number {0} of the observation is not the mirror image of its own mirror image")]
+    /// An entry of the observation is not the mirror image of its own image.
+    #[error("entry {0} of the observation is not the mirror image of its own mirror image")]
     Input(usize),
     /// An action is not the mirror image of its own image.
     #[error("action {0} is not the mirror image of its own mirror image")]
@@ -36,8 +36,8 @@ pub enum MirrorError {
 }
 
 impl Mirror {
-    /// A mirror in which number i of the mirrored observation is the sign (1 or -1) times the number at the index `inputs[i]` of
-    /// the observation, and `actions[a]` is the mirror image of action a.
+    /// A mirror in which entry i of the mirrored observation is `sign` (1 or -1) times entry j of the observation, with
+    /// `inputs[i]` = (j, `sign`), and `actions[a]` is the mirror image of action a.
     ///
     /// # Errors
     /// A sign is not 1 or -1, an index is out of range, or the mirror applied twice changes something.
@@ -74,7 +74,7 @@ impl Mirror {
         }
     }
 
-    /// Mirrors an observation in place: the two numbers of a pair change places.
+    /// Mirrors an observation in place: the two entries of a pair are swapped and multiplied by their sign.
     fn mirror_observation(&self, row: &mut [f32]) {
         for (i, &(from, sign)) in self.inputs.iter().enumerate() {
             let from = from as usize;
@@ -96,7 +96,7 @@ mod tests {
         Mirror::new(vec![(1, 1.0), (0, 1.0), (2, -1.0), (3, 1.0)], vec![2, 1, 0]).expect("an involution")
     }
 
-    /// Transitions `(state, action, next state)` whose numbers name them.
+    /// A batch of the transitions `(state, action, next state)`.
     fn batch(rows: &[([f32; 4], u8, [f32; 4])]) -> Batch {
         Batch {
             states: rows.iter().flat_map(|row| row.0).collect(),

@@ -58,7 +58,7 @@ pub(crate) struct NStepAccumulator {
 }
 
 impl NStepAccumulator {
-    /// Adds a step that led to `next`, and passes the transitions that this completes to `emit`, oldest first.
+    /// Adds a step that led to `next`. Passes the transitions that are now complete to `emit`, oldest first.
     pub fn push(
         &mut self,
         step: PendingStep,

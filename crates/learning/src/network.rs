@@ -1,8 +1,8 @@
 //! The Q-network: fully connected layers and a plain or dueling head (fig. 5 of the paper).
 //!
 //! In: observations, row-major. Out: Q-values, or V and A; in training, the gradient of the TD loss with respect to all
-//! parameters. All parameters are stored in one flat vector, and copied to the dfdx tensors after each change. Optimizer,
-//! target network, policy files and checkpoints use only the flat vector.
+//! parameters. All parameters are stored in one flat vector, and copied to the dfdx tensors after each change. The
+//! optimizer, the target network, policy files and checkpoints use only the flat vector.
 
 use dfdx::prelude::*;
 use wayfield_policy::{Activation, NetworkShape, Policy};
@@ -49,7 +49,7 @@ impl Layer {
 
     /// The layer's output. `input_gradient`: see [`Dense::forward`].
     fn forward<T: Tape<f32, Cpu>>(&self, x: Rows<T>, input_gradient: bool) -> Rows<T> {
-        // The default network has its ReLU inside the dense layer, which saves a pass over the units.
+        // Without a norm, a ReLU is computed inside the dense layer, which saves a pass over the units.
         let relu = self.norm.is_none() && self.activation == Some(Activation::Relu);
         let mut y = self.dense.forward(x, relu, input_gradient);
         if let Some(norm) = &self.norm {
@@ -119,14 +119,14 @@ impl QNetwork {
         Self::from_parameters(policy.shape().clone(), policy.parameters().to_vec())
     }
 
-    /// A policy with this network's weights, without a card.
+    /// A policy with this network's weights, without a policy card.
     #[must_use]
     pub fn to_policy(&self) -> Policy {
         Policy::new(self.shape.clone(), self.parameters.clone())
             .expect("`from_parameters` checks the shape and the number of parameters")
     }
 
-    /// The sizes of the layers.
+    /// The sizes and kinds of the layers.
     #[must_use]
     pub fn shape(&self) -> &NetworkShape {
         &self.shape

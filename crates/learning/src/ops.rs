@@ -5,7 +5,7 @@
 //! backward pass.
 //!
 //! dfdx's own bias broadcast, ReLU and row selection iterate over general strides and cost more than the matrix products.
-//! Here dfdx computes only the matrix products and holds the tape; plain loops do the rest.
+//! Here dfdx only holds the tape and, except on wasm, computes the matrix products; plain loops do the rest.
 
 mod activation;
 mod layer_norm;
@@ -87,8 +87,8 @@ pub(crate) struct Dense {
 
 impl Dense {
     /// The layer's output x W^T + b, followed by a ReLU if `relu` is set. `input_gradient`: whether the backward pass
-    /// computes the gradient of x; observations need none. Neither x nor the layer may be used elsewhere on the tape:
-    /// gradients are assigned, not accumulated.
+    /// computes the gradient of x; observations need none. Neither x nor the layer may be used elsewhere on the tape: the
+    /// gradients of x and of the weights are assigned, not accumulated.
     pub(crate) fn forward<T: Tape<f32, Cpu>>(&self, x: Rows<T>, relu: bool, input_gradient: bool) -> Rows<T> {
         let (x, mut tape) = x.split_tape();
         let (n, outputs) = (x.shape().0, self.weight.shape().0);

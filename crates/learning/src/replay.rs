@@ -3,7 +3,7 @@
 //! In: observations and transitions; after a gradient step, TD errors. Out: batches with importance weights, sampled
 //! uniformly or in proportion to priority (Schaul et al. 2016). The oldest transitions are removed first.
 //!
-//! Memory for the paper's 1,000,000 transitions of 28 numbers: 126 MB for states (each is stored once), 9 MB for the last
+//! Memory for 1,000,000 transitions with observations of 28 values: 126 MB for states (each is stored once), 9 MB for the last
 //! reference to each state, 18 MB for transitions, 17 MB for the sum tree. Together 170 MB when full; an empty buffer
 //! takes almost no memory.
 
@@ -43,9 +43,9 @@ pub struct ReplayBuffer {
     pub(crate) states: StateRing,
     pub(crate) transitions: Vec<StoredTransition>,
     pub(crate) priorities: Option<Priorities>,
-    /// The number of the oldest transition in the buffer. A transition's slot is its number modulo the capacity.
+    /// The sequence number of the oldest transition in the buffer. Modulo the capacity, it is the transition's slot.
     pub(crate) head: u64,
-    /// The number of transitions ever stored.
+    /// The number of transitions ever stored: the sequence number of the next one.
     pub(crate) tail: u64,
 }
 
@@ -58,18 +58,18 @@ pub struct Batch {
     pub states: Vec<f32>,
     /// The indices of the actions taken.
     pub actions: Vec<u8>,
-    /// The returns R over up to n steps.
+    /// The returns R, each over the m steps of its transition.
     pub rewards: Vec<f32>,
     /// The factors of Q(next): gamma^m, or 0 if terminated.
     pub discounts: Vec<f32>,
     /// The next states, row-major, n x inputs; meaningless where the discount is 0.
     pub next_states: Vec<f32>,
-    /// The importance weights, 0 to 1. The largest of the batch is 1.
+    /// The importance weights, 0 to 1. The largest in the batch is 1.
     pub weights: Vec<f32>,
 }
 
 impl ReplayBuffer {
-    /// An empty buffer for observations of `inputs` numbers. `pending` is the maximum number of steps that wait for their
+    /// An empty buffer for observations of `inputs` values. `pending` is the maximum number of steps that wait for their
     /// n-step return at the same time.
     ///
     /// The state ring is 1/8 larger than the transition ring, because an episode of k steps has k + 1 states. If episodes
@@ -116,8 +116,8 @@ impl ReplayBuffer {
         self.states.contains(id)
     }
 
-    /// Stores an observation of `inputs` numbers in place of the oldest. This first removes the transitions that refer to
-    /// the oldest observation, and all older transitions.
+    /// Stores an observation of `inputs` values. If the state ring is full, the oldest observation is overwritten; the
+    /// transitions that refer to it are removed first, with all older transitions.
     pub fn push_state(&mut self, observation: &[f32]) -> StateId {
         let last_reference = self.states.last_reference_to_oldest();
         while self.head < last_reference {
@@ -126,8 +126,8 @@ impl ReplayBuffer {
         self.states.push(observation)
     }
 
-    /// Stores a transition with the largest priority so far. A full buffer removes its oldest transition. A transition whose
-    /// states have been overwritten is not stored: its environment paused while the others filled the whole buffer.
+    /// Stores a transition, and gives it the largest priority so far. A full buffer removes its oldest transition. A
+    /// transition whose states have been overwritten is not stored: its environment paused while the others filled the buffer.
     pub fn push(&mut self, transition: &Transition) {
         let next = if transition.terminated { transition.state } else { transition.next };
         if !self.contains_state(transition.state) || !self.contains_state(next) {
@@ -168,15 +168,15 @@ impl ReplayBuffer {
         }
     }
 
-    pub(crate) fn slot(&self, number: u64) -> usize {
-        (number % self.capacity as u64) as usize
+    pub(crate) fn slot(&self, sequence_number: u64) -> usize {
+        (sequence_number % self.capacity as u64) as usize
     }
 
     /// Samples `n` transitions with replacement into `batch`. `env_steps` determines beta by its schedule.
     ///
     /// Prioritized sampling is stratified: the priorities are laid end to end and cut into n equal segments, and one point
-    /// is drawn from each. The importance weights are (N P(i))^-beta divided by the largest of the batch, which equals
-    /// (smallest P of the batch / P(i))^beta.
+    /// is drawn from each. The importance weights are (N P(i))^-beta, divided by the largest in the batch; that is,
+    /// (smallest P in the batch / P(i))^beta.
     ///
     /// # Panics
     /// If the buffer is empty.
@@ -188,9 +188,9 @@ impl ReplayBuffer {
                 tree.find_all((0..n).map(|i| segment * (i as f64 + uniform_f64(stream))), &mut batch.slots);
                 if importance_weights {
                     let beta = beta.at(env_steps);
-                    let weight = |&slot: &usize| tree.get(slot);
-                    let smallest = batch.slots.iter().map(weight).fold(f64::INFINITY, f64::min);
-                    let weights = batch.slots.iter().map(|s| power((smallest / weight(s)) as f32, beta));
+                    let priority = |&slot: &usize| tree.get(slot);
+                    let smallest = batch.slots.iter().map(priority).fold(f64::INFINITY, f64::min);
+                    let weights = batch.slots.iter().map(|s| power((smallest / priority(s)) as f32, beta));
                     batch.weights.extend(weights);
                 }
             }
@@ -241,8 +241,8 @@ impl Batch {
 }
 
 /// base^exponent for a base of at least 0 and a moderate exponent. A base of 0 is replaced by the smallest normal number.
-/// The result is off by some units in the last place, is the same on every platform, and takes less than half the time of
-/// `libm::powf`.
+/// The result has a relative error of less than 1e-5 for exponents up to 1, is the same on every platform, and takes less
+/// than half the time of `libm::powf`.
 fn power(base: f32, exponent: f32) -> f32 {
     libm::exp2f(exponent * libm::log2f(base.max(f32::MIN_POSITIVE)))
 }

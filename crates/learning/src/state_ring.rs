@@ -1,6 +1,6 @@
 //! A ring buffer of observations.
 //!
-//! In: observations in the order of the env steps. Out: ids, and the observations of the ids that have not been
+//! In: observations in the order of the env steps. Out: an id for each; by id, the observations that have not been
 //! overwritten. Successive transitions share an observation, so storing each once halves the replay buffer's memory.
 
 use serde::{Deserialize, Serialize};
@@ -14,7 +14,7 @@ pub struct StateId(pub(crate) u64);
 pub(crate) struct StateRing {
     /// Row-major, capacity x inputs. The zeroed memory takes no space until it is first written.
     pub(crate) values: Vec<f32>,
-    /// Per slot: 1 + the number of the last transition that refers to it; 0 if no transition does.
+    /// Per slot: 1 + the sequence number of the last transition that refers to it; 0 if no transition does.
     pub(crate) last_reference: Vec<u64>,
     inputs: usize,
     capacity: usize,
@@ -28,7 +28,7 @@ impl StateRing {
         Self { values, last_reference: vec![0; capacity], inputs, capacity, pushed: 0 }
     }
 
-    /// Whether the observation has been stored and not been overwritten.
+    /// Whether the observation has been stored and not yet been overwritten.
     pub(crate) fn contains(&self, id: StateId) -> bool {
         id.0 < self.pushed && self.pushed - id.0 <= self.capacity as u64
     }
@@ -46,12 +46,12 @@ impl StateRing {
         &self.values[slot * self.inputs..][..self.inputs]
     }
 
-    /// 1 + the number of the last transition that refers to the observation which the next `push` overwrites.
+    /// The `last_reference` of the slot that the next `push` writes.
     pub(crate) fn last_reference_to_oldest(&self) -> u64 {
         self.last_reference[self.slot(StateId(self.pushed))]
     }
 
-    /// Stores an observation in place of the oldest.
+    /// Stores an observation. A full ring overwrites its oldest.
     pub(crate) fn push(&mut self, observation: &[f32]) -> StateId {
         let id = StateId(self.pushed);
         let slot = self.slot(id);

@@ -4,7 +4,7 @@
 //! weights are laid end to end (Schaul et al. 2016, appendix B.2.1).
 //!
 //! Weights are f64. In f32, the sum of 10^6 weights has a resolution of 1 part in 10^7, so small weights would be lost at
-//! the replay capacity of the paper's Table 1. The f64 tree takes 8 MB more there.
+//! the default replay capacity of 10^6. There the f64 tree takes 8 MB more.
 
 /// A binary tree over the weights of `capacity` indices: each node is the sum of its children.
 #[derive(Debug, Clone, PartialEq)]
@@ -161,12 +161,12 @@ mod tests {
         #[test]
         fn rounding_never_finds_a_weight_of_zero(
             weights in prop::collection::vec(prop_oneof![Just(0.0), 1e-12..1e12_f64], 1..70),
-            share in 0.0..=1.0_f64,
+            fraction in 0.0..=1.0_f64,
         ) {
             let mut tree = SumTree::new(weights.len());
             tree.set_all(weights.iter().copied());
             prop_assume!(tree.total() > 0.0);
-            let found = tree.find(tree.total() * share);
+            let found = tree.find(tree.total() * fraction);
             prop_assert!(weights[found] > 0.0, "index {found} has weight 0");
         }
     }

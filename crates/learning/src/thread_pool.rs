@@ -1,8 +1,8 @@
-//! The thread pool of large matrix products, where no thread can be started.
+//! A thread pool for large matrix products, even where no thread can be started.
 //!
-//! gemm asks rayon for its global pool, and rayon panics if that cannot start its threads (a limit of processes, such as
-//! `ulimit -u` or a container's). Here the pool is started first. If this fails, each thread that multiplies gets a pool that
-//! consists of itself.
+//! The gemm crate asks rayon for its global pool, and rayon panics if that cannot start its threads (because of a limit on
+//! processes, such as `ulimit -u` or a container's). So the pool is started here first. If this fails, each thread that
+//! multiplies gets its own pool, of that thread alone.
 
 use std::cell::OnceCell;
 use std::error::Error;
@@ -18,7 +18,7 @@ pub(crate) fn ensure() {
     }
     let has_global = HAS_GLOBAL.get_or_init(|| match ThreadPoolBuilder::new().build_global() {
         Ok(()) => true,
-        // An error without a source: another part of the program has started the global pool before.
+        // An error without a source: another part of the program has already started the global pool.
         Err(error) => error.source().is_none(),
     });
     if !has_global {

@@ -62,7 +62,7 @@ impl NoiseEnv {
                 learner.q_values(&observation, 1, &mut q);
                 let (action, _) = epsilon_greedy(&q, learner.epsilon(), &mut self.random);
                 let next = std::array::from_fn(|_| normal(&mut self.random) + action as f32);
-                // The episodes are so short that the state ring, too, removes transitions.
+                // The episodes are so short that transitions are also removed because the state ring is full.
                 let (terminated, truncated) =
                     (uniform_01(&mut self.random) < 0.1, uniform_01(&mut self.random) < 0.4);
                 learner.store(&Experience {
@@ -162,8 +162,8 @@ fn a_damaged_file_is_an_error_and_never_a_panic() {
 }
 
 #[test]
-fn a_checkpoint_from_before_the_switches_is_read_and_written_to_the_bit() {
-    // Saved by wayfield before a config had switches for layer normalization, activation and the like.
+fn a_version_1_checkpoint_is_read_and_written_back_bit_for_bit() {
+    // Saved by a wayfield whose configs had no options for layer normalization, activation and the like.
     let bytes = include_bytes!("fixtures/checkpoint-version-1.bin");
     let config = &configs()[2];
     let mut learner = restored(config, bytes).expect("a valid checkpoint");
@@ -172,8 +172,9 @@ fn a_checkpoint_from_before_the_switches_is_read_and_written_to_the_bit() {
     NoiseEnv::new().run(&mut learner, 20);
 }
 
-/// A learner with this config continues from its checkpoint with the same bits, which belongs to none of the `others`.
-fn assert_is_exact_and_not_of(config: &LearningConfig, others: &[LearningConfig]) {
+/// Asserts that a learner with this config continues from its checkpoint with the same bits, and that no config of `others`
+/// can restore the checkpoint.
+fn assert_exact_and_rejected_by(config: &LearningConfig, others: &[LearningConfig]) {
     let mut one = Learner::new(config, INPUTS, ACTIONS, NUM_ENVS, 5).expect("a valid config");
     let mut env = NoiseEnv::new();
     env.run(&mut one, 60);
@@ -189,7 +190,7 @@ fn assert_is_exact_and_not_of(config: &LearningConfig, others: &[LearningConfig]
 }
 
 #[test]
-fn a_checkpoint_of_a_config_with_switches_is_exact_and_belongs_to_its_config() {
+fn a_version_2_checkpoint_is_exact_and_belongs_to_its_config() {
     for plain in configs() {
         let mut config = plain.clone();
         (config.network.layer_norm, config.network.activation) = (true, Activation::Elu);
@@ -199,7 +200,7 @@ fn a_checkpoint_of_a_config_with_switches_is_exact_and_belongs_to_its_config() {
         tanh.network.activation = Activation::Tanh;
         let mut unclipped = config.clone();
         unclipped.max_gradient_norm = None;
-        assert_is_exact_and_not_of(&config, &[plain, tanh, unclipped]);
+        assert_exact_and_rejected_by(&config, &[plain, tanh, unclipped]);
     }
 }
 
@@ -234,7 +235,7 @@ fn a_learner_with_advantage_learning_continues_with_the_same_bits() {
     for plain in configs() {
         let config = LearningConfig { advantage_learning: 0.5, ..plain.clone() };
         let other = LearningConfig { advantage_learning: 0.25, ..plain.clone() };
-        assert_is_exact_and_not_of(&config, &[plain, other]);
+        assert_exact_and_rejected_by(&config, &[plain, other]);
     }
 }
 
@@ -273,7 +274,7 @@ fn pending_updates_are_saved_and_restored() {
                 truncated: false,
             });
         }
-        // Two gradient steps for every fourth of the env steps 52 to 88: ten times two.
+        // Two gradient steps after each of the env steps 52, 56, ..., 88: ten times two.
         assert_eq!(learner.pending_updates(), 20);
         let mut bytes = Vec::new();
         learner.save(&mut bytes).expect("memory can be written");

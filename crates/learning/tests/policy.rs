@@ -44,7 +44,7 @@ impl Parts {
         Self { tensors, header }
     }
 
-    /// The error of reading a file with these parts.
+    /// The error from reading a file with these parts.
     fn error(&self) -> PolicyError {
         let tensors = self.tensors.iter().map(|(name, dtype, shape, data)| {
             (name, TensorView::new(*dtype, shape.clone(), data).expect("data that fits the shape"))
@@ -167,11 +167,11 @@ fn the_policy_crate_and_the_learner_compute_the_same_q_values() {
     }
 }
 
-/// Compares the forward passes of the policy crate and of the learner over random weights and observations.
+/// Compares the forward passes of the policy crate and of the learner with random weights and observations.
 fn compare(config: &NetworkConfig, noise: &mut Stream) {
     let shape = config.shape(28, 5).expect("a valid shape");
     let mut network = QNetwork::new(shape.clone(), noise).expect("a valid shape");
-    // Scales and shifts other than those of a new network.
+    // Makes the scales and shifts of layer normalization differ from those of a new network.
     network.update(|parameters| parameters.iter_mut().for_each(|p| *p += 0.1 * normal(noise)));
     let policy = network.to_policy();
     let rows = 300;

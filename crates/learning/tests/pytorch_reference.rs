@@ -4,7 +4,7 @@
 //! learner gets the same steps, weights and options. All parts are tested together: n-step returns, termination and
 //! truncation, reward scale, (double) TD targets, (dueling) network, MSE or Huber loss, RMSProp or Adam, both target updates.
 //! `reference/switches.py` does the same for layer normalization, activations, gradient clipping and weight decay, in plain
-//! Python that reproduces PyTorch's numbers.
+//! Python that reproduces PyTorch's results.
 
 use serde::Deserialize;
 use serde_json::Value;
@@ -93,7 +93,7 @@ fn three_gradient_steps_match_pytorch() {
 }
 
 #[test]
-fn three_gradient_steps_with_the_switches_of_network_and_update_match_pytorchs_formulas() {
+fn three_gradient_steps_with_the_options_of_switches_py_match_pytorchs_formulas() {
     check(include_str!("reference/switches.json"));
 }
 

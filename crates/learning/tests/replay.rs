@@ -1,4 +1,4 @@
-//! The replay buffer: stored values, removal of the oldest, sampling probabilities and weights.
+//! The replay buffer: stored values, removal of the oldest transitions, sampling probabilities and weights.
 
 use std::collections::VecDeque;
 

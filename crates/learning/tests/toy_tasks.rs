@@ -44,7 +44,7 @@ fn variants(gamma: f32) -> Vec<LearningConfig> {
     all
 }
 
-/// A config for each switch of the network, of the update and of the learning rate.
+/// Configs with one option of the network, the update or the learning rate changed, and one with several of them.
 fn switched(gamma: f32) -> Vec<LearningConfig> {
     let (from, to, env_steps) = (3e-3, 1e-5, 6000);
     let changes: [fn(&mut LearningConfig); 7] = [
@@ -76,8 +76,8 @@ fn switched(gamma: f32) -> Vec<LearningConfig> {
 /// The result of a step: reward, next state, terminated, truncated.
 type StepResult = (f32, usize, bool, bool);
 
-/// The Q-values of each state after learning a task for `steps` env steps. It has `states` states, observed one-hot, and
-/// starts in state 0.
+/// The Q-values of each state after learning `task` for `steps` env steps. The task has `states` states, observed one-hot,
+/// and starts in state 0.
 fn learn(
     config: &LearningConfig,
     states: usize,
@@ -89,7 +89,7 @@ fn learn(
     learn_with(learner, (0, steps), task)
 }
 
-/// The same with a learner of one's own, for a task that starts in state `start`.
+/// Like [`learn`], with a given learner, for a task that starts in state `start`.
 fn learn_with(
     mut learner: Learner,
     (start, steps): (usize, usize),
@@ -155,7 +155,7 @@ fn chain_values_are_the_discounted_final_reward() {
 
 #[test]
 fn advantage_learning_doubles_the_gap_to_the_best_action_and_keeps_its_value() {
-    // The same chain, in which action 2 stays: it loses less than moving left, 0.1 V(s).
+    // The same chain, with an action 2 that stays in place. It loses 0.1 V(s), less than moving left.
     let config = LearningConfig { advantage_learning: 0.5, ..config(0.9, PRIORITIZED) };
     let q = learn(&config, 5, 3, 12_000, |state, action, _| match (state, action) {
         (4, 1) => (1.0, 4, true, false),
@@ -208,7 +208,7 @@ fn a_time_limit_bootstraps() {
 
 #[test]
 fn a_termination_does_not_bootstrap() {
-    // The same rewards, but the episode terminates after 5 steps, and the state is the number of the step.
+    // The same rewards, but the episode terminates after 5 steps, and the state is the index of the step.
     for n_step in [1, 3] {
         let mut config = config(0.9, PRIORITIZED);
         config.n_step = n_step;

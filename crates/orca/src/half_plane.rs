@@ -4,7 +4,7 @@ use glam::{Vec2, vec2};
 
 use super::{Avoidance, Disc};
 
-/// Below this, two lines are taken for parallel.
+/// Two lines are treated as parallel if the cross product of their directions is at most this.
 const PARALLEL: f32 = 1e-5;
 
 /// A half plane of velocities, in m/s: those to the left of a directed line.
@@ -24,10 +24,10 @@ impl HalfPlane {
 
     /// The velocities with which `agent` does not come within its radius of `point_m` before `horizon_s`.
     pub(super) fn before_point(agent: &Disc, point_m: Vec2, horizon_s: f32) -> Self {
-        let way = point_m - agent.at_m;
-        let away_m = way.length();
-        let normal = if away_m > 0.0 { -way / away_m } else { Vec2::X };
-        Self::beyond(-normal * ((away_m - agent.radius_m) / horizon_s), normal)
+        let to_point = point_m - agent.at_m;
+        let distance_m = to_point.length();
+        let normal = if distance_m > 0.0 { -to_point / distance_m } else { Vec2::X };
+        Self::beyond(-normal * ((distance_m - agent.radius_m) / horizon_s), normal)
     }
 
     /// The velocities with which `agent` does its share of avoiding `other` (section 4 of the paper): u is the smallest change
@@ -39,7 +39,7 @@ impl HalfPlane {
         let (squared, radius_squared) = (position.length_squared(), radius * radius);
         let touching = squared <= radius_squared;
         let horizon_s = if touching { avoidance.period_s } else { avoidance.time_horizon_s };
-        // From the centre of the disc that cuts off the velocity obstacle.
+        // The relative velocity, from the centre of the disc that truncates the cone of the velocity obstacle.
         let w = velocity - position / horizon_s;
         let dot = w.dot(position);
         let (normal, u) = if touching || (dot < 0.0 && dot * dot > radius_squared * w.length_squared()) {
@@ -67,7 +67,7 @@ impl HalfPlane {
         self.direction.perp_dot(self.point - velocity)
     }
 
-    /// The best velocity on the line of this half plane, in all of `others` and at most `max_speed` fast; `None` if there is none.
+    /// The best velocity on the line of this half plane, in all `others` and at most `max_speed` fast; `None` if there is none.
     fn best_on_line(&self, others: &[Self], max_speed: f32, objective: Objective) -> Option<Vec2> {
         let along = self.point.dot(self.direction);
         let discriminant = along * along + max_speed * max_speed - self.point.length_squared();
@@ -100,7 +100,7 @@ impl HalfPlane {
     }
 }
 
-/// What a velocity is to be.
+/// What makes a velocity the best.
 #[derive(Clone, Copy)]
 enum Objective {
     /// As close as possible to this one.
@@ -110,7 +110,7 @@ enum Objective {
 }
 
 impl Objective {
-    /// The best velocity of at most `max_speed` without half planes.
+    /// The best velocity of at most `max_speed`, ignoring all half planes.
     fn unconstrained(self, max_speed: f32) -> Vec2 {
         match self {
             Self::Closest(wanted) => wanted.clamp_length_max(max_speed),
@@ -119,7 +119,7 @@ impl Objective {
     }
 }
 
-/// The best velocity in all of `planes`, or the number of the first plane with which there is none and the best before.
+/// The best velocity in all `planes`; or the index of the first plane that leaves none, with the best velocity in those before.
 fn solve(planes: &[HalfPlane], max_speed: f32, objective: Objective) -> Result<Vec2, (usize, Vec2)> {
     let mut velocity = objective.unconstrained(max_speed);
     for (index, plane) in planes.iter().enumerate() {
@@ -130,8 +130,8 @@ fn solve(planes: &[HalfPlane], max_speed: f32, objective: Objective) -> Result<V
     Ok(velocity)
 }
 
-/// The velocity closest to `wanted` in all of `planes`. If there is none: the one that violates the planes after the first `fixed`
-/// least, and no fixed one if that is possible.
+/// The velocity closest to `wanted` in all `planes`, of which the first `fixed` belong to points and the rest to discs. If there
+/// is none: the one that violates the planes of discs least, in all those of points if that is possible.
 pub(super) fn best_velocity(planes: &[HalfPlane], fixed: usize, wanted: Vec2, max_speed: f32) -> Vec2 {
     let (first, mut velocity) = match solve(planes, max_speed, Objective::Closest(wanted)) {
         Ok(velocity) => return velocity,
@@ -142,9 +142,9 @@ pub(super) fn best_velocity(planes: &[HalfPlane], fixed: usize, wanted: Vec2, ma
         if plane.violation(velocity) <= worst {
             continue;
         }
-        // Where another plane is violated as much as this one, in place of its line.
+        // Replaces each earlier plane of a disc by the velocities that violate it at most as much as `plane`.
         let mut projected = planes[..fixed.min(index)].to_vec();
-        projected.extend(planes[fixed.min(index)..index].iter().filter_map(|other| plane.equal_to(other)));
+        projected.extend(planes[fixed.min(index)..index].iter().filter_map(|other| plane.worse_than(other)));
         let inwards = plane.direction.perp();
         if let Ok(better) = solve(&projected, max_speed, Objective::Direction(inwards)) {
             velocity = better;
@@ -156,7 +156,7 @@ pub(super) fn best_velocity(planes: &[HalfPlane], fixed: usize, wanted: Vec2, ma
 
 impl HalfPlane {
     /// The velocities that violate `other` at most as much as this plane; `None` if all do.
-    fn equal_to(&self, other: &Self) -> Option<Self> {
+    fn worse_than(&self, other: &Self) -> Option<Self> {
         let determinant = self.direction.perp_dot(other.direction);
         let point = if determinant.abs() > PARALLEL {
             let part = other.direction.perp_dot(self.point - other.point) / determinant;

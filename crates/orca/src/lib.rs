@@ -1,18 +1,20 @@
-//! Optimal reciprocal collision avoidance: the velocity closest to the wanted one that collides with nothing for some time.
+//! Optimal reciprocal collision avoidance: of the velocities that lead to no collision within a time horizon, the one closest
+//! to the wanted (preferred) velocity.
 //!
-//! Source: J. van den Berg, S. J. Guy, M. Lin and D. Manocha, *Reciprocal n-body collision avoidance*, Robotics Research, STAR 70,
-//! Springer 2011. Each disc allows a half plane of velocities (section 4); walls and static obstacles allow those that do not
-//! reach their nearest point in time (section 5.4, for a current velocity of zero). The best velocity is found by a linear
-//! program in two dimensions; if there is none, the one that violates the half planes of the discs least.
+//! Source: J. van den Berg, S. J. Guy, M. Lin and D. Manocha, *Reciprocal n-body collision avoidance*, Robotics Research,
+//! STAR 70, Springer 2011. Each disc allows a half plane of velocities (section 4); a wall or a static obstacle allows those
+//! with which the agent does not reach the nearest point within a horizon (section 5.4, for a current velocity of zero). The
+//! best velocity is found by a linear program in two dimensions. If no velocity is in all half planes, the result is the one
+//! that violates those of the discs least.
 //!
-//! (The crate `dodgy_2d` is a port of the authors' RVO2. It draws random numbers, and brings second versions of glam and rand,
-//! one of which does not build for browsers.)
+//! (The crate `dodgy_2d`, a port of the authors' RVO2, is not used: it draws random numbers, and brings second versions of glam
+//! and rand, one of which does not build for browsers.)
 //!
 //! ```
 //! use glam::Vec2;
 //! use wayfield_orca::{Avoidance, Disc, avoiding_velocity};
 //!
-//! // Two agents head on, 2 m apart: each makes way by half.
+//! // Two agents head on, 2 m apart: each does half of the avoiding.
 //! let agent = Disc { at_m: Vec2::ZERO, velocity_m_s: Vec2::X, radius_m: 0.3 };
 //! let other = Disc { at_m: Vec2::new(2.0, 0.1), velocity_m_s: Vec2::NEG_X, radius_m: 0.3 };
 //! let avoidance = Avoidance {
@@ -49,19 +51,20 @@ pub struct Disc {
 pub struct Avoidance<'a> {
     /// The other discs.
     pub discs: &'a [Disc],
-    /// The nearest points of walls and static obstacles, in m.
+    /// The nearest point of each wall and static obstacle, in m.
     pub points_m: &'a [Vec2],
-    /// Time for which no collision with discs is allowed, in s.
+    /// Time within which no collision with discs is allowed, in s.
     pub time_horizon_s: f32,
-    /// The same for points, in s.
+    /// Time within which no collision with points is allowed, in s.
     pub static_horizon_s: f32,
     /// The agent's share of the avoidance, 0 to 1.
     pub responsibility: f32,
-    /// Time in which a collision that has happened is to end, in s.
+    /// Time in which discs that already touch the agent are to be clear of it, in s.
     pub period_s: f32,
 }
 
-/// The velocity of `agent`, in m/s, that is closest to `wanted_m_s`, at most `max_speed_m_s` fast, and avoids the others.
+/// The velocity of `agent`, in m/s, that is closest to `wanted_m_s`, at most `max_speed_m_s` fast, and avoids the
+/// discs and points of `avoidance`.
 #[must_use]
 pub fn avoiding_velocity(agent: &Disc, wanted_m_s: Vec2, max_speed_m_s: f32, avoidance: &Avoidance) -> Vec2 {
     let point = |point_m: &Vec2| HalfPlane::before_point(agent, *point_m, avoidance.static_horizon_s);
@@ -92,7 +95,7 @@ mod tests {
     #[test]
     fn a_wall_ahead_allows_the_speed_that_reaches_it_after_the_horizon() {
         let agent = Disc { at_m: Vec2::ZERO, velocity_m_s: Vec2::ZERO, radius_m: 0.3 };
-        // 0.5 m of free way in 1 s.
+        // 0.5 m of free path in 1 s.
         let velocity = avoiding_velocity(&agent, vec2(1.0, 0.0), 1.0, &avoidance(&[], &[vec2(0.8, 0.0)]));
         assert!((velocity - vec2(0.5, 0.0)).length() < 1e-5, "{velocity}");
         let free = avoiding_velocity(&agent, vec2(0.0, 1.0), 1.0, &avoidance(&[], &[vec2(0.8, 0.0)]));

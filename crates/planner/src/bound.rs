@@ -25,7 +25,7 @@ impl LowerBound {
         let period = f64::from(scenario.task.control_period_s);
         let motions = &scenario.robot.motions;
         let stride = motions.iter().map(|m| f64::from(m.v_m_s).abs() * period).fold(0.0, f64::max);
-        // A motion that stands still gives 0 / 0, which `min` ignores; a turn on the spot gives 0, and a motion backward a
+        // A motion that stands still gives 0 / 0, which `min` ignores; a turn on the spot gives 0, and a backward motion a
         // negative radius.
         let radii = motions.iter().map(|m| f64::from(m.v_m_s) / f64::from(m.w_rad_s).abs());
         let turning_radius = radii.fold(f64::INFINITY, f64::min);
@@ -45,13 +45,13 @@ impl LowerBound {
         ((length - self.goal_region.radius) / self.stride).max(0.0)
     }
 
-    /// The length, in m, of the shortest path from a point around the static obstacles to the edge of the goal region; infinite
+    /// The length, in m, of the shortest path around the static obstacles, from a point to the edge of the goal region; infinite
     /// if there is none.
     pub(super) fn path_m(&self, from: (f64, f64)) -> f64 {
         (self.geodesic.length(from) - self.goal_region.radius).max(0.0)
     }
 
-    /// The length, in m, of the shortest path to the goal whose curvature stays within the turning radius: an arc, then its
+    /// The length, in m, of the shortest path to the goal that curves no more tightly than the turning radius: an arc, then its
     /// tangent. 0 if the goal region touches a turning circle, because the proof does not cover that case.
     fn turning_length(&self, state: &State) -> f64 {
         let Some(r) = self.turning_radius else { return 0.0 };

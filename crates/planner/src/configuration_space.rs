@@ -1,6 +1,7 @@
 //! The search space: robot states, the effect of each motion, inflated obstacles and the goal region.
 //!
-//! In: a scenario and a clock. Out: the state after a motion, and whether that state is allowed.
+//! In: a scenario and a clock (the number of steps that moving obstacles have already made). Out: the state after a motion, and
+//! whether that state is allowed.
 
 use std::f64::consts::TAU;
 
@@ -56,7 +57,8 @@ impl MotionPrimitive {
     }
 }
 
-/// An obstacle inflated by the distance that the robot keeps: a rectangle with rounded corners. Circles and capsules are special cases.
+/// An obstacle inflated by the distance that the robot keeps: a rectangle with rounded corners. Circles and capsules are
+/// special cases.
 pub(super) struct InflatedObstacle {
     pub(super) x: f64,
     pub(super) y: f64,
@@ -165,7 +167,7 @@ impl<'a> ConfigurationSpace<'a> {
         }
     }
 
-    /// Whether the robot may be at (x, y) after `steps` steps. Call [`Self::prepare`] for these first.
+    /// Whether the robot may be at (x, y) after `steps` steps. Call [`Self::prepare`] with at least `steps` first.
     pub(super) fn is_clear(&self, x: f64, y: f64, steps: u32) -> bool {
         x.abs() <= self.half_width
             && y.abs() <= self.half_height

@@ -1,6 +1,6 @@
 //! The length of the shortest path around the static obstacles.
 //!
-//! A convex polygon inside each inflated obstacle replaces it. The shortest path around polygons bends only at corners, so
+//! Each inflated obstacle is replaced by a convex polygon inside it. The shortest path around polygons bends only at corners, so
 //! Dijkstra's algorithm on the visibility graph of the corners finds it. The proof is in `docs/optimum.md`.
 
 use std::f64::consts::{PI, TAU};
@@ -69,7 +69,7 @@ impl Occluder {
 pub(super) struct Geodesic {
     goal: (f64, f64),
     pub(super) occluders: Vec<Occluder>,
-    /// The corners from which the goal can be reached, with their distance to it in m, nearest first.
+    /// The corners from which the goal can be reached, with the length in m of the path to it, shortest first.
     pub(super) corners: Vec<((f64, f64), f64)>,
 }
 
@@ -130,7 +130,7 @@ impl Geodesic {
         !self.occluders.iter().any(|occluder| occluder.blocks(from, to))
     }
 
-    /// Computes each corner's distance to the goal by Dijkstra's algorithm on the visibility graph.
+    /// Computes the length of each corner's shortest path to the goal, by Dijkstra's algorithm on the visibility graph.
     fn measure(&mut self, corners: Vec<(f64, f64)>) {
         let mut open: Vec<_> = corners
             .into_iter()

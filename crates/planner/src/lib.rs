@@ -1,14 +1,14 @@
 //! Time-optimal paths of a differential-drive robot among obstacles, and proven lower bounds on the number of steps.
 //!
-//! Evaluation compares a policy's travel time with both. [`plan_path`] returns a plan, a [`TimedPath`] whose actions can be
-//! replayed in the simulation. [`lower_bound_steps`] returns a number of control steps: no trajectory to the goal is
-//! shorter. There is no physics engine: the robot is a point that keeps its distance from walls and obstacles.
+//! Evaluation compares a policy's travel time with a plan and a bound. [`plan_path`] returns a plan, a [`TimedPath`] whose
+//! actions can be replayed in the simulation. [`lower_bound_steps`] returns a number of control steps: no trajectory to the
+//! goal is shorter. There is no physics engine: the robot is a point that keeps its distance from walls and obstacles.
 //!
 //! ```
 //! use wayfield_planner::{Resolution, StepBounds, plan_path, step_bounds};
 //! use wayfield_scenario::{Scenario, Vec2};
 //!
-//! // The paper's empty arena. The goal is 1.2 m straight ahead and has a radius of 0.2 m, so 1.0 m remain.
+//! // The default scenario: an empty arena. The goal is 1.2 m straight ahead and has a radius of 0.2 m, so 1.0 m remain.
 //! let scenario = Scenario::default();
 //! let (start, goal) = ((0.0, 0.0, 0.0), Vec2::new(1.2, 0.0));
 //! let path = plan_path(&scenario, start, goal, 0, Resolution::default()).ok_or("no path")?;
@@ -33,8 +33,9 @@
 //! allowed if the robot is then at least `collision_range_m` from every wall and every obstacle; moving obstacles have
 //! their poses after the same step ([`wayfield_scenario::pose_at`]). The goal is reached by an allowed step that ends
 //! within `goal_radius_m` of it. For a robot that is not a disc, a plan keeps the circle around its body free
-//! ([`Scenario::keep_out_m`]), and the bounds only the circle inside it ([`Scenario::sure_collision_m`]). A plan keeps a margin of [`MARGIN_M`] to both limits, so that it is also valid in the
-//! simulation's f32 arithmetic. The lower bound relaxes both limits by the same margin.
+//! ([`Scenario::keep_out_m`]), and the bounds only the circle inside it ([`Scenario::sure_collision_m`]). A plan keeps an extra
+//! [`MARGIN_M`] from surfaces and inside the goal radius, so that it is also valid in the simulation's f32 arithmetic. The
+//! lower bound relaxes both limits by the same margin.
 //!
 //! A plan's length is an upper bound on the optimum. The search merges the states in a grid cell, which can make a plan
 //! longer; smaller cells reduce that loss. The heuristic of the search and [`lower_bound_steps`] are proven lower bounds. A
@@ -44,10 +45,11 @@
 //!
 //! [`unsupported_reason`] names the part of a scenario that the model lacks:
 //!
-//! - actuator lag, limited accelerations and slip, because search and bounds assume that a motion has its full speed from the start of a step;
+//! - actuator lag, limited accelerations and slip, because search and bounds assume that the robot drives exactly the
+//!   commanded motion from the start of a step;
 //! - a LIDAR with a field of view below a full turn, because collisions are detected from its ranges;
 //! - polygons, as enclosure or as obstacles;
-//! - pedestrians, whose way depends on others and may depend on the robot.
+//! - pedestrians, whose path depends on others and may depend on the robot.
 
 mod bound;
 mod configuration_space;
@@ -252,7 +254,7 @@ fn timed_path(
 /// A proven lower bound on the number of steps of any trajectory to the goal, whatever the resolution. `start`, `goal` and
 /// `clock` have the same meaning as in [`plan_path`].
 ///
-/// The bound is the smallest sum of steps taken and bound on the remaining steps, over all sequences of the first few
+/// The bound is the smallest sum of the steps taken and the bound on the remaining steps, over all sequences of the first few
 /// motions; the proof is in `docs/optimum.md`. It is `u32::MAX` if there is no path, and 1 if the scenario is unsupported
 /// ([`is_supported`]).
 #[must_use]
@@ -264,11 +266,11 @@ pub fn lower_bound_steps(scenario: &Scenario, start: (f32, f32, f32), goal: Vec2
     search_lower_bound(scenario, start, goal, clock, &bound, LOOKAHEAD_STATES, u32::MAX)
 }
 
-/// The length, in m, of the shortest path of the robot's centre from `start` (x in m, y in m, heading in rad) to the edge of
-/// the goal region around the static obstacles and walls. Turning radius and moving obstacles are ignored.
+/// The length, in m, of the shortest path of the robot's centre around the static obstacles and walls, from `start` (x in m,
+/// y in m, heading in rad) to the edge of the goal region. Turning radius and moving obstacles are ignored.
 ///
-/// Each inflated obstacle is replaced by a polygon inside it, so the length is a lower bound, for circles 0.5 % or less below
-/// the shortest path. Among very many obstacles, the most distant ones are left out. `None` if there is no path, or if the
+/// Each inflated obstacle is replaced by a polygon inside it, so the length is a lower bound; for circles, it is at most 0.5 %
+/// below the shortest path. Among very many obstacles, the most distant ones are left out. `None` if there is no path, or if the
 /// scenario has polygons.
 ///
 /// Generated obstacles must be added to the scenario first ([`Scenario::with_generated_obstacles`]).

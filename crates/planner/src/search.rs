@@ -41,7 +41,7 @@ impl Queue {
     }
 }
 
-/// The cost of a state, in 1/64 step: `steps` taken, plus the lower bound `to_go` on those remaining.
+/// The cost of a state, in 1/64 step: the `steps` taken plus `to_go`, the lower bound on the remaining steps.
 fn cost(steps: u32, to_go: f64) -> u32 {
     ((f64::from(steps) + to_go) * COST_PER_STEP) as u32
 }
@@ -70,7 +70,7 @@ impl StateGrid {
         )
     }
 
-    /// Whether the state's cost is lower than all previous ones in its cell; if so, it becomes the cell's best.
+    /// Whether the state's cost is lower than that of any previous state in its cell; if so, it becomes the cell's best.
     fn admit(&mut self, state: &State, steps: u32, cost: u32) -> bool {
         let best = self.best.entry(self.key(state, steps)).or_insert(u32::MAX);
         let better = cost < *best;

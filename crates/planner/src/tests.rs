@@ -46,7 +46,7 @@ fn plan_from_origin(scenario: &Scenario, to: Vec2) -> Option<TimedPath> {
     plan_path(scenario, (0.0, 0.0, 0.0), to, 0, Resolution::default())
 }
 
-/// The step at which the plan reaches the goal without a collision, driven in f32 like in the simulation.
+/// Drives the plan in f32, as in the simulation. Returns the step at which it reaches the goal without a collision.
 fn replay(
     scenario: &Scenario,
     start: (f32, f32, f32),
@@ -138,7 +138,7 @@ fn the_benchmark_route_takes_54_steps_which_is_proven_optimal() {
 #[test]
 fn the_path_around_a_box_has_the_length_computed_by_hand() {
     // From (-1, 0) to (1, 0), past the upper corners of a box that is 0.1 m wide, reaches from the lower wall to y = 0.6,
-    // and is to be passed at 0.13 m. Both halves are equal. The corner is (0.95, 0.6) from the end, a distance of
+    // and must be passed at 0.13 m. Both halves are equal. The corner is (0.95, 0.6) from the end, a distance of
     // 1.12361 m; the tangent is sqrt(1.12361^2 - 0.13^2) = 1.11606 m; the arc's angle is atan(0.6 / 0.95) +
     // asin(0.13 / 1.12361) = 0.67932 rad. The total is 2 (1.11606 + 0.13 * 0.67932) + 0.1 - 0.2 = 2.30874 m, or 76.96
     // steps: at least 77. The start's heading is along the tangent.
@@ -149,7 +149,8 @@ fn the_path_around_a_box_has_the_length_computed_by_hand() {
     assert!((77..=78).contains(&plan.steps), "{} steps", plan.steps);
 }
 
-/// The box of the test above, without the robot's heading: 2.30874 m. A wall of the same size is no different, and neither are cells.
+/// The box of the previous test: 2.30874 m, at any heading of the robot. A wall of the same size, of corners or of cells, gives
+/// the same length.
 #[test]
 fn the_shortest_path_goes_round_obstacles_and_walls_to_the_edge_of_the_goal() {
     let (start, goal) = ((-1.0, 0.0, 2.0), vec2(1.0, 0.0));
@@ -189,7 +190,7 @@ fn the_shortest_path_goes_round_obstacles_and_walls_to_the_edge_of_the_goal() {
 }
 
 #[test]
-fn a_robot_that_does_not_drive_what_is_commanded_is_refused() {
+fn a_robot_that_does_not_drive_as_commanded_is_unsupported() {
     let unsupported = |robot: Robot| unsupported_reason(&Scenario { robot, ..Scenario::default() });
     for (robot, expected) in [
         (Robot::default(), None),
@@ -221,7 +222,7 @@ fn a_blocked_goal_has_no_plan() {
 
 #[test]
 fn the_clock_determines_where_moving_obstacles_are() {
-    // A cylinder moves down the line x = 0.6 at 0.15 m/s, as fast as the robot. Started at y = 0.6, it is in the way when
+    // A cylinder moves down the line x = 0.6 at 0.15 m/s, as fast as the robot. Starting at y = 0.6, it is in the way when
     // the robot reaches that line. With a later clock it has already passed.
     let motion = ObstacleMotion::Patrol { waypoints_m: vec![vec2(0.6, -1.8)], speed_m_s: 0.15.into() };
     let scenario = Scenario { obstacles: vec![circle(vec2(0.6, 0.6), 0.15, motion)], ..Scenario::default() };

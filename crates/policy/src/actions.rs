@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The range of the number of relative motions.
+/// The allowed numbers of relative motions.
 const COUNT: core::ops::RangeInclusive<usize> = 1..=64;
 
 /// The motions that a policy chooses among.
@@ -46,7 +46,7 @@ impl ActionSet {
         }
     }
 
-    /// Checks that there are relative motions, and that they are within the limits.
+    /// Checks that there are 1 to 64 relative motions, each within the limits.
     ///
     /// # Errors
     /// The problem and its fix.
@@ -60,8 +60,8 @@ impl ActionSet {
                 COUNT.end()
             ));
         }
-        let is_share = |value: f32| (-1.0..=1.0).contains(&value);
-        let outside = motions.iter().position(|motion| !is_share(motion.speed) || !is_share(motion.turn));
+        let is_valid = |value: f32| (-1.0..=1.0).contains(&value);
+        let outside = motions.iter().position(|motion| !is_valid(motion.speed) || !is_valid(motion.turn));
         match outside {
             Some(k) => {
                 Err(format!("has a motion {k} that is beyond the limits; help: give shares from -1 to 1"))
@@ -71,7 +71,7 @@ impl ActionSet {
     }
 
     /// For each action, the action that is its mirror image: the same speed with the opposite turning rate. `None` if an
-    /// action has none, or if the set is the robot's.
+    /// action has no image in the set, or if the set is the robot's.
     #[must_use]
     pub fn mirrored(&self) -> Option<Vec<usize>> {
         let Self::Relative(motions) = self else { return None };
@@ -86,8 +86,9 @@ impl RelativeMotion {
     /// The motion of a robot with these limits: speed in m/s and turning rate in rad/s.
     #[must_use]
     pub fn of(self, limits: &MotionLimits) -> (f32, f32) {
-        let scaled =
-            |share: f32, (low, high): (f32, f32)| if share < 0.0 { -share * low } else { share * high };
+        let scaled = |fraction: f32, (low, high): (f32, f32)| {
+            if fraction < 0.0 { -fraction * low } else { fraction * high }
+        };
         (scaled(self.speed, limits.v_m_s), scaled(self.turn, limits.w_rad_s))
     }
 }
@@ -101,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn a_relative_motion_is_a_share_of_the_limits_on_its_side() {
+    fn a_relative_motion_is_a_fraction_of_the_limit_on_its_side() {
         let limits = MotionLimits { v_m_s: (-0.1, 0.5), w_rad_s: (-1.0, 2.0) };
         assert_eq!(motion(0.5, 1.0).of(&limits), (0.25, 2.0));
         assert_eq!(motion(-1.0, -0.5).of(&limits), (-0.1, -0.5));
@@ -117,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn shares_beyond_the_limits_are_refused() {
+    fn fractions_beyond_the_limits_are_rejected() {
         assert_eq!(ActionSet::Robot.check(), Ok(()));
         for motions in [vec![], vec![motion(1.1, 0.0)], vec![motion(0.0, f32::NAN)]] {
             let error = ActionSet::Relative(motions).check().expect_err("refused");

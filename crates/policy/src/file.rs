@@ -16,7 +16,7 @@ use crate::range::ConfigError;
 /// The version of the file format. It is raised when older readers would misread newer files.
 const VERSION: u32 = 2;
 
-/// The version without a card, which is still read, and written for a policy that has none.
+/// The version without a card. It is still read, and it is written for a policy that has no card.
 const VERSION_WITHOUT_CARD: u32 = 1;
 
 /// The only key in the file's metadata. The safetensors crate writes metadata in the random order of a hash map, so only
@@ -45,7 +45,7 @@ struct Header<N, C> {
     card: C,
 }
 
-/// The same in format version 1.
+/// Like [`Header`], in format version 1.
 #[derive(Debug, Serialize, Deserialize)]
 struct HeaderWithoutCard<N, M> {
     version: u32,
@@ -63,18 +63,18 @@ struct HeaderVersion {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PolicyError {
-    /// The file is damaged or in another format than safetensors.
+    /// The file is damaged, or not in the safetensors format.
     #[error("not a safetensors file: {0}")]
     NotSafetensors(String),
-    /// The safetensors file was written by another program.
+    /// The safetensors file has no valid wayfield header, for example because another program wrote it.
     #[error("not a wayfield policy: {0}")]
     NotWayfield(String),
-    /// The file was written by another version of wayfield.
+    /// The file has a format version that this wayfield does not read.
     #[error(
         "policy format version {found}, but this wayfield reads versions {VERSION_WITHOUT_CARD} and {VERSION}; help: use a newer wayfield"
     )]
     Version {
-        /// The file's version.
+        /// The file's format version.
         found: u64,
     },
     /// The network's sizes are out of range.
@@ -88,7 +88,7 @@ pub enum PolicyError {
         /// The expected shape.
         expected: Vec<usize>,
     },
-    /// A tensor has another type or shape.
+    /// A tensor has the wrong type or shape.
     #[error("the policy's tensor `{name}` is {found}, expected {expected}")]
     TensorMismatch {
         /// The tensor's name.
@@ -161,7 +161,7 @@ impl Policy {
         greedy(self.q_values(observation, scratch))
     }
 
-    /// The CRC-32C of the weights, as eight hexadecimal digits. Results of tests name their policy by it.
+    /// The CRC-32C of the weights, as eight hexadecimal digits. Test results identify their policy by it.
     #[must_use]
     pub fn weights_crc32c(&self) -> String {
         let append = |crc, value: &f32| crc32c::crc32c_append(crc, &value.to_le_bytes());
@@ -187,7 +187,8 @@ impl Policy {
             .map_err(not_safetensors)
     }
 
-    /// The policy in the bytes of a safetensors file. Memory use is at most a few times the length of `bytes`.
+    /// Reads the policy in the bytes of a safetensors file. Memory use is at most a few times the length of `bytes`, plus 5 MB
+    /// of padding in the packed weights.
     ///
     /// # Errors
     /// The file is not a usable policy; [`PolicyError`] lists the reasons.
@@ -218,7 +219,7 @@ impl Policy {
         Ok(Self { card, metadata, ..Self::new(shape, parameters)? })
     }
 
-    /// The header as JSON: what the file has under the key `wayfield`.
+    /// The header as JSON, which the file's metadata has under the key `wayfield`.
     ///
     /// # Errors
     /// The card does not describe the network.

@@ -1,7 +1,8 @@
 //! The policy core: everything needed to drive a robot with a trained wayfield policy, and nothing else.
 //!
-//! The crate depends on neither Bevy nor dfdx, and a decision allocates no memory. The Python package, the ONNX export,
-//! the ROS 2 node and the browser build use it; the app and the learner share its file format and observation encoding.
+//! The crate depends on neither Bevy nor dfdx, and with a reused [`Scratch`] a decision allocates no memory. The Python
+//! package, the ONNX export, the ROS 2 node and the browser build use it; the app and the learner share its file format and
+//! observation encoding.
 //!
 //! | module | duty |
 //! |---|---|
@@ -11,7 +12,8 @@
 //! | [`activation`] | the activation functions of the hidden layers |
 //! | [`card`] | the policy card: what the inputs and actions mean, and what the policy was trained with |
 //! | [`file`](mod@file) | the policy file: safetensors with a card |
-//! | [`range`] | range checks of numbers |
+//! | [`limits`] | the largest sizes that a policy file may have |
+//! | [`range`] | range checks for numbers |
 //!
 //! # Example
 //!

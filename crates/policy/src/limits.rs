@@ -1,8 +1,8 @@
 //! The limits of a policy file.
 
-/// The maximum number of parameters of a network: 64 MB of f32.
+/// The maximum number of parameters of a network: 64 MiB of f32.
 pub const MAX_PARAMETERS: usize = 1 << 24;
-/// The maximum number of units of a layer, and of inputs.
+/// The maximum number of units in a layer, and of inputs.
 pub const MAX_UNITS: usize = 4096;
 /// The maximum number of hidden layers.
 pub const MAX_LAYERS: usize = 8;

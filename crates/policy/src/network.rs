@@ -33,10 +33,10 @@ pub struct NetworkShape {
     pub activation: Activation,
 }
 
-/// The constant that a layer normalization adds to the variance; that of PyTorch's `LayerNorm`.
+/// The constant that a layer normalization adds to the variance, as in PyTorch's `LayerNorm`.
 pub const LAYER_NORM_EPSILON: f32 = 1e-5;
 
-/// Whether `value` is the one that a header without the field stands for.
+/// Whether `value` is the default, which a header leaves out.
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
@@ -73,7 +73,7 @@ impl NetworkShape {
         Self::hidden_problems(hidden).into_iter().next().map_or(Ok(()), Err)
     }
 
-    /// All problems that [`check_hidden`](Self::check_hidden) looks for. The widths of too many layers are not checked.
+    /// All problems that [`check_hidden`](Self::check_hidden) looks for. If there are too many layers, widths are not checked.
     #[must_use]
     pub fn hidden_problems(hidden: &[usize]) -> Vec<ConfigError> {
         if hidden.len() > MAX_LAYERS {
@@ -157,9 +157,9 @@ impl fmt::Display for NetworkShape {
 /// The number of outputs of a layer that are summed at the same time.
 const LANES: usize = 32;
 
-/// The parameters of a network as a forward pass reads them: each weight matrix in blocks of [`LANES`] outputs, the last one filled
-/// up with zeros, and within a block by inputs. So a processor sums the outputs of a block at once, each in the same order as
-/// one by one.
+/// The parameters of a network as a forward pass reads them. Each weight matrix is in blocks of [`LANES`] outputs, the last one
+/// padded with zeros; within a block, the weights of the first input come first. So a processor sums the outputs of a block at
+/// once, and each sum is the same as if it were computed alone.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Weights(Vec<f32>);
 
@@ -193,7 +193,7 @@ pub struct Scratch {
     next: Vec<f32>,
 }
 
-/// The Q-values of one `observation` under a network of `shape` with these `weights`, in `scratch`.
+/// Computes the Q-values of one `observation` in `scratch`, for a network of this `shape` with these `weights`.
 ///
 /// `observation` has `shape.inputs` elements.
 pub(crate) fn forward<'a>(
@@ -226,15 +226,15 @@ pub(crate) fn forward<'a>(
     if !shape.dueling {
         return units;
     }
-    // Q = V + A - mean(A): eq. (2) of the dueling network.
+    // Q = V + A - mean(A): the dueling head of Wang et al. 2016.
     let (value, advantages) = (units[0], &mut units[1..]);
     let mean = advantages.iter().sum::<f32>() / shape.actions as f32;
     advantages.iter_mut().for_each(|advantage| *advantage += value - mean);
     &units[1..]
 }
 
-/// Writes the outputs of a fully connected layer into `outputs`: per output, its bias and the products of its weights with
-/// `units`, added in their order. `weight` is [packed](Weights).
+/// Writes the outputs of a fully connected layer into `outputs`: each is its bias plus the products of its weights and `units`,
+/// added in the order of the units. `weight` is [packed](Weights).
 fn fully_connected(weight: &[f32], bias: &[f32], units: &[f32], outputs: &mut Vec<f32>) {
     outputs.clear();
     for (block, bias) in weight.chunks_exact(units.len() * LANES).zip(bias.chunks(LANES)) {
@@ -320,7 +320,7 @@ mod tests {
     }
 
     #[test]
-    fn packed_weights_give_the_sums_one_by_one_to_the_bit() {
+    fn packed_weights_give_the_same_bits_as_sums_one_by_one() {
         let shape = NetworkShape { inputs: 7, actions: 21, ..shape(&[37, 16], false) };
         let mut parameters = Vec::new();
         parameters.extend((0..shape.parameter_count()).map(|k| (k as f32 * 0.37).sin()));

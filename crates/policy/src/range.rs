@@ -13,10 +13,10 @@ pub struct ConfigError {
     pub problem: String,
 }
 
-/// Checks that `value` is in `range`, which includes its ends and may have no upper one. NaN is in no range.
+/// Checks that `value` is in `range`. NaN is in no range with a bound.
 ///
 /// # Errors
-/// It is not. The error names `field` and the range.
+/// `value` is out of range. The error names `field` and the range.
 pub fn within<T: PartialOrd + Display>(
     field: &str,
     value: T,
@@ -40,7 +40,7 @@ pub fn within<T: PartialOrd + Display>(
 /// Checks that `value` is a finite number above 0.
 ///
 /// # Errors
-/// It is not. The error names `field`.
+/// `value` is out of range. The error names `field`.
 pub fn above_zero(field: &str, value: f32) -> Result<(), ConfigError> {
     within(field, value, (Bound::Excluded(0.0), Bound::Excluded(f32::INFINITY)))
 }
@@ -48,7 +48,7 @@ pub fn above_zero(field: &str, value: f32) -> Result<(), ConfigError> {
 /// Checks that `value` is above 0 and at most `max`. NaN is not.
 ///
 /// # Errors
-/// It is not. The error names `field` and the range.
+/// `value` is out of range. The error names `field` and the range.
 pub fn within_above_zero(field: &str, value: f32, max: f32) -> Result<(), ConfigError> {
     within(field, value, (Bound::Excluded(0.0), Bound::Included(max)))
 }

@@ -23,7 +23,7 @@ fn policy(encoding: Encoding) -> Policy {
     policy_of(shape(), encoding)
 }
 
-/// A policy with a network of `shape`, one of [`shape`] with another activation or normalization.
+/// A policy whose network has this `shape`: that of the function [`shape`], with any activation and layer normalization.
 fn policy_of(shape: NetworkShape, encoding: Encoding) -> Policy {
     let parameters: Vec<f32> =
         (0..shape.parameter_count()).map(|k| (k * 37 % 19) as f32 * 0.1 - 0.9).collect();
@@ -87,7 +87,7 @@ fn the_json_of_a_card_lists_every_input_with_unit_divisor_and_angle() {
 }
 
 #[test]
-fn a_header_names_activation_and_layer_norm_only_where_they_differ_from_older_files() {
+fn a_header_names_activation_and_layer_norm_only_if_they_are_not_the_defaults() {
     let plain = policy(Encoding::Scaled).header().expect("a card");
     assert!(!plain.contains("layer_norm") && plain.contains("\"dueling\":true},"), "{plain}");
     for activation in Activation::ALL {
@@ -106,7 +106,7 @@ fn a_header_names_activation_and_layer_norm_only_where_they_differ_from_older_fi
     }
 }
 
-/// The error for the file of a policy whose header has been changed.
+/// The error from reading a policy file whose header `change` has edited.
 fn error(change: impl FnOnce(&str) -> String) -> String {
     let bytes = policy(Encoding::Scaled).to_bytes().expect("a valid card");
     let length = u64::from_le_bytes(bytes[..8].try_into().expect("eight bytes")) as usize;

@@ -9,7 +9,7 @@ use wayfield_policy::observation::{
 const LAYOUT: SectorLayout =
     SectorLayout { count: 36, earlier_steps: 2, free_paths: true, predicted_paths: true };
 
-/// An observer of a disc that collides at `unit_m`, with `beams` beams all around and a range of `27 * unit_m`.
+/// An observer for a round robot of radius `unit_m`, with `beams` beams all around and a range of `27 * unit_m`.
 fn observer(layout: SectorLayout, beams: usize, unit_m: f32) -> SectorObserver {
     let spacing_rad = TAU / beams as f32;
     let angles_rad = (0..beams).map(|beam| beam as f32 * spacing_rad).collect();
@@ -61,11 +61,11 @@ fn an_observation_is_what_its_columns_say() {
     assert_eq!((row.len(), columns.len()), (153, 153));
     for (column, value) in columns.into_iter().zip(row) {
         let expected = match (column.quantity, column.sector) {
-            // 0.4 m from the body is 4 units: 1 / (1 + 4 / 2). So is the way to a contact in its direction.
+            // The point is 4 units (0.4 m) from the body: 1 / (1 + 4 / 2). The free path towards it is as long.
             (Quantity::Nearness | Quantity::CollisionNearness | Quantity::PredictedNearness, Some(9)) => {
                 1.0 / 3.0
             }
-            // A direction that is 10 degrees beside it misses the point by 0.87 units: 4.92 - 0.50 units are free.
+            // A path 10 degrees off passes the point at 0.87 units, so the body touches it after 4.92 - 0.50 units.
             (Quantity::CollisionNearness | Quantity::PredictedNearness, Some(8 | 10)) => {
                 1.0 / (1.0 + (4.924_04 - 0.496_114) / 2.0)
             }
@@ -183,7 +183,7 @@ fn waiting_is_dangerous_where_something_comes() {
         let ranges_m = ranges(180, pose, (0.5 - 0.05 * step as f32, 0.0));
         observer.sense(&Sensed { ranges_m: &ranges_m, pose, twist: (0.0, 0.0) });
     }
-    // Its front, at 0.65 m, comes at 0.05 m a step: 11 steps to a contact, in which the robot would drive 2.2 units.
+    // The disc's front, 0.65 m away, comes at 0.05 m a step: 11 steps to a contact, in which the robot would drive 2.2 units.
     let waiting = row(&observer, (0.0, 1.0))[152];
     assert!((waiting - 1.0 / (1.0 + 2.2 / 2.0)).abs() < 0.06, "{waiting}");
 }

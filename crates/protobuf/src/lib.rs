@@ -76,7 +76,7 @@ impl Message {
         self.varint(u64::from(field) << 3 | u64::from(wire_type))
     }
 
-    /// Seven bits per byte, lowest first; the high bit is set on all bytes but the last.
+    /// Writes seven bits per byte, lowest first; the high bit is set on all bytes but the last.
     fn varint(&mut self, mut value: u64) -> &mut Self {
         while value >= 0x80 {
             self.0.push(value as u8 | 0x80);

@@ -41,7 +41,7 @@ pub fn stream(seed: u64, name: &str, index: u64) -> Stream {
 }
 
 /// Whether `stream`, read from a file, has a state that [`stream`] can produce: an odd one. From an even state, the
-/// generator would soon repeat a single number.
+/// generator has a shorter period, down to a single number.
 #[must_use]
 pub fn is_valid(stream: &Stream) -> bool {
     // The serialized form is the state alone, least significant bits first.
@@ -58,7 +58,7 @@ pub fn uniform_f64(stream: &mut Stream) -> f64 {
     (random_u64(stream) >> 11) as f64 * (1.0 / (1_u64 << 53) as f64)
 }
 
-/// A uniform draw from [low, high).
+/// A uniform draw from [low, high). Rounding can also give `high`.
 pub fn uniform(stream: &mut Stream, low: f32, high: f32) -> f32 {
     low + (high - low) * uniform_01(stream)
 }

@@ -31,7 +31,7 @@ static SYSTEM: LazyLock<Database> = LazyLock::new(|| {
 /// A system font.
 #[derive(Clone, Debug)]
 pub struct SystemFont {
-    /// The name that identifies the face among those of all system fonts.
+    /// The PostScript name, which identifies the face among all system fonts.
     pub name: String,
     /// The contents of the font file.
     pub data: Vec<u8>,

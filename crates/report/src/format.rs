@@ -29,8 +29,8 @@ pub fn number(value: f64, decimals: usize) -> String {
     text
 }
 
-/// The 95 % interval behind a mean: ` ± 0.8`; ` (0.0 to 100.0)` if an end would be beyond the `limits` of what is possible and
-/// is cut there. Empty without a finite interval.
+/// The text of a 95 % interval, to follow its mean: ` ± 0.8`, or ` (0.0 to 100.0)` if an end is cut at the `limits` of what is
+/// possible. Empty without a finite interval.
 ///
 /// ```
 /// use wayfield_report::format::interval;
@@ -69,11 +69,11 @@ pub fn counted(value: f64, noun: &str) -> String {
     format!("{count} {noun}{plural}")
 }
 
-/// A share from 0 to 1 in percent, 0.987 as 98.7%. Rounded down, so that 100% means that nothing failed. An en dash if
-/// `share` is not finite.
+/// A fraction from 0 to 1 in percent, 0.987 as 98.7%. Rounded down, so that 100% means that nothing failed. An en dash if
+/// `fraction` is not finite.
 #[must_use]
-pub fn percent(share: f64) -> String {
-    let percent = (share * 1000.0 + 1e-9).floor() / 10.0;
+pub fn percent(fraction: f64) -> String {
+    let percent = (fraction * 1000.0 + 1e-9).floor() / 10.0;
     if percent.is_finite() {
         format!("{percent:.*}%", usize::from(percent != 100.0))
     } else {

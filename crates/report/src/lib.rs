@@ -1,19 +1,19 @@
 //! Figures, tables, statistics and report pages, made from plain numbers.
 //!
-//! All functions return text (SVG, HTML, Markdown, CSV) or PNG bytes; the caller writes the files. The same numbers give
-//! the same bytes on every machine, because no clock or random number is used, and an installed font only for characters that
-//! the embedded one lacks.
+//! No function writes a file: figures, tables and pages are returned as text (SVG, HTML, Markdown, CSV) or as PNG or PDF
+//! bytes. The same numbers give the same bytes on every machine, except for PNG and PDF figures with characters that the
+//! embedded font lacks: they are drawn with an installed font.
 //!
 //! | module | contents |
 //! |---|---|
 //! | [`chart`] | figures as SVG: [curves with 95 % bands](chart::CurveChart), [dot plots](chart::DotPlot), [scenario maps](chart::ScenarioMap) |
 //! | [`run_figure`] | the figure of a single training run |
 //! | [`raster`], [`pdf`](mod@pdf) | the conversion of SVG to PNG and PDF |
-//! | [`resized`] | figures of another size |
+//! | [`resized`] | a figure scaled to another size |
 //! | [`fonts`] | the system's fonts, for characters that the embedded one lacks |
-//! | [`statistics`] | means over seeds and differences of arms, with 95 % confidence intervals |
+//! | [`statistics`] | means over seeds and differences of means, with 95 % confidence intervals |
 //! | [`rate`] | rates with 95 % confidence intervals |
-//! | [`curves`] | the mean of curves whose points have different x |
+//! | [`curves`] | the mean of curves whose points differ in x |
 //! | [`smoothing`] | the moving mean |
 //! | [`table`] | tables, as CSV and Markdown |
 //! | [`claim`] | whether the data support a claim: held, not shown or reversed |

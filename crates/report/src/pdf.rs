@@ -14,13 +14,13 @@ use resvg::usvg::{BlendMode, Color, Fill, FillRule, Group, LineCap, LineJoin, No
 use crate::style::DrawError;
 use crate::svg_tree::svg_tree;
 
-/// The size of an SVG pixel in PDF's unit: there are 96 of one and 72 of the other to the inch.
+/// The size of an SVG pixel in PDF points: an inch has 96 pixels and 72 points.
 const POINTS_PER_PIXEL: f32 = 0.75;
 
 /// The PDF file of an SVG figure: one page of the figure's size, at 96 SVG pixels per inch.
 ///
 /// # Errors
-/// `svg` is not valid SVG, or has something that figures do not have: images, gradients, patterns, clipping, masks, filters.
+/// `svg` is not valid SVG, or uses images, gradients, patterns, clipping, masks, filters or blend modes.
 pub fn pdf(svg: &str) -> Result<Vec<u8>, DrawError> {
     let tree = svg_tree(svg)?;
     let size = tree.size();
@@ -48,7 +48,7 @@ impl PageDrawing {
         if !is_plain {
             return Err(unsupported("clipping, masks, filters and blending"));
         }
-        // Exact where the shapes of a translucent group do not overlap, as in figures, whose groups have one shape.
+        // Exact if the shapes of a translucent group do not overlap. In this crate's figures, such a group has one shape.
         let opacity = opacity * group.opacity().get();
         for node in group.children() {
             match node {
@@ -127,7 +127,7 @@ impl PageDrawing {
                 PathSegment::MoveTo(to) => self.content.move_to(to.x, to.y),
                 PathSegment::LineTo(to) => self.content.line_to(to.x, to.y),
                 PathSegment::QuadTo(control, to) => {
-                    // The cubic curve with the same points.
+                    // The same curve as a cubic one.
                     let near = |end: Point| {
                         (end.x + (control.x - end.x) * 2.0 / 3.0, end.y + (control.y - end.y) * 2.0 / 3.0)
                     };

@@ -1,7 +1,7 @@
 //! Conversion of SVG figures to PNG.
 //!
-//! A figure whose text the embedded font covers has the same bytes on every machine. Other characters, say of a scenario's
-//! name in Japanese, are drawn with a font of the system, if it has one.
+//! A PNG has the same bytes on every machine if the embedded font covers the figure's text. Other characters, such as those of
+//! a Japanese scenario name, are drawn with a system font, if there is one.
 
 use resvg::tiny_skia::{Color, Pixmap, Transform};
 
@@ -32,11 +32,10 @@ pub struct RgbImage {
 /// # Errors
 /// As for [`png`].
 pub fn rgb(svg: &str, scale: f32) -> Result<RgbImage, DrawError> {
-    let picture = render(svg, scale)?;
-    // On the opaque background, no pixel is transparent.
-    let bytes =
-        picture.pixels().iter().flat_map(|pixel| [pixel.red(), pixel.green(), pixel.blue()]).collect();
-    Ok(RgbImage { width: picture.width() as usize, height: picture.height() as usize, bytes })
+    let image = render(svg, scale)?;
+    // The background is opaque, so no pixel is transparent.
+    let bytes = image.pixels().iter().flat_map(|pixel| [pixel.red(), pixel.green(), pixel.blue()]).collect();
+    Ok(RgbImage { width: image.width() as usize, height: image.height() as usize, bytes })
 }
 
 fn render(svg: &str, scale: f32) -> Result<Pixmap, DrawError> {
@@ -44,11 +43,11 @@ fn render(svg: &str, scale: f32) -> Result<Pixmap, DrawError> {
     let size = tree.size();
     let pixels = |length: f32| (length * scale).round() as u32;
     let (width, height) = (pixels(size.width()), pixels(size.height()));
-    let mut picture = Pixmap::new(width, height)
+    let mut image = Pixmap::new(width, height)
         .ok_or_else(|| DrawError::new(format!("cannot create an image of {width} x {height} pixels")))?;
-    picture.fill(Color::WHITE);
-    resvg::render(&tree, Transform::from_scale(scale, scale), &mut picture.as_mut());
-    Ok(picture)
+    image.fill(Color::WHITE);
+    resvg::render(&tree, Transform::from_scale(scale, scale), &mut image.as_mut());
+    Ok(image)
 }
 
 #[cfg(test)]
@@ -62,9 +61,9 @@ mod tests {
     #[test]
     fn a_png_has_the_figures_size_and_its_text() {
         let bytes = png(FIGURE, 2.0).expect("the figure is drawn");
-        let picture = Pixmap::decode_png(&bytes).expect("a valid PNG");
-        assert_eq!((picture.width(), picture.height()), (240, 80));
-        let dark = picture.pixels().iter().filter(|p| p.red() < 100).count();
+        let image = Pixmap::decode_png(&bytes).expect("a valid PNG");
+        assert_eq!((image.width(), image.height()), (240, 80));
+        let dark = image.pixels().iter().filter(|p| p.red() < 100).count();
         assert!(dark > 200, "{dark} dark pixels: the text is missing");
         assert_eq!(bytes, png(FIGURE, 2.0).expect("the figure is drawn"), "the bytes are reproducible");
     }

@@ -3,8 +3,8 @@
 /// The 0.975 quantile of the standard normal distribution.
 const NORMAL_QUANTILE: f64 = 1.959_963_984_540_054;
 
-/// The 95 % confidence interval `[low, high]` of a rate, 0 to 1, of which `hits` of `n` independent trials are known: Wilson's
-/// score interval. It lies within 0 to 1 and has a width even if all trials agree. Without trials it is `[0, 1]`.
+/// Wilson's 95 % score interval `[low, high]` of a rate, given `hits` successes in `n` independent trials. It lies within
+/// 0 to 1 and has a positive width even if all trials agree. Without trials it is `[0, 1]`.
 ///
 /// Source: E. B. Wilson, *Probable inference, the law of succession, and statistical inference*, JASA 22 (1927).
 #[must_use]

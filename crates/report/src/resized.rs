@@ -1,6 +1,6 @@
-//! Figures of another size.
+//! Scaling of figures to another size.
 
-/// The figure `svg` of this crate with another size in pixels. It is scaled to fit, in the middle of a white picture.
+/// `svg`, a figure of this crate, at another size in pixels: scaled to fit, and centred on a white background.
 #[must_use]
 pub fn resized(svg: &str, (width, height): (u32, u32)) -> String {
     let Some((head, contents)) = svg.split_once('>') else { return svg.to_owned() };

@@ -12,7 +12,7 @@ pub struct Estimate {
     pub mean: f64,
     /// Half the width of the interval, in the values' unit; `None` for a single value.
     pub half_width: Option<f64>,
-    /// The number of values; for a difference, of both sides together.
+    /// The number of values: of both sides together for [`difference`], of pairs for [`paired_difference`].
     pub n: usize,
 }
 
@@ -52,9 +52,9 @@ pub fn difference(a: &[f64], b: &[f64]) -> Option<Estimate> {
         if both == 0.0 {
             return 0.0;
         }
-        // Welch and Satterthwaite: (va + vb)^2 / (va^2 / (na - 1) + vb^2 / (nb - 1)), in shares of va + vb.
-        let (a_share, b_share) = (of_a / both, of_b / both);
-        let freedom = 1.0 / (a_share * a_share / (a.n - 1.0) + b_share * b_share / (b.n - 1.0));
+        // Welch and Satterthwaite: (va + vb)^2 / (va^2 / (na - 1) + vb^2 / (nb - 1)), with va and vb as fractions of their sum.
+        let (a_fraction, b_fraction) = (of_a / both, of_b / both);
+        let freedom = 1.0 / (a_fraction * a_fraction / (a.n - 1.0) + b_fraction * b_fraction / (b.n - 1.0));
         half_width(both, freedom)
     });
     Some(Estimate { mean: a.mean - b.mean, half_width, n })
@@ -69,10 +69,10 @@ pub fn paired_difference(a: &[f64], b: &[f64]) -> Option<Estimate> {
     (a.len() == b.len()).then(|| Estimate::from_values(&differences)).flatten()
 }
 
-/// Fewer seeds than this say little.
+/// With fewer seeds than this, [`small_sample_note`] warns.
 pub const SMALL_SAMPLE: usize = 5;
 
-/// What `n` seeds say, if that is little: "n = 2 says little: ...".
+/// A note that `n` seeds are too few, such as "n = 2 says little: ..."; `None` for enough seeds, and for none.
 #[must_use]
 pub fn small_sample_note(n: usize) -> Option<String> {
     let advice = format!("Use at least {SMALL_SAMPLE} seeds");
@@ -102,7 +102,7 @@ pub fn band(curves: &[Vec<f64>]) -> Vec<Estimate> {
     (0..length).map(|i| Estimate::from_values(&at(i)).unwrap_or(unknown)).collect()
 }
 
-/// The sums that the formulas need.
+/// What the formulas need of one sample.
 struct Sample {
     n: f64,
     mean: f64,

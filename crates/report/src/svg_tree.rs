@@ -1,4 +1,4 @@
-//! Parsed SVG figures, whose text has its glyphs.
+//! Parsing of SVG figures, with the glyphs of their text.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use resvg::usvg::{Options, Tree};
 use crate::fonts;
 use crate::style::DrawError;
 
-/// The parsed figure `svg`. The embedded font stands in for all that it names.
+/// The parsed figure `svg`. The embedded font stands in for every font that it names.
 ///
 /// # Errors
 /// `svg` is not valid SVG.

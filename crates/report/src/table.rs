@@ -55,13 +55,13 @@ pub enum Cell {
         /// Decimals shown.
         digits: usize,
     },
-    /// A mean with its interval: `99.4 ± 0.8`, or `99.9 (99.6 to 100.0)` if an end is cut.
+    /// A mean with its interval: `99.4 ± 0.8`, or `99.9 (99.6 to 100.0)` if an end is cut off.
     Estimate {
         /// The mean.
         mean: f64,
         /// Half the width of its 95 % confidence interval, if known.
         half_width: Option<f64>,
-        /// The range of possible values, if it has ends.
+        /// The range of possible values, if it is bounded.
         limits: Option<(f64, f64)>,
         /// Decimals shown.
         digits: usize,
@@ -79,7 +79,7 @@ pub enum Cell {
         value: f64,
         /// Half the width of its 95 % confidence interval, if known.
         half_width: Option<f64>,
-        /// The range of possible differences, if it has ends.
+        /// The range of possible differences, if it is bounded.
         limits: Option<(f64, f64)>,
         /// Decimals shown.
         digits: usize,
@@ -103,7 +103,7 @@ impl Cell {
         self.value_text() + &self.interval_text()
     }
 
-    /// Whether an end of the cell's interval is cut to what is possible.
+    /// Whether an end of the cell's interval is cut off because values beyond it are impossible.
     #[must_use]
     pub fn is_cut(&self) -> bool {
         let (Self::Estimate { mean: value, limits, .. } | Self::Signed { value, limits, .. }) = *self else {

@@ -1,7 +1,8 @@
 //! The canonical text of a value.
 //!
-//! Each level is indented by four spaces. A value that fits into a line of 110 columns is written on one line; only a list
-//! of structs, or of several texts, always has one line per element. Fields that equal their defaults are left out.
+//! Each level is indented by four spaces. A value that fits into a line of 110 columns is written on one line; only the
+//! top-level struct, lists of structs and lists of several strings always have one line per field or element. Fields that
+//! equal their defaults are left out, unless all do.
 
 use crate::literal::{columns, quoted, wrapped};
 use crate::style::Style;
@@ -102,7 +103,7 @@ impl<'a> Formatter<'a> {
         text + indent + close
     }
 
-    /// The text of `value` on one line; `None` if it contains a list of structs, or of several texts.
+    /// The text of `value` on one line; `None` if it contains a list of structs, or of several strings.
     fn line(&self, value: &Value) -> Option<String> {
         Some(match value {
             Value::Scalar(literal) => literal.clone(),

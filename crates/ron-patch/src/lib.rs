@@ -30,8 +30,8 @@
 //! | `format`, `literal` | the canonical text of a tree |
 //! | [`tokens`], `syntax`, `trivia` | the old text as a tree of byte ranges, with comments and spaces between them |
 //! | `merge`, `align`, `rebuild` | the old text with the changed values in it |
-//! | [`set_field`] | a value for the field at a path |
-//! | [`overlay`] | the fields of one text in place of those of another |
+//! | [`set_field`] | a new value for the field at a path |
+//! | [`overlay`] | one text, overridden by the fields of another |
 //! | [`SourceMap`] | from a byte offset to a field's path and back, for error messages |
 //!
 //! Supported types are structs with named fields, enums whose variants have named fields or no fields, options, lists,
@@ -68,7 +68,7 @@ use self::syntax::SyntaxNode;
 use self::value::Value;
 
 /// The canonical text of `value`: fields in the type's order, four spaces per level, lines of up to 110 columns, and
-/// only the fields that differ from the defaults in `style`. It ends with a newline.
+/// only the fields that differ from the defaults in `style`, or all if none does. It ends with a newline.
 ///
 /// # Errors
 /// [`Unsupported`] if `value` contains a type that this crate cannot write.
@@ -105,7 +105,7 @@ pub fn patch<T: Serialize>(
 
 /// A new version of `text` that contains `new` instead of `old`; `None` if the brackets of `text` do not match.
 fn merge(text: &str, old: &Value, new: &Value, style: &Style) -> Option<String> {
-    let first_line_end = text.split_once('\n').map_or("", |(line, _)| line);
-    let formatter = Formatter::new(if first_line_end.ends_with('\r') { "\r\n" } else { "\n" }, style);
+    let first_line = text.split_once('\n').map_or("", |(line, _)| line);
+    let formatter = Formatter::new(if first_line.ends_with('\r') { "\r\n" } else { "\n" }, style);
     Some(Merge { text, formatter: &formatter }.file(&SyntaxNode::parse(text)?, old, new))
 }

@@ -111,8 +111,8 @@ impl Merge<'_> {
         rebuilder.finish()
     }
 
-    /// The changed fields that are missing in the text, each with the index of the child before which it is inserted: after
-    /// the last child that precedes it in the type's order.
+    /// The changed fields that the text lacks, each with the index of the child before which it is inserted, so that it
+    /// follows the last child that precedes it in the type's order.
     fn added_fields<'v>(
         &self,
         node: &SyntaxNode,

@@ -1,10 +1,10 @@
-//! The fields of one RON text in place of those of another.
+//! One RON text, overridden by the fields of another.
 
 use crate::set_field::Edit;
 use crate::source_map::SourceMap;
 
-/// `base` with the fields of `text`: both are RON texts of one struct type. The fields of a struct are replaced one by one, in
-/// `base` written without its name. Any other value is replaced as a whole: an enum's, a list, a tuple.
+/// `base`, overridden by the fields of `text`. Both are RON texts of the same struct type. A nested struct that `base` writes
+/// without its name is overridden field by field; any other value (an enum, a list, a tuple) is replaced as a whole.
 ///
 /// ```
 /// use wayfield_ron_patch::overlay;
@@ -26,11 +26,11 @@ pub fn overlay(base: &str, text: &str) -> String {
     result
 }
 
-/// Adds the changes of the struct `entries.0` of the base to the fields of the struct `entries.1`.
+/// Adds the edits that override the struct `entries.0` of the base text by the fields of the struct `entries.1`.
 fn collect(maps: (&SourceMap, &SourceMap), entries: (usize, usize), edits: &mut Vec<Edit>) {
     let (base, text) = maps;
     for (name, field) in text.fields_of(entries.1) {
-        // A line break ends a comment behind the value.
+        // The line break ends a line comment after the value.
         let value = format!("{}\n", text.text_of(field));
         match base.field_of(entries.0, name) {
             Some(old) if is_struct(base, old) && text.bracket_of(field).is_some() => {

@@ -31,7 +31,7 @@ pub(crate) struct ChildrenRebuilder<'a> {
     /// The columns in which the line comments of two or more children start.
     comment_columns: BTreeSet<usize>,
     out: String,
-    /// Comments above removed children that an empty line separates from the child: they stay.
+    /// Comments above removed children, separated from them by an empty line: they stay.
     orphaned: String,
     /// The last child written so far.
     last: Option<LastChild<'a>>,

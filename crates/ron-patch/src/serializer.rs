@@ -9,7 +9,7 @@ use serde::ser::{
 
 use crate::value::{Record, Value};
 
-/// The error of a value that contains a type that this crate does not support, such as a map.
+/// The error for a value of an unsupported type, such as a map.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("cannot be written as RON: {0}")]
 pub struct Unsupported(String);
@@ -219,7 +219,7 @@ impl SerializeStruct for Record {
         self.fields.push((key, Value::from_serde(value)?));
         Ok(())
     }
-    /// A field that other formats leave out is `None`, so that an old text may have it.
+    /// A skipped field becomes `None`, because the old text may contain it.
     fn skip_field(&mut self, key: &'static str) -> Result<(), Unsupported> {
         self.fields.push((key, Value::Null));
         Ok(())

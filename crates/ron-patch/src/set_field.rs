@@ -12,9 +12,9 @@ pub struct PathError(String);
 /// A part of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Step<'a> {
-    /// The field of a struct or of an enum's variant.
+    /// A field of a struct or of an enum's variant.
     Field(&'a str),
-    /// The element of a list or tuple, from 0.
+    /// An element of a list or tuple, counted from 0.
     Index(usize),
     /// All elements of a list that have the rest of the path.
     All,
@@ -24,15 +24,15 @@ enum Step<'a> {
 pub(crate) struct Edit {
     pub range: Range<usize>,
     pub new: String,
-    /// Whether the text lacks the field.
+    /// Whether it adds a field that the text lacks.
     pub is_added: bool,
 }
 
-/// `text` with `value`, a RON text, at `path`.
+/// `text` with the RON text `value` at `path`.
 ///
 /// A path looks like `obstacles[2].motion.speed_rad_s`, as in [`SourceMap`]. `obstacles[*].motion.speed_rad_s` means every
-/// element of the list that has the rest of the path. A field that `text` lacks is added to its struct, so that the reader of
-/// the result takes or rejects it by its name. `value` is not checked.
+/// element of the list that has the rest of the path. A field that `text` lacks is added to its struct, so that the parser of
+/// the result accepts or rejects its name. `value` is not checked.
 ///
 /// ```
 /// use wayfield_ron_patch::set_field;
@@ -82,7 +82,7 @@ fn steps(path: &str) -> Result<Vec<Step<'_>>, PathError> {
     Ok(steps)
 }
 
-/// The changes that give `value` to what `steps` lead to from `entry`, in the order of the text.
+/// The edits that set what `steps` lead to, starting at `entry`, to `value`; in the order of the text.
 fn edits(map: &SourceMap, entry: usize, steps: &[Step], value: &str) -> Result<Vec<Edit>, PathError> {
     let Some((&step, rest)) = steps.split_first() else {
         return Ok(vec![Edit { range: map.value_of(entry), new: value.to_owned(), is_added: false }]);
@@ -95,13 +95,13 @@ fn edits(map: &SourceMap, entry: usize, steps: &[Step], value: &str) -> Result<V
         },
         Step::Index(index) => match map.elements_of(entry).nth(index) {
             Some(element) => edits(map, element, rest, value),
-            None => Err(no_element(map, entry, &format!("[{index}]"))),
+            None => Err(missing_part(map, entry, &format!("[{index}]"))),
         },
     }
 }
 
-/// The changes in all elements of `entry` that have the rest of the path. If none has it, those of the first element, or its
-/// error.
+/// The edits in all elements of `entry` that have the rest of the path. If none has it, the edits that add it to the first
+/// element, or the error of the first element.
 fn edits_of_all(map: &SourceMap, entry: usize, rest: &[Step], value: &str) -> Result<Vec<Edit>, PathError> {
     let mut of_elements: Vec<_> =
         map.elements_of(entry).map(|element| edits(map, element, rest, value)).collect();
@@ -110,15 +110,15 @@ fn edits_of_all(map: &SourceMap, entry: usize, rest: &[Step], value: &str) -> Re
     };
     if !of_elements.iter().any(is_there) {
         of_elements.truncate(1);
-        return of_elements.pop().unwrap_or_else(|| Err(no_element(map, entry, "element")));
+        return of_elements.pop().unwrap_or_else(|| Err(missing_part(map, entry, "element")));
     }
     Ok(of_elements.into_iter().filter(is_there).flatten().flatten().collect())
 }
 
-/// The addition of the field `name`, with `value` in its part `rest`, to the struct or variant `entry`.
+/// The edit that adds the field `name` to the struct or variant `entry`, with `value` at the path `rest` in it.
 fn added(map: &SourceMap, entry: usize, name: &str, rest: &[Step], value: &str) -> Result<Edit, PathError> {
     let open = map.bracket_of(entry).filter(|_| map.elements_of(entry).next().is_none());
-    let open = open.ok_or_else(|| no_element(map, entry, &format!("`{name}`")))?;
+    let open = open.ok_or_else(|| missing_part(map, entry, &format!("`{name}`")))?;
     let value = rest.iter().rev().fold(value.to_owned(), |value, step| match step {
         Step::Field(name) => format!("({name}: {value})"),
         Step::Index(_) | Step::All => format!("[{value}]"),
@@ -126,8 +126,8 @@ fn added(map: &SourceMap, entry: usize, name: &str, rest: &[Step], value: &str) 
     Ok(Edit { range: open..open, new: format!("{name}: {value}, "), is_added: true })
 }
 
-/// The error of a value that lacks `part`.
-fn no_element(map: &SourceMap, entry: usize, part: &str) -> PathError {
+/// The error for a value that lacks `part`, a field or an element.
+fn missing_part(map: &SourceMap, entry: usize, part: &str) -> PathError {
     let path = map.path_of(entry);
     let text = map.text_of(entry).split_whitespace().collect::<Vec<_>>().join(" ");
     let long = text.char_indices().nth(40).map(|(end, _)| &text[..end]);
@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn a_path_leads_through_structs_choices_lists_and_points() {
+    fn a_path_leads_through_structs_variants_lists_and_tuples() {
         for (path, old) in [
             ("gamma", "0.99"),
             ("rate", "Constant(0.1)"),

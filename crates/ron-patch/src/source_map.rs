@@ -98,7 +98,7 @@ impl<'a> SourceMap<'a> {
         }
     }
 
-    /// The entry that the value at `start` belongs to.
+    /// The open child of `inner`, which the token at `start` belongs to. If there is none, the token starts one.
     fn child(&mut self, inner: &mut Open, start: usize) -> usize {
         let child = *inner.child.get_or_insert_with(|| {
             let step = Step::Index(inner.count);
@@ -110,7 +110,7 @@ impl<'a> SourceMap<'a> {
         child
     }
 
-    /// Turns the open child, which ends at a `colon`, into a key. Its value follows.
+    /// Turns the open child, which ends at the offset `colon`, into a key. Its value follows.
     fn turn_child_into_key(&mut self, inner: &Open, colon: usize) {
         if let Some(entry) = inner.child.map(|child| &mut self.entries[child]) {
             let key = self.text[entry.start..colon].trim_end().trim_matches('"');
@@ -140,7 +140,7 @@ impl<'a> SourceMap<'a> {
         self.path(self.entries[self.innermost(offset)].parent)
     }
 
-    /// The offset at which the value of the innermost field around `offset` starts.
+    /// The offset at which the value of the innermost field around `offset` starts; `offset` if the value starts later.
     #[must_use]
     pub fn value_start_at(&self, offset: usize) -> usize {
         self.entries[self.innermost(offset)].value.min(offset)
@@ -193,12 +193,12 @@ impl<'a> SourceMap<'a> {
         })
     }
 
-    /// The elements of the list, tuple or unnamed variant `entry`.
+    /// The elements of `entry`: a list, a tuple or a variant with unnamed fields.
     pub(crate) fn elements_of(&self, entry: usize) -> impl Iterator<Item = usize> {
         self.below(entry).filter(|&below| matches!(self.entries[below].step, Step::Index(_)))
     }
 
-    /// The entries in `entry`, in the order of the text.
+    /// The entries directly inside `entry`, in the order of the text.
     fn below(&self, entry: usize) -> impl Iterator<Item = usize> {
         (entry + 1..self.entries.len()).filter(move |&below| self.entries[below].parent == entry)
     }

@@ -24,7 +24,7 @@ pub(crate) struct SyntaxNode {
 impl SyntaxNode {
     /// The top-level value of `text`; `None` if its brackets do not match.
     pub fn parse(text: &str) -> Option<Self> {
-        Tokens { text, at: 0 }.node()
+        Parser { text, at: 0 }.node()
     }
 
     /// The offset of its key or, without one, of its value.
@@ -33,13 +33,13 @@ impl SyntaxNode {
     }
 }
 
-/// The parser: a text, and the offset of the next token.
-struct Tokens<'a> {
+/// A parser: a text, and the offset after the last token read.
+struct Parser<'a> {
     text: &'a str,
     at: usize,
 }
 
-impl Tokens<'_> {
+impl Parser<'_> {
     fn peek(&self) -> Option<u8> {
         token(self.text, self.at).map(|(start, _)| self.text.as_bytes()[start])
     }

@@ -1,10 +1,9 @@
-//! The RON tokenizer: words, strings, characters and punctuation; comments and spaces are skipped. It also accepts text that
-//! ron rejects.
+//! The RON tokenizer. It also accepts text that ron rejects.
 
 use std::ops::Range;
 
-/// The byte ranges of the tokens of a RON text, which may be invalid: words (names and numbers), strings, characters and single
-/// signs. Spaces and comments are between them.
+/// The byte ranges of the tokens of a RON text, which may be invalid: words (names and numbers), string and character
+/// literals, and single punctuation characters. Spaces and comments are skipped.
 pub fn tokens(text: &str) -> impl Iterator<Item = Range<usize>> {
     let mut at = 0;
     std::iter::from_fn(move || {

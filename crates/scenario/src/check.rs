@@ -1,22 +1,22 @@
 //! The checks of a scenario: ranges of numbers, geometry inside the enclosure, free space, reachability.
 //!
-//! In: a [`Scenario`], read from a file or built in code. Out: a [`Diagnostic`] with field path and fix for each problem, and
-//! a [`Note`] for each doubtful setting of a scenario that can be run.
-//! The limits also keep a hostile file from taking memory or time: a scenario without diagnostics is safe to run.
+//! In: a [`Scenario`], read from a file or built in code. Out: a [`Diagnostic`] with field path and fix for each problem and,
+//! if all values are valid, a [`Note`] for each doubtful setting.
+//! The limits also keep a hostile file from taking too much memory or time: a scenario without diagnostics is safe to run.
 //!
 //! | file | duty |
 //! |---|---|
-//! | `numbers.rs` | ranges of numbers, comparisons between numbers |
-//! | `obstacles.rs` | the same for walls, obstacles and generators |
-//! | `polygons.rs` | corners of polygons: simple and, for obstacles, convex |
+//! | `numbers.rs` | ranges of numbers, comparisons between numbers; names and descriptions |
+//! | `obstacles.rs`, `key_frames.rs` | the same for walls, obstacles, generators and key frames |
+//! | `polygons.rs` | polygons: simple and, for obstacles, convex |
 //! | `speeds.rs` | distances travelled by robot and obstacles in one control step; obstacles faster than the robot |
-//! | `motions.rs` | the robot moves, and the time limit allows for the nearest goals |
+//! | `motions.rs` | the robot can move, and the time limit is long enough for the nearest goals |
 //! | `space.rs` | geometry inside the enclosure; free space for starts, goals and the benchmark route |
 //! | `extent.rs` | how far an obstacle reaches outside the enclosure along its whole path |
 //! | `reachability.rs`, `grid.rs` | a path for the robot from every start to every goal |
-//! | `valid_part.rs` | what the checks from `motions.rs` on look at if some values are invalid |
-//! | `time_limit.rs`, `turning.rs` | notes: goals out of reach within the time limit, no space to turn round |
-//! | `overlaps.rs`, `swept_path.rs`, `convex.rs` | notes: obstacles that overlap or cross walls and each other |
+//! | `valid_part.rs` | the valid part of a scenario, for the checks from `motions.rs` to `reachability.rs` |
+//! | `time_limit.rs`, `turning.rs` | notes: goals out of reach within the time limit, a robot that can't turn round |
+//! | `overlaps.rs`, `swept_path.rs`, `convex.rs` | notes: obstacles that overlap walls or other obstacles, or pass through them |
 
 mod convex;
 mod extent;
@@ -55,7 +55,7 @@ use glam::Vec2;
 
 pub(crate) const METRES: &str = " (metres)";
 pub(crate) const METRES_PER_SECOND: &str = " (metres per second)";
-/// The words and the paths of lengths that others must exceed.
+// Lengths that others must exceed: the words for messages, and the path.
 const ROBOT_RADIUS: (&str, &str) = ("the robot's radius", "robot.radius_m");
 const GOAL_RADIUS: (&str, &str) = ("the goal radius", "task.goal_radius_m");
 const COLLISION_RANGE: (&str, &str) = ("the collision range", "task.collision_range_m");
@@ -66,15 +66,15 @@ const SECONDS: &str = " (seconds)";
 pub(crate) const RADIANS: &str = " (radians: a full turn is 6.2832)";
 const RADIANS_PER_SECOND: &str = " (radians per second)";
 
-/// All problems of `scenario`: first invalid numbers, then parts that do not fit together. Of the latter, those are found that
-/// do not depend on an invalid number.
+/// All problems of `scenario`: first invalid values, then parts that do not fit together. A problem of the second kind that
+/// depends on an invalid value is not found.
 #[must_use]
 pub fn diagnostics(scenario: &Scenario) -> Vec<Diagnostic> {
     diagnostics_of_known(scenario, &[])
 }
 
-/// The [`diagnostics`] of a scenario of which the values at the paths `unknown` could not be read and have any value. None is
-/// about them.
+/// Like [`diagnostics`], for a scenario whose values at the paths `unknown` could not be read and are arbitrary. Nothing is
+/// reported about those.
 #[must_use]
 pub fn diagnostics_of_known(scenario: &Scenario, unknown: &[String]) -> Vec<Diagnostic> {
     let mut all = value_diagnostics_of_known(scenario, unknown);
@@ -94,7 +94,7 @@ pub fn diagnostics_of_known(scenario: &Scenario, unknown: &[String]) -> Vec<Diag
     all
 }
 
-/// The doubtful settings of `scenario`, the more important ones first. None for a scenario with invalid numbers.
+/// The doubtful settings of `scenario`, the more important ones first. None if a value is invalid or the robot can't move.
 #[must_use]
 pub fn notes(scenario: &Scenario) -> Vec<Note> {
     let mut notes = Vec::new();
@@ -108,27 +108,27 @@ pub fn notes(scenario: &Scenario) -> Vec<Note> {
     notes
 }
 
-/// The invalid numbers of `scenario`. A scenario without them can be drawn and edited, but perhaps not run.
+/// The invalid values of `scenario`. A scenario without them can be drawn and edited, but perhaps not run.
 #[must_use]
 pub fn value_diagnostics(scenario: &Scenario) -> Vec<Diagnostic> {
     value_diagnostics_of_known(scenario, &[])
 }
 
-/// The [`value_diagnostics`] of a scenario of which the values at the paths `unknown` could not be read and have any value.
-/// None is about them.
+/// Like [`value_diagnostics`], for a scenario whose values at the paths `unknown` could not be read and are arbitrary.
+/// Nothing is reported about those.
 #[must_use]
 pub fn value_diagnostics_of_known(scenario: &Scenario, unknown: &[String]) -> Vec<Diagnostic> {
     let mut diagnostics = Diagnostics { incomparable: unknown.to_vec(), ..Diagnostics::default() };
     numbers::check(scenario, &mut diagnostics);
     let is_unknown = |path: &str| unknown.iter().any(|other| overlap(other, path));
-    // The upper corner of a rectangle is compared with the lower one.
+    // A problem of a rectangle's upper corner may come from its comparison with an unknown lower one.
     diagnostics.found.retain(|Diagnostic { path, .. }| {
         !is_unknown(path) && !is_unknown(&path.replace(".max_m[", ".min_m["))
     });
     diagnostics.found
 }
 
-/// Whether `scenario` passes all checks but that of reachability.
+/// Whether `scenario` passes all checks except two: that walls and obstacles stay inside the enclosure, and reachability.
 pub(crate) fn has_valid_space(scenario: &Scenario) -> bool {
     let mut diagnostics = Diagnostics::default();
     check_robot_and_task(scenario, &mut diagnostics);
@@ -138,7 +138,7 @@ pub(crate) fn has_valid_space(scenario: &Scenario) -> bool {
     diagnostics.is_empty()
 }
 
-/// Checks the single values of a scenario, of which some parts are not final, and the motions of its robot.
+/// Checks the single values of a scenario and the motions of its robot, but not how its parts fit together.
 pub(crate) fn check_robot_and_task(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     numbers::check(scenario, diagnostics);
     let invalid = diagnostics.found.iter().map(|found| found.path.clone()).collect();
@@ -186,7 +186,7 @@ impl Diagnostics {
         }
     }
 
-    /// Reports both numbers of a range that lie outside `range`, and a first one that is the larger one.
+    /// Reports each of the numbers `low` and `high` that lies outside `range`, and a `low` above `high`.
     pub(crate) fn check_pair<T>(
         &mut self,
         path: fmt::Arguments<'_>,
@@ -203,7 +203,7 @@ impl Diagnostics {
         }
     }
 
-    /// Reports a number, or both numbers of a range, as [`Diagnostics::check_range`] and [`Diagnostics::check_pair`] do.
+    /// Checks a number with [`Diagnostics::check_range`], or both numbers of a range with [`Diagnostics::check_pair`].
     fn check_ranged<T: RangeNumber>(
         &mut self,
         path: fmt::Arguments<'_>,
@@ -267,8 +267,8 @@ impl Diagnostics {
         }
     }
 
-    /// Reports `value` if it is not greater than `bound`, whose words and path are `(what, bound_path)`. Nothing is reported about a
-    /// field that was reported before, or because of one that is out of range.
+    /// Reports `value` if it is not greater than `bound`. `(what, bound_path)` are the words for the bound, and its path. Nothing
+    /// is reported if the field at `path` has been reported before, or if the bound is out of range or unknown.
     pub(crate) fn check_above(
         &mut self,
         path: fmt::Arguments<'_>,
@@ -285,7 +285,7 @@ impl Diagnostics {
     }
 }
 
-/// `most` rounded down to three decimals, or to three digits if it is small, so that the printed number is allowed.
+/// `most` rounded down to three decimals, or to three significant digits if it is small, so that the printed number is allowed.
 pub(crate) fn rounded_down(most: f32) -> String {
     let most = f64::from(most);
     let places = if most > 0.0 { (-libm::log10(most).floor()).clamp(0.0, 9.0) as usize + 2 } else { 3 };
@@ -300,7 +300,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_limit_is_rounded_down_but_keeps_three_digits() {
+    fn a_limit_is_rounded_down_but_keeps_three_significant_digits() {
         for (most, text) in [
             (2.5, "2.500"),
             (7.142_857, "7.142"),

@@ -1,7 +1,7 @@
 //! Pedestrians: obstacles that walk to goals and avoid each other, by ORCA.
 //!
-//! In: a [`Scenario`], and the robot. Out: a [`Crowd`], which is advanced control step by control step. Unlike all other poses,
-//! those of pedestrians are no function of the step alone: each step depends on the one before.
+//! In: a [`Scenario`], and the robot. Out: a [`Crowd`], which is advanced control step by control step. Unlike the pose of any
+//! other obstacle, that of a pedestrian is not a function of the step alone: each pose depends on the previous one.
 
 use glam::Vec2;
 use serde::{Deserialize, Serialize};
@@ -11,7 +11,7 @@ use super::limits::COORDINATE_M;
 use super::nearest_points::nearest_points;
 use super::schema::{Obstacle, ObstacleMotion, Scenario};
 
-/// Time for which pedestrians avoid each other, in s. This and the next three numbers are those of CrowdNav.
+/// Time for which pedestrians avoid each other, in s. This and the next three are the values of vita-epfl/CrowdNav.
 const TIME_HORIZON_S: f32 = 5.0;
 /// The distance in m beyond which pedestrians ignore each other.
 const NEIGHBOR_DISTANCE_M: f32 = 10.0;
@@ -21,7 +21,7 @@ const MAX_NEIGHBORS: usize = 10;
 const MARGIN_M: f32 = 0.01;
 /// Time for which pedestrians avoid walls and static obstacles, in s.
 const STATIC_HORIZON_S: f32 = 1.0;
-/// A pedestrian that stops slows down to cover the remaining distance in this time, in s.
+/// A pedestrian slows down before its last goal: it covers the remaining distance in no less than this time, in s.
 const STOPPING_TIME_S: f32 = 1.0;
 /// The largest coordinate of a pedestrian, in m: twice that of any wall.
 const MAX_COORDINATE_M: f32 = 2.0 * *COORDINATE_M.end();
@@ -35,7 +35,7 @@ pub struct Crowd(Vec<Pedestrian>);
 pub struct Pedestrian {
     /// The index of the obstacle in [`Scenario::obstacles`].
     obstacle: u32,
-    /// The number of the next goal; after the last one, that of the starting position.
+    /// The index of the next goal; the number of goals stands for the starting position.
     next_goal: u32,
     /// Its position, in m.
     pub position_m: Vec2,
@@ -71,7 +71,7 @@ impl Crowd {
         found.ok().map(|k| &self.0[k])
     }
 
-    /// Advances the pedestrians of `scenario` by one control step. `robot` is where the robot is, and its velocity.
+    /// Advances the pedestrians of `scenario` by one control step. `robot_m` is the robot's position, `robot_m_s` its velocity.
     pub fn advance(&mut self, scenario: &Scenario, (robot_m, robot_m_s): (Vec2, Vec2)) {
         let discs: Vec<Disc> = self.0.iter().map(|pedestrian| pedestrian.disc(scenario)).collect();
         let radius_m = scenario.robot.radius_m.max(scenario.keep_out_m()) + MARGIN_M;
@@ -84,8 +84,8 @@ impl Crowd {
         }
     }
 
-    /// Moves the pedestrians by what their positions at the start differ between two versions of a scenario. They start anew if
-    /// others are pedestrians.
+    /// Moves each pedestrian by the difference of its starting positions in two versions of a scenario. All start anew if
+    /// other obstacles are pedestrians now, or the state does not fit the new version.
     pub fn follow_change(&mut self, from: &Scenario, to: &Scenario) {
         let (before, after) = (Self::at_start(from), Self::at_start(to));
         if !self.fits(to) || before.0.len() != after.0.len() {
@@ -172,7 +172,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// The number of goals, with the starting position if it returns there.
+    /// The number of goals, including the starting position if it returns there.
     fn goal_count(&self) -> usize {
         self.goals_m.len() + usize::from(self.loops)
     }

@@ -1,27 +1,27 @@
 //! The response of the robot's drive to its commands: actuator lag and limited accelerations.
 //!
-//! In: the actual motion at the start of a control step, and the commanded one. Out: the mean motion over the step, and the motion
-//! at its end. The simulation and the classical drivers use the same numbers.
+//! In: the actual motion at the start of a control step, and the commanded one. Out: the mean motion over the step, and the
+//! motion at its end. The simulation and the classical drivers both use it.
 
 use super::schema::{Motion, Robot};
 
 /// The drive over steps of a certain time. v and w respond independently: each approaches its command u* as
-/// du/dt = (u* - u) / lag, but not faster than its acceleration allows. Without lag and limits, the robot drives the commanded
-/// motion to the bit.
+/// du/dt = (u* - u) / lag, but not faster than its acceleration limit allows. Without lag and limits, the robot drives the
+/// commanded motion to the bit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drive {
     lag_s: f32,
     seconds: f32,
-    /// The mean over the step of the remaining difference, as a fraction of that at the step's start, without limits; 0 to 1.
+    /// The mean difference from the command over the step, as a fraction of that at its start, without limits; 0 to 1.
     mean: f32,
-    /// The remaining difference at the step's end, as a fraction of that at its start, without limits; 0 to 1.
+    /// The difference from the command at the step's end, as a fraction of that at its start, without limits; 0 to 1.
     end: f32,
     max_acceleration_m_s2: f32,
     max_angular_acceleration_rad_s2: f32,
 }
 
 impl Robot {
-    /// The drive over steps of `seconds`, above 0 s; of a range of lags, that with the middle.
+    /// The drive over steps of `seconds`, above 0 s; if the actuator lag is a range, with the middle of it.
     #[must_use]
     pub fn drive(&self, seconds: f32) -> Drive {
         let drive = Drive {
@@ -49,7 +49,7 @@ impl Drive {
         Self { seconds, mean: -libm::expm1f(-lags) / lags, end: libm::expf(-lags), ..self }
     }
 
-    /// The time, in s, in which v changes by `change_m_s`, apart from the last 5 % if there is a lag.
+    /// An upper bound on the time, in s, in which v changes by `change_m_s`; if there is a lag, without the last 5 %.
     #[must_use]
     pub fn settling_time_s(&self, change_m_s: f32) -> f32 {
         3.0 * self.lag_s + change_m_s.abs() / self.max_acceleration_m_s2

@@ -14,7 +14,7 @@ use glam::Vec2;
 /// A field of a shape or a motion, or two fields that are shown together.
 #[derive(Debug)]
 pub struct Field<'a> {
-    /// Names in scenario files, such as `radius_m`: two for a [`FieldValue::Pair`], else one and those of the fields inside it.
+    /// Names in scenario files, such as `radius_m`: both for a [`FieldValue::Pair`], else its own and then those of fields in it.
     pub names: &'static [&'static str],
     /// Name on the screen.
     pub label: &'static str,
@@ -37,11 +37,11 @@ pub enum FieldValue<'a> {
     Seed(&'a mut u32),
     /// A choice between yes and no.
     Flag(&'a mut bool),
-    /// The centre of a revolution, in m. It moves with the obstacle.
+    /// The centre of a revolution, in m. An edit that moves the obstacle moves it, too.
     Centre(&'a mut Vec2),
-    /// The corners of a path after the obstacle's position, in m. They move with the obstacle.
+    /// The corners of a path after the obstacle's position, in m. An edit that moves the obstacle moves them, too.
     Waypoints(&'a mut Vec<Vec2>),
-    /// The frames of a recorded path, and what happens after the last. Their positions move with the obstacle.
+    /// The frames of a recorded path, and what happens after the last. An edit that moves the obstacle moves them, too.
     KeyFrames(&'a mut Vec<KeyFrame>, &'a mut KeyFrameEnd),
     /// The corners of a convex polygon in the shape's own frame, in m.
     Corners(&'a mut Vec<Vec2>),

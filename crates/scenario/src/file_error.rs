@@ -16,7 +16,7 @@ use super::text::{printable_path, without_mark};
 pub struct Diagnostic {
     /// Path of the field, such as `obstacles[2].shape.radius_m`; empty for the whole file.
     pub path: String,
-    /// The problem and its fix, as the rest of a sentence that starts with the path, or as a whole one without a path.
+    /// The problem and its fix, as the rest of a sentence that starts with the path, or a whole sentence if it is empty.
     pub message: String,
 }
 
@@ -108,7 +108,7 @@ impl FileError {
         Self::first_of(path, count, problems)
     }
 
-    /// This error with the problems of another file that this one names.
+    /// This error with the problems of `other`, an error for a file that this file names.
     #[must_use]
     pub fn and(mut self, other: Self) -> Self {
         let is_same = other.path == self.path;
@@ -180,8 +180,7 @@ pub fn has_field(text: &str, path: &str) -> bool {
     map.offset_of(path).is_some_and(|at| map.path_at(at) == path)
 }
 
-/// `path` as text. Runs record the names of their files as text, so that a file whose name is not UTF-8 could not be found
-/// again.
+/// `path` as text. Runs record the names of their files as text, so a file whose name is not UTF-8 could not be found again.
 ///
 /// # Errors
 /// The path is not UTF-8.

@@ -9,13 +9,13 @@ use super::schema::{Obstacle, Robot, Scenario, Shape, Wall};
 use super::spatial_index::IndexedScenario;
 
 impl Robot {
-    /// Distance from the robot's origin to the farthest point of its body, in m: the radius of a disc.
+    /// Distance from the robot's origin to the farthest point of its body, in m; for a disc, its radius.
     #[must_use]
     pub fn reach_m(&self) -> f32 {
         self.shape.as_ref().map_or(self.radius_m, Shape::bounding_radius_m)
     }
 
-    /// Distance from the robot's origin to the nearest point of its body's edge, in m: the radius of a disc.
+    /// Distance from the robot's origin to the nearest point of its body's edge, in m; for a disc, its radius.
     #[must_use]
     pub fn inner_radius_m(&self) -> f32 {
         self.shape.as_ref().map_or(self.radius_m, |shape| -shape.distance(Vec2::ZERO))
@@ -29,15 +29,15 @@ impl Robot {
 }
 
 impl Scenario {
-    /// The distance from surfaces, in m, from which on the robot's origin may be anywhere, at any heading, without a collision:
-    /// the collision range, or the reach of the robot's shape if that is more.
+    /// The distance from surfaces, in m, beyond which the robot's origin can be at any heading without a collision: the collision
+    /// range, or the reach of the robot's shape if that is more.
     #[must_use]
     pub fn keep_out_m(&self) -> f32 {
         let range_m = self.task.collision_range_m;
         self.robot.shape.as_ref().map_or(range_m, |shape| range_m.max(shape.bounding_radius_m()))
     }
 
-    /// The unit of lengths in units of the robot, in m: the distance from surfaces from which on it may be anywhere.
+    /// The unit, in m, of lengths relative to the robot: [`Self::keep_out_m`], or [`Robot::reach_m`] if that is more.
     #[must_use]
     pub fn robot_unit_m(&self) -> f32 {
         self.keep_out_m().max(self.robot.reach_m())
@@ -60,7 +60,7 @@ impl Scenario {
 }
 
 impl IndexedScenario<'_> {
-    /// [`Scenario::nearest_to_body`], with the pedestrians where they are now.
+    /// Like [`Scenario::nearest_to_body`], with the pedestrians where they are now.
     #[must_use]
     pub fn nearest_to_body(self, pose: (f32, f32, f32), step: u64) -> (Solid, f32) {
         let scenario = self.scenario;

@@ -12,11 +12,11 @@ use glam::vec2;
 const CELL: f32 = 0.75;
 /// The most cells, without those at the border.
 const MAX_CELLS: f32 = 40_000.0;
-/// The least distance that a free cell's centre keeps, in cells. Below it, paths could pass between the cells of a thin wall.
+/// The least distance of a free cell's centre from walls, in cells. Below it, paths could pass between the cells of a thin wall.
 const MIN_KEPT_CELLS: f32 = 0.75;
 
-/// The cells of a grid, numbered row by row from the lower left. Positions are in cells from the grid's corner. A border of one
-/// cell around the enclosure belongs to the grid.
+/// The cells of a grid, numbered row by row from the lower left. Positions are in cells from the lower left corner. A border
+/// of one cell around the enclosure belongs to the grid.
 #[derive(Debug)]
 pub struct FreeCells {
     /// Lower left corner, in m.
@@ -40,7 +40,7 @@ pub(super) enum Cell {
 }
 
 impl FreeCells {
-    /// The cells of `scenario` for a disc as large as its robot, or as the largest disc inside a robot of another shape.
+    /// The cells of `scenario`. Free ones are about as far from everything as the robot must be ([`Scenario::sure_collision_m`]).
     #[must_use]
     pub fn new(scenario: &Scenario) -> Self {
         let kept_m = scenario.sure_collision_m().max(scenario.robot.inner_radius_m());
@@ -51,7 +51,7 @@ impl FreeCells {
         let (columns, rows) = (count(size.x), count(size.y));
         let cells = vec![Cell::Border; columns * rows];
         let mut grid = Self { min_m: low - cell_m, cell_m, columns, rows, cells };
-        // A passage that the robot fits through with a quarter of a cell on both sides has free cells.
+        // A passage that the robot fits through with a quarter of a cell to spare on both sides has free cells.
         grid.fill(scenario, (kept_m - cell_m / 4.0).max(MIN_KEPT_CELLS * cell_m));
         grid
     }
@@ -82,7 +82,7 @@ impl FreeCells {
         ((point_m - self.min_m) / self.cell_m).clamp(Vec2::ONE, high)
     }
 
-    /// The number of the cell at a position.
+    /// The index of the cell at a position.
     pub(super) fn cell_at(&self, position: Vec2) -> usize {
         position.y as usize * self.columns + position.x as usize
     }
@@ -101,8 +101,8 @@ impl FreeCells {
         self.cells[cell] == Cell::Free
     }
 
-    /// Whether a straight line leads from a position to another, in a free cell, through free cells. What is in the first cell
-    /// does not matter.
+    /// Whether the straight line from `from` to `to` leads through free cells, at points up to a cell apart. `to` must be in a
+    /// free cell. What is in the cell of `from` does not matter.
     pub(super) fn sees(&self, from: Vec2, to: Vec2) -> bool {
         let way = to - from;
         let parts = way.abs().max_element().ceil();

@@ -15,16 +15,16 @@ use wayfield_random::{Stream, stream, uniform};
 const TRIES: u32 = 200;
 
 impl Scenario {
-    /// Largest number of obstacles of a layout.
+    /// Largest number of obstacles in a layout.
     #[must_use]
     pub fn max_obstacles(&self) -> usize {
         self.obstacles.len() + self.generators.iter().map(|generator| generator.count as usize).sum::<usize>()
     }
 
     /// The scenario of an episode with this layout seed: with a number drawn from each range, with the generated obstacles
-    /// after its own, and without generators. A generated obstacle
-    /// keeps its gap from static obstacles, from moving obstacles at step 0, from the ends of the benchmark route and from
-    /// positions that the rules name. It is omitted if no place is found for it.
+    /// after its own, and without generators. A generated obstacle keeps its gap from walls, from static obstacles, from moving
+    /// obstacles at step 0, from the ends of the benchmark route and from positions that the rules name. It is omitted if no
+    /// place is found for it.
     #[must_use]
     pub fn with_generated_obstacles(&self, layout_seed: u64) -> Self {
         let mut layout = Self { generators: Vec::new(), ..self.with_drawn_numbers(layout_seed) };

@@ -1,7 +1,7 @@
 //! The length of the shortest path to a goal around walls and static obstacles, from anywhere.
 //!
 //! Source: A. Nash, S. Koenig and C. Tovey, *Lazy Theta\*: any-angle path planning and path length analysis in 3D*, AAAI 2010,
-//! here from the goal to as many cells as are asked for, without an estimate of what is left. A path is a chain of straight lines
+//! here without a heuristic, from the goal outwards to as many cells as are asked for. A path is a chain of straight lines
 //! between centres of cells, so where the goal is in sight, its length is the straight distance.
 
 use std::sync::Arc;
@@ -10,13 +10,13 @@ use super::Vec2;
 use super::free_cells::{Cell, FreeCells};
 use glam::vec2;
 
-/// In place of a cell: the goal.
+/// The goal, in place of the index of a cell.
 const GOAL: u32 = u32::MAX;
 /// The difference of lengths, in cells, below which the order of cells does not matter.
 const BUCKET: f32 = 0.25;
 
-/// The lengths of the shortest paths to a goal. Computed as far as they are asked for: the answers depend only on the cells, the
-/// goal and the point.
+/// The lengths of the shortest paths to a goal, computed only as far as they are asked for. An answer depends on the cells, the
+/// goal and the point, not on earlier questions.
 #[derive(Debug, Default)]
 pub struct Geodesic {
     free: Option<Arc<FreeCells>>,
@@ -36,11 +36,11 @@ pub struct Geodesic {
     walls: Queue,
 }
 
-/// Cells by length. Of those whose lengths are equal to within [`BUCKET`], the last one comes first.
+/// Cells by length, in buckets of width [`BUCKET`]. In a bucket, the last one added comes first.
 #[derive(Debug, Default)]
 struct Queue {
     buckets: Vec<Vec<u32>>,
-    /// No bucket before it has cells.
+    /// No bucket before this index has cells.
     first: usize,
 }
 
@@ -102,8 +102,8 @@ impl Geodesic {
         }
     }
 
-    /// The length of the path from a position, in cells, by the bends of the free cells around it: each counts the more, the
-    /// nearer it is, so that the length changes without jumps. `None` if the straight line is free, or no cell.
+    /// The length of the path from a position, in cells: the mean of [`Self::through`] over those of the four cells around it
+    /// that are free, with bilinear weights, so that it has no jumps. `None` if all of them see the goal, or no cell is free.
     fn around(&mut self, free: &FreeCells, from: Vec2) -> Option<f32> {
         let low = (from - 0.5).floor();
         let part = from - 0.5 - low;
@@ -127,7 +127,7 @@ impl Geodesic {
         free.nearest_free(from).map(|cell| self.through(free, cell, from))
     }
 
-    /// The length of the path from a position by the bend of `cell`, in cells.
+    /// The length of the path from a position via the bend of `cell`, in cells.
     fn through(&mut self, free: &FreeCells, cell: usize, from: Vec2) -> f32 {
         while !self.settled[cell] && self.settle_next(free) {}
         let (bend, length) = self.end_of_line(free, self.bends[cell]);
@@ -164,23 +164,23 @@ impl Geodesic {
             if self.settled[next] {
                 continue;
             }
-            let to_next_free = free.is_free(next);
-            let (bend, longer) = if to_next_free {
+            let is_next_free = free.is_free(next);
+            let (bend, candidate) = if is_next_free {
                 (bend, length + end.distance(at + step))
             } else {
                 (cell as u32, self.lengths[cell] + step.length())
             };
-            if longer < self.lengths[next] {
-                (self.lengths[next], self.bends[next]) = (longer, bend);
-                let queue = if to_next_free { &mut self.open } else { &mut self.walls };
-                queue.push(longer, next);
+            if candidate < self.lengths[next] {
+                (self.lengths[next], self.bends[next]) = (candidate, bend);
+                let queue = if is_next_free { &mut self.open } else { &mut self.walls };
+                queue.push(candidate, next);
             }
         }
         true
     }
 
-    /// Whether the line from a cell to its bend is free. It is if both neighbours between which it leaves the cell have the same
-    /// bend.
+    /// Whether the line from a cell to its bend is free. It counts as free if both neighbours between which it leaves the cell
+    /// have the same bend.
     fn sees_bend(&self, free: &FreeCells, cell: usize, at: Vec2) -> bool {
         let bend = self.bends[cell];
         let end = self.end_of_line(free, bend).0;
@@ -192,7 +192,7 @@ impl Geodesic {
         has_same(side) && has_same(diagonal) || free.sees(end, at)
     }
 
-    /// Leads the path of a cell, which does not see its bend, to the settled neighbour from which it is shortest.
+    /// Makes the path of a cell that does not see its bend lead to the settled neighbour through which it is shortest.
     fn bend_at_neighbour(&mut self, free: &FreeCells, cell: usize) {
         let of_neighbour = |(next, step): (usize, Vec2)| (self.lengths[next] + step.length(), next);
         let settled = neighbours(free, cell).filter(|(next, _)| self.settled[*next]).map(of_neighbour);

@@ -29,7 +29,7 @@ pub fn nearest(scenario: &Scenario, point_m: Vec2, step: u64) -> (Solid, f32) {
     nearest_of(scenario.into(), point_m, step)
 }
 
-/// [`nearest`] by a test of all parts.
+/// Like [`nearest`], by a test of all parts.
 pub(super) fn nearest_of(space: IndexedScenario, point_m: Vec2, step: u64) -> (Solid, f32) {
     let scenario = space.scenario;
     let walls = scenario.walls.iter().map(|wall| inner_wall_distance(wall, point_m));
@@ -92,7 +92,7 @@ pub fn shape_distance(shape: &Shape, pose: (f32, f32, f32), point: Vec2) -> f32 
     shape.distance(if shape.has_orientation() { to_local(offset, pose.2) } else { offset })
 }
 
-/// Signed distance, in m, to a box from a point whose coordinates, measured outwards from the box's corner, are `past`.
+/// Signed distance, in m, from a box to a point that is `past` its sides by this much along x and y; negative inside.
 pub(super) fn box_distance(past: Vec2) -> f32 {
     length(past.x.max(0.0), past.y.max(0.0)) + past.x.max(past.y).min(0.0)
 }
@@ -155,8 +155,8 @@ impl Wall {
         self.cells.as_ref().map_or(&[], WallCells::blocks)
     }
 
-    /// Its segments as static rectangular obstacles, each extended by half the thickness at both ends; of cells, the rectangles
-    /// that they form.
+    /// Its segments as static rectangular obstacles, each extended by half the thickness at both ends, and the rectangles that
+    /// its cells form.
     pub fn segments(&self) -> impl Iterator<Item = Obstacle> {
         let segments = self.corners_m.windows(2).map(|ends| {
             let (from, to) = (ends[0], ends[1]);

@@ -17,7 +17,7 @@ const OPEN_TIME: Duration = Duration::from_millis(500);
 /// The bytes of standard input, pipes and devices that have been read, by path.
 static READ_ONCE: Mutex<Vec<(PathBuf, Vec<u8>)>> = Mutex::new(Vec::new());
 
-/// The first `max_bytes` bytes of the file at `path`, or all if it is shorter. `-` is standard input.
+/// Reads the first `max_bytes` bytes of the file at `path`, or all if it is shorter. `-` is standard input.
 ///
 /// # Errors
 /// The file is missing, a folder or unreadable, or it is a named pipe that no program writes to.
@@ -60,7 +60,7 @@ fn read_up_to(file: impl Read, max_bytes: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The first `max_bytes` bytes of those that an earlier call has read at `path`, or of the file that `open` opens now.
+/// Reads up to `max_bytes` bytes: of what an earlier call has read at `path`, or else from the file that `open` opens.
 fn read_once<R: Read>(
     path: &Path,
     max_bytes: u64,
@@ -75,7 +75,7 @@ fn read_once<R: Read>(
     Ok(bytes)
 }
 
-/// Opens the pipe or device at `path` in another thread, which is left behind if that takes longer than [`OPEN_TIME`].
+/// Opens the pipe or device at `path` in another thread. If that takes longer than [`OPEN_TIME`], the thread is abandoned.
 fn open_soon(path: &Path) -> io::Result<File> {
     let (sender, receiver) = mpsc::channel();
     let path = path.to_owned();
@@ -108,7 +108,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_read_once_is_limited_at_every_reading() {
+    fn each_read_of_a_device_is_limited() {
         let read = |max_bytes| {
             read_bytes(Path::new("/dev/zero"), max_bytes).expect("a device that can be read").len()
         };

@@ -6,7 +6,7 @@
 use super::schema::{KeyFrame, KeyFrameEnd};
 use glam::{DVec2, Vec2};
 
-/// The way between two frames.
+/// The path between two frames.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Leg {
     pub(super) length_m: f64,
@@ -20,13 +20,13 @@ impl Leg {
         (self.duration_s > 0.0 && speed_m_s.is_finite()).then_some(speed_m_s)
     }
 
-    /// This leg and the next one.
+    /// This leg and the next one combined.
     pub(super) fn then(self, next: Self) -> Self {
         Self { length_m: self.length_m + next.length_m, duration_s: self.duration_s + next.duration_s }
     }
 }
 
-/// The legs to each frame and, in a loop, the one back to `start_m`.
+/// The leg to each frame and, in a loop, the leg back to `start_m`.
 pub(super) fn legs(start_m: Vec2, frames: &[KeyFrame], end: KeyFrameEnd) -> impl Iterator<Item = Leg> {
     let start = KeyFrame { time_s: 0.0, position_m: start_m };
     let back = match end {
@@ -43,7 +43,7 @@ pub(super) fn legs(start_m: Vec2, frames: &[KeyFrame], end: KeyFrameEnd) -> impl
     })
 }
 
-/// The position in m after `time_s`, at least 0. Frames that are not in order give a position without meaning.
+/// The position in m at `time_s`, which must be at least 0. It is meaningless if the frames are not in order.
 pub(super) fn position_m(start_m: DVec2, frames: &[KeyFrame], end: KeyFrameEnd, time_s: f64) -> DVec2 {
     let time_s = match end {
         KeyFrameEnd::Stop => time_s,

@@ -1,6 +1,6 @@
 //! The limits of files and of the numbers in them.
 //!
-//! They keep a hostile or mistaken file from taking memory or time. Lengths are in m, angles in rad, times in s; ranges
+//! They keep a hostile or mistaken file from taking too much memory or time. Lengths are in m, angles in rad, times in s; ranges
 //! include both ends.
 
 use std::ops::RangeInclusive;
@@ -25,7 +25,7 @@ pub const MAX_ABOUT_CHARS: usize = 2_000;
 
 /// Number of scenarios of a set.
 pub const SET_SCENARIOS: RangeInclusive<usize> = 1..=64;
-/// Share of a scenario of a set, relative to the others.
+/// Weight of a scenario in a set (`share`), relative to the others.
 pub const SET_SHARE: RangeInclusive<f32> = 0.001..=1000.0;
 /// Number of levels of a generator in a set.
 pub const SET_LEVELS: RangeInclusive<u32> = 1..=1_000_000;
@@ -61,7 +61,7 @@ pub const WALL_THICKNESS_M: RangeInclusive<f32> = 0.01..=100.0;
 pub const MAX_WALL_CELLS: usize = 250_000;
 /// Side of a cell of an inner wall, in m.
 pub const WALL_CELL_M: RangeInclusive<f32> = 0.01..=100.0;
-/// Most segments of all inner walls together; of cells, the rectangles that they form.
+/// Most segments of all inner walls together. Solid cells count as the rectangles that they form.
 pub const MAX_WALL_SEGMENTS: usize = 10_000;
 
 // Obstacles.
@@ -82,9 +82,9 @@ pub const ANGLE_RAD: RangeInclusive<f32> = -6.3..=6.3;
 pub const MAX_SPEED_M_S: f32 = 5.0;
 /// Highest angular speed of an obstacle or the robot, in rad/s.
 pub const MAX_ANGULAR_SPEED_RAD_S: f32 = 20.0;
-/// Longest way of an obstacle in one control step, in m.
+/// Longest distance that an obstacle may move in one control step, in m.
 pub const MAX_STEP_M: f32 = 0.5;
-/// Number of waypoints of a patrol.
+/// Number of waypoints of a path, or of goals of a pedestrian.
 pub const WAYPOINTS: RangeInclusive<usize> = 1..=256;
 /// Most pedestrians.
 pub const MAX_PEDESTRIANS: usize = 200;
@@ -122,11 +122,11 @@ pub const MIN_CLEARANCE_GAPS: f64 = 0.55;
 pub const LEVEL_MARGIN_M: RangeInclusive<f32> = 0.1..=50.0;
 /// Most layouts in a list of a level generator, and most shapes of a layout.
 pub const MAX_LEVEL_LAYOUTS: usize = 16;
-/// Share of cells that a cellular automaton fills at first.
+/// Fraction of cells that a cellular automaton fills at first.
 pub const AUTOMATON_FILL: RangeInclusive<f32> = 0.0..=0.5;
 /// Number of smoothings of a cellular automaton.
 pub const SMOOTHINGS: RangeInclusive<u32> = 0..=10;
-/// Share of solid cells of a level.
+/// Fraction of solid cells in a level.
 pub const SOLID_FILL: RangeInclusive<f32> = 0.0..=0.8;
 /// Smallest side of a room of a level, in m.
 pub const ROOM_SIDE_M: RangeInclusive<f32> = 0.2..=50.0;
@@ -138,11 +138,11 @@ pub const MAX_LEVEL_CELLS: u32 = 4_000;
 pub const MAX_LEVEL_ROOMS: u32 = 250;
 /// Number of pairs of lanes of a level.
 pub const LANE_PAIRS: RangeInclusive<u32> = 0..=10;
-/// Radius of a moving obstacle, and reach of a random walk, of a level, in m.
+/// Radius of a moving obstacle and reach of a random walk in a level, in m.
 pub const TRAFFIC_SIZE_M: RangeInclusive<f32> = 0.01..=10.0;
 /// Radius of the circle that the obstacles of a level cross, in m.
 pub const LEVEL_CIRCLE_M: RangeInclusive<f32> = 0.1..=50.0;
-/// Largest distance of a start of a level from the circle along x and along y, in m.
+/// Largest distance of a pedestrian's start from the circle of a level along x and along y, in m.
 pub const LEVEL_NOISE_M: RangeInclusive<f32> = 0.0..=10.0;
 /// Number of goals of a pedestrian of a level.
 pub const LEVEL_GOALS: RangeInclusive<u32> = 1..=256;
@@ -157,7 +157,7 @@ pub const MAX_FLOOR_CELLS: u32 = 1 << 24;
 pub const ROBOT_RADIUS_M: RangeInclusive<f32> = 0.01..=10.0;
 /// Number of motions of the robot.
 pub const MOTIONS: RangeInclusive<usize> = 1..=64;
-/// Least turning radius of the robot, in m.
+/// Minimum turning radius of the robot, in m.
 pub const TURNING_RADIUS_M: RangeInclusive<f32> = 0.001..=100.0;
 /// Time constant of the drive, in s.
 pub const ACTUATOR_LAG_S: RangeInclusive<f32> = 0.0..=10.0;
@@ -165,13 +165,13 @@ pub const ACTUATOR_LAG_S: RangeInclusive<f32> = 0.0..=10.0;
 pub const ACCELERATION_M_S2: RangeInclusive<f32> = 0.01..=1000.0;
 /// Highest angular acceleration of the drive, in rad/s^2.
 pub const ANGULAR_ACCELERATION_RAD_S2: RangeInclusive<f32> = 0.01..=10_000.0;
-/// Part of the wheels' motion that is lost by slip.
+/// Fraction of the wheels' motion that is lost to slip.
 pub const SLIP: RangeInclusive<f32> = 0.0..=0.9;
 /// Standard deviation of the slip from step to step.
 pub const SLIP_STD: RangeInclusive<f32> = 0.0..=0.5;
 /// Relative errors of odometry.
 pub const ODOMETRY_ERROR: RangeInclusive<f32> = -0.5..=0.5;
-/// Drift of the heading by odometry, in rad/m.
+/// Drift of the heading in odometry, in rad/m.
 pub const HEADING_DRIFT_RAD_M: RangeInclusive<f32> = -1.0..=1.0;
 /// Number of LIDAR beams.
 pub const BEAMS: RangeInclusive<usize> = 1..=4096;
@@ -203,7 +203,7 @@ pub const POSITIONS: RangeInclusive<usize> = 1..=256;
 
 /// Approximate maximum number of grid cells in the reachability check.
 pub const MAX_CELLS: u32 = 1 << 20;
-/// Maximum number of sides of obstacles that are tested per position, over all moments. A scenario with more sides is
+/// Maximum number of sides of obstacles and walls that are tested per position, over all moments. A scenario with more sides is
 /// checked at fewer moments.
 pub const MAX_EDGE_CHECKS: usize = 80_000;
 /// Maximum number of obstacles to place times sides to test; above it, no layout is generated for the check.

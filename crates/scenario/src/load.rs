@@ -26,7 +26,7 @@ use super::text::{printable_path, without_mark};
 const SHIPPED: [&str; 3] = ["scenarios", "assets/presets", "assets/experiments"];
 
 impl Scenario {
-    /// The checked scenario in the file at `path`.
+    /// Reads and checks the scenario in the file at `path`.
     ///
     /// # Errors
     /// [`FileError`] if the file can't be read, is not a scenario, or has diagnostics; it lists all of them.
@@ -35,7 +35,7 @@ impl Scenario {
         Self::parse(&read_text(path)?, path)
     }
 
-    /// The checked scenario in `text`. Errors name `path`.
+    /// Parses and checks the scenario in `text`. Errors name `path`.
     ///
     /// # Errors
     /// As [`Scenario::load`].
@@ -43,7 +43,7 @@ impl Scenario {
         parse_checked(text, path, diagnostics_of_known, diagnostics)
     }
 
-    /// The scenario in the file at `path`, for editing: all numbers are valid, but the parts may not fit together.
+    /// Reads the scenario in the file at `path` for editing: checks its numbers, but not whether the parts fit together.
     ///
     /// # Errors
     /// As [`Scenario::load`].
@@ -52,7 +52,7 @@ impl Scenario {
         Self::parse_draft(&read_text(path)?, path)
     }
 
-    /// The scenario in `text`, for editing. Errors name `path`.
+    /// Parses the scenario in `text` for editing. Errors name `path`.
     ///
     /// # Errors
     /// As [`Scenario::load_draft`].
@@ -61,9 +61,9 @@ impl Scenario {
     }
 }
 
-/// A `T` from RON text, checked with `check`. If ron finds problems, `check_known` looks for more in what could be read: it also
-/// gets the paths of the fields that have any value, because theirs could not be read. What it finds about them is left out.
-/// Errors name `path`.
+/// Parses a `T` from RON text and checks it with `check`. If ron finds problems, `check_known` looks for more in what could be
+/// read. It also gets the paths of the fields that could not be read and have arbitrary values; what it finds about these is left
+/// out. Errors name `path`.
 ///
 /// # Errors
 /// [`FileError`] with all problems.
@@ -116,7 +116,7 @@ fn parse_any<T: DeserializeOwned>(
     Err(FileError::at_offsets(path, text, problems))
 }
 
-/// A `T` from the RON file at `path`.
+/// Reads a `T` from the RON file at `path`.
 ///
 /// # Errors
 /// [`FileError`] if the file can't be read or is not RON for a `T`.
@@ -125,7 +125,7 @@ pub fn read_ron<T: DeserializeOwned>(path: impl AsRef<Path>) -> Result<T, FileEr
     parse_ron(&read_text(path)?, path)
 }
 
-/// A `T` from a RON file of up to `max_bytes` at `path`, for files that the program itself wrote.
+/// Reads a `T` from a RON file of up to `max_bytes` at `path`, for files that the program itself wrote.
 ///
 /// # Errors
 /// [`FileError`] if the file can't be read or is not RON for a `T`.
@@ -137,7 +137,7 @@ pub fn read_ron_with_limit<T: DeserializeOwned>(
     parse_any(&read_text_with_limit(path, max_bytes)?, path, none_known, unchecked)
 }
 
-/// A `T` from RON text. Errors name `path`.
+/// Parses a `T` from RON text. Errors name `path`.
 ///
 /// # Errors
 /// [`FileError`] if `text` is not RON for a `T`.
@@ -145,7 +145,7 @@ pub fn parse_ron<T: DeserializeOwned>(text: &str, path: impl AsRef<Path>) -> Res
     parse_checked(text, path, none_known, unchecked)
 }
 
-/// A `T` from RON text of up to `max_bytes`, for files that the program itself wrote. Errors name `path`.
+/// Parses a `T` from RON text of up to `max_bytes`, for files that the program itself wrote. Errors name `path`.
 ///
 /// # Errors
 /// [`FileError`] if `text` is not RON for a `T`.
@@ -169,8 +169,8 @@ fn unchecked<T>(_: &T) -> Vec<Diagnostic> {
     Vec::new()
 }
 
-/// How many of the top-level fields in a RON text are fields of the struct `T`, to tell of what kind an invalid file is. If the
-/// text begins with `name` and a bracket, the number is larger than any other.
+/// The number of top-level fields in a RON text that are fields of the struct `T`, which tells what kind of file an invalid one
+/// is. [`usize::MAX`] if the text begins with `name` and a bracket.
 #[must_use]
 pub fn resemblance<T: DeserializeOwned>(text: &str, name: &str) -> usize {
     let map = SourceMap::new(text);
@@ -182,7 +182,7 @@ pub fn resemblance<T: DeserializeOwned>(text: &str, name: &str) -> usize {
     map.field_names().filter(|field| known.contains(field)).count()
 }
 
-/// The names of the fields of the struct `T`, which rejects unknown fields.
+/// The names of the fields of the struct `T`, which must reject unknown fields.
 #[must_use]
 pub fn field_names<T: DeserializeOwned>() -> &'static [&'static str] {
     match options().from_str::<T>("(no_such_field: 0)").map_err(|error| error.code) {
@@ -194,15 +194,15 @@ pub fn field_names<T: DeserializeOwned>() -> &'static [&'static str] {
 /// `value` as RON text for [`parse_ron`], with one field per line.
 ///
 /// # Errors
-/// The error of ron for a type that RON can't represent. No type of the project is one.
+/// The error of ron for a type that RON can't represent. The project has no such type.
 pub fn to_ron<T: Serialize>(value: &T) -> Result<String, ron::Error> {
     options().to_string_pretty(value, PrettyConfig::new().indentor("    "))
 }
 
-/// The text of the file at `path`.
+/// Reads the text of the file at `path`.
 ///
 /// # Errors
-/// [`FileError`] if the file is missing (the message lists its neighbours), unreadable, larger than [`MAX_FILE_BYTES`] or
+/// [`FileError`] if the file is missing (the message lists those in its folder), unreadable, larger than [`MAX_FILE_BYTES`] or
 /// not UTF-8.
 pub fn read_text(path: impl AsRef<Path>) -> Result<String, FileError> {
     read_text_with_limit(path, MAX_FILE_BYTES)
@@ -229,7 +229,7 @@ pub fn read_text_with_limit(path: impl AsRef<Path>, max_bytes: u64) -> Result<St
     decoded(bytes, path)
 }
 
-/// The text in the `bytes` of the file at `path`.
+/// Decodes the `bytes` of the file at `path` as text.
 fn decoded(bytes: Vec<u8>, path: &Path) -> Result<String, FileError> {
     const UTF_16: &str = "the text is encoded as UTF-16: save the file as UTF-8";
     if matches!(
@@ -263,7 +263,7 @@ fn too_large(path: &Path, max_bytes: u64) -> FileError {
     FileError::for_file(path, format!("larger than {most} MiB, the limit for this kind of file"))
 }
 
-/// The error for a missing file, with the closest name among its neighbours (or the shipped files) and a list of them.
+/// The error for a missing file. It lists the RON files of its folder, or else the shipped ones, and suggests the closest name.
 fn missing(path: &Path) -> FileError {
     if let Ok(target) = std::fs::read_link(path) {
         let target = printable_path(&target);

@@ -5,7 +5,7 @@
 //! is accurate to about 1e-8 rad.
 //!
 //! A new motion needs: a variant of [`ObstacleMotion`], its pose here, the methods in `motion_fields.rs` and `track.rs`, and
-//! numbers to start from (`src/app/editor/new_motion.rs` of the app).
+//! initial values in the app's editor (`src/app/editor/new_motion.rs`).
 
 use std::f64::consts::{PI, TAU};
 
@@ -19,9 +19,9 @@ use wayfield_random::Stream;
 ///
 /// Orbit: the obstacle revolves about the centre and rotates with the revolution. Patrol: it starts at its own position,
 /// visits the waypoints in order, returns to its position, and repeats; a negative speed reverses the direction. Back and
-/// forth: it goes to the last waypoint and back. Random walk: it starts at its position and moves in a straight line at
-/// constant speed to a random point of the disc about it; every leg takes the time of the longest possible leg. Key frames:
-/// it is at each frame at its time, and moves in straight lines between them.
+/// forth: it goes to the last waypoint and back. Random walk: it starts at its position and moves in straight lines between
+/// random points of the disc about it, at constant speed on each leg; every leg takes the time of the longest possible leg. Key
+/// frames: it is at each frame's position at the frame's time, and moves in straight lines between them.
 ///
 /// Pedestrian: its position at the start of an episode. [`IndexedScenario::pose_at`](super::IndexedScenario::pose_at) knows where
 /// it is now.
@@ -70,16 +70,16 @@ fn along(start: DVec2, waypoints: &[Vec2], distance: f64) -> DVec2 {
     if perimeter == 0.0 {
         return start;
     }
-    let mut left = libm::fmod(distance, perimeter);
-    if left < 0.0 {
-        left += perimeter;
+    let mut remaining = libm::fmod(distance, perimeter);
+    if remaining < 0.0 {
+        remaining += perimeter;
     }
     for (from, to) in legs() {
         let leg = length(from, to);
-        if left < leg {
-            return between(from, to, left / leg);
+        if remaining < leg {
+            return between(from, to, remaining / leg);
         }
-        left -= leg;
+        remaining -= leg;
     }
     start
 }
@@ -93,19 +93,19 @@ fn back_and_forth(start: DVec2, waypoints: &[Vec2], distance: f64) -> DVec2 {
         return start;
     }
     let gone = libm::fmod(distance.abs(), 2.0 * one_way);
-    let mut left = if gone <= one_way { gone } else { 2.0 * one_way - gone };
+    let mut remaining = if gone <= one_way { gone } else { 2.0 * one_way - gone };
     for (from, to) in legs() {
         let leg = length(from, to);
-        if left < leg {
-            return between(from, to, left / leg);
+        if remaining < leg {
+            return between(from, to, remaining / leg);
         }
-        left -= leg;
+        remaining -= leg;
     }
     corners().last().unwrap_or(start)
 }
 
-/// The point of a random walk about `middle` after the time in which its highest speed covers `distance`. Every leg takes
-/// the time for twice the reach.
+/// The point of a random walk about `middle` after the time that `distance` takes at its highest speed. Every leg takes the time
+/// of the longest possible leg, twice the `reach`.
 fn random_walk(middle: DVec2, reach: f64, seed: u32, distance: f64) -> DVec2 {
     let legs = distance.abs() / (2.0 * reach);
     if !legs.is_finite() {
@@ -122,7 +122,7 @@ fn random_walk(middle: DVec2, reach: f64, seed: u32, distance: f64) -> DVec2 {
     between(point(begun), point(begun + 1.0), legs - begun)
 }
 
-/// A uniformly random point of the unit disc, by rejection from the square.
+/// A uniformly random point of the unit disc, by rejection sampling from the square.
 fn in_disc(stream: &mut Stream) -> DVec2 {
     let mut coordinate = || f64::from(wayfield_random::uniform(stream, -1.0, 1.0));
     loop {
@@ -224,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn a_random_walk_keeps_its_radius_and_speed_and_depends_on_its_seed() {
+    fn a_random_walk_stays_within_its_radius_and_speed_and_depends_on_its_seed() {
         let walk = |seed| {
             obstacle(
                 vec2(1.0, -1.0),
@@ -268,11 +268,11 @@ mod tests {
                 (f64::from(x).hypot(f64::from(y)) - radius).abs() < 1e-6,
                 "the distance stays at step {step}"
             );
-            // The f32 nearest to 0.15 and 0.2, exactly: 10066330 / 2^26 and 13421773 / 2^26. Turns in
-            // integers: product * step / 2^52 rad, reduced by tau in steps that keep every bit that matters.
+            // The f32s nearest to 0.15 and 0.2 are 10066330 / 2^26 and 13421773 / 2^26. The angle is their product
+            // times the step: exact / 2^52 rad. It is reduced modulo tau in integers, which is exact.
             let exact = 10_066_330_i128 * 13_421_773 * i128::from(step);
             let tau = (TAU * 2.0_f64.powi(50)) as i128 * 4;
-            // tau above is the f64 nearest to 2 pi, short of it by 2.45e-16.
+            // tau / 2^52 is the f64 nearest to 2 pi, short of it by 2.45e-16.
             let turns = exact / tau;
             let angle = (exact % tau) as f64 / 2.0_f64.powi(52) - turns as f64 * 2.449_293_598_294_706_4e-16;
             let miss = libm::remainder(f64::from(rotation) - angle, TAU);

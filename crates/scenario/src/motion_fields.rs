@@ -51,7 +51,7 @@ impl ObstacleMotion {
         }
     }
 
-    /// Whether it is that of a pedestrian, whose pose is no function of the step alone ([`Crowd`](super::Crowd)).
+    /// Whether this is the motion of a pedestrian, whose pose depends on more than the step ([`Crowd`](super::Crowd)).
     #[must_use]
     pub fn is_pedestrian(&self) -> bool {
         matches!(self, Self::Pedestrian { .. })
@@ -113,7 +113,7 @@ impl ObstacleMotion {
         })
     }
 
-    /// The centre of a revolution, in m.
+    /// The centre of the revolution, in m, if the motion is one.
     #[must_use]
     pub fn centre_mut(&mut self) -> Option<&mut Vec2> {
         self.fields_mut().into_iter().find_map(|field| match field.value {
@@ -140,7 +140,7 @@ impl ObstacleMotion {
         points
     }
 
-    /// Shifts the points that the motion names by `offset`.
+    /// Shifts all points of the motion by `offset`.
     pub fn translate(&mut self, offset: Vec2) {
         self.points_mut().into_iter().for_each(|point| *point += offset);
     }

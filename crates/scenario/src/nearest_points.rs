@@ -1,4 +1,4 @@
-//! The nearest points of walls and static obstacles, for those who avoid them.
+//! The nearest points of walls and static obstacles, for pedestrians and robots that avoid them by ORCA.
 
 use super::geometry::{enclosure_distance, inner_wall_distance, shape_distance};
 use super::motion::pose_at;
@@ -8,7 +8,8 @@ use glam::{Vec2, vec2};
 /// Margin in m for the rounding of distances.
 const MARGIN_M: f32 = 0.01;
 
-/// The nearest point of each wall and static obstacle within `reach_m` of `at_m`, and of each side of the enclosure.
+/// The point nearest to `at_m` of each wall segment, static obstacle and side of the enclosure that is within `reach_m`. Sides
+/// count only if `at_m` is inside the enclosure.
 #[must_use]
 pub fn nearest_points(scenario: &Scenario, at_m: Vec2, reach_m: f32) -> Vec<Vec2> {
     let period_s = scenario.task.control_period_s;
@@ -34,7 +35,8 @@ pub fn nearest_points(scenario: &Scenario, at_m: Vec2, reach_m: f32) -> Vec<Vec2
     solids.filter_map(of_solid).chain(sides.filter(|_| inside)).collect()
 }
 
-/// The nearest point of a convex solid within `reach_m` of `at_m`, from the signed distance to it and its gradient.
+/// The point of a convex solid nearest to `at_m`, from the signed `distance` to the solid and its gradient. `None` if it is
+/// farther than `reach_m`.
 fn nearest_point(at_m: Vec2, reach_m: f32, distance: impl Fn(Vec2) -> f32) -> Option<Vec2> {
     const STEP_M: f32 = 1e-3;
     let away_m = distance(at_m);
@@ -47,9 +49,9 @@ fn nearest_point(at_m: Vec2, reach_m: f32, distance: impl Fn(Vec2) -> f32) -> Op
 }
 
 fn nearest_on_segment(from: Vec2, to: Vec2, point: Vec2) -> Vec2 {
-    let way = to - from;
-    let part = (point - from).dot(way) / way.length_squared().max(f32::MIN_POSITIVE);
-    from + way * part.clamp(0.0, 1.0)
+    let along = to - from;
+    let part = (point - from).dot(along) / along.length_squared().max(f32::MIN_POSITIVE);
+    from + along * part.clamp(0.0, 1.0)
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use super::file_error::Diagnostic;
 /// A doubtful setting, found by a check in a value without diagnostics.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Note {
-    /// How bad it is.
+    /// How serious it is.
     pub level: NoteLevel,
     /// The field, what is doubtful about it, and the fix.
     pub diagnostic: Diagnostic,
@@ -22,7 +22,7 @@ pub struct Note {
 pub enum NoteLevel {
     /// Unusual, but perhaps intended.
     Note,
-    /// Training will fail, or will give less than it could.
+    /// Training will fail, or will achieve less than it could.
     Warning,
 }
 

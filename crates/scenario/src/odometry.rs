@@ -1,5 +1,5 @@
-//! Wheel slip, and the drift of odometry: how the motion of the wheels, the motion of the robot, and the motion that the robot
-//! believes in differ.
+//! Wheel slip, and the drift of odometry: how the motion of the wheels, the motion of the robot, and the motion that odometry
+//! reports differ.
 
 use wayfield_random::{normal, stream};
 
@@ -7,8 +7,8 @@ use super::ranged::Ranged;
 use super::schema::{Motion, OdometryDrift, Slip};
 
 impl Slip {
-    /// The motion of the robot in the control step to `clock` if its wheels have the motion `wheels`. The slip of a step is a
-    /// function of the episode's layout seed and the clock.
+    /// The motion of the robot in the control step that ends at `clock` if its wheels have the motion `wheels`. The slip of a
+    /// step is a function of the episode's layout seed and the clock.
     #[must_use]
     pub fn robot_motion(&self, wheels: &Motion, layout_seed: u64, clock: u64) -> Motion {
         let mut stream = stream(layout_seed, "slip", clock);
@@ -19,7 +19,7 @@ impl Slip {
 }
 
 impl OdometryDrift {
-    /// The motion that odometry reports if the wheels have the motion `wheels`; of ranges, with the middle.
+    /// The motion that odometry reports if the wheels have the motion `wheels`. For an error that is a range, it uses the middle.
     #[must_use]
     pub fn reported_motion(&self, wheels: &Motion) -> Motion {
         let v_m_s = wheels.v_m_s * (1.0 + self.distance_error.value());

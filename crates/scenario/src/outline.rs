@@ -1,6 +1,6 @@
 //! The outlines of shapes, for drawing.
 //!
-//! In: a [`Shape`]. Out: a disc, or the corners of a polygon, in f64.
+//! In: a [`Shape`]. Out: a circle, or the corners of a polygon, in f64.
 
 use std::f64::consts::TAU;
 

@@ -16,9 +16,9 @@ const TRIES: u32 = 1_000;
 /// Grid points along each side of the enclosure.
 const GRID: usize = 64;
 /// Attempts to find a start with a goal that is far enough away.
-const STARTS: u32 = 50;
+const START_TRIES: u32 = 50;
 
-/// The error when no point satisfies a rule at this step. A scenario without diagnostics has free space at step 0 and at the
+/// The error when no point satisfies a rule at a step. A scenario without diagnostics has free space at step 0 and at the
 /// other steps that the checks test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
@@ -31,10 +31,10 @@ pub struct NoFreeSpace {
     pub step: u64,
 }
 
-/// A start from [`draw_start`] and a goal from [`draw_goal`] that are far enough apart.
+/// Draws a start as [`draw_start`] does and a goal as [`draw_goal`] does, far enough apart.
 ///
 /// # Errors
-/// [`NoFreeSpace`] if the obstacles leave no space at `step`.
+/// [`NoFreeSpace`] if the obstacles leave no space at `step`, or if no start is found that has a goal far enough away.
 pub fn draw_start_and_goal<'a>(
     scenario: impl Into<IndexedScenario<'a>>,
     step: u64,
@@ -42,7 +42,7 @@ pub fn draw_start_and_goal<'a>(
 ) -> Result<((f32, f32, f32), Vec2), NoFreeSpace> {
     let scenario = scenario.into();
     let mut drawn = Err(NoFreeSpace { what: "goal", step });
-    for _ in 0..STARTS {
+    for _ in 0..START_TRIES {
         let start = draw_start(scenario, step, stream)?;
         drawn = draw_goal(scenario, step, vec2(start.0, start.1), stream).map(|goal| (start, goal));
         if drawn.is_ok() {
@@ -52,8 +52,8 @@ pub fn draw_start_and_goal<'a>(
     drawn
 }
 
-/// A start (x in m, y in m, heading in rad) by the rule `starts`. The heading is uniform over (-pi, pi] unless the rule fixes
-/// it.
+/// Draws a start (x in m, y in m, heading in rad) by the rule `starts`. The heading is uniform over (-pi, pi] unless the rule
+/// fixes it.
 ///
 /// # Errors
 /// [`NoFreeSpace`] if the obstacles leave no space at `step`.
@@ -73,7 +73,7 @@ pub fn draw_start<'a>(
     Ok((x, y, heading))
 }
 
-/// A goal by the rule `goals`, in m, at least `task.min_goal_distance_m` from `robot_m`.
+/// Draws a goal by the rule `goals`, in m, at least `task.min_goal_distance_m` from `robot_m`.
 ///
 /// # Errors
 /// [`NoFreeSpace`] if the obstacles leave no space at `step`, or if the rule has no position far enough away.
@@ -89,7 +89,7 @@ pub fn draw_goal<'a>(
     draw(space, &scenario.goals, step, stream, far).ok_or(NoFreeSpace { what: "goal", step })
 }
 
-/// A point by `rule` for which `fits` holds: by rejection sampling and, if that fails, the first fitting point of a grid.
+/// Draws a point by `rule` for which `fits` holds: by rejection sampling and, if that fails, the first fitting point of a grid.
 /// Positions that the rule names are used even if an obstacle is there at this step.
 fn draw(
     space: IndexedScenario,
@@ -160,7 +160,7 @@ mod tests {
     use crate::{Enclosure, Obstacle, ObstacleMotion, Shape, clearance};
     use wayfield_random::stream;
 
-    fn boxed_in(side_m: f32) -> Scenario {
+    fn with_central_square(side_m: f32) -> Scenario {
         let obstacle = Obstacle {
             shape: Shape::Rectangle { width_m: side_m, height_m: side_m },
             position_m: vec2(0.0, 0.0),
@@ -171,8 +171,8 @@ mod tests {
     }
 
     #[test]
-    fn a_full_arena_gives_an_error_and_no_endless_search() {
-        let no_room = boxed_in(3.9);
+    fn a_full_enclosure_gives_an_error_and_no_endless_search() {
+        let no_room = with_central_square(3.9);
         let mut s = stream(1, "starts", 0);
         let error = draw_start(&no_room, 7, &mut s).expect_err("there is no room");
         assert_eq!(
@@ -187,7 +187,7 @@ mod tests {
     fn scarce_free_space_is_found() {
         // Two slabs leave a corridor in which only a strip of 20 um along a grid row is clear: random attempts miss it, the
         // grid finds it.
-        let mut scenario = boxed_in(1.0);
+        let mut scenario = with_central_square(1.0);
         let slab = |height_m, y| Obstacle {
             shape: Shape::Rectangle { width_m: 4.0, height_m },
             position_m: vec2(0.0, y),

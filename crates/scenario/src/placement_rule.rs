@@ -32,7 +32,7 @@ impl PlacementRule {
         }
     }
 
-    /// All points of the rule, in m: its positions, or the corners of its rectangle.
+    /// All points of the rule, in m: its positions, or the two corners that define its rectangle.
     #[must_use]
     pub fn points_mut(&mut self) -> Vec<&mut Vec2> {
         match self {

@@ -15,7 +15,7 @@ pub(super) fn signed_distance(corners: &[Vec2], point: Vec2) -> f32 {
     let (mut nearest, mut inside) = (f32::INFINITY, false);
     for (from, to) in sides(corners) {
         nearest = nearest.min(distance_to_segment(from, to, point));
-        // Even and odd crossings of the ray from the point towards +x.
+        // The point is inside if its ray towards +x crosses an odd number of sides.
         if (from.y > point.y) != (to.y > point.y) {
             let x = from.x + (point.y - from.y) / (to.y - from.y) * (to.x - from.x);
             inside ^= point.x < x;
@@ -70,8 +70,7 @@ pub fn inflated(corners: &[Vec2], by_m: f32) -> Vec<Vec2> {
     let moved = |k: usize| {
         let (before, after) = (normal(k + n - 1), normal(k));
         let (sx, sy) = (before.0 + after.0, before.1 + after.1);
-        // The sum of the two unit normals has length 2 cos(bend / 2), and the corner moves by 1 / cos(bend /
-        // 2).
+        // The sum of the two unit normals has length 2 cos(bend / 2), and the corner moves by by_m / cos(bend / 2).
         let square = sx * sx + sy * sy;
         let by = (2.0 / square.max(1e-6)).min(MITRE / square.max(1e-6).sqrt()) * by_m;
         vec2(corners[k].x + sx * by, corners[k].y + sy * by)

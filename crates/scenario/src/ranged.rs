@@ -1,4 +1,4 @@
-//! Numbers for which a scenario may give a range, from which each episode draws (domain randomization).
+//! Numbers that a scenario may give as ranges, from which each episode draws (domain randomization).
 //!
 //! In: a [`Scenario`] with ranges, and a layout seed. Out: the scenario of one episode, which has only numbers
 //! ([`Scenario::with_drawn_numbers`]). The same seed gives the same numbers on every platform.
@@ -22,9 +22,9 @@ pub enum Ranged<T> {
     Range(T, T),
 }
 
-/// A type of number for which a range may stand.
+/// A type of number that may be given as a range.
 pub trait RangeNumber: Copy + PartialOrd + fmt::Display {
-    /// The number in the middle between `low` and `high`; of whole numbers, the lower one.
+    /// The number in the middle between `low` and `high`, rounded down if it must be whole.
     #[must_use]
     fn middle(low: Self, high: Self) -> Self;
 
@@ -32,7 +32,7 @@ pub trait RangeNumber: Copy + PartialOrd + fmt::Display {
     #[must_use]
     fn draw(stream: &mut Stream, low: Self, high: Self) -> Self;
 
-    /// The number of this type for a number in a file; `None` if there is none.
+    /// Converts a number in a file to this type; `None` if that is impossible.
     #[must_use]
     fn from_f64(number: f64) -> Option<Self>;
 }
@@ -43,7 +43,7 @@ impl RangeNumber for f32 {
     }
 
     fn draw(stream: &mut Stream, low: Self, high: Self) -> Self {
-        // Rounding may exceed the highest number.
+        // Rounding may give more than the highest number.
         uniform(stream, low, high).min(high)
     }
 
@@ -198,7 +198,7 @@ impl OdometryDrift {
 }
 
 impl Scenario {
-    /// Whether there is a range for a number.
+    /// Whether any number is given as a range.
     #[must_use]
     pub fn has_ranges(&self) -> bool {
         let Self { robot, lidar, .. } = self;
@@ -219,8 +219,8 @@ impl Scenario {
             || self.robot.slip.is_some_and(|slip| slip.std.ends() != [0.0; 2])
     }
 
-    /// The scenario with a number for each range: a draw by `layout_seed`. Each range has a random stream of its own, so that no
-    /// range changes what another gives.
+    /// The scenario with each range replaced by a number that is drawn with `layout_seed`. Each range has its own random stream,
+    /// so that no range changes what is drawn from another.
     #[must_use]
     pub(super) fn with_drawn_numbers(&self, layout_seed: u64) -> Self {
         let mut drawn = self.clone();

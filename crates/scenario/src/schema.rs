@@ -347,7 +347,7 @@ pub struct Robot {
     /// `Capsule`. The origin must be at least 0.01 m inside, and no point farther than 10 m from it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shape: Option<Shape>,
-    /// Least turning radius of a robot that steers like a car, 0.001 to 100 m: for each motion, |v / w| must be at least this.
+    /// Minimum turning radius of a robot that steers like a car, 0.001 to 100 m: for each motion, |v / w| must be at least this.
     /// None by default: the robot turns on the spot, too.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub min_turning_radius_m: Option<f32>,

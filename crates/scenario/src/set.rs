@@ -14,7 +14,7 @@ use super::limits::{SET_LEVELS, SET_SCENARIOS, SET_SHARE};
 use super::load::parse_checked;
 use super::schema::{Lidar, Robot, Scenario, TaskRules};
 
-/// Number of levels of a generator, unless a set names another.
+/// Number of levels of a generator, unless a set gives another number.
 const DEFAULT_LEVELS: u32 = 1_000;
 
 /// The file of a set of scenarios. Each episode of each arena draws one.
@@ -50,7 +50,7 @@ pub struct SetEntry {
 }
 
 impl ScenarioSetFile {
-    /// The checked set in `text`. Errors name `path`. The files that it names are not read.
+    /// Parses and checks the set in `text`. Errors name `path`. The files that the set names are not read.
     ///
     /// # Errors
     /// [`FileError`] if the text is not a set, or has diagnostics; it lists all of them.
@@ -118,7 +118,7 @@ impl SetEntry {
     }
 }
 
-/// `name` as a part of the name of a column: characters other than letters and digits become underscores.
+/// `name` as part of a column name: characters other than letters and digits become underscores.
 #[must_use]
 pub fn column_name(name: &str) -> String {
     name.chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect()
@@ -156,7 +156,7 @@ pub enum SetSource {
     Levels {
         /// The generator.
         generator: Box<LevelGenerator>,
-        /// The number of levels that episodes of a training draw from. Their seeds are 0, 1, and so on.
+        /// The number of levels that training episodes draw from. Their seeds are 0, 1, and so on.
         levels: u32,
     },
 }
@@ -216,8 +216,8 @@ impl ScenarioSet {
         found.into_vec()
     }
 
-    /// The first member in which a policy cannot drive that drives in the first one, and the reason, as the rest of a sentence
-    /// that begins with the member; `None` if there is none.
+    /// The index of the first member in which a policy for member 0 cannot drive, and the reason, as the rest of a sentence that
+    /// begins with the member; `None` if there is none.
     #[must_use]
     pub fn misfit(&self, fit: SetFit) -> Option<(usize, String)> {
         let members = self.members.iter().enumerate();
@@ -226,7 +226,7 @@ impl ScenarioSet {
             .next()
     }
 
-    /// The same for a scenario that is not a member.
+    /// Why a policy for member 0 cannot drive in the scenario or level generator called `name`, as in [`Self::misfit`].
     #[must_use]
     pub fn misfit_of(&self, name: &str, task: (&Robot, &Lidar, &TaskRules), fit: SetFit) -> Option<String> {
         let first = self.members.first()?;
@@ -252,7 +252,7 @@ pub struct SetFit {
     pub motions: bool,
 }
 
-/// The fields that fix observations and actions, and differ, with both values.
+/// The fields that differ among those that determine observations and actions, for a message.
 fn differing_fields(
     first: (&Robot, &Lidar, &TaskRules),
     other: (&Robot, &Lidar, &TaskRules),

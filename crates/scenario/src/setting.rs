@@ -8,10 +8,10 @@ use wayfield_ron_patch::{set_field, tokens};
 use super::explain::with_plain_numbers;
 use super::load::{parse_ron, to_ron};
 
-/// `old` with the RON `text` as the value of the field at `path`, unchecked otherwise.
+/// Returns `old` with the RON `text` as the value of the field at `path`. Only the type of the value is checked.
 ///
 /// A path looks like `obstacles[2].motion.speed_rad_s`, or `obstacles[*].motion.speed_rad_s` for all obstacles that have this
-/// field; the name of a choice, such as `Orbit`, is not part of it. Whole numbers may also be written 6e5 or 600k.
+/// field; the name of an enum variant, such as `Orbit`, is not part of it. Whole numbers may also be written 6e5 or 600k.
 ///
 /// # Errors
 /// There is no such field, or it does not take the value. The problem is explained as for a file, with the fix.
@@ -32,7 +32,7 @@ pub fn with_setting<T: Serialize + DeserializeOwned>(old: &T, path: &str, text: 
     }
 }
 
-/// Whether no bracket of the RON `text` closes one outside of it, and all are closed.
+/// Whether the RON `text` closes all brackets that it opens, and no others.
 fn is_closed(text: &str) -> bool {
     let mut depth = 0_i32;
     let never_closes_more = tokens(text).all(|token| {

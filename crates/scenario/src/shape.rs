@@ -66,8 +66,8 @@ impl Shape {
         }
     }
 
-    /// The shape as points and a radius: all points within that radius of the convex hull of the points. The points are
-    /// rotated by `rotation_rad`, and counterclockwise unless a polygon's corners are not.
+    /// The shape as points and a radius: it covers everything within the radius of the convex hull of the points. The points
+    /// are rotated by `rotation_rad`, and in counterclockwise order unless a polygon's corners are not.
     #[must_use]
     pub fn support_points(&self, rotation_rad: f32) -> (Vec<Vec2>, f32) {
         let (points, radius) = match self {
@@ -98,7 +98,7 @@ impl Shape {
         Some(RoundedBox { half_width_m, half_height_m, radius_m })
     }
 
-    /// Number of sides that a distance query tests.
+    /// Number of sides that a distance query tests, approximately.
     pub(super) fn side_count(&self) -> usize {
         match self {
             Self::Circle { .. } => 1,
@@ -122,7 +122,7 @@ impl Obstacle {
     }
 }
 
-/// `offset` in a frame rotated by `rotation_rad`.
+/// `offset` expressed in a frame rotated by `rotation_rad`.
 pub(super) fn to_local(offset: Vec2, rotation_rad: f32) -> Vec2 {
     let (sin, cos) = libm::sincosf(rotation_rad);
     vec2(offset.x * cos + offset.y * sin, offset.y * cos - offset.x * sin)

@@ -1,11 +1,11 @@
-//! The fields of shapes, and shapes to start from.
+//! The editable fields of shapes, and templates for new obstacles.
 
 use super::fields::{Field, FieldValue, Quantity};
 use super::polygon;
 use super::schema::Shape;
 use glam::{Vec2, vec2};
 
-/// The sizes of a rounded box that a shape lets change, in m, along the shape's own axes; none for a polygon.
+/// The sizes of a shape that can be changed, in m, along its own axes, as for a rounded box; none for a polygon.
 #[derive(Debug, Default)]
 pub struct Sizes<'a> {
     /// Extent along x without the rounding.
@@ -17,7 +17,7 @@ pub struct Sizes<'a> {
 }
 
 impl Shape {
-    /// A shape of every kind with a name and the sizes of a new obstacle.
+    /// The shapes that a new obstacle may have: name and shape, with its initial size.
     #[must_use]
     pub fn templates() -> [(&'static str, Self); 5] {
         let polygon = |corners: &[(f32, f32)]| Self::Polygon {
@@ -66,7 +66,7 @@ impl Shape {
         }
     }
 
-    /// The sizes, which may be changed separately.
+    /// The sizes, each of which can be changed on its own.
     #[must_use]
     pub fn sizes_mut(&mut self) -> Sizes<'_> {
         match self {
@@ -122,14 +122,14 @@ mod tests {
     #[test]
     fn every_shape_grows_by_the_same_amount() {
         let square = vec![vec2(1.0, 1.0), vec2(-1.0, 1.0), vec2(-1.0, -1.0), vec2(1.0, -1.0)];
-        for (shape, reach, inflated) in [
+        for (shape, radius_m, inflated_m) in [
             (Shape::Circle { radius_m: 1.0 }, 1.0, 1.5),
             (Shape::Rectangle { width_m: 6.0, height_m: 8.0 }, 5.0, 3.5_f32.hypot(4.5)),
             (Shape::Polygon { corners_m: square }, 2.0_f32.sqrt(), 1.5 * 2.0_f32.sqrt()),
             (Shape::Capsule { length_m: 2.0, radius_m: 0.3 }, 1.3, 1.8),
         ] {
-            assert!((shape.bounding_radius_m() - reach).abs() < 1e-6, "{shape:?}");
-            assert!((shape.clone().inflated(0.5).bounding_radius_m() - inflated).abs() < 1e-5, "{shape:?}");
+            assert!((shape.bounding_radius_m() - radius_m).abs() < 1e-6, "{shape:?}");
+            assert!((shape.clone().inflated(0.5).bounding_radius_m() - inflated_m).abs() < 1e-5, "{shape:?}");
         }
     }
 }

@@ -1,6 +1,6 @@
-//! The spatial index of a scenario with many still parts: the clearance of a point from those near it.
+//! The spatial index of a scenario with many wall segments and static obstacles: a clearance tests only those near a point.
 //!
-//! In: a [`Scenario`]. Out: a [`SpatialIndex`], which gives the same results as a test of all parts, to the bit.
+//! In: a [`Scenario`]. Out: a [`SpatialIndex`], which gives the same results as a test of all of them, to the bit.
 
 use super::crowd::{Crowd, Pedestrian};
 use super::geometry::{enclosure_distance, is_clear, nearest_of, shape_distance};
@@ -9,36 +9,36 @@ use super::schema::{ObstacleMotion, Scenario, Wall};
 use super::uniform_grid::UniformGrid;
 use super::{Solid, Vec2};
 
-/// A bound of the rounding of distances, relative to the coordinates.
+/// Upper bound on the rounding error of distances, relative to the coordinates.
 const ROUNDING: f32 = 1e-5;
 
-/// An index over the walls and the static obstacles of a scenario. It is valid for this scenario only.
+/// An index over the walls and the static obstacles of one scenario; it is not valid for any other.
 #[derive(Clone, Debug)]
 pub struct SpatialIndex {
     grid: UniformGrid,
     parts: Vec<Part>,
-    /// The indices of the moving obstacles.
+    /// Indices of the moving obstacles.
     moving: Vec<usize>,
 }
 
 /// A still part of a scenario.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Part {
-    /// A segment of a wall, by the index of the wall and its own.
+    /// A segment of a wall: the indices of the wall and of the segment in it.
     Segment { wall: usize, index: usize },
-    /// A static obstacle.
+    /// A static obstacle, by its index.
     Obstacle(usize),
 }
 
 impl Part {
     /// The still parts of `scenario` except the enclosure: segments of walls, then static obstacles.
     pub(super) fn still(scenario: &Scenario) -> impl Iterator<Item = Self> {
-        let of_wall = |(wall, of_index): (usize, &Wall)| {
-            (0..of_index.segment_count()).map(move |index| Self::Segment { wall, index })
+        let segments = |(k, wall): (usize, &Wall)| {
+            (0..wall.segment_count()).map(move |index| Self::Segment { wall: k, index })
         };
         let is_static = |index: &usize| scenario.obstacles[*index].motion == ObstacleMotion::Static;
         let still = (0..scenario.obstacles.len()).filter(is_static);
-        scenario.walls.iter().enumerate().flat_map(of_wall).chain(still.map(Self::Obstacle))
+        scenario.walls.iter().enumerate().flat_map(segments).chain(still.map(Self::Obstacle))
     }
 
     fn solid(self) -> Solid {
@@ -48,7 +48,7 @@ impl Part {
         }
     }
 
-    /// Its distance from a point, in m; negative inside it.
+    /// The distance from a point to the part, in m; negative inside it.
     pub(super) fn distance_m(self, scenario: &Scenario, point_m: Vec2) -> f32 {
         match self {
             Self::Segment { wall, index } => scenario.walls[wall].segment_distance_m(index, point_m),
@@ -56,7 +56,7 @@ impl Part {
         }
     }
 
-    /// Lower left and upper right corner of a box around it, in m.
+    /// Lower left and upper right corner of a box around the part, in m.
     pub(super) fn bounds_m(self, scenario: &Scenario) -> (Vec2, Vec2) {
         match self {
             Self::Segment { wall, index } => scenario.walls[wall].segment_bounds_m(index),
@@ -86,7 +86,8 @@ impl SpatialIndex {
         Some(Self { grid, parts, moving })
     }
 
-    /// The still parts near a point, and their distances in m; the same part may come more than once.
+    /// All still parts within `radius_m` of a point, and possibly others, with their distances in m. A part may occur more than
+    /// once.
     fn near<'a>(
         &'a self,
         scenario: &'a Scenario,
@@ -109,15 +110,15 @@ impl SpatialIndex {
     }
 }
 
-/// A scenario, with its spatial index if it has one, and its pedestrians where they are now. A `&Scenario` converts into one
-/// without an index, and with the pedestrians where an episode begins.
+/// A scenario with its spatial index, if it has one, and the current state of its pedestrians. A `&Scenario` converts into one
+/// without an index, and with the pedestrians as at the start of an episode.
 #[derive(Clone, Copy, Debug)]
 pub struct IndexedScenario<'a> {
     /// The scenario.
     pub scenario: &'a Scenario,
     /// Its index.
     pub index: Option<&'a SpatialIndex>,
-    /// Its pedestrians; `None` if they are where an episode begins.
+    /// Its pedestrians; `None` if they are as at the start of an episode.
     pub crowd: Option<&'a Crowd>,
 }
 
@@ -128,14 +129,13 @@ impl<'a> From<&'a Scenario> for IndexedScenario<'a> {
 }
 
 impl<'a> IndexedScenario<'a> {
-    /// The pedestrian that is the obstacle with this index; `None` if it is no pedestrian, or where an episode begins.
+    /// The pedestrian that is the obstacle with this index; `None` if it is not one, or if there is no `crowd`.
     #[must_use]
     pub fn pedestrian(self, obstacle: usize) -> Option<&'a Pedestrian> {
         self.crowd.and_then(|crowd| crowd.pedestrian(obstacle))
     }
 
-    /// The pose of the obstacle with this index at `step`, the current one if it is a pedestrian: x in m, y in m, rotation in
-    /// rad.
+    /// The pose of the obstacle with this index, at `step` or, if it is a pedestrian, now: x in m, y in m, rotation in rad.
     #[must_use]
     pub fn pose_at(self, obstacle: usize, step: u64) -> (f32, f32, f32) {
         let pose = pose_at(&self.scenario.obstacles[obstacle], step, self.scenario.task.control_period_s);
@@ -159,7 +159,7 @@ impl<'a> IndexedScenario<'a> {
             && index.moving(self, point_m, step).all(|(_, other)| other >= clearance_m)
     }
 
-    /// [`nearest`](super::nearest): the part that is nearest to `point_m` at `step`, and its distance in m.
+    /// Like [`nearest`](super::nearest): the part that is nearest to `point_m` at `step`, and its distance in m.
     #[must_use]
     pub fn nearest(self, point_m: Vec2, step: u64) -> (Solid, f32) {
         let Some(index) = self.index else { return nearest_of(self, point_m, step) };

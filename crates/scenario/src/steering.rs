@@ -1,15 +1,15 @@
-//! Car-like steering: the motions that a least turning radius allows.
+//! Car-like steering: the motions that a minimum turning radius allows.
 
 use super::check::Diagnostics;
 use super::check::rounded_down;
 use super::limits::{MAX_ANGULAR_SPEED_RAD_S, MAX_SPEED_M_S, MOTIONS};
 use super::schema::{Motion, Robot};
 
-/// Factor of tolerance for the rounding of a motion at the limit.
+/// Tolerance factor for the rounding errors of a motion at the limit.
 const SLACK: f32 = 1.0 + 1e-5;
 
 impl Robot {
-    /// The lowest and the highest speed and turning rate of the robot: 0, or those of its motions if they are beyond 0.
+    /// The lowest and the highest speed and turning rate of the robot, over all its motions and standing still.
     #[must_use]
     pub fn motion_limits(&self) -> (Motion, Motion) {
         let still = Motion { v_m_s: 0.0, w_rad_s: 0.0 };
@@ -22,7 +22,7 @@ impl Robot {
         })
     }
 
-    /// The motion with its turning rate limited to what the least turning radius allows at its speed.
+    /// The motion with its turning rate limited to what the minimum turning radius allows at its speed.
     #[must_use]
     pub fn steerable(&self, motion: Motion) -> Motion {
         let Some(radius_m) = self.min_turning_radius_m else { return motion };
@@ -31,7 +31,7 @@ impl Robot {
     }
 }
 
-/// Reports each motion of a robot that turns more tightly than `radius_m`, its least turning radius.
+/// Reports each motion of a robot that turns more tightly than `radius_m`, its minimum turning radius.
 pub(super) fn check(robot: &Robot, radius_m: f32, diagnostics: &mut Diagnostics) {
     for (k, Motion { v_m_s, w_rad_s }) in robot.motions.iter().enumerate().take(*MOTIONS.end()) {
         let (speed_m_s, turn_rad_s) = (v_m_s.abs(), w_rad_s.abs());
@@ -40,7 +40,7 @@ pub(super) fn check(robot: &Robot, radius_m: f32, diagnostics: &mut Diagnostics)
             continue;
         }
         let path = format_args!("robot.motions[{k}]");
-        let least = format!("the robot's least turning radius is {radius_m} m");
+        let least = format!("the robot's minimum turning radius is {radius_m} m");
         diagnostics.push(path, if speed_m_s == 0.0 {
             format!("turns on the spot, but {least}: write a w_rad_s of 0 or a larger v_m_s, or remove min_turning_radius_m")
         } else {

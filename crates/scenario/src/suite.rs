@@ -14,11 +14,11 @@ use super::limits::{
 use super::load::parse_checked;
 use super::set::column_name;
 
-/// The first seed of the levels of evaluations. The levels of a training have smaller ones.
+/// The smallest seed of evaluation levels. Training levels have smaller seeds.
 pub const FIRST_EVALUATION_LEVEL: u64 = 1_000_000;
-/// Number of levels of a generator in a suite, unless it names another.
+/// Number of levels of a generator in a suite, unless the suite states another.
 pub const DEFAULT_SUITE_LEVELS: u32 = 100;
-/// Number of episodes in each scenario of a suite, unless it names another. A level has one.
+/// Number of episodes in each scenario of a suite, unless the suite states another. The default for a level is 1.
 pub const DEFAULT_SUITE_EPISODES: u32 = 100;
 
 /// The file of a suite: families of scenarios in which drivers and policies are tested.
@@ -78,7 +78,7 @@ pub enum SuiteScore {
 }
 
 impl SuiteFile {
-    /// The checked suite in `text`. Errors name `path`. The files that it names are not read.
+    /// The checked suite in `text`. Errors name `path`. The files that the suite names are not read.
     ///
     /// # Errors
     /// [`FileError`] if the text is not a suite, or has diagnostics; it lists all of them.
@@ -86,7 +86,7 @@ impl SuiteFile {
         parse_checked(text, path, |suite, _| Self::diagnostics(suite), Self::diagnostics)
     }
 
-    /// All problems of the suite itself.
+    /// All problems of the suite itself, not of the files that it names.
     #[must_use]
     pub fn diagnostics(&self) -> Vec<Diagnostic> {
         let mut found = Diagnostics::default();

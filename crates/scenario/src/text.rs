@@ -14,13 +14,13 @@ pub fn printable(text: &str) -> Cow<'_, str> {
     escaped(text, is_unprintable)
 }
 
-/// `text` for a message of several lines: as [`printable`], but line breaks and tabs stay.
+/// `text` for a message of several lines: like [`printable`], but line breaks and tabs stay.
 #[must_use]
 pub fn printable_lines(text: &str) -> Cow<'_, str> {
     escaped(text, |c| is_unprintable(c) && !matches!(c, '\n' | '\t'))
 }
 
-/// `path` for one line of a message: as [`printable`]. Bytes that are no text become `\u{fffd}`.
+/// `path` for one line of a message: like [`printable`]. Bytes that are not valid Unicode become U+FFFD.
 #[must_use]
 pub fn printable_path(path: &Path) -> String {
     printable(&path.to_string_lossy()).into_owned()
@@ -63,7 +63,7 @@ pub(super) fn code_point(c: char) -> String {
     format!("U+{:04X}", u32::from(c))
 }
 
-/// The byte order mark that some editors write before UTF-8.
+/// The byte order mark with which some editors begin a UTF-8 file.
 const MARK: char = '\u{feff}';
 
 /// `text` without a byte order mark.

@@ -1,4 +1,4 @@
-//! Cells that are drawn as text: rows of characters, each of which is a solid or a free cell.
+//! Grids of cells drawn as text: each character of a row is a solid or a free cell.
 
 use std::fmt::Arguments;
 use std::ops::Range;
@@ -6,8 +6,9 @@ use std::ops::Range;
 use super::check::Diagnostics;
 use super::text::printable;
 
-/// Characters of solid and of free cells.
+/// The character of a solid cell.
 const SOLID: char = '#';
+/// The characters of a free cell.
 const FREE: [char; 2] = ['.', ' '];
 
 /// Number of columns of the `rows`: the length of the first.
@@ -15,7 +16,7 @@ pub(super) fn columns(rows: &[String]) -> usize {
     rows.first().map_or(0, |row| row.chars().count())
 }
 
-/// Whether each cell of the `rows` is solid, the lowest row first. All rows have the length of the first.
+/// Whether each cell of the `rows` is solid, the bottom row first. Rows are padded or cut to the length of the first.
 pub(super) fn solid_cells(rows: &[String]) -> Vec<bool> {
     let columns = columns(rows);
     let cells = |row: &String| {
@@ -25,8 +26,8 @@ pub(super) fn solid_cells(rows: &[String]) -> Vec<bool> {
     rows.iter().rev().flat_map(cells).collect()
 }
 
-/// Checks that the `rows` at `path` are 1 to `most` cells with known characters, and of the same length. Returns whether their
-/// number is valid.
+/// Checks that the `rows` at `path` have 1 to `most` cells in all, known characters, and equal lengths. Returns whether the
+/// number of cells is valid.
 pub(super) fn check(
     path: Arguments<'_>,
     rows: &[String],
@@ -59,7 +60,7 @@ pub(super) fn check(
     true
 }
 
-/// The `solid` cells of a grid as few rectangles, each as its columns and rows: as wide as possible, then as high as possible.
+/// The `solid` cells of a grid, merged into few rectangles of columns and rows: each as wide, then as high as possible.
 pub(super) fn merged(mut solid: Vec<bool>, columns: usize) -> Vec<(Range<usize>, Range<usize>)> {
     let rows = solid.len() / columns.max(1);
     let mut rectangles = Vec::new();

@@ -39,7 +39,7 @@ pub enum Track {
     Lines {
         /// The corners, in m, starting with its position.
         corners_m: Vec<Vec2>,
-        /// Whether the last corner is connected to the first; else it goes back along the same lines, or stops.
+        /// Whether the last corner is connected to the first; else the obstacle goes back along the same lines, or stops.
         closed: bool,
     },
     /// Any place within a distance of its position.
@@ -77,7 +77,7 @@ impl ObstacleMotion {
         motion.speed()
     }
 
-    /// Whether an obstacle with this motion ever leaves its position.
+    /// Whether an obstacle with this motion ever moves.
     #[must_use]
     pub fn is_moving(&self) -> bool {
         match self.ranged_speed() {
@@ -124,7 +124,7 @@ impl Obstacle {
         }
     }
 
-    /// Speed of the obstacle's origin, in m/s; of a random walk and of key frames, the largest.
+    /// Speed of the obstacle's origin, in m/s; of random walks, pedestrians and key frames, the highest.
     #[must_use]
     pub fn origin_speed_m_s(&self) -> f32 {
         self.origin_speed_at(self.motion.speed())
@@ -142,7 +142,7 @@ impl Obstacle {
         }
     }
 
-    /// Upper bound on the speed of any point of the obstacle, in m/s. It is negative where the motion's speed is.
+    /// Upper bound on the speed of any point of the obstacle, in m/s. It is negative if the motion's speed is.
     #[must_use]
     pub fn max_speed_m_s(&self) -> f32 {
         self.max_speed_at(self.motion.speed())

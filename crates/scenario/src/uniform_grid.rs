@@ -1,7 +1,7 @@
 //! A uniform grid over many shapes: which of them are near a point, and which a ray may hit.
 //!
-//! In: the bounding boxes of numbered items, and their distances from points. Out: the numbers of the items in cells. An item
-//! is listed in every cell that it touches, and in some cells near it.
+//! In: the bounding boxes of items, and their distances from points. Out: the indices of the items in cells. An item is listed
+//! in every cell that it touches, and in some cells near it.
 
 use glam::{Vec2, vec2};
 
@@ -9,10 +9,10 @@ use glam::{Vec2, vec2};
 const CELLS_PER_ITEM: f32 = 2.0;
 /// The most cells along a side.
 const MAX_SIDE: f32 = 512.0;
-/// The most cells in all bounding boxes together. Of many large items, the grid is coarser.
+/// The most cells in all bounding boxes together. If many items are large, the grid is coarser.
 const MAX_BOX_CELLS: f64 = 262_144.0;
 
-/// A grid of square cells over numbered items. Immutable.
+/// A grid of square cells that lists items by their indices. Immutable.
 #[derive(Clone, Debug)]
 pub struct UniformGrid {
     /// The lower left corner, in m.
@@ -27,11 +27,11 @@ pub struct UniformGrid {
 }
 
 impl UniformGrid {
-    /// The number of items from which on a grid is worth its cost.
+    /// The smallest number of items for which a grid is worth its cost.
     pub const MIN_ITEMS: usize = 32;
 
-    /// A grid over items with these bounding boxes: their lower left and upper right corners, in m. `distance_m` is the
-    /// distance of an item, by its number, from a point. Items are listed as if they were larger by `margin_m` on all sides.
+    /// A grid over items with these bounding boxes: their lower left and upper right corners, in m. `distance_m` gives the
+    /// distance of an item, by its index, from a point. Items are listed as if they were larger by `margin_m` on all sides.
     ///
     /// None if there are no items or if a coordinate is not finite.
     #[must_use]
@@ -55,8 +55,8 @@ impl UniformGrid {
     }
 
     fn empty(low: Vec2, extent: Vec2, items: usize) -> Self {
-        let of_equal_share = (extent.x * extent.y / (CELLS_PER_ITEM * items as f32)).sqrt();
-        Self::with_cells(low, extent, of_equal_share.max(extent.max_element() / MAX_SIDE).max(1e-3))
+        let cell_m = (extent.x * extent.y / (CELLS_PER_ITEM * items as f32)).sqrt();
+        Self::with_cells(low, extent, cell_m.max(extent.max_element() / MAX_SIDE).max(1e-3))
     }
 
     fn with_cells(low: Vec2, extent: Vec2, cell_m: f32) -> Self {
@@ -67,7 +67,7 @@ impl UniformGrid {
         Self { low, cell_m, cells_per_m, columns, rows, starts: Vec::new(), items: Vec::new() }
     }
 
-    /// The number of cells in a box.
+    /// The number of cells that a box touches.
     fn box_cells(&self, &(low, high): &(Vec2, Vec2)) -> f64 {
         let (low, high) = (self.cell_at(low), self.cell_at(high));
         (high.0 - low.0 + 1) as f64 * (high.1 - low.1 + 1) as f64
@@ -105,7 +105,7 @@ impl UniformGrid {
         self.cell_m
     }
 
-    /// A distance, in m, that is not less than that of any cell from `point`.
+    /// An upper bound on the distance from `point` to any cell, in m.
     #[must_use]
     pub fn reach_m(&self, point: Vec2) -> f32 {
         let high = self.low + vec2(self.columns as f32, self.rows as f32) * self.cell_m;
@@ -119,7 +119,8 @@ impl UniformGrid {
         cell.x >= 0.0 && cell.y >= 0.0 && cell.x < self.columns as f32 && cell.y < self.rows as f32
     }
 
-    /// All items at most `radius_m` from `point`, and others. An item may come more than once. A negative radius counts as 0.
+    /// All items within `radius_m` of `point`, and possibly others; an item may occur more than once. A negative radius
+    /// counts as 0.
     pub fn near(&self, point: Vec2, radius_m: f32) -> impl Iterator<Item = usize> + '_ {
         let radius_m = radius_m.max(0.0);
         let (low, high) = (self.cell_at(point - radius_m), self.cell_at(point + radius_m));
@@ -131,7 +132,7 @@ impl UniformGrid {
     }
 
     /// Walks along a ray from a point inside the grid, in a direction of length 1. Calls `visit` with the items of every cell
-    /// on the way and the distance, in m, at which the ray leaves the cell. Ends when `visit` returns false, or at the border.
+    /// on its way and the distance, in m, at which the ray leaves the cell. Ends when `visit` returns false, or at the border.
     #[inline]
     pub fn walk<'a>(&'a self, origin: Vec2, direction: Vec2, mut visit: impl FnMut(&'a [u32], f32) -> bool) {
         let start = (origin - self.low) * self.cells_per_m;
@@ -153,8 +154,8 @@ impl UniformGrid {
         }
     }
 
-    /// For one axis of a ray: the step from cell to cell, the distance to the end of the first cell, and that between the
-    /// next ends, in m.
+    /// For one axis of a ray: the step from cell to cell, and the distances, in m, to the first border of a cell and from
+    /// border to border.
     #[inline]
     fn axis(&self, start: f32, cell: usize, direction: f32) -> (isize, f32, f32) {
         let each = self.cell_m / direction.abs();

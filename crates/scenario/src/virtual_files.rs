@@ -10,7 +10,7 @@ use std::sync::{Mutex, PoisonError};
 
 /// Largest number of uploads.
 const MAX_FILES: usize = 64;
-/// Largest number of bytes kept of an upload that stays: one more than a RON file may have, so that it is seen to be too long.
+/// Largest number of bytes kept of an upload that stays: one more than a RON file may have, so that longer files are rejected.
 const MAX_KEPT_BYTES: usize = crate::limits::MAX_FILE_BYTES as usize + 1;
 
 /// A file's name and its bytes.
@@ -33,7 +33,7 @@ pub fn add_upload(name: String, mut bytes: Vec<u8>) {
     }
 }
 
-/// The first `max_bytes` bytes of the upload at `path`.
+/// The first `max_bytes` bytes of the upload at `path`. Reading a policy removes it.
 ///
 /// # Errors
 /// `NotFound` if there is none of that name.

@@ -1,6 +1,6 @@
-//! Walls of solid cells, as few rectangles.
+//! Walls of solid cells, merged into few rectangles.
 //!
-//! In: the rows of a [`WallCells`]. Out: its [`CellBlock`]s, which all geometry of the wall is made of. They are found once.
+//! In: the rows of a [`WallCells`]. Out: its [`CellBlock`]s, which all geometry of the wall uses. They are computed once.
 
 use std::fmt::Arguments;
 use std::sync::{Arc, OnceLock};
@@ -42,7 +42,7 @@ impl CellBlock {
     }
 }
 
-/// The rectangles of a [`WallCells`], once they are needed. All are equal, because they follow from the rest.
+/// The rectangles of a [`WallCells`], computed when first needed. Always equal, because they follow from its other fields.
 #[derive(Clone, Debug, Default)]
 pub(super) struct CellBlocks(OnceLock<Arc<[CellBlock]>>);
 
@@ -53,14 +53,14 @@ impl PartialEq for CellBlocks {
 }
 
 impl WallCells {
-    /// The cells in `rows`, the upper one first: `#` is solid, `.` or a space free. Their sides are `cell_m` long, and the grid's
+    /// The cells in `rows`, the top row first: `#` is solid, `.` or a space free. Their sides are `cell_m` long, and the grid's
     /// centre is `centre_m`.
     #[must_use]
     pub fn new(rows: Vec<String>, cell_m: f32, centre_m: Vec2) -> Self {
         Self { rows, cell_m, centre_m, blocks: CellBlocks::default() }
     }
 
-    /// The rows of cells, the upper one first.
+    /// The rows of cells, the top row first.
     #[must_use]
     pub fn rows(&self) -> &[String] {
         &self.rows

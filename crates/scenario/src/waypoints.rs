@@ -1,4 +1,4 @@
-//! Changes of the path of a motion: of its waypoints, or of its key frames with their times.
+//! Edits to the path of a motion: to its waypoints, or to its key frames with their times.
 
 use super::key_frames;
 use super::limits::{KEY_FRAME_TIME_S, WAYPOINTS};
@@ -18,8 +18,8 @@ impl ObstacleMotion {
         }
     }
 
-    /// Inserts a point before waypoint `k`, or a key frame half-way in time between its neighbours. `None` if there is no such
-    /// place.
+    /// Inserts a point before waypoint `k`, or a key frame halfway in time between its neighbours. `None` if that is not
+    /// possible.
     pub fn insert_waypoint(&mut self, k: usize, position_m: Vec2) -> Option<()> {
         match self {
             Self::Patrol { waypoints_m, .. }
@@ -59,7 +59,7 @@ impl ObstacleMotion {
     }
 
     /// Key frames along a path from `start_m`, in m, at `speed_m_s` above 0, repeated if `is_loop`. Times are rounded up to
-    /// hundredths of a second, so that none is faster.
+    /// hundredths of a second, so that no leg is faster.
     #[must_use]
     pub fn key_frames_along(start_m: Vec2, path_m: &[Vec2], speed_m_s: f32, is_loop: bool) -> Self {
         let (mut at_m, mut hundredths) = (start_m, 0.0);
@@ -76,8 +76,8 @@ impl ObstacleMotion {
 }
 
 impl Obstacle {
-    /// Replaces the path of the motion by one through `path_m`, in m; without a path so far, the motion becomes a patrol. A
-    /// patrol and key frames move at `speed_m_s`, others keep their speed.
+    /// Replaces the path of the motion by one through `path_m`, in m. A motion without a path becomes a patrol. This new patrol
+    /// and key frames move at `speed_m_s`; other motions keep their speed.
     pub fn set_path(&mut self, path_m: Vec<Vec2>, speed_m_s: f32) {
         match &mut self.motion {
             ObstacleMotion::Patrol { waypoints_m, .. }
@@ -91,8 +91,8 @@ impl Obstacle {
         }
     }
 
-    /// The mean speed along its path, in m/s: the length by the duration. `None` for motions without a path, or with a
-    /// duration or speed of 0.
+    /// The mean speed along the path, in m/s: its length divided by its duration. `None` for motions without a path, or with
+    /// a duration or speed of 0.
     #[must_use]
     pub fn mean_speed_m_s(&self) -> Option<f32> {
         let speed_m_s = match self.motion {

@@ -160,7 +160,7 @@ fn named_positions_must_be_far_enough_apart() {
 }
 
 #[test]
-fn generators_that_may_fill_the_arena_are_reported() {
+fn generators_that_may_fill_the_enclosure_are_reported() {
     let generator = |count, within| Generator {
         count,
         shape: RandomShape::Circle { radius_m: (0.1, 0.12) },
@@ -180,12 +180,12 @@ fn generators_that_may_fill_the_arena_are_reported() {
             "`generators` have no space for any obstacle: write a smaller gap_m, smaller sizes, or a larger `within`"
         ]
     );
-    let crowd = Scenario { generators: vec![generator(100, None)], ..Scenario::default() };
-    assert_eq!(found(&Scenario { generators: vec![generator(8, None)], ..crowd.clone() }), [""; 0]);
+    let crowded = Scenario { generators: vec![generator(100, None)], ..Scenario::default() };
+    assert_eq!(found(&Scenario { generators: vec![generator(8, None)], ..crowded.clone() }), [""; 0]);
     let far = PlacementRule::Random { clearance_m: 0.6 };
-    assert_eq!(found(&Scenario { goals: far.clone(), ..crowd.clone() }), messages("for a goal"));
-    assert_eq!(found(&Scenario { starts: far, ..crowd }), messages("for a start"));
-    // The obstacles fill the arena except for its left end.
+    assert_eq!(found(&Scenario { goals: far.clone(), ..crowded.clone() }), messages("for a goal"));
+    assert_eq!(found(&Scenario { starts: far, ..crowded }), messages("for a start"));
+    // The obstacles fill the enclosure except for its left end.
     let right = Region { min_m: vec2(-1.0, -0.75), max_m: vec2(3.0, 0.75) };
     let mut hall = Scenario {
         enclosure: Enclosure::Rectangle { width_m: 6.0, height_m: 1.5 },
@@ -215,7 +215,7 @@ fn unreachable_goals_are_reported_with_two_points() {
         messages[0].ends_with(&format!(": {needs}, block that area, or exclude it from the rule")),
         "{messages:?}"
     );
-    // The goals are elsewhere, so the starts must be reported.
+    // The goals are outside the closed area now, so the starts must be reported.
     let elsewhere =
         PlacementRule::Within { min_m: vec2(-2.0, -2.0), max_m: vec2(2.0, 0.9), clearance_m: 0.35 };
     scenario.goals = elsewhere.clone();
@@ -305,7 +305,7 @@ fn a_robot_that_never_moves_and_a_time_limit_without_goals_are_rejected() {
         found(&top),
         ["`robot.motions` never move the robot: write a v_m_s other than 0 for at least one of them"]
     );
-    // 0.5 m away, reached within 0.2 m: 0.3 m are 10 steps of 0.03 m.
+    // A goal 0.5 m away counts as reached within 0.2 m: the 0.3 m left take 10 steps of 0.03 m.
     let limited = |max_episode_steps| {
         let task = TaskRules { max_episode_steps, ..TaskRules::default() };
         found(&Scenario { task, ..Scenario::default() })
@@ -328,17 +328,17 @@ fn a_robot_that_never_moves_and_a_time_limit_without_goals_are_rejected() {
 }
 
 #[test]
-fn goals_beyond_the_time_limit_are_noted_with_their_share() {
+fn goals_beyond_the_time_limit_are_noted_with_their_percentage() {
     let hangar = Scenario { enclosure: square(30.0), ..Scenario::default() };
     let notes = noted(&hangar);
     let [note] = notes.as_slice() else { panic!("{notes:?}") };
     let start =
         "warning: `task.max_episode_steps` is 500: in this time the robot covers at most 15.0 m, but ";
     assert!(note.starts_with(start), "{note}");
-    // The mean distance in a square of side 1 is 0.52; in one of 29.3 m, 51 % of the pairs are more than 15.2 m apart.
-    let share: f32 = note[start.len()..].split(' ').next().and_then(|n| n.parse().ok()).expect("a share");
-    assert!((46.0..=56.0).contains(&share), "{note}");
-    // The diagonal between the corners of the free space is 41.4 m, less 0.2 m in steps of 0.03 m.
+    // In a square of 29.3 m, the free space, 49 % of all pairs of points are more than 15.2 m apart.
+    let percent: f32 = note[start.len()..].split(' ').next().and_then(|n| n.parse().ok()).expect("a share");
+    assert!((46.0..=56.0).contains(&percent), "{note}");
+    // The diagonal of the free space is 41.4 m. Less 0.2 m, that is 1,375 steps of 0.03 m.
     let steps: u32 =
         note.split("write at least ").nth(1).and_then(|n| n.split(',').next()?.parse().ok()).expect("steps");
     assert!((1320..=1375).contains(&steps), "{note}");
@@ -355,7 +355,7 @@ fn a_robot_without_space_to_turn_round_is_noted() {
     let with = |motions: &[(f32, f32)], side_m| {
         noted(&Scenario { robot: robot(motions), enclosure: square(side_m), ..Scenario::default() })
     };
-    // It turns with a radius of 2.5 m; the square of 4 m has a free disc of 2 m.
+    // The robot turns with a radius of 2.5 m; the square of 4 m has a free disc of 2 m radius.
     let lorry = [(0.5, 0.2), (0.5, -0.2)];
     let notes = with(&lorry, 4.0);
     let [note] = notes.as_slice() else { panic!("{notes:?}") };
@@ -512,7 +512,7 @@ fn obstacles_that_overlap_or_cross_something_are_noted_with_the_place() {
     let there = |waypoints_m| moving(ObstacleMotion::BackAndForth { waypoints_m, speed_m_s });
     assert_eq!(with(there(vec![vec2(0.0, -0.3)])), [""; 0], "it stops before the wall");
     assert_eq!(with(there(vec![vec2(0.0, 1.0)])), crosses("crosses", wall_1, "(0.00, 0.00)"));
-    // Around the wall; a patrol goes straight back through it.
+    // A path around the wall; a patrol returns straight through it.
     let around = vec![vec2(-1.2, -1.0), vec2(-1.2, 1.0), vec2(0.0, 1.0)];
     assert_eq!(with(there(around.clone())), [""; 0]);
     let patrol = ObstacleMotion::Patrol { waypoints_m: around, speed_m_s };
@@ -524,7 +524,7 @@ fn obstacles_that_overlap_or_cross_something_are_noted_with_the_place() {
     let orbit = |centre_m| moving(ObstacleMotion::Orbit { centre_m, speed_rad_s: 0.1.into() });
     assert_eq!(with(orbit(vec2(0.0, 0.1))), [""; 0], "the wall is within the orbit");
     assert!(with(orbit(vec2(0.5, -0.6)))[0].contains("crosses wall 1"), "{:?}", with(orbit(vec2(0.5, -0.6))));
-    // Two that move may meet.
+    // Two moving obstacles may cross each other.
     let mut two = there(vec![vec2(0.0, -0.4)]);
     two.push(obstacle(
         ball.clone(),
@@ -536,7 +536,7 @@ fn obstacles_that_overlap_or_cross_something_are_noted_with_the_place() {
 
 #[test]
 fn notes_on_large_scenarios_are_found_quickly() {
-    // The maximum number of obstacles, each over its neighbours; and of moving ones with the longest paths, through walls.
+    // The maximum number of static obstacles, each overlapping its neighbours; and 2,000 with the longest paths, through walls.
     let ball = |k: usize, motion: ObstacleMotion| {
         obstacle(
             Shape::Circle { radius_m: 1.0 },
@@ -598,7 +598,7 @@ fn assert_reported_quickly(what: &str, text: &str, needle: &str) {
 
 #[test]
 fn hostile_files_are_reported_quickly() {
-    // The maximum number of obstacles. All move, and only the last one blocks the goal.
+    // As many obstacles as fit in a file. All but the last one move, and only the last one blocks all goals.
     let mut text = String::from("(name: \"a\", obstacles: [");
     for _ in 0..9_999 {
         text.push_str("(shape: Rectangle(width_m: 1, height_m: 1), position_m: (0, 0), rotation_rad: 1,");
@@ -617,7 +617,7 @@ fn hostile_files_are_reported_quickly() {
 
 #[test]
 fn hostile_outlines_are_reported_quickly() {
-    // Thin polygons of 32 corners across a scenario of the maximum size, and a wall that divides it.
+    // Thin polygons of 32 corners across an enclosure of 60 m, and a wall that divides it.
     let mut sliver = String::from("(shape:Polygon(corners_m:[");
     for k in 0..31 {
         sliver.push_str(&format!("({},{:.3}),", 20 - k, 20.001 - f64::from(k)));
@@ -629,8 +629,8 @@ fn hostile_outlines_are_reported_quickly() {
          obstacles:[{slivers}],benchmark_route:(start_m:(-20,0),goal_m:(0,-20)))"
     );
     assert_reported_quickly("slivers", &text, "`goals` includes");
-    // The maximum number of wall segments, up and down across the scenario, without a gap; and patrols along similar paths in
-    // an enclosure of 64 corners.
+    // Almost the maximum number of wall segments, up and down across the enclosure, without a gap; and patrols along similar
+    // paths in an enclosure of 64 corners.
     let zigzag: String =
         (0..250).map(|k| format!("({}.{},{}),", k % 20, k, if k % 2 == 0 { -25 } else { 25 })).collect();
     let walls = format!("(corners_m:[{zigzag}]),").repeat(40);

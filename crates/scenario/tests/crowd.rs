@@ -5,7 +5,7 @@ use wayfield_scenario::{
 };
 
 const RADIUS_M: f32 = 0.2;
-/// Far from all pedestrians, at rest.
+/// Position and velocity of a robot far from all pedestrians, at rest.
 const NO_ROBOT: (Vec2, Vec2) = (vec2(100.0, 100.0), Vec2::ZERO);
 
 fn pedestrian(position_m: Vec2, goals_m: &[Vec2], loops: bool, sees_robot: bool) -> Obstacle {
@@ -48,7 +48,7 @@ fn walk(scenario: &Scenario, robot: (Vec2, Vec2), steps: usize) -> Vec<Vec<Vec2>
     (0..=steps).map(|_| positions()).collect()
 }
 
-/// The least distance between any two of the obstacles, or between one of them and `point`.
+/// The least distance in m between any two obstacles, or between one of them and `point`, at any step of the `walk`.
 fn least_distance_m(walk: &[Vec<Vec2>], point: Option<Vec2>) -> f32 {
     let at = |now: &Vec<Vec2>| {
         let others = |k: usize| now[k + 1..].iter().chain(&point);
@@ -66,7 +66,7 @@ fn pedestrians_who_meet_pass_each_other_and_return_without_touching() {
     let walk = walk(&scenario, NO_ROBOT, 130);
     assert!(least_distance_m(&walk, None) >= 2.0 * RADIUS_M, "{}", least_distance_m(&walk, None));
     let near = |k: usize, point: Vec2| walk.iter().position(|now| now[k].distance(point) < 0.25);
-    // 4 m at 0.5 m/s take 8 s.
+    // 4 m at 0.5 m/s take 8 s, or 40 steps.
     assert!(near(0, right).is_some_and(|step| (38..50).contains(&step)), "{:?}", near(0, right));
     assert!(near(1, left).is_some_and(|step| (38..50).contains(&step)), "{:?}", near(1, left));
     assert!(walk[50..].iter().any(|now| now[0].distance(left) < 0.25), "it has returned");
@@ -127,7 +127,7 @@ fn a_crowd_on_a_circle_crosses_it_without_touching() {
 }
 
 #[test]
-fn a_way_through_a_wall_is_noted_and_too_many_pedestrians_are_an_error() {
+fn a_path_through_a_wall_is_noted_and_too_many_pedestrians_are_an_error() {
     let walls =
         vec![Wall { corners_m: vec![vec2(0.0, -1.0), vec2(0.0, 1.0)], thickness_m: 0.1, ..Wall::default() }];
     let one = pedestrian(vec2(-2.0, 0.0), &[vec2(2.0, 0.0)], true, false);
@@ -145,7 +145,7 @@ fn a_way_through_a_wall_is_noted_and_too_many_pedestrians_are_an_error() {
 }
 
 #[test]
-fn a_moved_start_moves_the_pedestrian_and_other_pedestrians_start_anew() {
+fn a_moved_start_moves_the_pedestrian_and_a_changed_crowd_starts_anew() {
     let one = pedestrian(vec2(-2.0, 0.0), &[vec2(2.0, 0.0)], true, false);
     let before = scenario(vec![post(vec2(3.0, 3.0)), one.clone()]);
     let mut crowd = Crowd::at_start(&before);

@@ -49,7 +49,7 @@ fn each_invalid_file_gives_the_message_in_its_fixture() {
 }
 
 #[test]
-fn a_missing_file_names_its_neighbours() {
+fn the_message_for_a_missing_file_lists_its_neighbours() {
     let near = format!("{FIXTURES}/neighbours");
     let listed = format!("(files there: {near}/crossing.ron, {near}/doorway.ron)");
     assert_eq!(

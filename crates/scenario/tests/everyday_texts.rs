@@ -1,9 +1,9 @@
-//! The exact messages for texts as editors, keyboards and other formats make them: each names what it found and what to write.
+//! The exact messages for slips caused by editors, keyboards and other formats: each names what was found and what to write.
 
 use serde::Deserialize;
 use wayfield_scenario::{Scenario, parse_ron, to_text};
 
-/// A file with every kind of value, as presets have them.
+/// A file with every kind of value that occurs in presets.
 #[derive(Debug, Deserialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 struct Preset {
@@ -93,7 +93,7 @@ fn characters_that_look_like_those_of_ron_are_named() {
 }
 
 #[test]
-fn numbers_as_people_write_them_get_the_number_to_write() {
+fn everyday_number_notations_get_the_number_to_write() {
     check(
         "w.ron",
         scenario_error,
@@ -159,7 +159,7 @@ fn numbers_as_people_write_them_get_the_number_to_write() {
 }
 
 #[test]
-fn other_formats_and_their_signs_are_named() {
+fn other_formats_and_their_syntax_are_named() {
     let parentheses = "1:1: the file must be written in parentheses: (name: ..., ...)";
     check(
         "w.ron",
@@ -186,7 +186,7 @@ fn other_formats_and_their_signs_are_named() {
 }
 
 #[test]
-fn a_value_where_a_choice_is_wanted_gets_the_choices() {
+fn a_value_in_place_of_a_choice_gets_the_choices() {
     let choices = "`budget` must be one of the choices `Episodes`, `EnvSteps`";
     check(
         "p.ron",

@@ -1,5 +1,5 @@
-//! Tests of what shapes and motions say about themselves: their fields, tracks, speeds and outlines. The range checks, the
-//! editor and all drawings are made from these.
+//! Tests of how shapes and motions describe themselves: their fields, tracks, speeds and outlines. The range checks, the editor
+//! and all drawings use these.
 
 use std::collections::BTreeSet;
 
@@ -115,7 +115,7 @@ fn every_number_above_its_range_is_reported_with_its_field() {
 
 #[test]
 fn an_obstacle_keeps_to_its_track_and_its_speed() {
-    // The poses of pedestrians are no function of the step: tests/crowd.rs.
+    // The poses of pedestrians do not depend on the step alone; see tests/crowd.rs.
     for motion in motions().into_iter().filter(|motion| !motion.is_pedestrian()) {
         let o = obstacle(Shape::Circle { radius_m: 0.1 }, motion);
         let at = |step| {

@@ -66,7 +66,7 @@ fn the_file_with_every_field_contains_the_defaults() {
 }
 
 #[test]
-fn scenario_2_is_scenario_1_turning() {
+fn scenario_2_is_scenario_1_with_orbiting_obstacles() {
     let (one, two) = (load("scenario-1.ron"), load("scenario-2.ron"));
     let stilled = |o: &Obstacle| Obstacle { motion: ObstacleMotion::Static, ..o.clone() };
     assert_eq!(one.obstacles, two.obstacles.iter().map(stilled).collect::<Vec<_>>());

@@ -22,37 +22,37 @@ fn length_m(scenario: &Scenario, from_m: Vec2, goal_m: Vec2) -> f32 {
     Geodesic::default().distance_m(&Arc::new(FreeCells::new(scenario)), goal_m, from_m)
 }
 
-/// The path from a point to the vertical through `corner`, which it passes above at the distance that the robot keeps: a straight
-/// line that touches a circle, and an arc up to its top.
+/// The length in m of the path from a point to the top of the circle around `corner`, whose radius is the distance that the robot
+/// keeps: a tangent and an arc.
 fn past_corner_m(from: Vec2, corner: Vec2) -> f32 {
-    let way = from - corner;
-    let touching = (way.length_squared() - KEPT_M * KEPT_M).sqrt();
-    let turn = way.angle_to(Vec2::Y).abs() - (KEPT_M / way.length()).acos();
-    touching + KEPT_M * turn
+    let offset = from - corner;
+    let tangent = (offset.length_squared() - KEPT_M * KEPT_M).sqrt();
+    let angle = offset.angle_to(Vec2::Y).abs() - (KEPT_M / offset.length()).acos();
+    tangent + KEPT_M * angle
 }
 
 fn assert_near(length_m: f32, expected_m: f32) {
-    // A side of a cell.
+    // The side of a cell.
     assert!((length_m - expected_m).abs() < 0.0975, "{length_m} m, by hand {expected_m} m");
 }
 
 #[test]
-fn in_open_space_and_beside_an_obstacle_it_is_the_straight_distance() {
+fn in_open_space_and_beside_an_obstacle_the_path_is_straight() {
     let mut open = scenario(&[]);
-    let place = |radius_m, position_m| Obstacle {
+    let circle = |radius_m, position_m| Obstacle {
         shape: Shape::Circle { radius_m },
         position_m,
         rotation_rad: 0.0,
         motion: ObstacleMotion::Static,
     };
-    open.obstacles.push(place(0.3, vec2(0.0, 0.0)));
-    let mut moving = place(0.5, vec2(1.0, -1.4));
+    open.obstacles.push(circle(0.3, vec2(0.0, 0.0)));
+    let mut moving = circle(0.5, vec2(1.0, -1.4));
     moving.motion = ObstacleMotion::Orbit { centre_m: vec2(1.0, -1.3), speed_rad_s: 0.5.into() };
     open.obstacles.push(moving);
     let goal = vec2(1.2, 1.2);
     for from in [vec2(-1.2, 1.2), vec2(1.3, -1.5), vec2(-0.9, 0.5), vec2(1.25, 1.2), goal] {
-        let way = goal - from;
-        assert_eq!(length_m(&open, from, goal), libm::hypotf(way.x, way.y), "{from}");
+        let offset = goal - from;
+        assert_eq!(length_m(&open, from, goal), libm::hypotf(offset.x, offset.y), "{from}");
     }
     // Around the circle, with the distance that the robot keeps: two tangents and an arc.
     let (from, radius) = (vec2(-1.2, -1.2), 0.43_f32);
@@ -77,8 +77,8 @@ fn a_path_out_of_a_u_leads_around_its_end() {
     let (upper, lower) = (vec2(-0.5, 0.5), vec2(-0.5, -0.8));
     let u = scenario(&[&[upper, vec2(0.5, 0.5), vec2(0.5, -0.8), lower]]);
     let (from, goal) = (vec2(0.0, 0.0), vec2(1.5, 0.0));
-    // The end of the upper wall is at x = -0.55, half its thickness beyond its corner, and from y = 0.45 to 0.55. Turned so that
-    // left is up, the path passes above both of its corners, then along the upper side to the corner at (0.55, 0.55).
+    // The upper wall ends at x = -0.55, half its thickness beyond its corner, and there extends from y = 0.45 to 0.55. Turned so
+    // that left is up, the path passes above both corners of this end, then along the upper side to the corner at (0.55, 0.55).
     let turned = |at: Vec2| vec2(at.y, -at.x);
     let out = past_corner_m(turned(from), turned(vec2(-0.55, 0.45)));
     let around = 0.1 + KEPT_M * std::f32::consts::FRAC_PI_2;
@@ -103,7 +103,7 @@ fn a_gap_narrower_than_the_robot_is_no_passage_and_a_closed_room_is_reached_thro
     assert_eq!(length_m(&full, vec2(0.0, 0.0), vec2(0.6, 0.8)), 1.0);
 }
 
-/// A scenario or a level of `scenarios/` and `scenarios/generators/`.
+/// Scenarios of `scenarios/`, and levels of `scenarios/generators/`.
 fn shipped() -> Vec<Scenario> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let mut scenarios: Vec<Scenario> = ["u-trap", "doorway", "maze", "slalom", "corridor"]
@@ -118,7 +118,7 @@ fn shipped() -> Vec<Scenario> {
 }
 
 #[test]
-fn lengths_have_no_jumps_are_never_below_the_straight_distance_and_do_not_depend_on_earlier_questions() {
+fn lengths_have_no_jumps_are_never_below_the_straight_distance_and_do_not_depend_on_earlier_queries() {
     let mut draws = stream(7, "geodesic", 0);
     for scenario in shipped() {
         let free = Arc::new(FreeCells::new(&scenario));
@@ -152,7 +152,7 @@ fn lengths_have_no_jumps_are_never_below_the_straight_distance_and_do_not_depend
 }
 
 #[test]
-fn a_large_hall_has_cells_no_smaller_than_needed_and_its_doors_stay_open() {
+fn in_a_large_hall_with_coarser_cells_the_doors_stay_open() {
     let mut hall = scenario(&[&[vec2(0.0, -25.0), vec2(0.0, 23.9)]]);
     hall.enclosure = Enclosure::Rectangle { width_m: 50.0, height_m: 50.0 };
     let (from, goal) = (vec2(-5.0, 10.0), vec2(5.0, 10.0));

@@ -7,10 +7,11 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use wayfield_scenario::{
     Clutter, LevelGenerator, Obstacle, ObstacleMotion, RandomShape, Route, Scenario, Shape, Traffic,
-    TrafficShapes, WallLayout, clearance, diagnostics, level_generator_diagnostics, parse_ron, polygon, to_ron, to_text,
+    TrafficShapes, WallLayout, clearance, diagnostics, level_generator_diagnostics, parse_ron, polygon,
+    to_ron, to_text,
 };
 
-/// Seeds of each generator that are tested.
+/// Number of seeds that are tested of each generator.
 const SEEDS: u64 = 200;
 
 fn generator(text: &str) -> LevelGenerator {
@@ -192,7 +193,7 @@ fn the_parameters_of_levels_are_uniform_over_their_ranges() {
 }
 
 #[test]
-fn each_layout_of_a_list_is_as_likely() {
+fn the_layouts_of_a_list_are_equally_likely() {
     let text = "(name: \"a\", wall_layouts: [Rooms(), Traps(count: (0, 0)), Maze()])";
     let levels: Vec<Scenario> = (0..600).map(|seed| level(&generator(text), seed)).collect();
     let rooms = levels.iter().filter(|level| !level.walls.is_empty()).count();
@@ -201,7 +202,7 @@ fn each_layout_of_a_list_is_as_likely() {
 }
 
 #[test]
-fn an_automaton_fills_the_share_of_cells_that_is_asked_for() {
+fn an_automaton_fills_the_given_fraction_of_the_cells() {
     let text = "(name: \"a\", width_m: (5.0, 5.0), height_m: (5.0, 5.0), route: Across(),
         clutter: [Automaton(fill: (0.02, 0.04), smoothings: (0, 0), cell_m: (0.1, 0.1))])";
     let circles = |seed| level(&generator(text), seed).obstacles.len();
@@ -222,7 +223,7 @@ fn parameters_without_space_give_one_clear_error() {
 }
 
 #[test]
-fn a_grid_of_text_gives_few_rectangles_at_their_places() {
+fn a_grid_of_text_gives_few_rectangles_in_the_right_positions() {
     // The free cell in the upper right corner is cut off, and becomes solid.
     let rows = r#"["..#.", ".###", "....", "...."]"#;
     let text =
@@ -316,11 +317,11 @@ fn pedestrians_start_apart_near_the_circle_and_cross_it() {
     }
     for quarter in 0..4 {
         let low = (f64::from(quarter) - 2.0) * f64::from(TAU) / 4.0;
-        let share =
+        let fraction =
             angles_rad.iter().filter(|a| (low..low + f64::from(TAU) / 4.0).contains(&f64::from(**a))).count()
                 as f32
                 / angles_rad.len() as f32;
-        assert!((share - 0.25).abs() < 0.05, "all around: {share} in quarter {quarter}");
+        assert!((fraction - 0.25).abs() < 0.05, "all around: {fraction} in quarter {quarter}");
     }
 }
 
@@ -338,7 +339,8 @@ fn orbits_have_both_directions_and_stay_inside_the_enclosure_and_clear_of_obstac
         still.obstacles.retain(|obstacle| obstacle.motion == ObstacleMotion::Static);
         for obstacle in &level.obstacles {
             let ObstacleMotion::Orbit { centre_m, speed_rad_s } = obstacle.motion else { continue };
-            let (orbit_m, radius_m) = (obstacle.position_m.distance(centre_m), obstacle.shape.bounding_radius_m());
+            let (orbit_m, radius_m) =
+                (obstacle.position_m.distance(centre_m), obstacle.shape.bounding_radius_m());
             assert!((0.3 - 1e-4..1.0 + 1e-4).contains(&orbit_m), "{}: {orbit_m} m", level.name);
             let speed_m_s = speed_rad_s.value().abs() * orbit_m;
             assert!((0.05 - 1e-4..0.2 + 1e-4).contains(&speed_m_s), "{}: {speed_m_s} m/s", level.name);
@@ -347,13 +349,14 @@ fn orbits_have_both_directions_and_stay_inside_the_enclosure_and_clear_of_obstac
             clockwise.push(speed_rad_s.value() < 0.0);
         }
     }
-    let share = clockwise.iter().filter(|clockwise| **clockwise).count() as f32 / clockwise.len() as f32;
-    assert!(clockwise.len() > 500 && (share - 0.5).abs() < 0.07, "{share} of {}", clockwise.len());
+    let fraction = clockwise.iter().filter(|clockwise| **clockwise).count() as f32 / clockwise.len() as f32;
+    assert!(clockwise.len() > 500 && (fraction - 0.5).abs() < 0.07, "{fraction} of {}", clockwise.len());
 }
 
 #[test]
 fn mixed_traffic_has_circles_capsules_and_rectangles_of_the_given_size() {
-    let generator = generator("(name: \"a\", traffic: [RandomCrossing(radius_m: (0.1, 0.3), shapes: Mixed)])");
+    let generator =
+        generator("(name: \"a\", traffic: [RandomCrossing(radius_m: (0.1, 0.3), shapes: Mixed)])");
     let mut counts = [0; 3];
     for seed in 0..SEEDS {
         for obstacle in &level(&generator, seed).obstacles {
@@ -388,7 +391,7 @@ fn a_route_between_sides_has_starts_below_and_goals_above() {
 }
 
 #[test]
-fn pedestrians_of_a_crowd_walk_on_ways_that_are_clear_of_walls() {
+fn pedestrians_of_a_crowd_walk_on_paths_that_are_clear_of_walls() {
     let generator = generator(CROWD);
     let mut count = 0;
     for seed in 0..20 {
@@ -409,7 +412,7 @@ fn whole_range(most: u32) -> impl Strategy<Value = (u32, u32)> {
     (0..=most, 0..=most).prop_map(|(a, b)| (a.min(b), a.max(b)))
 }
 
-/// A layout in which the widths of passages are multiples of the gap.
+/// A layout with the widths of its passages in units of the gap; see [`widen`].
 fn any_walls() -> impl Strategy<Value = WallLayout> {
     prop_oneof![
         (range(0.2, 2.0), range(0.0, 0.8)).prop_map(|(cell_m, fill)| WallLayout::Cells { cell_m, fill }),
@@ -478,7 +481,7 @@ fn any_traffic() -> impl Strategy<Value = Traffic> {
     ]
 }
 
-/// Multiplies the widths of passages by the gap.
+/// Multiplies the widths of passages, which are in units of the gap, by the gap.
 fn widen(layout: &mut WallLayout, gap_m: f32) {
     match layout {
         WallLayout::Cells { .. } | WallLayout::Grid { .. } => {}

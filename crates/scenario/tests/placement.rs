@@ -1,5 +1,4 @@
-//! Property tests of placement: starts and goals keep their clearance in any valid scenario, and no text or number causes a
-//! panic.
+//! Property tests of placement: starts and goals keep their clearance in any scenario, and no text or number causes a panic.
 
 use glam::{Vec2, vec2};
 use proptest::prelude::*;
@@ -35,7 +34,7 @@ fn motion() -> impl Strategy<Value = ObstacleMotion> {
     ]
 }
 
-/// A scenario whose obstacles may be anywhere, even across the walls.
+/// A scenario whose obstacles may be anywhere, even outside the enclosure.
 fn scenario() -> impl Strategy<Value = Scenario> {
     let obstacle = (shape(), point(2.5), -6.0_f32..6.0, motion()).prop_map(
         |(shape, position_m, rotation_rad, motion)| Obstacle { shape, position_m, rotation_rad, motion },
@@ -84,7 +83,7 @@ proptest! {
     fn a_valid_scenario_has_free_space_at_the_start(scenario in scenario(), seed: u64) {
         let found = diagnostics(&scenario);
         prop_assume!(found.iter().all(|f| f.path.starts_with("obstacles") || f.path.starts_with("benchmark_route")));
-        // Free space is checked only if all numbers are valid; an obstacle that moves too fast is not.
+        // Free space is checked only if all numbers are valid, the speeds of obstacles included.
         prop_assume!(!found.iter().any(|f| f.path.contains(".motion")));
         let mut s = stream(seed, "places", 0);
         let start = draw_start(&scenario, 0, &mut s);

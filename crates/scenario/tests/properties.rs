@@ -44,7 +44,7 @@ fn outline(shape: &Shape, (x, y, rotation): (f32, f32, f32)) -> (Vec<Vec2>, f32)
 }
 
 /// Whether a path connects two points on a coarse grid, at least `clear` m from all static objects.
-fn has_way(scenario: &Scenario, from: Vec2, to: Vec2, clear: f32) -> bool {
+fn has_path(scenario: &Scenario, from: Vec2, to: Vec2, clear: f32) -> bool {
     const CELL_M: f32 = 0.05;
     let (low, high) = scenario.enclosure.bounds_m();
     let (columns, rows) =
@@ -99,7 +99,7 @@ proptest! {
     #[test]
     fn damaged_text_causes_no_panic(
         which in 0_usize..4,
-        wounds in vec(
+        edits in vec(
             (0.0_f32..1.0, 0_usize..30, "[\\[\\](){},:\"'/*#r.0-9é-]{0,4}", 0.0_f32..1.0, 0_usize..60), 1..4,
         ),
     ) {
@@ -110,10 +110,10 @@ proptest! {
             include_str!("fixtures/beyond.ron"),
         ][which];
         let mut text = good.to_owned();
-        for (at, cut, put, from, length) in wounds {
-            // A part is cut out, and replaced by a token and a piece of the text from elsewhere.
-            let piece = |share: f32, length: usize| {
-                let start = text.floor_char_boundary((share * text.len() as f32) as usize);
+        for (at, cut, put, from, length) in edits {
+            // A part is cut out, and replaced by random characters and a copy of another part.
+            let piece = |fraction: f32, length: usize| {
+                let start = text.floor_char_boundary((fraction * text.len() as f32) as usize);
                 start..text.floor_char_boundary(start + length)
             };
             let (gone, copied) = (piece(at, cut), piece(from, length));
@@ -126,19 +126,19 @@ proptest! {
     fn a_valid_scenario_has_starts_and_goals(scenario in valid_scenario(), seed: u64, later in 0_u64..100_000) {
         let task = &scenario.task;
         let without_moving_obstacles = without_moving_obstacles(&scenario);
-        // A position from a rule has the rule's clearance; a named one only does not collide with static objects.
-        let keeps = |rule: &PlacementRule, place: Vec2, step: u64| match rule {
-            PlacementRule::Random { clearance_m } => clearance(&scenario, place, step) >= *clearance_m,
+        // A position drawn from free space has the rule's clearance; a listed one only avoids collisions with static objects.
+        let keeps = |rule: &PlacementRule, position: Vec2, step: u64| match rule {
+            PlacementRule::Random { clearance_m } => clearance(&scenario, position, step) >= *clearance_m,
             PlacementRule::Within { min_m, max_m, clearance_m } => {
-                clearance(&scenario, place, step) >= *clearance_m
-                    && (min_m.x..=max_m.x).contains(&place.x)
-                    && (min_m.y..=max_m.y).contains(&place.y)
+                clearance(&scenario, position, step) >= *clearance_m
+                    && (min_m.x..=max_m.x).contains(&position.x)
+                    && (min_m.y..=max_m.y).contains(&position.y)
             }
             PlacementRule::Fixed { position_m, .. } => {
-                place == *position_m && clearance(&without_moving_obstacles, place, 0) >= task.collision_range_m
+                position == *position_m && clearance(&without_moving_obstacles, position, 0) >= task.collision_range_m
             }
             PlacementRule::OneOf { positions_m } => {
-                positions_m.contains(&place) && clearance(&without_moving_obstacles, place, 0) >= task.collision_range_m
+                positions_m.contains(&position) && clearance(&without_moving_obstacles, position, 0) >= task.collision_range_m
             }
         };
         let mut s = stream(seed, "places", 0);
@@ -151,14 +151,14 @@ proptest! {
             prop_assert!(keeps(&scenario.goals, goal, step), "{goal:?}");
             prop_assert!(heading.abs() <= 6.3);
             prop_assert!((goal.x - x).hypot(goal.y - y) > task.min_goal_distance_m - 1e-4);
-            prop_assert!(has_way(&scenario, vec2(x, y), goal, task.collision_range_m - 0.05), "to {goal:?}");
+            prop_assert!(has_path(&scenario, vec2(x, y), goal, task.collision_range_m - 0.05), "to {goal:?}");
             if matches!(scenario.goals, PlacementRule::Random { .. }) {
                 prop_assert!(draw_goal(&scenario, 0, goal, &mut s).is_ok(), "and on from there");
             }
         }
         prop_assert!(draw_start(&scenario, 0, &mut s).is_ok());
         if let Some(BenchmarkRoute { start_m, goal_m, .. }) = scenario.benchmark_route {
-            prop_assert!(has_way(&scenario, start_m, goal_m, task.collision_range_m - 0.05));
+            prop_assert!(has_path(&scenario, start_m, goal_m, task.collision_range_m - 0.05));
         }
     }
 
@@ -169,7 +169,7 @@ proptest! {
         prop_assert!(generated.obstacles.len() <= scenario.max_obstacles());
         prop_assert_eq!(&generated, &scenario.with_generated_obstacles(layout), "the same layout is the same world");
         for finding in diagnostics(&generated) {
-            // A crowded layout may leave no free space for a rule. That is detected only when a position is drawn.
+            // A crowded layout may leave no free space for a rule: the checks of the scenario try only a few layouts.
             let room = ["finds no free space", "the free space for goals is less", "too near the starts"];
             prop_assert!(room.iter().any(|it| finding.message.contains(it)), "{finding} in {generated:?}");
         }
@@ -226,7 +226,7 @@ proptest! {
     fn a_wall_is_reported_only_if_it_separates_start_and_goal(
         mut scenario in valid_scenario(), across in 0.2_f32..0.8, gap_m in 0.0_f32..0.6,
     ) {
-        // The wall extends from the lowest to the highest point of the enclosure, except for a gap.
+        // The wall rises from the bottom of the enclosure and leaves a gap at the top.
         let (low, high) = scenario.enclosure.bounds_m();
         let x = low.x + across * (high.x - low.x);
         let mut top = low.y + 0.001;
@@ -243,9 +243,9 @@ proptest! {
         let room = scenario.task.collision_range_m;
         if found.iter().any(|finding| finding.message.contains("can't")) {
             prop_assert_eq!(found.len(), 2, "the rules and the benchmark route agree");
-            prop_assert!(!has_way(&scenario, start_m, goal_m, room), "{found:?}");
+            prop_assert!(!has_path(&scenario, start_m, goal_m, room), "{found:?}");
         } else if found.is_empty() {
-            prop_assert!(has_way(&scenario, start_m, goal_m, room - 0.05));
+            prop_assert!(has_path(&scenario, start_m, goal_m, room - 0.05));
         }
     }
 }

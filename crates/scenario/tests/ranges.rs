@@ -1,4 +1,4 @@
-//! Domain randomization: a range in place of a number is read, written, checked at both ends, and drawn for each layout seed.
+//! Domain randomization: a range in place of a number is read, written and checked at both ends; each layout seed draws from it.
 
 use wayfield_scenario::{ObstacleMotion, Ranged, Scenario, notes, to_text, with_setting};
 
@@ -113,7 +113,7 @@ fn what_is_neither_a_number_nor_a_range_is_explained() {
 }
 
 #[test]
-fn the_scenario_of_an_episode_has_numbers_from_all_of_the_ranges() {
+fn drawn_numbers_cover_their_whole_ranges() {
     let scenario = scenario();
     assert!(scenario.has_ranges() && scenario.varies_by_episode());
     let drawn: Vec<Scenario> = (0..500).map(|seed| scenario.with_generated_obstacles(seed)).collect();
@@ -136,7 +136,7 @@ fn the_scenario_of_an_episode_has_numbers_from_all_of_the_ranges() {
 }
 
 #[test]
-fn no_range_changes_what_another_gives() {
+fn what_is_drawn_from_a_range_does_not_depend_on_other_ranges() {
     let all = scenario();
     let mut some = all.clone();
     some.robot.actuator_lag_s = 0.0.into();
@@ -146,7 +146,7 @@ fn no_range_changes_what_another_gives() {
 }
 
 #[test]
-fn a_note_looks_at_the_fastest_obstacle_of_a_range() {
+fn a_note_considers_the_highest_speed_of_a_range() {
     let text = TEXT.replace("(0.05, 0.1)", "(0.05, 0.3)");
     let notes = notes(&Scenario::parse(&text, "ranges.ron").expect("valid"));
     let found: Vec<String> = notes.iter().map(ToString::to_string).collect();

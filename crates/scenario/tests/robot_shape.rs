@@ -1,5 +1,5 @@
-//! Robots that are not discs, and robots that steer like cars: what a file may say, the space that they need, and the distance of
-//! their body from surfaces.
+//! Robots that are not discs, and robots with car-like steering: what a file may contain, the space they need, and the distance
+//! of their body from surfaces.
 
 use std::f32::consts::{FRAC_PI_4, PI};
 
@@ -98,7 +98,7 @@ fn starts_goals_and_gaps_leave_space_for_the_robot_at_any_heading() {
 
 #[test]
 fn a_goal_is_out_of_reach_only_if_no_heading_fits_through_the_gap() {
-    // A box of 0.6 m x 0.3 m and a wall across the enclosure with one gap.
+    // A robot of 0.6 m x 0.3 m, and a wall with one gap across the enclosure.
     let behind = |gap_m: f32| {
         let walls = [(-2.0, -gap_m / 2.0 - 0.05), (gap_m / 2.0 + 0.05, 2.0)];
         let wall = |(from, to)| Wall {
@@ -173,7 +173,7 @@ fn the_body_is_as_far_from_everything_as_its_nearest_point() {
         ],
         ..with_shape(waffle())
     };
-    // A rotation by an eighth of a turn brings a corner of the box beside the enclosure's inner corner.
+    // Turned by an eighth of a turn, the box faces the enclosure's reflex corner at (0, 0).
     scenario.robot.shape = Some(Shape::Rectangle { width_m: 0.6, height_m: 0.4 });
     let (solid, distance) =
         scenario.nearest_to_body((-0.3 * 2.0_f32.sqrt(), -0.3 * 2.0_f32.sqrt(), FRAC_PI_4), 0);
@@ -187,7 +187,7 @@ fn the_body_is_as_far_from_everything_as_its_nearest_point() {
             let (a, b) = (f32::from(k) * 0.618_034 % 1.0, f32::from(k) * 0.754_878 % 1.0);
             let (x, y, heading) = (-2.0 + 4.0 * a, -2.0 + 4.0 * b, PI * (f32::from(k) * 0.569_84 % 1.0));
             let (solid, distance) = scenario.nearest_to_body((x, y, heading), 0);
-            // The least clearance of points all over the body, which is signed.
+            // The least signed clearance of points all over the body.
             let sampled = body_points(&shape, (x, y, heading))
                 .map(|point| wayfield_scenario::clearance(&scenario, point, 0))
                 .fold(f32::INFINITY, f32::min);
@@ -202,7 +202,7 @@ fn the_body_is_as_far_from_everything_as_its_nearest_point() {
     assert!(nearest.iter().all(|&count| count > 20), "each kind is the nearest at times: {nearest:?}");
 }
 
-/// Points of a shape at a pose, less than 0.01 m apart from each of its points.
+/// The points of a grid of 0.01 m that are in a shape at a pose.
 fn body_points(shape: &Shape, (x, y, heading): (f32, f32, f32)) -> impl Iterator<Item = Vec2> {
     let (sin, cos) = heading.sin_cos();
     let grid =
@@ -212,7 +212,7 @@ fn body_points(shape: &Shape, (x, y, heading): (f32, f32, f32)) -> impl Iterator
 }
 
 #[test]
-fn the_motions_of_a_car_keep_its_least_turning_radius() {
+fn the_motions_of_a_car_keep_its_minimum_turning_radius() {
     let motion = |v_m_s, w_rad_s| Motion { v_m_s, w_rad_s };
     let car = |motions: &[Motion], radius_m: f32| Scenario {
         robot: Robot { min_turning_radius_m: Some(radius_m), motions: motions.into(), ..Robot::default() },
@@ -224,9 +224,9 @@ fn the_motions_of_a_car_keep_its_least_turning_radius() {
     assert_eq!(
         found(&car(&tight, 0.5)),
         [
-            "`robot.motions[1]` turns with a radius of 0.400 m, but the robot's least turning radius is 0.5 m: write a w_rad_s of \
-             at most 0.400 either way, or a larger v_m_s",
-            "`robot.motions[2]` turns on the spot, but the robot's least turning radius is 0.5 m: write a w_rad_s of 0 or a \
+            "`robot.motions[1]` turns with a radius of 0.400 m, but the robot's minimum turning radius is 0.5 m: write a w_rad_s \
+             of at most 0.400 either way, or a larger v_m_s",
+            "`robot.motions[2]` turns on the spot, but the robot's minimum turning radius is 0.5 m: write a w_rad_s of 0 or a \
              larger v_m_s, or remove min_turning_radius_m",
         ]
     );

@@ -1,4 +1,4 @@
-//! The spatial index gives the same clearances, starts and goals as a test of all parts, to the bit.
+//! The spatial index gives the same clearances, starts and goals as a test of every wall and obstacle, to the bit.
 
 use proptest::prelude::*;
 use wayfield_random::stream;
@@ -7,7 +7,7 @@ use wayfield_scenario::{
     Wall, clearance, draw_start_and_goal, nearest, vec2,
 };
 
-/// A point on a lattice of 0.5 m, so that parts touch and distances are equal, or anywhere.
+/// A point anywhere, or on a lattice of 0.5 m, where walls and obstacles touch and distances are equal.
 fn point(reach_m: f32) -> impl Strategy<Value = Vec2> {
     let lattice = (-20_i8..=20, -20_i8..=20).prop_map(|(x, y)| vec2(f32::from(x), f32::from(y)) * 0.5);
     prop_oneof![lattice, (-reach_m..reach_m, -reach_m..reach_m).prop_map(Vec2::from)]
@@ -36,7 +36,7 @@ fn obstacle() -> impl Strategy<Value = Obstacle> {
     })
 }
 
-/// A world of 20 m x 20 m with 32 to 120 obstacles and some walls.
+/// A world of 20 m x 20 m with some walls and 60 to 119 obstacles, of which enough are static for an index.
 fn world() -> impl Strategy<Value = Scenario> {
     let wall = (prop::collection::vec(point(10.0), 2..6), prop_oneof![0.01_f32..0.5, Just(3.0)])
         .prop_map(|(corners_m, thickness_m)| Wall { corners_m, thickness_m, ..Wall::default() });

@@ -11,7 +11,7 @@ fn shipped(name: &str) -> Scenario {
     Scenario::load(path).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The end of a drive.
+/// How a drive ends.
 #[derive(Debug, PartialEq)]
 enum End {
     Reached,
@@ -26,8 +26,8 @@ struct Field {
 }
 
 impl Field {
-    /// The potential: 1 per metre to the goal, plus push / 2 (1 / d - 1 / within)^2.
-    fn height(&self, scenario: &Scenario, Vec2 { x, y }: Vec2) -> f32 {
+    /// The potential: 1 per metre to the goal, plus push / 2 (1 / d - 1 / within)^2 at a distance d < within of a surface.
+    fn potential(&self, scenario: &Scenario, Vec2 { x, y }: Vec2) -> f32 {
         let goal = scenario.benchmark_route.expect("a benchmark route").goal_m;
         let nearest = clearance(scenario, vec2(x, y), 0).max(0.01);
         let pushed = (1.0 / nearest - 1.0 / self.within_m).max(0.0);
@@ -38,14 +38,14 @@ impl Field {
     fn downhill(&self, scenario: &Scenario, Vec2 { x, y }: Vec2) -> f32 {
         let by = 0.01;
         let slope = |dx, dy| {
-            self.height(scenario, Vec2 { x: x - dx, y: y - dy })
-                - self.height(scenario, Vec2 { x: x + dx, y: y + dy })
+            self.potential(scenario, Vec2 { x: x - dx, y: y - dy })
+                - self.potential(scenario, Vec2 { x: x + dx, y: y + dy })
         };
         slope(0.0, by).atan2(slope(by, 0.0))
     }
 
-    /// A drive on the benchmark route. Each step takes the motion that best turns the robot downhill.
-    fn drives(&self, scenario: &Scenario) -> End {
+    /// The end of a drive on the benchmark route. Each step takes the motion that best turns the robot downhill.
+    fn drive(&self, scenario: &Scenario) -> End {
         let (benchmark_route, task) = (scenario.benchmark_route.expect("a benchmark route"), &scenario.task);
         let (Vec2 { mut x, mut y }, mut heading) = (benchmark_route.start_m, benchmark_route.heading_rad);
         for _ in 0..task.max_episode_steps {
@@ -57,8 +57,8 @@ impl Field {
             let motions = scenario.robot.motions.iter();
             let motion = motions.min_by(|a, b| off(a).total_cmp(&off(b))).expect("it has motions");
             let turn = motion.w_rad_s * task.control_period_s;
-            let way = motion.v_m_s * task.control_period_s;
-            (x, y) = (x + way * (heading + turn / 2.0).cos(), y + way * (heading + turn / 2.0).sin());
+            let step = motion.v_m_s * task.control_period_s;
+            (x, y) = (x + step * (heading + turn / 2.0).cos(), y + step * (heading + turn / 2.0).sin());
             heading += turn;
             if (x - benchmark_route.goal_m.x).hypot(y - benchmark_route.goal_m.y) < task.goal_radius_m {
                 return End::Reached;
@@ -77,8 +77,8 @@ fn a_potential_field_alone_gets_stuck_in_the_u() {
     for push in [0.05, 0.1, 0.2, 0.4] {
         for within_m in [0.4, 0.5, 0.6, 0.7, 0.8] {
             let field = Field { push, within_m };
-            assert_eq!(field.drives(&open), End::Reached, "Scenario I: push {push} within {within_m} m");
-            assert_eq!(field.drives(&trap), End::TimedOut, "the U: push {push} within {within_m} m");
+            assert_eq!(field.drive(&open), End::Reached, "Scenario I: push {push} within {within_m} m");
+            assert_eq!(field.drive(&trap), End::TimedOut, "the U: push {push} within {within_m} m");
         }
     }
 }

@@ -53,7 +53,7 @@ fn the_upper_row_of_the_text_is_the_upper_row_of_the_plane() {
         (vec2(0.25, 0.6), -0.15),
         (vec2(1.25, 0.25), 0.5),
         (vec2(-0.5, 1.0), 0.25),
-        // The lower right cell ends at (1.0, -0.25): a 3-4-5 triangle.
+        // The lower right cell has a corner at (1.0, -0.25): a 3-4-5 triangle.
         (vec2(0.85, -0.05), 0.25),
     ] {
         let (solid, found_m) = nearest(&scenario, point, 0);
@@ -161,7 +161,7 @@ fn starts_in_cells_and_goals_behind_them_are_found() {
 
 proptest! {
     #[test]
-    fn cells_are_as_near_as_an_obstacle_for_each(
+    fn cells_are_as_near_as_one_obstacle_per_cell(
         bits in prop::collection::vec(any::<bool>(), 15 * 12),
         points in prop::collection::vec((-4.0_f32..4.0, -4.0_f32..4.0), 30),
     ) {
@@ -180,11 +180,11 @@ proptest! {
             motion: ObstacleMotion::Static,
         };
         let obstacles = (0..bits.len()).filter(|&k| bits[k]).map(one).collect();
-        let single = Scenario { enclosure, obstacles, ..Scenario::default() };
+        let separate = Scenario { enclosure, obstacles, ..Scenario::default() };
         let index = SpatialIndex::new(&walled);
         let indexed = IndexedScenario { index: index.as_ref(), ..(&walled).into() };
         for (x, y) in points {
-            let (by_cells, by_obstacles) = (clearance(&walled, vec2(x, y), 0), clearance(&single, vec2(x, y), 0));
+            let (by_cells, by_obstacles) = (clearance(&walled, vec2(x, y), 0), clearance(&separate, vec2(x, y), 0));
             // Inside, a rectangle of several cells is deeper than one cell.
             prop_assert!((by_cells - by_obstacles).abs() < 1e-5 || by_cells.max(by_obstacles) <= 1e-5);
             prop_assert_eq!(indexed.nearest(vec2(x, y), 0).1.to_bits(), by_cells.to_bits());

@@ -70,7 +70,7 @@ fn cells(rows: &[&str], centre_m: Vec2) -> Wall {
     Wall { cells: Some(WallCells::new(rows, 0.25, centre_m)), ..Wall::default() }
 }
 
-/// A scenario in which no field has its default.
+/// A scenario with every top-level field, and every kind of wall, shape and motion.
 fn everything() -> Scenario {
     let moving = |shape, motion| Obstacle { shape, position_m: vec2(1.0, -2.5), rotation_rad: 0.1, motion };
     Scenario {
@@ -311,7 +311,7 @@ const EVERYTHING: &str = r##"(
 "##;
 
 #[test]
-fn the_canonical_text_of_every_field() {
+fn the_canonical_text_of_all_parts() {
     assert_eq!(to_text(&everything(), None), EVERYTHING);
     assert_eq!(to_text(&Scenario::default(), None), "(\n    name: \"Empty\",\n)\n", "defaults are left out");
 }
@@ -486,21 +486,21 @@ fn comments_in_unusual_places_stay() {
 }
 
 #[test]
-fn a_removed_obstacle_takes_only_its_own_comments() {
-    let place = |text: &str, keep: &[usize]| {
+fn a_removed_element_takes_only_its_own_comments() {
+    let keeping = |text: &str, keep: &[usize]| {
         edited(text, |scenario| {
-            let places = [vec2(0.0, 0.0), vec2(1.0, 1.0), vec2(2.0, 2.0)];
-            scenario.starts = PlacementRule::OneOf { positions_m: keep.iter().map(|&k| places[k]).collect() };
+            let points = [vec2(0.0, 0.0), vec2(1.0, 1.0), vec2(2.0, 2.0)];
+            scenario.starts = PlacementRule::OneOf { positions_m: keep.iter().map(|&k| points[k]).collect() };
         })
     };
-    for (keep, places) in [
+    for (keep, expected) in [
         (&[1, 2][..], "[/* b */ (1.0, 1.0) /* c */, (2.0, 2.0)]"),
         (&[0, 2], "[(0.0, 0.0), (2.0, 2.0)]"),
         (&[0, 1], "[(0.0, 0.0), /* b */ (1.0, 1.0) /* c */]"),
         (&[2], "[(2.0, 2.0)]"),
     ] {
-        let text = place(ODD, keep);
-        assert!(text.contains(&format!("OneOf(positions_m: {places}),")), "{places} in {text}");
+        let text = keeping(ODD, keep);
+        assert!(text.contains(&format!("OneOf(positions_m: {expected}),")), "{expected} in {text}");
     }
     let without = |k: usize| edited(ODD, |scenario| drop(scenario.obstacles.remove(k)));
     assert!(without(0).contains("[ // three\n\t\t// A row:\n\n\t\t// The second.\n"), "{}", without(0));
@@ -637,7 +637,7 @@ fn generator() -> impl Strategy<Value = Generator> {
         .prop_map(|(count, shape, gap_m, within)| Generator { count, shape, gap_m, within })
 }
 
-fn places() -> impl Strategy<Value = PlacementRule> {
+fn placement_rule() -> impl Strategy<Value = PlacementRule> {
     let clearance = || prop_oneof![Just(0.35), number()];
     prop_oneof![
         clearance().prop_map(|clearance_m| PlacementRule::Random { clearance_m }),
@@ -715,8 +715,9 @@ fn scenario() -> impl Strategy<Value = Scenario> {
         point().prop_map(|goal_m| Some(BenchmarkRoute { goal_m, ..BenchmarkRoute::default() }))
     ];
     let lists = (vec(wall, 0..3), vec(obstacle(), 0..7), vec(generator(), 0..3));
+    let placement_rules = (placement_rule(), placement_rule());
     let texts = (any::<String>(), prop_oneof![Just(String::new()), "[ a\n]{0,300}", any::<String>()]);
-    (texts, enclosure, lists, robot(), lidar(), task, (places(), places()), benchmark_route).prop_map(
+    (texts, enclosure, lists, robot(), lidar(), task, placement_rules, benchmark_route).prop_map(
         |(
             (name, about),
             enclosure,

@@ -54,7 +54,7 @@ impl Editor {
         }
     }
 
-    /// Adds a copy with its anchor at `to_m`, or next to its own position.
+    /// Adds a copy of `item` with its anchor at `to_m`, or next to the position that `item` has.
     fn add_copy(&mut self, item: ListItem, to_m: Option<Vec2>) {
         let (others, snap) = (Arc::clone(self.scenario()), self.snap);
         self.step(|scenario, selection| {
@@ -67,7 +67,7 @@ impl Editor {
         });
     }
 
-    /// Whether [`delete`](Self::delete) would change the scenario.
+    /// Whether the selected item can be deleted.
     #[must_use]
     pub fn can_delete(&self) -> bool {
         items::selected(self.selection()).is_some_and(|item| item.can_delete(self.scenario()))

@@ -32,19 +32,19 @@ pub struct Editor {
     revision: u64,
     /// The scenario's name or file.
     pub(super) from: String,
-    /// The scenario in its file; `None` if it was never saved.
+    /// The scenario as saved in its file; `None` if it was never saved.
     pub(super) saved: Option<Arc<Scenario>>,
 }
 
 impl Editor {
-    /// An editor of `scenario`. `from` is the scenario's name or file; `saved` is whether that file has the same scenario.
+    /// An editor of `scenario`. `from` is the scenario's name or file; `saved` is whether the scenario there is the same.
     #[must_use]
     pub fn open(scenario: Arc<Scenario>, from: String, saved: bool) -> Self {
         let in_file = saved.then(|| scenario.clone());
         Self::with_changes(scenario, from, in_file)
     }
 
-    /// An editor of `scenario`, with the scenario in its file, unless it was never saved.
+    /// An editor of `scenario`, which may differ from `in_file`, the scenario as saved in its file; `None` if it was never saved.
     #[must_use]
     pub fn with_changes(scenario: Arc<Scenario>, from: String, in_file: Option<Arc<Scenario>>) -> Self {
         Self {
@@ -69,7 +69,7 @@ impl Editor {
         &self.scenario
     }
 
-    /// A number that grows with every change of the scenario.
+    /// A number that grows with every change to the scenario.
     #[must_use]
     pub fn revision(&self) -> u64 {
         self.revision
@@ -135,7 +135,7 @@ impl Editor {
         self.snap.disabled_if(free).point(position_m, centre_of(&self.scenario))
     }
 
-    /// Changes the scenario and the selection in one undo step. Without a change of the scenario there is no step.
+    /// Changes the scenario and the selection in one undo step. If the scenario stays the same, there is no step.
     pub(super) fn step(&mut self, change: impl FnOnce(&mut Scenario, &mut Selection)) {
         self.end_drag();
         self.close_group();
@@ -151,8 +151,8 @@ impl Editor {
         self.check_tool(&before, selected);
     }
 
-    /// Changes one field of the scenario. Repeated changes of the same field are one undo step until
-    /// [`close_group`](Self::close_group) or another operation.
+    /// Changes one field of the scenario. Repeated changes of the same field are one undo step, until
+    /// [`close_group`](Self::close_group) is called or another operation follows.
     pub fn edit(&mut self, field: &str, change: impl FnOnce(&mut Scenario)) {
         self.end_drag();
         let mut scenario = Scenario::clone(&self.scenario);
@@ -220,7 +220,7 @@ impl Editor {
         EditSnapshot { scenario: Arc::clone(&self.scenario), selection: self.selection, origin: Some(origin) }
     }
 
-    /// Begins an undo step with the present state.
+    /// Begins an undo step that restores the present state.
     fn record(&mut self) {
         self.undo_stack.push(EditSnapshot { origin: None, ..self.snapshot() });
     }

@@ -30,7 +30,7 @@ impl Editor {
         }
     }
 
-    /// Whether a wall or a path is being drawn.
+    /// Whether there is an unfinished wall or path with at least one point.
     #[must_use]
     pub fn is_drafting(&self) -> bool {
         self.unfinished_drawing().is_some()
@@ -57,7 +57,7 @@ impl Editor {
         }
         let at = self.snapped(position_m, free);
         if self.tool == Tool::Positions {
-            return self.add_place(at);
+            return self.add_position(at);
         }
         if let Some(points) = self.tool.points_mut()
             && points.len() < MAX_POINTS
@@ -68,7 +68,7 @@ impl Editor {
     }
 
     /// Adds a position to the selected rule.
-    fn add_place(&mut self, position_m: Vec2) {
+    fn add_position(&mut self, position_m: Vec2) {
         self.step(|scenario, selection| {
             let Some(role) = PlacementRole::from_selection(*selection) else { return };
             let mut positions_m = role.of(scenario).positions_m().to_vec();
@@ -101,7 +101,7 @@ impl Editor {
         }
     }
 
-    /// Sets the path of the selected obstacle; without a path so far, its motion becomes a patrol.
+    /// Sets the path of the selected obstacle; if it has no path yet, its motion becomes a patrol.
     fn set_path(&mut self, path: Vec<Vec2>) {
         self.step(|scenario, selection| {
             let Selection::Obstacle(k) = *selection else { return };
@@ -117,8 +117,8 @@ impl Editor {
         }
     }
 
-    /// Deselects the tool if it no longer fits after a change: the selection is no longer `selected`, or the rule had positions
-    /// in `before` and has none now.
+    /// Deselects the tool if it no longer fits after a change. The path and positions tools need the selection to be
+    /// `selected` as before; the positions tool also needs a rule that lists positions or is of the same kind as in `before`.
     pub(super) fn check_tool(&mut self, before: &Scenario, selected: Selection) {
         let role = PlacementRole::from_selection(selected);
         let kind = |scenario: &Scenario| role.map(|role| PlacementKind::from_rule(role.of(scenario)));

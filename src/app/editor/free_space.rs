@@ -8,19 +8,19 @@ use super::points::{centre_of, distance};
 use super::snap::Snap;
 use crate::scenario::{PlacementRule, Scenario, clearance};
 
-/// Space that a new item leaves around starts and goals beyond the collision range, in m.
+/// Space between a new item and starts or goals beyond [`Scenario::keep_out_m`], in m.
 const MARGIN_M: f32 = 0.02;
 /// Number of rings that are searched around the wanted position.
 const RINGS: u8 = 24;
 
-/// The free position nearest to `wanted_m` for an item with this bounding radius, snapped to the grid. Free means clear
-/// of all items, of the benchmark route's ends and of the given starts and goals. Returns `wanted_m`, snapped, if
-/// nothing is free.
+/// A free position near `wanted_m` for an item with this bounding radius, snapped to the grid. Free means clear of walls
+/// and obstacles, of the ends of the benchmark route, and of the positions of the start and goal rules. Returns
+/// `wanted_m`, snapped, if no position searched is free.
 pub(super) fn nearest(scenario: &Scenario, wanted_m: Vec2, radius_m: f32, snap: Snap) -> Vec2 {
     let centre = centre_of(scenario);
     let ends = scenario.benchmark_route.iter().flat_map(|route| [route.start_m, route.goal_m]);
-    let rules = [&scenario.starts, &scenario.goals].into_iter().flat_map(PlacementRule::positions_m);
-    let reserved: Vec<Vec2> = ends.chain(rules.copied()).collect();
+    let listed = [&scenario.starts, &scenario.goals].into_iter().flat_map(PlacementRule::positions_m);
+    let reserved: Vec<Vec2> = ends.chain(listed.copied()).collect();
     let apart_m = radius_m + scenario.keep_out_m() + MARGIN_M;
     let is_free = |at: &Vec2| {
         clearance(scenario, *at, 0) >= radius_m

@@ -6,7 +6,7 @@ use super::handle::HandleKind;
 use super::selection::Selection;
 use crate::app::commands::Command;
 
-/// The target of the pointer: under it, or being dragged.
+/// The target of the pointer: what is under it, or what it drags.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PointerHit {
     /// The floor.
@@ -42,10 +42,10 @@ pub struct EditorInteraction {
     pub press: Option<Press>,
     /// The question whether to leave with unsaved changes, if it is open.
     pub exit_request: Option<ExitRequest>,
-    /// Whether the question before the current training is discarded is open.
+    /// Whether the user is being asked to confirm that the current training is discarded.
     pub confirm_restart: bool,
-    /// Whether the simulation was running when the editor was opened; it resumes after the editor.
+    /// Whether the simulation was running when the editor was opened; it resumes when the editor is closed.
     pub resume_on_exit: bool,
-    /// The group of the panel to open in the next frame, as the name of its field in the scenario.
+    /// The group to open in the scenario's panel in the next frame, by the name of its field in the scenario.
     pub group_to_open: Option<String>,
 }

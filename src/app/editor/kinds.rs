@@ -1,4 +1,4 @@
-//! The kinds of start and goal rules and of enclosures, without their numbers.
+//! The kinds of start and goal rules and of enclosures, without their values.
 
 use super::selection::Selection;
 use crate::scenario::{Enclosure, PlacementRule, Scenario};
@@ -22,7 +22,7 @@ impl PlacementRole {
         }
     }
 
-    /// The rule of a scenario.
+    /// The scenario's rule for this role.
     #[must_use]
     pub fn of(self, scenario: &Scenario) -> &PlacementRule {
         match self {
@@ -31,7 +31,7 @@ impl PlacementRole {
         }
     }
 
-    /// The rule of a scenario, mutable.
+    /// The scenario's rule for this role, mutable.
     pub fn of_mut(self, scenario: &mut Scenario) -> &mut PlacementRule {
         match self {
             Self::Starts => &mut scenario.starts,

@@ -23,11 +23,12 @@ pub(super) const NEW_ORBIT_SPEED_RAD_S: f32 = 0.15;
 /// Clearance of a new start or goal rule, in m; the schema's default.
 pub(super) const NEW_CLEARANCE_M: f32 = 0.35;
 
-/// Scenarios with more items than this are checked only at the end of a drag.
+/// Scenarios with more items than this are not checked during a drag, only at its end.
 pub(super) const MAX_ITEMS_CHECKED_WHILE_DRAGGING: usize = 1_000;
 /// Maximum number of undo steps.
 pub(super) const MAX_UNDO_STEPS: usize = 500;
-/// Maximum number of items in all undo snapshots together. Very large scenarios therefore have fewer undo steps.
+/// Number of items in all undo snapshots together above which old steps are dropped, down to a minimum number of steps. Very
+/// large scenarios therefore have fewer undo steps.
 pub(super) const MAX_SNAPSHOT_ITEMS: usize = 1_000_000;
 
 /// Number of obstacles, wall corners, rows and rectangles of cells, and key frames in a scenario.

@@ -11,7 +11,7 @@ use crate::scenario::{
 };
 
 impl Editor {
-    /// Adds an obstacle of this shape at the free position nearest to `near_m`, and selects it.
+    /// Adds an obstacle of this shape at a free position near `near_m`, and selects it.
     pub fn add_obstacle(&mut self, shape: Shape, near_m: Vec2) {
         let radius_m = shape.bounding_radius_m();
         let position_m = free_space::nearest(self.scenario(), near_m, radius_m, self.snap);
@@ -31,7 +31,7 @@ impl Editor {
         self.step(|scenario, selection| {
             let clearance_m = PlacementRule::default().clearance_m().unwrap_or_default();
             let (low, high) = scenario.enclosure.bounds_m();
-            let free = |share: f32| free_space::nearest(scenario, low.lerp(high, share), clearance_m, snap);
+            let free = |along: f32| free_space::nearest(scenario, low.lerp(high, along), clearance_m, snap);
             let route = BenchmarkRoute { start_m: free(0.2), heading_rad: 0.0, goal_m: free(0.8) };
             scenario.benchmark_route.get_or_insert(route);
             *selection = Selection::BenchmarkGoal;

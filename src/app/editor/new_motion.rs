@@ -1,4 +1,4 @@
-//! Motions with numbers that fit into the scenario, for an obstacle that gets another kind of motion.
+//! New motions that fit the scenario, for an obstacle whose kind of motion is changed.
 
 use bevy::math::{Vec2, vec2};
 
@@ -11,7 +11,7 @@ use crate::scenario::{
 /// Directions that are tried in this order.
 const DIRECTIONS: [Vec2; 4] = [Vec2::NEG_X, Vec2::X, Vec2::NEG_Y, Vec2::Y];
 
-/// A motion of this kind for obstacle `index`. The path of the old motion is kept.
+/// A motion of this kind for obstacle `index`. The path of the old motion is kept if both have one.
 pub(super) fn of_kind(scenario: &Scenario, index: usize, kind: MotionKind) -> ObstacleMotion {
     let obstacle = &scenario.obstacles[index];
     let speed_m_s = obstacle.mean_speed_m_s().map_or(NEW_SPEED_M_S, |speed| to_mm(speed).max(0.001));
@@ -60,7 +60,7 @@ pub(super) fn of_kind(scenario: &Scenario, index: usize, kind: MotionKind) -> Ob
     }
 }
 
-/// An orbit around the centre of the scenario if it stays inside the enclosure, else a small orbit next to the obstacle.
+/// An orbit around the centre of the scenario if it stays inside the enclosure, else a small one around a point nearby.
 fn orbit(scenario: &Scenario, obstacle: &Obstacle) -> ObstacleMotion {
     let (at, radius_m) = (obstacle.position_m, obstacle.shape.bounding_radius_m());
     let centre = point_to_mm(centre_of(scenario));
@@ -78,8 +78,8 @@ fn orbit(scenario: &Scenario, obstacle: &Obstacle) -> ObstacleMotion {
     }
 }
 
-/// Waypoints for obstacle `index`: a square, or one straight line. The path stays inside the enclosure and, if
-/// possible, clear of other items.
+/// Waypoints for obstacle `index`: a square, or one straight line. If possible, the path is clear of other items, or
+/// else at least inside the enclosure.
 fn path(scenario: &Scenario, index: usize, square: bool) -> Vec<Vec2> {
     let mut others = scenario.clone();
     let obstacle = others.obstacles.remove(index);
@@ -109,7 +109,7 @@ fn candidate(from: Vec2, Vec2 { x, y }: Vec2, length_m: f32, square: bool) -> Ve
         .collect()
 }
 
-/// Eight points of each leg and, for a square, one on the way back.
+/// Eight points of each leg and, for a square, one of the leg back to the start.
 fn samples(from: Vec2, path: &[Vec2], square: bool) -> Vec<Vec2> {
     let corners: Vec<Vec2> = std::iter::once(from).chain(path.iter().copied()).collect();
     let legs = corners.windows(2).flat_map(|ends| {

@@ -14,7 +14,7 @@ pub(super) fn pick(scenario: &Scenario, selected: Selection, point_m: Vec2, slac
         Selection::Starts | Selection::BenchmarkStart => scenario.robot.reach_m(),
         _ => scenario.task.goal_radius_m,
     };
-    // The centre of a mark goes first: a mark inside a solid item could not be picked otherwise.
+    // The centre of a start or goal goes first: inside a solid item it could not be picked otherwise.
     mark(scenario, point_m, |_| slack_m)
         .or_else(|| is_solid_at(scenario, selected, point_m, 0.0).then_some(selected))
         .or_else(|| solid(scenario, point_m, 0.0))

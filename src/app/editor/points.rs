@@ -28,7 +28,7 @@ pub(super) fn to_angle(angle_rad: f32) -> f32 {
     round_to(wrapped, 10_000.0)
 }
 
-/// The distance between two points, in m, in the precision of `hypot`.
+/// The distance between two points, in m, with the precision of `hypot`.
 pub(super) fn distance(a: Vec2, b: Vec2) -> f32 {
     (a.x - b.x).hypot(a.y - b.y)
 }
@@ -74,12 +74,12 @@ pub fn format_metres(length_m: f32) -> String {
     text.strip_suffix('0').map_or(text.clone(), str::to_owned)
 }
 
-/// `x, y m`.
+/// A position as `x, y m`.
 pub(super) fn place_text(Vec2 { x, y }: Vec2) -> String {
     format!("{}, {} m", format_metres(x), format_metres(y))
 }
 
-/// `w × h m`.
+/// A size as `w × h m`.
 pub(super) fn size_text(size_m: Vec2) -> String {
     format!("{} × {} m", format_metres(size_m.x), format_metres(size_m.y))
 }

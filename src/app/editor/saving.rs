@@ -27,7 +27,7 @@ impl Editor {
         versions.any(|version| Arc::ptr_eq(version, scenario) || version == scenario)
     }
 
-    /// Replaces the document by another scenario, opened from `from`; undo brings the old one back.
+    /// Replaces the document with another scenario, opened from `from`; undo brings the old one back.
     pub fn open_other(&mut self, from: &str, scenario: &Arc<Scenario>) {
         self.end_drag();
         let before = self.snapshot();
@@ -52,7 +52,7 @@ impl Editor {
         (path.extension() == Some("ron".as_ref())).then(|| path.into())
     }
 
-    /// The scenario in its file; `None` if it was never saved.
+    /// The scenario as saved in its file; `None` if it was never saved.
     #[must_use]
     pub fn scenario_in_file(&self) -> Option<&Arc<Scenario>> {
         self.saved.as_ref()

@@ -1,5 +1,5 @@
-//! Changes of the kind of a motion, a start or goal rule, or the enclosure, with numbers that fit the scenario. Values that
-//! both kinds have are kept.
+//! Changing the kind of a motion, a start or goal rule, or the enclosure, with new values that fit the scenario. Values
+//! that both kinds have are kept.
 
 use bevy::math::{Vec2, vec2};
 
@@ -67,7 +67,7 @@ fn converted_rule(
     let clearance_m = old.clearance_m().unwrap_or(NEW_CLEARANCE_M);
     let place = || {
         let first = old.positions_m().first().copied();
-        first.unwrap_or_else(|| free_place(scenario, role, clearance_m, snap))
+        first.unwrap_or_else(|| free_position(scenario, role, clearance_m, snap))
     };
     match kind {
         PlacementKind::Random => PlacementRule::Random { clearance_m },
@@ -84,7 +84,7 @@ fn converted_rule(
 }
 
 /// The start or goal of the benchmark route if it is free, else a free position near the centre.
-fn free_place(scenario: &Scenario, role: PlacementRole, clearance_m: f32, snap: Snap) -> Vec2 {
+fn free_position(scenario: &Scenario, role: PlacementRole, clearance_m: f32, snap: Snap) -> Vec2 {
     let end = scenario.benchmark_route.map(|route| match role {
         PlacementRole::Starts => route.start_m,
         PlacementRole::Goals => route.goal_m,

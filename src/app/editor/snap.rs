@@ -31,8 +31,7 @@ impl Snap {
         Self { on: self.on && !free, ..self }
     }
 
-    /// A position: each coordinate snaps to the grid through (0, 0) or to that of the scenario's `centre`, whichever is
-    /// nearer.
+    /// A position: each coordinate snaps to the grid through (0, 0) or to the scenario's `centre`, whichever is nearer.
     pub(super) fn point(self, position: Vec2, centre: Vec2) -> Vec2 {
         vec2(self.coordinate(position.x, centre.x), self.coordinate(position.y, centre.y))
     }

@@ -2,7 +2,7 @@
 
 use bevy::math::Vec2;
 
-/// A tool.
+/// What a click on the canvas does.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Tool {
     /// Selects items.

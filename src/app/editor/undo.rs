@@ -1,4 +1,4 @@
-//! Undo and redo. Each step stores the whole scenario before it (shared in memory), so that undo cannot miss a change.
+//! Undo and redo. Each step stores the whole scenario as it was before (shared in memory), so undo cannot miss a change.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -7,7 +7,7 @@ use super::limits::{MAX_SNAPSHOT_ITEMS, MAX_UNDO_STEPS, item_count};
 use super::selection::Selection;
 use crate::scenario::Scenario;
 
-/// Minimum number of undo steps, even for the largest scenario.
+/// Number of undo steps that are kept even for the largest scenario.
 const MIN_UNDO_STEPS: usize = 20;
 
 /// A scenario and its selection.
@@ -74,7 +74,7 @@ impl UndoStack {
         self.open_field = None;
     }
 
-    /// Replaces the present state `now` by the state before the last step.
+    /// Returns the state before the last step; keeps the present state `now` for redo.
     pub fn undo(&mut self, now: EditSnapshot) -> Option<EditSnapshot> {
         self.open_field = None;
         let snapshot = self.before.pop_back()?;
@@ -82,7 +82,7 @@ impl UndoStack {
         Some(snapshot)
     }
 
-    /// Replaces the present state `now` by the state after the step that was undone last.
+    /// Returns the state after the step that was undone last; keeps the present state `now` for undo.
     pub fn redo(&mut self, now: EditSnapshot) -> Option<EditSnapshot> {
         self.open_field = None;
         let snapshot = self.after.pop()?;
@@ -90,7 +90,7 @@ impl UndoStack {
         Some(snapshot)
     }
 
-    /// The earlier and later versions of the present document, as far as it was not replaced in between.
+    /// The versions before and after the present one, up to where the document was replaced.
     pub fn snapshots_of_document(&self) -> impl Iterator<Item = &Arc<Scenario>> {
         let same = |snapshot: &&EditSnapshot| snapshot.origin.is_none();
         let before = self.before.iter().rev().take_while(same);

@@ -31,10 +31,10 @@ use crate::run::RunError;
 use crate::scenario::{MAX_FILE_BYTES, Scenario, parse_ron_with_limit, to_ron};
 use store::{FoundBackup, Store};
 
-/// The interval between two backups of the same document.
+/// The longest interval between backups of changes; shorter if autosaves are more frequent.
 const INTERVAL: Duration = Duration::from_secs(10);
 
-/// A backup has the scenario twice, as edited and as it is in its file. The third part is for the deeper indentation.
+/// A backup has the scenario twice, as edited and as saved in its file. The third part is for the deeper indentation.
 const MAX_BACKUP_BYTES: u64 = 3 * MAX_FILE_BYTES;
 
 /// The contents of a backup.
@@ -44,7 +44,7 @@ struct Backup {
     from: String,
     /// The edited scenario, which may be invalid.
     edited: Scenario,
-    /// The scenario in its file; `None` if it was never saved.
+    /// The scenario as saved in its file; `None` if it was never saved.
     in_file: Option<Scenario>,
 }
 
@@ -65,14 +65,14 @@ impl Backup {
 /// The state of the backups.
 #[derive(Resource, Default)]
 pub struct EditorBackup {
-    /// `None` if nothing is backed up.
+    /// `None` if backups are disabled.
     store: Option<Store>,
     interval: Duration,
     /// The scenario in this session's backup; `None` without a backup.
     written: Option<Arc<Scenario>>,
-    /// When a backup was last written, successfully or not; `None` without unsaved changes.
+    /// When writing a backup was last attempted; `None` without unsaved changes.
     last_attempt: Option<Instant>,
-    /// Whether the last failure has been reported, and no backup was written since.
+    /// Whether a failure has been reported and no backup has been written since.
     has_failed: bool,
     /// The backup to offer.
     found: Option<FoundBackup>,
@@ -153,8 +153,8 @@ fn back_up(world: &mut World, interval: Duration) -> Result<(), RunError> {
     })
 }
 
-/// Backs up what has changed in the editor, regardless of when the last backup was written. Returns its file, if anything is
-/// unsaved.
+/// Backs up what has changed in the editor, regardless of when the last backup was written. Returns the file of the backup,
+/// if anything is unsaved.
 ///
 /// # Errors
 /// The file cannot be written.
@@ -164,7 +164,7 @@ pub(super) fn save_now(world: &mut World) -> Result<Option<std::path::PathBuf>, 
     Ok(world.resource::<EditorBackup>().store.as_ref().and_then(Store::path))
 }
 
-/// Opens the editor with the backup that was offered, which becomes the one of this session.
+/// Opens the editor with the backup that was offered, which becomes this session's backup.
 ///
 /// # Errors
 /// Another process has restored it.
@@ -176,7 +176,7 @@ pub(super) fn restore(world: &mut World) -> Result<(), RunError> {
     state.store = Some(Store::of(found)?);
     (state.written, state.last_attempt) = (Some(edited.clone()), Some(Instant::now()));
     if let Some(in_file) = &in_file {
-        world.resource_mut::<ScenarioSource>().opened_in_editor(from.clone(), in_file.clone());
+        world.resource_mut::<ScenarioSource>().record_opened(from.clone(), in_file.clone());
     }
     world.resource_mut::<CurrentViewState>().0.open_editor =
         Some(EditorSource::Draft { from, scenario: edited, in_file });

@@ -38,12 +38,12 @@ fn lock_path(path: &Path) -> PathBuf {
 }
 
 impl Store {
-    /// No backup yet.
+    /// A store without a backup yet.
     pub(super) fn new(folder: &Path) -> Self {
         Self { folder: folder.into(), file: None }
     }
 
-    /// The backup of an earlier session, which becomes that of this process.
+    /// A store that takes over the backup of an earlier session.
     ///
     /// # Errors
     /// Another process uses it.
@@ -60,18 +60,18 @@ impl Store {
     /// Replaces the backup.
     ///
     /// # Errors
-    /// The file cannot be written; it is then the earlier one.
+    /// The file cannot be written; an earlier backup stays.
     pub(super) fn write(&mut self, text: &str) -> Result<(), RunError> {
         let file = match self.file.take() {
             Some(file) => file,
-            None => self.unused()?,
+            None => self.lock_unused()?,
         };
         let file = self.file.insert(file);
         write_atomic(&file.path, |out| out.write_all(text.as_bytes()))
             .map_err(|error| RunError::failed(&file.path, error.to_string()))
     }
 
-    fn unused(&self) -> Result<LockedFile, RunError> {
+    fn lock_unused(&self) -> Result<LockedFile, RunError> {
         fs::create_dir_all(&self.folder)
             .map_err(|error| RunError::failed(&self.folder, error.to_string()))?;
         let numbered = (1..=MAX_BACKUPS).map(|number| self.folder.join(format!("{number}.ron")));

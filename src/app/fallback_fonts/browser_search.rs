@@ -1,4 +1,4 @@
-//! Fonts that the page makes of what the browser draws: it cannot read the files of the system's fonts.
+//! Fonts that the page makes from what the browser draws, because it cannot read the system's font files.
 
 use egui::FontData;
 
@@ -7,21 +7,21 @@ use crate::app::page;
 /// Fonts by name.
 pub(super) type FoundFonts = Vec<(String, FontData)>;
 
-/// The maximum number of characters in one font. Drawing one takes the page a few milliseconds.
+/// The maximum number of characters in one font. The page takes a few milliseconds to draw a character.
 const MAX_CHARACTERS: usize = 20;
 
-/// A font that the page has made, if it can.
+/// The font that the page has made, if it could.
 pub(super) struct FontSearch(FoundFonts);
 
 impl FontSearch {
-    /// Lets the page make a font with the first of these characters, and removes them.
+    /// Lets the page make a font with the first of these characters, and removes those from `missing`.
     pub(super) fn start(missing: &mut Vec<char>) -> Self {
         let characters: String = missing.drain(..missing.len().min(MAX_CHARACTERS)).collect();
         let font = page::font_with(&characters).map(FontData::from_owned);
         Self(font.map(|font| (format!("browser: {characters}"), font)).into_iter().collect())
     }
 
-    /// The font.
+    /// The font, if the page could make one.
     ///
     /// # Errors
     /// None.

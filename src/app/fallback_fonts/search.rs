@@ -1,4 +1,4 @@
-//! A search for fonts among those of the system, in the background.
+//! A search of the system's fonts, in the background.
 
 use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, poll_once};
 use egui::FontData;
@@ -12,13 +12,13 @@ pub(super) type FoundFonts = Vec<(String, FontData)>;
 pub(super) struct FontSearch(Task<Vec<SystemFont>>);
 
 impl FontSearch {
-    /// Begins to look for all of these characters, and removes them.
+    /// Begins to search for fonts with these characters, and empties `missing`.
     pub(super) fn start(missing: &mut Vec<char>) -> Self {
         let missing = std::mem::take(missing);
         Self(AsyncComputeTaskPool::get().spawn(async move { system_fonts_with(&missing) }))
     }
 
-    /// The fonts, once they are found.
+    /// The fonts, or the search itself while it has not finished.
     pub(super) fn poll(mut self) -> Result<FoundFonts, Self> {
         let Some(found) = block_on(poll_once(&mut self.0)) else { return Err(self) };
         let data =

@@ -15,16 +15,16 @@ pub struct Annotation {
 
 /// The maximum number of annotations.
 const MAX_ANNOTATIONS: usize = 60;
-/// A repetition within this share of the axis extends the last annotation.
-const REPEAT_SHARE: f64 = 0.05;
+/// A repetition within this fraction of the axis extends the last annotation.
+const REPEAT_FRACTION: f64 = 0.05;
 
-/// Adds an annotation. The same text soon after the last one only extends that. If there are too many, the
-/// one closest behind another is removed.
+/// Adds an annotation, or extends the last one if it has the same text and is recent. If there are too many, the one that
+/// follows another most closely is removed.
 pub fn add(marks: &mut Vec<Annotation>, env_steps: u64, text: String) {
     let env_steps = marks.last().map_or(env_steps, |last| env_steps.max(last.last_env_steps));
     if let Some(last) = marks.last_mut()
         && last.text == text
-        && (env_steps - last.last_env_steps) as f64 <= REPEAT_SHARE * env_steps as f64
+        && (env_steps - last.last_env_steps) as f64 <= REPEAT_FRACTION * env_steps as f64
     {
         last.last_env_steps = env_steps;
         return;

@@ -7,8 +7,8 @@ use crate::run::metric_rows::{EpisodeRow, EvaluationRow};
 /// [`MOVING_AVERAGE_EPISODES`](super::MOVING_AVERAGE_EPISODES) episodes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LearningCurves {
-    /// Moving success rate in training, 0 to 1: goals reached over goals attempted. An episode with n goals
-    /// attempted n + 1, whether it ended in a collision or at the time limit.
+    /// Moving success rate in training, 0 to 1: goals reached over goals attempted. An episode that reached n
+    /// goals attempted n + 1, whether it ended in a collision or at the time limit.
     pub success: MovingAverage,
     /// Success rate of the greedy policy in each evaluation, 0 to 1.
     pub evaluated: DownsampledSeries,
@@ -33,7 +33,7 @@ pub struct LearningCurves {
     pub epsilon: DownsampledSeries,
     /// Moving average of an episode's reward for reaching goals.
     pub reached: MovingAverage,
-    /// Moving average of an episode's reward for the collision.
+    /// Moving average of an episode's reward for a collision.
     pub collided: MovingAverage,
     /// Moving average of an episode's attraction term.
     pub attraction: MovingAverage,
@@ -41,7 +41,7 @@ pub struct LearningCurves {
     pub repulsion: MovingAverage,
 }
 
-/// The curves of the training before a transfer, over its own env steps.
+/// The curves of the training run before a transfer, over its own env steps.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EarlierCurves {
     /// Success rate of the greedy policy in each evaluation, 0 to 1.
@@ -50,7 +50,7 @@ pub struct EarlierCurves {
     pub return_mean: DownsampledSeries,
     /// Moving average of the goals per episode.
     pub goal_mean: DownsampledSeries,
-    /// Env steps of the whole training.
+    /// Env steps of that whole run.
     pub env_steps: u64,
 }
 

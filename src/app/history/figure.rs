@@ -1,6 +1,6 @@
 //! The figure of the learning curves for export: the curves, marks and reference lines of the screen.
 //!
-//! In: the history, and what only the session knows. Out: a [`RunFigure`], and its PNG or SVG file.
+//! In: the history, and what only the session knows. Out: a [`RunFigure`], and its PNG, PDF or SVG file.
 
 #[cfg(target_arch = "wasm32")]
 use std::io::Write;
@@ -20,7 +20,7 @@ use crate::run::output_file::write_atomic;
 const MAX_EPISODES: u64 = 1_000_000;
 
 impl History {
-    /// The figure of the curves, with `title`. If the temporary files failed, it has the points of the downsampled curves.
+    /// The figure of the curves, with `title`. If a temporary file cannot be read, it has the points of the downsampled curves.
     pub fn figure(
         &mut self,
         title: String,

@@ -1,8 +1,8 @@
-//! The history of a training: the data of the plots and of their exports.
+//! The history of a training run: the data of the plots and of their exports.
 //!
 //! In: a row for each episode and each evaluation, and annotations for the user's changes. Out:
 //! [`LearningCurves`] to draw, the same `episodes.csv` as a headless run writes, and the figure of the
-//! curves (`figure.rs`). Memory does not grow with the length of the training: curves are [`DownsampledSeries`], and the rows
+//! curves (`figure.rs`). Memory does not grow with the length of training: curves are [`DownsampledSeries`], and the rows
 //! are in temporary files (`spool.rs`).
 
 mod annotations;
@@ -24,11 +24,11 @@ use self::spool::Spool;
 use crate::run::metric_rows::{EpisodeRow, EvaluationRow};
 use crate::run::output_file::write_atomic;
 
-/// The history of a training.
+/// The history of a training run.
 pub struct History {
     curves: LearningCurves,
     annotations: Vec<Annotation>,
-    /// The training before a transfer.
+    /// The training run before a transfer.
     earlier: Option<EarlierCurves>,
     /// The ends of the x axis, in env steps.
     range: Option<(u64, u64)>,
@@ -52,7 +52,7 @@ impl History {
         Self::of_set(&[])
     }
 
-    /// An empty history of a training over a set of the `scenarios` with these names.
+    /// An empty history of a training run on a set; `scenarios` are the names of the set's scenarios.
     #[must_use]
     pub fn of_set(scenarios: &[String]) -> Self {
         let evaluated_in = scenarios.iter().map(|name| (name.clone(), DownsampledSeries::default()));
@@ -67,7 +67,7 @@ impl History {
         }
     }
 
-    /// The curves to keep in the background while a training continues with the policy of this one.
+    /// The curves to show in the background of the next training run, which starts from this one's policy.
     #[must_use]
     pub fn to_earlier(&self) -> EarlierCurves {
         EarlierCurves {
@@ -78,12 +78,12 @@ impl History {
         }
     }
 
-    /// Shows the curves of the training before a transfer in the background.
+    /// Shows the curves of the training run before a transfer in the background.
     pub fn set_earlier(&mut self, earlier: EarlierCurves) {
         self.earlier = Some(earlier);
     }
 
-    /// The curves of the training before a transfer.
+    /// The curves of the training run before a transfer.
     #[must_use]
     pub fn earlier(&self) -> Option<&EarlierCurves> {
         self.earlier.as_ref()
@@ -109,10 +109,10 @@ impl History {
         annotations::add(&mut self.annotations, env_steps, text);
     }
 
-    /// Extends the x axis to `env_steps`. It starts at 0 if the first row is the `first_row` of a training,
-    /// not of a resumed run.
-    fn extend_to(&mut self, env_steps: u64, first_row: bool) {
-        let first = if first_row { 0 } else { env_steps };
+    /// Extends the x axis to `env_steps`. It starts at 0 if its first row `is_first` in the training run, or else at that
+    /// row: then the run was resumed.
+    fn extend_to(&mut self, env_steps: u64, is_first: bool) {
+        let first = if is_first { 0 } else { env_steps };
         let (from, to) = self.range.unwrap_or((first, env_steps));
         self.range = Some((from.min(env_steps), to.max(env_steps)));
     }
@@ -129,8 +129,8 @@ impl History {
         &self.annotations
     }
 
-    /// The ends of the x axis, in env steps: from 0, or from the first row of a resumed run, to the last row; of the
-    /// training before a transfer, too. `None` without rows.
+    /// The ends of the x axis, in env steps: from 0, or from the first row of a resumed run, to the last row, or to the end
+    /// of the training run before a transfer if that is later. `None` without rows.
     #[must_use]
     pub fn range(&self) -> Option<(u64, u64)> {
         let earlier =

@@ -14,7 +14,7 @@ use crate::report::run_figure::{MAX_SINGLE_EPISODES, MEAN_EPISODES};
 
 /// The maximum number of points of a series. It is even, so that full buckets merge in pairs.
 pub const MAX_POINTS: usize = MAX_SINGLE_EPISODES;
-/// The window of a moving average, in episodes; shorter at the start of a training.
+/// The window of a moving average, in episodes; shorter at the start of training.
 pub const MOVING_AVERAGE_EPISODES: usize = MEAN_EPISODES;
 
 /// A curve of at most [`MAX_POINTS`] points.
@@ -140,7 +140,7 @@ impl MovingAverage {
         self.push_ratio(x, value, 1.0);
     }
 
-    /// Adds the share `part` / `whole`. The average is the sum of all parts over the sum of all wholes.
+    /// Adds the ratio `part` / `whole`. The average is the sum of the parts over the sum of the wholes.
     pub fn push_ratio(&mut self, x: f64, part: f64, whole: f64) {
         if !part.is_finite() || !whole.is_finite() {
             return;

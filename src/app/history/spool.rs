@@ -1,4 +1,4 @@
-//! The spool: all rows of a training, in a temporary file instead of in memory.
+//! The spool: all rows of a training run, in a temporary file instead of in memory.
 //!
 //! In: rows, one at a time. Out: the same CSV as a headless run writes, or the rows again. The file has no
 //! name, so it disappears when the process exits or crashes. In a browser the rows are in memory.
@@ -26,7 +26,7 @@ pub struct Spool<Row> {
 }
 
 impl<Row: Serialize + DeserializeOwned + Default + SetColumns> Spool<Row> {
-    /// An empty spool of a run over a set of the `scenarios` with these names; without a set, there are none.
+    /// An empty spool. `scenarios` are the names of the scenarios of the run's set; none without a set.
     #[must_use]
     pub fn new(scenarios: &[String]) -> Self {
         let open = || -> io::Result<_> {
@@ -79,7 +79,7 @@ impl<Row: Serialize + DeserializeOwned + Default + SetColumns> Spool<Row> {
         })
     }
 
-    /// Reads the file from its start and returns to its end.
+    /// Calls `read` with the file at its start, then returns to its end.
     fn read<T>(&mut self, read: impl FnOnce(&File) -> io::Result<T>) -> io::Result<T> {
         let writer = self.file.as_mut().map_err(|error| {
             io::Error::other(format!("could not store the episodes in a temporary file: {error}"))

@@ -59,7 +59,7 @@ fn a_series_of_any_length_agrees_with_brute_force() {
 }
 
 #[test]
-fn a_million_rows_keep_to_the_maximum_of_points() {
+fn a_million_rows_take_at_most_the_maximum_number_of_points() {
     assert_series_of(&noise(1_000_003).collect::<Vec<_>>());
 }
 
@@ -208,9 +208,9 @@ fn the_figure_is_drawn_with_and_without_rows() {
         EpisodePoint { env_steps: 30_000, total_return: 0.1 * 3000.0, goals: 1 }
     );
     write_figure(&figure, &path).expect("draws the PNG");
-    let picture = std::fs::read(&path).expect("reads the file");
-    assert!(picture.starts_with(b"\x89PNG"));
-    assert_eq!(picture[16..20], 2560_u32.to_be_bytes(), "wide enough for print");
+    let png = std::fs::read(&path).expect("reads the file");
+    assert!(png.starts_with(b"\x89PNG"));
+    assert_eq!(png[16..20], 2560_u32.to_be_bytes(), "wide enough for print");
     let svg = path.with_extension("svg");
     write_figure(&figure, &svg).expect("draws the SVG");
     let text = std::fs::read_to_string(&svg).expect("reads the file");

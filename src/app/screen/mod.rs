@@ -1,8 +1,8 @@
 //! The screen: draws the whole window, every frame.
 //!
 //! In: the data to draw ([`ScreenInput`]) and the user's view settings ([`ViewState`]). Out: [`Command`]s.
-//! The screen affects the simulation and the learner only through commands, so opening, hovering or clicking
-//! never changes training.
+//! The screen affects the simulation and the learner only through commands, so drawing, hovering and opening
+//! panels never change training.
 //!
 //! | file | duty |
 //! |---|---|
@@ -17,8 +17,8 @@
 //! | `numbers.rs` | number formatting |
 //! | `input.rs` | the data to draw |
 //!
-//! Modules depend on each other in one direction: `theme`, `numbers`, `input`, `key_bindings` and `widgets`
-//! at the bottom, then `plots` and `arena_view`, then `editor`, then `panels` and `shortcuts`, then
+//! Modules depend on each other in one direction: `theme`, `numbers`, `input`, `key_bindings`, `bottom_panel` and
+//! `widgets` at the bottom, then `plots` and `arena_view`, then `editor`, then `panels` and `shortcuts`, then
 //! `side_panels`.
 
 mod arena_view;

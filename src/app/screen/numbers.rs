@@ -1,7 +1,7 @@
 //! Number formatting for display: grouped, rounded and short, so that the width of a changing number stays
 //! about the same.
 
-/// A count with thousands separators (12,345), or from a million on in short form (1.23M).
+/// A count with thousands separators (12,345); a million or more in short form (1.23M).
 pub fn format_count(n: u64) -> String {
     if n >= 1_000_000 {
         let scaled = n as f64;
@@ -14,7 +14,7 @@ pub fn format_count(n: u64) -> String {
     if n >= 1000 { format!("{},{:03}", n / 1000, n % 1000) } else { n.to_string() }
 }
 
-/// A number of episodes in words: 1 episode, 12,345 episodes.
+/// A number of episodes with its unit: 1 episode, 12,345 episodes.
 pub fn format_episodes(count: u64) -> String {
     format!("{} {}", format_count(count), if count == 1 { "episode" } else { "episodes" })
 }
@@ -41,7 +41,7 @@ pub fn format_value(value: f32) -> String {
     format_decimals(value, decimals_for(value))
 }
 
-/// The number of decimals with which `value` has about three significant digits.
+/// The number of decimals with which `value` has about three significant digits, at most 2.
 #[must_use]
 pub fn decimals_for(value: f32) -> usize {
     match value.abs() {

@@ -1,6 +1,6 @@
-//! The keyboard: handles the keys of a frame by the table in `key_bindings.rs`.
+//! The keyboard: handles the keys of a frame according to the table in `key_bindings.rs`.
 //!
-//! In: key events. Out: commands, and changes of the [`ViewState`]. Ignored while a text field is being
+//! In: key events. Out: commands, and changes of the [`ViewState`]. Keys are ignored while a text field is being
 //! edited. Space and Tab are left to egui while a widget has the focus (Shift+Tab focuses one, Escape removes
 //! the focus).
 
@@ -36,7 +36,7 @@ pub fn handle(ui: &Ui, view: &ScreenInput<'_>, view_state: &mut ViewState, comma
     }
 }
 
-/// The other shortcuts would act on arenas that are hidden, or have another meaning in the editor.
+/// Whether `shortcut` works in the editor. The others would act on hidden arenas, or mean something else there.
 fn works_in_editor(shortcut: Shortcut) -> bool {
     matches!(shortcut, Shortcut::Fit | Shortcut::Edit | Shortcut::Theme | Shortcut::Help)
 }

@@ -14,8 +14,8 @@ use crate::app::view_state::ViewState;
 const SETUP_WIDTH: f32 = 248.0;
 const PLOTS_MARGIN: Margin = Margin { left: 14, right: 4, top: 10, bottom: 0 };
 const PLOTS_MIN_WIDTH: f32 = 240.0;
-/// The share of a narrow window's height, below the toolbar, that the bottom panel takes.
-const BOTTOM_SHARE: f32 = 0.45;
+/// The bottom panel's height as a fraction of a narrow window's height below the toolbar.
+const BOTTOM_FRACTION: f32 = 0.45;
 
 /// Draws the panel below the arena in a narrow window.
 pub fn bottom_panel_ui(
@@ -30,7 +30,7 @@ pub fn bottom_panel_ui(
         BottomPanel::Plots => ("plots below", PLOTS_MARGIN),
     };
     let panel = Panel::bottom(id)
-        .exact_size(ui.available_height() * BOTTOM_SHARE)
+        .exact_size(ui.available_height() * BOTTOM_FRACTION)
         .resizable(false)
         .frame(Frame::side_top_panel(ui.style()).inner_margin(margin));
     panel.show(ui, |ui| match below {
@@ -45,14 +45,14 @@ pub fn bottom_panel_ui(
     });
 }
 
-/// Draws the panel on the left. The user can close it by its edge or from inside.
+/// Draws the panel on the left. Its edge is fixed; a button in the toolbar opens and closes it.
 pub fn setup_panel_ui(
     ui: &mut Ui,
     view: &ScreenInput<'_>,
     view_state: &mut ViewState,
     commands: &mut Vec<Command>,
 ) {
-    // egui sets `open` to false when the edge is dragged shut; a button inside may have closed it as well.
+    // egui leaves `open` as it is, because the edge cannot be dragged; the contents may change `setup_open`.
     let mut open = view_state.setup_open;
     let panel = Panel::left("setup")
         .exact_size(SETUP_WIDTH)

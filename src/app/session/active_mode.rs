@@ -1,6 +1,7 @@
 //! The active mode: training, or a demo during which the training is suspended.
 //!
-//! In: the requested [`SessionMode`]. Out: the arenas for this mode (`demo.rs`). A suspended training resumes exactly where it stopped.
+//! In: the requested [`SessionMode`]. Out: the arenas for this mode (`demo.rs`). Suspended training resumes
+//! exactly where it stopped.
 
 use std::sync::Arc;
 
@@ -44,7 +45,7 @@ pub struct Demo {
     pub(super) rounds: Rounds,
 }
 
-/// A training that waits for the end of a demo.
+/// A training run that waits for the end of a demo.
 struct SuspendedTraining {
     pace: Pace,
     scenario: Arc<Scenario>,
@@ -52,14 +53,14 @@ struct SuspendedTraining {
     exploration: Vec<Stream>,
     actions: Actions,
     stats: TrainingStats,
-    /// The results in the levels of the set, if levels are drawn by them. The episodes of a demo are not among them.
+    /// The results in each level of the set, if levels are drawn by their results. Episodes of a demo do not count.
     level_progress: Option<LevelProgress>,
     /// Changes of the scenario during the demo. The training adopts them when it resumes.
     interventions: Vec<Intervention>,
 }
 
 impl SuspendedTraining {
-    /// Captures the training that runs in `world`, whose levels the demo then does not draw by progress.
+    /// Captures the training that runs in `world`. Removes its [`LevelProgress`], so that the demo draws levels without it.
     fn capture(world: &mut World) -> Self {
         Self {
             pace: world.resource::<Pacer>().pace,
@@ -105,7 +106,7 @@ impl ActiveMode {
         }
     }
 
-    /// Copies the state of the training's arenas to `state`, also while the training is suspended.
+    /// Copies the state of the training to `state`, even while the training is suspended.
     pub(super) fn update_trainer_state(&self, world: &mut World, state: &mut TrainerState) {
         match self {
             Self::Train => state.update(world),
@@ -118,13 +119,13 @@ impl ActiveMode {
         }
     }
 
-    /// Whether the scenario has been changed during a demo, which the suspended training has not adopted yet.
+    /// Whether the scenario was changed during this demo. The suspended training has not adopted the change yet.
     pub(super) fn has_pending_changes(&self) -> bool {
         matches!(self, Self::Demo(demo) if !demo.training.interventions.is_empty())
     }
 
-    /// Stores a change of the scenario for the suspended training, if there is one. As in the journal, only the last
-    /// position of a dragged object counts if the LIDAR is `exact`.
+    /// Stores a change of the scenario for the suspended training, if a demo is shown. As in the journal, only the last
+    /// position of a dragged object counts if the LIDAR is `exact` (without noise and dropout).
     pub(super) fn record_for_training(&mut self, intervention: &Intervention, exact: bool) {
         let Self::Demo(demo) = self else { return };
         match demo.training.interventions.last_mut() {
@@ -153,7 +154,7 @@ pub(super) fn set_mode(world: &mut World, mode: SessionMode) -> Result<(), RunEr
 /// Sets the policy that Test, Drive and Compare use.
 ///
 /// # Errors
-/// There is no such policy. A demo that is shown then continues with its policy.
+/// There is no such policy. If a demo is shown, it then continues with its policies.
 pub(super) fn set_tested(world: &mut World, source: PolicySource) -> Result<(), RunError> {
     world.resource_mut::<TrainingRun>().tested = source;
     restart_demo(world)

@@ -68,7 +68,7 @@ fn may_step(world: &mut World) -> bool {
 /// Takes one control step.
 ///
 /// # Errors
-/// There is no free space for a start or a goal, or a number is not finite.
+/// There is no free space for a start or a goal, a value is not finite, or the evaluator's thread has ended.
 fn step(world: &mut World) -> Result<(), RunError> {
     let is_training = world.resource::<ActiveMode>().is_training();
     if is_training && evaluations::is_due(world) {

@@ -1,5 +1,5 @@
-//! The second driver, which drives next to the current policy: an expert, the best policy so far, a policy that the user opens,
-//! a policy with a map, or a classical driver.
+//! The second driver, which drives next to the current policy: an expert (a shipped policy), the best policy so far, a policy
+//! that the user opens, a policy with a map, or a classical driver.
 //!
 //! In: a command. Out: [`OpenedFiles::policy`] or [`OpenedFiles::driver`], and the mode Compare.
 
@@ -65,11 +65,11 @@ pub(super) fn compare_with_driver(
     Ok(text)
 }
 
-/// Lets the policy that is tested, the current or the best one, with a map that it builds drive next to itself. Returns a
-/// confirmation.
+/// Lets the tested policy (the current or the best one) drive next to itself: once without and once with a map that it builds.
+/// Returns a confirmation.
 ///
 /// # Errors
-/// It was trained with sensors of plugins.
+/// The policy was trained with sensors of plugins.
 pub(super) fn open_with_map(world: &mut World) -> Result<String, RunError> {
     let run = world.resource::<TrainingRun>();
     let best = world.resource::<Evaluations>().best(&run.trainer_state).is_some();
@@ -81,7 +81,7 @@ pub(super) fn open_with_map(world: &mut World) -> Result<String, RunError> {
     compare_with_map(world, name, policy)
 }
 
-/// Lets a shipped policy with a map that it builds drive next to the current policy. Returns a confirmation.
+/// Lets a shipped policy, with a map that it builds, drive next to the current policy. Returns a confirmation.
 ///
 /// # Errors
 /// No shipped policy can drive here.
@@ -91,7 +91,7 @@ pub(super) fn open_expert_with_map(world: &mut World) -> Result<String, RunError
     compare_with_map(world, &format!("{name} with a map"), expert.policy.clone())
 }
 
-/// Lets `policy`, called `name`, with a map that it builds drive next to the current policy. Returns a confirmation.
+/// Lets `policy`, called `name` and with a map that it builds, drive next to the current policy. Returns a confirmation.
 ///
 /// # Errors
 /// It cannot drive here.
@@ -145,7 +145,7 @@ fn capitalized(name: &str) -> String {
     rest.next().map_or_else(String::new, |first| first.to_uppercase().chain(rest).collect())
 }
 
-/// Where `policy` comes from, as seen from the training of `config`; empty if its card does not say.
+/// A text about where `policy` was trained, with "new here" if not in the scenario of `config`; empty if its card names none.
 pub(super) fn origin(config: &RunConfig, policy: &Policy) -> String {
     let here = config.scenario_title();
     match policy_card::scenario_name(policy) {
@@ -156,7 +156,7 @@ pub(super) fn origin(config: &RunConfig, policy: &Policy) -> String {
 }
 
 /// Warns if the second policy of a comparison was trained with other settings than those of the current scenario. In any
-/// other `mode`, removes the warning.
+/// `mode` but Compare, removes the warning.
 pub(super) fn warn_in_comparison(world: &mut World, mode: SessionMode) {
     world.resource_mut::<Notices>().remove(&NoticeTopic::Comparison);
     let OpenedFiles { policy: Some((name, policy)), driver: None, .. } = world.resource::<OpenedFiles>()
@@ -196,7 +196,7 @@ mod tests {
     use crate::scenario::Scenario;
     use crate::task::Encoding;
 
-    /// A policy that fits every robot, which has learned nothing.
+    /// An untrained policy that fits every robot.
     fn general() -> ShippedPolicy {
         let mut config = RunConfig::resolve("empty", "fast", 1).expect("shipped");
         config.preset.observation =

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use super::active_mode::ActiveMode;
 use super::comparison::origin;
 use super::evaluations::Evaluations;
-use super::open::{OpenedFiles, check_can_drive, check_driver, is_in_session};
+use super::open::{OpenedFiles, check_can_drive, check_driver, matches_training};
 use super::session_policy;
 use super::trails::Trails;
 use super::training_run::TrainingRun;
@@ -30,7 +30,7 @@ use crate::task::{
 /// Control steps between two rounds, so that the user sees how a round ended.
 const PAUSE_BETWEEN_ROUNDS: u32 = 4;
 
-/// The first round of every demo: the number of an episode of an evaluation with the seed of the training, from 0.
+/// The first round of every demo: the index of an episode in an evaluation with the seed of the training.
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub(super) struct FirstRound(pub u64);
 
@@ -59,7 +59,7 @@ impl Rounds {
     }
 }
 
-/// Replaces the arenas by one for each action source, and begins the first round.
+/// Replaces the arenas with one for each action source, and begins the first round.
 pub(super) fn spawn_arenas(world: &mut World, mode: SessionMode, sources: Vec<ActionSource>) {
     let seed = world.resource::<TrainingRun>().config.seed;
     let scenario = world.resource::<CurrentScenario>().0.clone();
@@ -115,7 +115,7 @@ fn second(world: &World) -> Result<(DriverLabel, ActionSource), RunError> {
     };
     check_can_drive(config, name, policy)?;
     let label = DriverLabel::Policy { name: name.clone(), origin: origin(config, policy) };
-    let source = if is_in_session(config, policy)? {
+    let source = if matches_training(config, policy)? {
         ActionSource::Policy(network(policy)?)
     } else {
         let policy = policy_card::driving(policy.clone(), false)?;
@@ -144,7 +144,7 @@ fn network(policy: &Policy) -> Result<QNetwork, RunError> {
     QNetwork::from_policy(policy).map_err(|error| RunError::InvalidInput(error.to_string()))
 }
 
-/// Begins the next round of a demo some control steps after every driver has finished the last one.
+/// Begins the next round of a demo `PAUSE_BETWEEN_ROUNDS` control steps after every driver has finished the current one.
 pub(super) fn advance_rounds(world: &mut World) {
     world.resource_mut::<Messages<EpisodeEnded>>().clear();
     let mut arenas = world.query_filtered::<&Episode, With<Arena>>();
@@ -158,8 +158,8 @@ pub(super) fn advance_rounds(world: &mut World) {
     }
 }
 
-/// Puts every arena at the start of `round`, which has the same start and goal in all arenas. With a set of scenarios, it is in the
-/// scenario that an evaluation would have.
+/// Puts every arena at the start of `round`, which has the same start and goal in all arenas. With a set of scenarios, the
+/// scenario is also that of the evaluation episode with this index.
 fn begin_round(world: &mut World, round: u64) {
     let seed = world.resource::<TrainingRun>().config.seed;
     let has_rounds = world.resource::<ActiveMode>().mode() != SessionMode::Test;
@@ -174,7 +174,7 @@ fn begin_round(world: &mut World, round: u64) {
     }
 }
 
-/// Gives every arena the goal at `to_m`, in m. Its time limit starts again, and a robot that waits at its last goal drives on.
+/// Gives every arena the goal at `to_m`, in m. Time limits start again, and a robot that waits at its last goal drives on.
 pub(super) fn set_goal(world: &mut World, to_m: Vec2) {
     let arenas = world.resource::<Trails>().0.len();
     let collided: Vec<bool> = {
@@ -204,7 +204,7 @@ pub(super) fn watchable_pace(pace: Pace, mode: SessionMode) -> Pace {
     }
 }
 
-/// Index of the motion with the least turn rate.
+/// Index of the motion with the smallest absolute turn rate.
 fn straightest_motion(motions: &[Motion]) -> usize {
     let turn_rate = |k: &usize| motions[*k].w_rad_s.abs();
     (0..motions.len()).min_by(|a, b| turn_rate(a).total_cmp(&turn_rate(b))).unwrap_or(0)

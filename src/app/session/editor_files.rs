@@ -18,8 +18,8 @@ use crate::run::output_file::write_atomic;
 use crate::run::{RunError, shipped};
 use crate::scenario::{MAX_FILE_BYTES, Scenario, path_exists, read_text, to_text, utf8};
 
-/// Saves an edited scenario to `path`. The comments are kept from `based_on`, the file or shipped scenario that was edited;
-/// without it, from the file at `path`.
+/// Saves an edited scenario to `path`. Keeps the comments of `based_on`, the file or shipped scenario that was edited; if
+/// that cannot be read, those of the file at `path`.
 ///
 /// # Errors
 /// The file cannot be written, or another program has changed it and the user has not confirmed yet.
@@ -41,7 +41,7 @@ pub(super) fn save_scenario(
     }
     write_atomic(path, |file| file.write_all(text.as_bytes()))
         .map_err(|error| RunError::failed(path, error.to_string()))?;
-    // In a browser a saved scenario becomes one of the user's files, so that a training can use it.
+    // In a browser a saved scenario becomes one of the user's files, so that training can use it.
     #[cfg(target_arch = "wasm32")]
     crate::scenario::virtual_files::add_upload(file.clone(), text.into_bytes());
     if file == world.resource::<TrainingRun>().config.scenario_from {
@@ -64,7 +64,7 @@ pub(super) fn open_in_editor(world: &mut World, path: &Path) -> Result<(), RunEr
     let from = utf8(path)?.to_owned();
     let scenario = if path_exists(path) { Scenario::load_draft(path) } else { shipped::scenario(&from) }?;
     let scenario = Arc::new(scenario);
-    world.resource_mut::<ScenarioSource>().opened_in_editor(from.clone(), scenario.clone());
+    world.resource_mut::<ScenarioSource>().record_opened(from.clone(), scenario.clone());
     world.write_message(EditorReply::Opened { from, scenario });
     Ok(())
 }

@@ -37,7 +37,7 @@ enum EvaluatorState {
 /// The background evaluator and the results so far.
 #[derive(Resource)]
 pub struct Evaluations {
-    /// In a `SyncCell` because the evaluator's channel may be used by one thread at a time.
+    /// In a `SyncCell` because only one thread at a time may use the evaluator's channel.
     evaluator: SyncCell<BackgroundEvaluator>,
     state: EvaluatorState,
     /// Results so far, oldest first.
@@ -45,7 +45,7 @@ pub struct Evaluations {
 }
 
 impl Evaluations {
-    /// An idle evaluator for the policies of a training in `scenario`.
+    /// An idle evaluator for the policies of a training run in `scenario`.
     pub(super) fn new(config: &RunConfig, scenario: &Arc<Scenario>) -> Self {
         Self {
             evaluator: SyncCell::new(evaluator(config, scenario)),
@@ -78,7 +78,7 @@ impl Evaluations {
             if self.is_running() { EvaluatorState::RunningOutdated } else { EvaluatorState::Outdated };
     }
 
-    /// Ends a running evaluation.
+    /// Notes that no evaluation is running.
     fn finish(&mut self) {
         self.state = match self.state {
             EvaluatorState::Idle | EvaluatorState::Running => EvaluatorState::Idle,

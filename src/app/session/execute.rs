@@ -114,7 +114,7 @@ fn try_execute(world: &mut World, command: Command) -> Result<(), RunError> {
     Ok(())
 }
 
-/// Sets the motion of the arena that the user drives, if there is one.
+/// Sets the motion of the robot that the user drives, if there is one.
 fn steer(world: &mut World, motion: usize) {
     if let Some(ActionSource::Manual(held)) = world.resource_mut::<ActionSources>().arenas.first_mut() {
         *held = motion;

@@ -1,6 +1,6 @@
 //! File watches: the scenario follows its file while the user edits it in another program.
 //!
-//! In: the file, checked a few times a second of Bevy's real time. Out: a scenario that the training adopts when the next
+//! In: the file, checked five times a second of real time. Out: a scenario that the training adopts when the next
 //! episode ends, or a notice about the errors in the file while the training continues in the last valid scenario. Adopted
 //! scenarios are recorded in the journal.
 
@@ -54,7 +54,7 @@ impl FileWatches {
 /// The action to take once a broken file is fixed.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum RetryAction {
-    /// Start a training with this file. The user named it on the command line; the default training runs meanwhile.
+    /// Start training with this file. The user named it on the command line; the default training runs meanwhile.
     StartTraining,
     /// Open the file, as the user requested.
     Open,
@@ -76,14 +76,14 @@ impl FileWatch {
     fn new(from: &str) -> Option<Self> {
         let path = PathBuf::from(from);
         let stamp = stamp(&path);
-        // A map or a world is imported once.
+        // A map or a Gazebo world is imported once.
         let is_map = crate::import::is_map_or_world(&path);
         let is_file = !is_map && (stamp.is_some() || !shipped::is_scenario(from));
         is_file.then_some(Self { path, checked: None, stamp, read: None })
     }
 
     /// The file's path, if the file should be read at time `now`: it has changed since it was read last, but not between the
-    /// last two checks, so that no program is still writing it.
+    /// last two checks, so probably no program is still writing it.
     fn changed(&mut self, now: Duration) -> Option<PathBuf> {
         if now - *self.checked.get_or_insert(now) < CHECK_INTERVAL {
             return None;
@@ -147,7 +147,7 @@ fn read_scenario(world: &mut World, path: &Path) {
     }
 }
 
-/// Retries a broken file after it has changed. If using it would discard a training worth keeping, only reports
+/// Retries a broken file after it has changed. If using it would discard a training run worth keeping, only reports
 /// that the file is fixed.
 fn retry(world: &mut World, path: &Path) {
     let name = path.display().to_string();
@@ -159,7 +159,7 @@ fn retry(world: &mut World, path: &Path) {
     let Some((_, action)) = world.resource_mut::<FileWatches>().waiting.take() else { return };
     let env_steps = world.resource::<ActiveLearner>().0.env_steps();
     if world.resource::<TrainingRun>().would_lose_training(env_steps) {
-        let text = format!("{name}: the file is valid now\nhelp: open it to start a training there");
+        let text = format!("{name}: the file is valid now\nhelp: open it to use it");
         return notify(world, topic, Severity::Info, text);
     }
     let paused = world.resource::<Pacer>().is_paused();
@@ -170,7 +170,7 @@ fn retry(world: &mut World, path: &Path) {
     world.resource_mut::<Pacer>().set_paused(paused);
 }
 
-/// Starts a training in the scenario file `name`, with the current preset and seed.
+/// Starts training in the scenario file `name`, with the current preset and seed.
 fn start_there(world: &mut World, name: String) {
     let started = shipped::scenario_or_set(&name)
         .map_err(RunError::from)
@@ -182,7 +182,7 @@ fn start_there(world: &mut World, name: String) {
     notify(world, NoticeTopic::File(name), severity, text);
 }
 
-/// Starts to watch the file `from` if it exists and is broken. Returns whether it is watched.
+/// Starts to watch the file `from` if it exists and is broken. Returns whether it is broken.
 pub(super) fn retry_when_fixed(world: &mut World, from: &str, action: RetryAction) -> bool {
     let is_broken = Path::new(from).is_file() && check_usable(Path::new(from)).is_err();
     if is_broken {

@@ -1,4 +1,4 @@
-//! The first training of the app.
+//! The first training run of the app.
 //!
 //! In: [`StartOptions`]. Out: the resources of the session, with a notice for each invalid option.
 
@@ -21,8 +21,8 @@ use super::training_run::TrainingRun;
 use crate::app::app_snapshot::Severity;
 use crate::run::settings::Settings;
 
-/// Starts the first training. The options were checked before; if one is nevertheless invalid, the default training starts,
-/// with a notice.
+/// Starts the first training run. The options were checked before; if the scenario, the preset or a setting is nevertheless
+/// invalid, training starts with defaults and a notice.
 pub(super) fn start_first(world: &mut World, start: &StartOptions) {
     let default = StartOptions::default();
     let prepare = |scenario: &str, preset: &str, settings: &Settings| {

@@ -1,7 +1,7 @@
 //! Interventions: changes made to a running training, between two control steps.
 //!
 //! In: a [`MoveRequest`], or another scenario. Out: an [`Intervention`] that has the same effect whenever it is replayed, and
-//! the world changed by it. The learner's trajectories are cut there, because the next observation does not follow from
+//! the world changed by it. It truncates the learner's trajectories, because the next observation does not follow from
 //! the last action.
 
 use std::sync::Arc;
@@ -47,8 +47,8 @@ impl Intervention {
     #[must_use]
     pub fn affects_same_object(&self, other: &Self) -> bool {
         match (self, other) {
-            (Self::Move { arena: a, object, .. }, Self::Move { arena: b, object: same, .. }) => {
-                object == same && (a == b || matches!(object, Movable::Obstacle(_)))
+            (Self::Move { arena: a, object, .. }, Self::Move { arena: b, object: moved, .. }) => {
+                object == moved && (a == b || matches!(object, Movable::Obstacle(_)))
             }
             _ => false,
         }

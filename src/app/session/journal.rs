@@ -1,4 +1,4 @@
-//! The journal: every intervention in a training, so that the training can be replayed bit for bit.
+//! The journal: every intervention in a training run, so that the run can be replayed bit for bit.
 //!
 //! In: each intervention, and the number of control steps before it. Out: `journal.ron` in the folder of a saved run; and a
 //! headless replay of the training ([`Journal::replay`], [`verify`]).
@@ -36,7 +36,7 @@ pub struct JournalEntry {
     pub intervention: Intervention,
 }
 
-/// The configuration of a training, and every intervention in it.
+/// The configuration of a training run, and every intervention in it.
 #[derive(Resource, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Journal {
@@ -49,14 +49,14 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// The journal of a training that starts now.
+    /// The journal of a training run that starts now.
     #[must_use]
     pub fn new(config: RunConfig) -> Self {
         Self { config, steps: 0, entries: Vec::new() }
     }
 
     /// The journal of the run in `folder`, whose learner is `learner`. A headless run has no journal file, because it
-    /// has no interventions. The journal of a run that was resumed headless ends before the run does.
+    /// has no interventions. The file of a run that was resumed headless has too few `steps`: they come from `learner`.
     ///
     /// # Errors
     /// The file cannot be read, is invalid, or belongs to another run.
@@ -111,7 +111,7 @@ impl Journal {
                 Err(format!("the set of scenarios of the run is invalid: {found}"))
             })?;
             if self.scenario_changes().next().is_some() {
-                return Err("a training over a set of scenarios has no changes of its scenario".into());
+                return Err("training over a set of scenarios cannot have changes of the scenario".into());
             }
         }
         for JournalEntry { after_steps, intervention } in &self.entries {
@@ -197,25 +197,25 @@ pub struct ReplayResult {
     pub steps: u64,
     /// Interventions replayed.
     pub interventions: usize,
-    /// Whether the learner (replay buffer, weights, moments, random streams) equals that of the checkpoint, bit for bit.
+    /// Whether the learner (replay buffer, weights, optimizer moments, random streams) equals the checkpoint's, bit for bit.
     pub bit_identical: bool,
 }
 
 /// Replays the run saved in the folder at `path`, and compares the learner with that of its checkpoint.
 ///
 /// # Errors
-/// The folder has no run, or an invalid one.
+/// The folder has no run, or an invalid one, or the replay fails.
 pub fn verify(path: &Path) -> Result<ReplayResult, RunError> {
     let (folder, config) = RunFolder::open(path)?;
     let learner = checkpoint::load(&folder, &config)?.learner;
     let journal = Journal::load(&folder, &config, &learner)?;
-    let again = journal.replay(initial_policy(&folder, &journal.config)?.as_ref())?;
+    let replayed = journal.replay(initial_policy(&folder, &journal.config)?.as_ref())?;
     let bytes = |learner: &Learner| {
         let mut bytes = Vec::new();
         learner.save(&mut bytes).map_err(|error| RunError::Failed(error.to_string()))?;
         Ok::<_, RunError>(bytes)
     };
-    let same = bytes(&learner)? == bytes(&again.world().resource::<ActiveLearner>().0)?;
+    let same = bytes(&learner)? == bytes(&replayed.world().resource::<ActiveLearner>().0)?;
     Ok(ReplayResult { steps: journal.steps, interventions: journal.entries.len(), bit_identical: same })
 }
 

@@ -14,13 +14,13 @@
 //! | `scenario_source.rs` | [`ScenarioSource`] | the scenario's file |
 //! | `file_watch.rs` | `FileWatches` | files that the user edits in another program |
 //! | `open.rs` | [`OpenedFiles`] | files opened by the user |
-//! | `comparison.rs` | | the second policy, to compare with |
+//! | `comparison.rs` | | the second driver, to compare with |
 //! | `notices.rs`, `run_notices.rs` | [`Notices`] | messages to the user; the one about doubtful settings |
 //! | `trails.rs` | [`Trails`] | the robots' paths |
 //! | `advance.rs` | | a frame: commands, then control steps |
 //! | `execute.rs` | | the execution of each command |
 //! | `interventions.rs`, `scenario_changes.rs` | | changes made to a running training |
-//! | `start_training.rs`, `saved_run.rs`, `first_training.rs` | | the start of a training |
+//! | `start_training.rs`, `saved_run.rs`, `first_training.rs` | | the start of a training run |
 //! | `demo.rs` | | a policy or the user drives |
 //! | `save.rs`, `run_snapshot.rs`, `editor_files.rs` | | the saving of files |
 //! | `autosave/` | [`Autosave`] | a copy of the training for the next session |
@@ -85,7 +85,7 @@ pub use throughput::Throughput;
 pub use trails::Trails;
 pub use training_run::TrainingRun;
 
-/// Options of the first training.
+/// Options of the first training run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StartOptions {
     /// The scenario: a file or a shipped name.
@@ -96,21 +96,21 @@ pub struct StartOptions {
     pub settings: Settings,
     /// Seed of every random draw.
     pub seed: u64,
-    /// Pace of the simulated time.
+    /// Pace of simulated time.
     pub pace: Pace,
     /// Whether time is paused at first.
     pub paused: bool,
-    /// A policy or a run to open at once.
+    /// A file or a run folder to open at the start.
     pub open: Option<PathBuf>,
-    /// The episode of an evaluation with this seed, from 0, with which comparisons begin.
+    /// Index of the episode, in an evaluation with this seed, with which demos begin.
     pub episode: u64,
     /// Whether to open the scenario in the editor. The scenario may then be invalid.
     pub edit: bool,
     /// Messages about invalid options, which are replaced by their defaults.
     pub invalid_options: Vec<String>,
-    /// Where to save the training regularly; `None` does not.
+    /// Where and how often to save the training; `None` disables autosaves.
     pub autosave: Option<AutosaveOptions>,
-    /// A user's plugins.
+    /// The user's plugins.
     pub extensions: Extensions,
 }
 
@@ -134,7 +134,7 @@ impl Default for StartOptions {
     }
 }
 
-/// Whether the question before quitting is open. (A page cannot keep its tab open, so it never is there.)
+/// Whether the question before quitting is open. (In a browser it never is, because a page cannot keep its tab open.)
 #[derive(Resource, Default)]
 pub struct QuitQuestion(pub bool);
 
@@ -144,7 +144,7 @@ pub struct TrainingHistory(pub History);
 
 /// The plugin of the session. It adds the plugins of the training.
 pub struct SessionPlugin {
-    /// Options of the first training.
+    /// Options of the first training run.
     pub start: StartOptions,
 }
 

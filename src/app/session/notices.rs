@@ -1,7 +1,7 @@
 //! Notices: messages to the user, one per topic.
 //!
 //! In: events. Out: the [`Notice`]s that the screen shows. A confirmation disappears after a while. A warning or an error stays
-//! until it is dismissed or its topic succeeds.
+//! until it is dismissed, replaced or no longer true.
 
 use std::time::Duration;
 
@@ -30,9 +30,9 @@ pub enum NoticeTopic {
     Comparison,
     /// Doubtful settings of the current training.
     Settings,
-    /// A warning about the current training. A new training removes it.
+    /// A warning about the current training. A new training run removes it.
     TrainingWarning,
-    /// The error that stopped the current training. A new training removes it.
+    /// The error that stopped the current training. A new training run removes it.
     TrainingFailure,
     /// Evaluation during training.
     Evaluation,
@@ -75,7 +75,7 @@ impl Notices {
         self.0.retain(|entry| entry.topic != *topic || entry.notice.severity != Severity::Error);
     }
 
-    /// Removes the notices about a training that is being replaced, and about a comparison with it.
+    /// Removes the notices about a training run that is being replaced, and about a comparison with it.
     pub(super) fn remove_training(&mut self) {
         self.remove(&NoticeTopic::Comparison);
         self.remove(&NoticeTopic::TrainingWarning);

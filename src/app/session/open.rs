@@ -1,6 +1,6 @@
 //! Files opened in the app: a run or its checkpoint, a policy, a scenario, a preset, a classical driver.
 //!
-//! In: a path. Out: a training that resumes or starts, or a second driver to compare with; otherwise a notice with the
+//! In: a path. Out: training that resumes or starts, or a second driver to compare with; otherwise a notice with the
 //! error.
 
 use std::path::{Path, PathBuf};
@@ -24,7 +24,7 @@ use crate::scenario::{LevelGenerator, Scenario, SetMember, path_exists, read_tex
 /// The kinds of files that can be opened.
 const OPENABLE: &str = "a policy (.safetensors), a scenario, a preset or a classical driver (.ron), a map (.yaml, .sdf, .world), or a run folder";
 
-/// The files that the user has opened. A new training keeps them.
+/// The files that the user has opened. A new training run keeps them.
 #[derive(Resource, Default)]
 pub struct OpenedFiles {
     /// A second policy to compare with, and its name.
@@ -35,7 +35,7 @@ pub struct OpenedFiles {
     pub scenarios: Vec<Choice>,
     /// The user's own presets.
     pub presets: Vec<Choice>,
-    /// A path that the user has asked once to open, although an unsaved training would be lost.
+    /// A path that the user has asked once to open, although unsaved training would be lost.
     pub(super) requested_once: Option<PathBuf>,
 }
 
@@ -55,10 +55,10 @@ pub(super) fn open_or_notify(world: &mut World, path: &Path) {
     }
 }
 
-/// Checks that opening `path` loses no unsaved training, or that the user confirms the loss by asking twice.
+/// Checks that opening `path` loses no unsaved training, or that the user has confirmed the loss by asking twice.
 ///
 /// # Errors
-/// An unsaved training would be lost, and the user asks for the first time.
+/// Unsaved training would be lost, and the user asks for the first time.
 fn confirm_by_repeating(world: &mut World, path: &Path) -> Result<(), RunError> {
     let learner = &world.resource::<ActiveLearner>().0;
     let (env_steps, episodes) = (learner.env_steps(), learner.episodes());
@@ -108,7 +108,7 @@ fn open(world: &mut World, path: &Path) -> Result<String, RunError> {
         }
         Some("ron") => open_ron(world, path),
         #[cfg(not(target_arch = "wasm32"))]
-        Some(_) if crate::import::is_map_or_world(path) => open_scenario(world, path),
+        Some(_) if crate::import::is_map_or_world(path) => open_map_or_world(world, path),
         None if !path_exists(path) && DriverConfig::shipped(&name).is_some() => open_driver(world, &name),
         _ => Err(RunError::invalid_input(path, format!("cannot be opened\nhelp: open {OPENABLE}"))),
     }
@@ -132,9 +132,9 @@ fn resume(world: &mut World, path: &Path, folder: &Path) -> Result<String, RunEr
     Ok(format!("Resumed the run {name}"))
 }
 
-/// Starts a training in the map or the world at `path`.
+/// Starts training in the map or the Gazebo world at `path`.
 #[cfg(not(target_arch = "wasm32"))]
-fn open_scenario(world: &mut World, path: &Path) -> Result<String, RunError> {
+fn open_map_or_world(world: &mut World, path: &Path) -> Result<String, RunError> {
     let from = utf8(path)?;
     shipped::scenario(from)?;
     confirm_by_repeating(world, path)?;
@@ -145,7 +145,7 @@ fn open_scenario(world: &mut World, path: &Path) -> Result<String, RunError> {
     Ok(format!("Training started in {}", config.scenario_title()))
 }
 
-/// Opens a scenario or a preset, and starts a training with it; or a classical driver.
+/// Starts training with a scenario, a set of scenarios or a preset; or lets a classical driver drive.
 fn open_ron(world: &mut World, path: &Path) -> Result<String, RunError> {
     let from = utf8(path)?.to_owned();
     let text = read_text(path)?;
@@ -198,7 +198,7 @@ pub(super) fn check_can_drive(config: &RunConfig, name: &str, policy: &Policy) -
             let members = config.scenario_set.iter().flat_map(|set| &set.members);
             members.map(task_of).try_for_each(|task| evaluate::check_compatible(policy, &task, &layout))?;
         }
-        if is_in_session(config, policy)? { Ok(()) } else { policy_card::check_without_sensors(policy) }
+        if matches_training(config, policy)? { Ok(()) } else { policy_card::check_without_sensors(policy) }
     };
     check().map_err(|error: RunError| RunError::InvalidInput(format!("{name}: {error}")))
 }
@@ -210,13 +210,14 @@ fn task_of(member: &SetMember) -> Scenario {
     Scenario { name: member.name.clone(), robot, lidar, task, ..Scenario::default() }
 }
 
-/// Whether `policy` has the observations and actions of the training of `config`. Otherwise it drives by percepts.
-pub(super) fn is_in_session(config: &RunConfig, policy: &Policy) -> Result<bool, RunError> {
+/// Whether `policy` has the observations and actions of the training of `config`. Otherwise it drives like a classical driver,
+/// by percepts (scan, goal and speed).
+pub(super) fn matches_training(config: &RunConfig, policy: &Policy) -> Result<bool, RunError> {
     let own = (policy_card::encoding(policy)?, policy_card::action_set(policy));
     Ok(own == (config.preset.observation, config.preset.actions.clone()))
 }
 
-/// Checks that `driver`, called `name`, can drive in the scenario of `config`: a policy must fit.
+/// Checks that `driver`, called `name`, can drive in the scenario of `config`: a policy must fit; a classical driver always does.
 ///
 /// # Errors
 /// The reason why it cannot drive there.

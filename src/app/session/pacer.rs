@@ -1,6 +1,6 @@
 //! The pacer: how many control steps each frame may take.
 //!
-//! In: the time since the last frame, the requested pace, and how long this frame has stepped already. Out: whether to take
+//! In: the time since the last frame, the requested pace, and the time spent on steps in this frame. Out: whether to take
 //! another step. What is learnt depends only on the number of steps, never on when they are taken.
 
 use std::time::Duration;
@@ -20,11 +20,11 @@ const MAX_STEP_BUDGET: Duration = Duration::from_millis(36);
 /// Drawing that takes longer than this raises the budget.
 const SLOW_DRAWING: Duration = Duration::from_millis(33);
 
-/// A clock whose smallest step is longer cannot time a frame: a browser that hides fingerprints rounds to 100 ms. Steps are
+/// A clock with a longer tick cannot time a frame: a browser that resists fingerprinting rounds to 100 ms. Control steps are
 /// then counted, and timed over many frames.
 const COARSE_TICK: Duration = Duration::from_millis(4);
 
-/// How much of the earlier sums of [`StepCost`] remains after a frame.
+/// Factor by which the sums of [`StepCost`] decay per frame.
 const COST_DECAY: f64 = 0.99;
 
 /// Maximum time between two frames, in s, that the simulation catches up with. After a longer one, the window was hidden, or
@@ -44,7 +44,7 @@ enum TimeState {
     OnHold,
 }
 
-/// The time that steps take, as sums over frames that fade.
+/// The time that steps take, as exponentially decaying sums over frames.
 #[derive(Clone, Copy, Debug, Default)]
 struct StepCost {
     seconds: f64,
@@ -76,12 +76,12 @@ pub struct Pacer {
     period_s: f64,
     /// Budget of this frame for steps.
     budget: Duration,
-    /// Time spent on steps in the last frame, or so far in this one.
+    /// Time spent on steps (in a browser, also on evaluation) in the last frame, or so far in this one.
     spent: Duration,
     /// Steps in this frame.
     steps: u32,
     cost: StepCost,
-    /// The smallest step of the clock that was seen so far.
+    /// The smallest tick of the clock seen so far.
     tick: Duration,
 }
 
@@ -117,7 +117,7 @@ impl Pacer {
         };
     }
 
-    /// Takes no more steps while time runs.
+    /// If time runs, stops taking steps; time still appears to run.
     pub fn hold(&mut self) {
         if self.time == TimeState::Running {
             self.time = TimeState::OnHold;
@@ -195,13 +195,13 @@ impl Pacer {
         }
     }
 
-    /// Whether a frame that has worked for `spent` already has time left for work other than steps.
+    /// Whether any of this frame's budget is left after `spent`, for work other than steps.
     pub fn has_budget(&mut self, spent: Duration) -> bool {
         self.note_spent(spent);
         !self.is_budget_spent()
     }
 
-    /// Time that the steps of the last frame took.
+    /// Time that the steps of the last frame took; in a browser, with its evaluation.
     #[must_use]
     pub fn spent(&self) -> Duration {
         self.spent
@@ -255,7 +255,7 @@ mod tests {
         assert!(full.should_step(Duration::ZERO) && !full.should_step(STEP_BUDGET));
     }
 
-    /// Frames and steps in 20 s at full pace, of steps of 0.7 ms and drawing of 5 ms, by a clock that rounds down to `tick`.
+    /// Frames and steps in 20 s at full pace, if a step takes 0.7 ms, drawing 5 ms, and the clock rounds down to `tick`.
     fn at_full_pace(tick: Duration) -> (usize, usize) {
         let (mut pacer, mut now, mut last_frame) =
             (Pacer::new(Pace::Full, false), Duration::ZERO, Duration::ZERO);
@@ -308,7 +308,7 @@ mod tests {
         assert_eq!(steps_in(&mut pacer, 1.0), 0);
         pacer.step_once();
         assert_eq!(steps_in(&mut pacer, 1.0), 1);
-        assert!((pacer.interpolation() - 1.0).abs() < 1e-6, "the picture shows the state after the step");
+        assert!((pacer.interpolation() - 1.0).abs() < 1e-6, "the state after the step is displayed");
         assert_eq!(steps_in(&mut pacer, 1.0), 0);
     }
 

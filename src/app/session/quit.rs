@@ -1,4 +1,4 @@
-//! Quitting the app: asks if a training would be lost, and saves it.
+//! Quitting the app. If unsaved training would be lost, the user is asked first and can save it.
 //!
 //! In: the user's request to close the window, and the answer. Out: a saved run, and the end of the app.
 
@@ -14,7 +14,7 @@ use crate::app::app_snapshot::Severity;
 use crate::app::commands::SaveKind;
 use crate::run::progress::print_stderr;
 
-/// Quits, or opens the question if an unsaved training would be lost.
+/// Quits, or opens the question if unsaved training would be lost.
 pub(super) fn request(world: &mut World) {
     let env_steps = world.resource::<ActiveLearner>().0.env_steps();
     let run = world.resource::<TrainingRun>();

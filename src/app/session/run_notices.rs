@@ -9,7 +9,7 @@ use super::training_run::TrainingRun;
 use crate::app::app_snapshot::Severity;
 use crate::run::notes::run_notes;
 
-/// Most notes that the notice lists.
+/// Maximum number of notes that the notice lists.
 const MAX_LISTED: usize = 3;
 
 /// Shows the notes about the current training, in place of those about an earlier one.

@@ -1,5 +1,5 @@
-//! A copy of the training run, from which its files are written. The training may continue meanwhile, because writing takes
-//! much longer than copying.
+//! A copy of the training run, from which its files are written. Training continues while they are written, because writing
+//! takes much longer than copying.
 //!
 //! In: the world, between two control steps. Out: the files of a run folder.
 
@@ -37,7 +37,7 @@ pub(super) struct RunSnapshot {
     journal: Journal,
     pub(super) initial_policy: Option<Vec<u8>>,
     last_policy: Vec<u8>,
-    /// `episodes.csv`, after its first bytes if they are known.
+    /// `episodes.csv`, without the `known_bytes` at its start that [`capture`](Self::capture) left out.
     episodes: Vec<u8>,
     evaluations: Vec<u8>,
 }

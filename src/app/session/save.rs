@@ -27,7 +27,7 @@ use crate::run::output_file::write_atomic;
 use crate::run::{RunError, metrics};
 
 impl TrainingRun {
-    /// The suggested name of the file.
+    /// The suggested name of the file or folder for `what`.
     #[must_use]
     pub fn suggested_file_name(&self, what: SaveKind) -> String {
         let config = &self.config;
@@ -74,7 +74,7 @@ pub(super) fn save(world: &mut World, what: SaveKind, path: &Path) -> Result<(),
     }
 }
 
-/// The figure of the learning curves, with what the screen shows.
+/// The figure of the learning curves, with the marks and reference lines of the screen.
 fn figure(world: &mut World) -> RunFigure {
     let run = world.resource::<TrainingRun>();
     let best = world.resource::<Evaluations>().best(&run.trainer_state).map(EvaluationRow::point);
@@ -114,7 +114,7 @@ fn save_run(_: &mut World, _: &Path) -> Result<(), RunError> {
     Err(RunError::InvalidInput(why.into()))
 }
 
-/// A copy of the run that includes the running evaluation, for which it waits, and changes of the scenario during a demo.
+/// Waits for the running evaluation, if any, and copies the run with its result and the changes of the scenario during a demo.
 ///
 /// # Errors
 /// An evaluation failed, or the rows of the episodes could not be stored.

@@ -51,7 +51,7 @@ pub(super) struct SavedRun {
 }
 
 impl SavedRun {
-    /// The run in the folder at `path`, whose plugins must be `extensions`.
+    /// The run in the folder at `path`. Its plugins must be `extensions`.
     ///
     /// # Errors
     /// The folder has no run, or an invalid one.
@@ -62,7 +62,7 @@ impl SavedRun {
         let LoadedCheckpoint { trainer_state, learner, skipped } = checkpoint::load(&folder, &config)?;
         let journal = Journal::load(&folder, &config, &learner)?;
         Ok(Self {
-            // A missing initial policy prevents a replay, not resuming.
+            // A missing initial policy prevents a replay, but not resuming.
             initial_policy: journal::initial_policy(&folder, &journal.config).ok().flatten(),
             episodes: folder.rows_of_set("episodes.csv", &scenarios)?,
             evaluations: folder.rows_of_set("evaluations.csv", &scenarios)?,
@@ -74,7 +74,7 @@ impl SavedRun {
         })
     }
 
-    /// The run in these files, by name, whose plugins must be `extensions`.
+    /// The run in `files`, given by name. Its plugins must be `extensions`.
     ///
     /// # Errors
     /// A file is missing or invalid.
@@ -150,7 +150,7 @@ impl SavedRun {
     }
 }
 
-/// The rows of a CSV file, with the columns of a set of the `scenarios` with these names.
+/// The rows of the CSV file `name`, with the columns of a set whose scenarios have the names `scenarios`.
 #[cfg(target_arch = "wasm32")]
 fn rows<Row: DeserializeOwned + SetColumns>(
     name: &str,

@@ -1,6 +1,6 @@
-//! Changes of the scenario of a training, made in the editor or in the scenario's file.
+//! Changes to the scenario of a training run, made in the editor or in the scenario's file.
 //!
-//! In: a scenario. Out: the training, continued or restarted in that scenario.
+//! In: a scenario. Out: the training run, continued or restarted in that scenario.
 
 use bevy::prelude::*;
 
@@ -26,13 +26,13 @@ use crate::run::folder::RunConfig;
 use crate::scenario::{Scenario, diagnostics};
 use crate::task::CurrentScenario;
 
-/// The mark in the curves where the scenario changed.
+/// The label of the mark in the curves where the scenario changed.
 pub(super) const SCENARIO_CHANGED: &str = "scenario changed";
 
-/// Continues the training in an edited scenario, or restarts it there.
+/// Continues training in an edited scenario, or restarts it there. `from` is the scenario's file or shipped name.
 ///
 /// # Errors
-/// The scenario is invalid or does not fit the network. The training is then unchanged.
+/// The scenario is invalid, or training cannot continue or start in it. The training run is then unchanged.
 pub(super) fn apply_edited(
     world: &mut World,
     scenario: &Scenario,
@@ -54,10 +54,10 @@ pub(super) fn apply_edited(
     Ok(())
 }
 
-/// Continues the training in `scenario`, with a new episode in every arena.
+/// Continues training in `scenario`, with a new episode in every arena.
 ///
 /// # Errors
-/// The scenario does not fit the network. The training is then unchanged.
+/// Training cannot continue in `scenario` ([`check_can_switch`]). The training run is then unchanged.
 fn switch_scenario(world: &mut World, scenario: &Scenario) -> Result<(), RunError> {
     check_can_switch(&world.resource::<TrainingRun>().config, scenario)?;
     active_mode::while_training(world, |world| {
@@ -73,15 +73,15 @@ fn switch_scenario(world: &mut World, scenario: &Scenario) -> Result<(), RunErro
     })
 }
 
-/// Checks that the training of `config` can continue in `scenario`.
+/// Checks that the training run of `config` can continue in `scenario`.
 ///
 /// # Errors
-/// The training is over a set of scenarios, the network does not fit the beams or the motions, or the scenario needs too much
-/// memory.
+/// The run trains over a set of scenarios, the network does not fit the number of beams or motions, or the scenario needs too
+/// much memory.
 pub(super) fn check_can_switch(config: &RunConfig, scenario: &Scenario) -> Result<(), RunError> {
     if let Some(set) = &config.scenario_set {
         return Err(RunError::InvalidInput(format!(
-            "{}: a training over this set of scenarios cannot continue in another scenario\nhelp: start a new training there",
+            "{}: training over this set of scenarios cannot continue in another scenario\nhelp: start a new training run there",
             set.name
         )));
     }
@@ -89,10 +89,10 @@ pub(super) fn check_can_switch(config: &RunConfig, scenario: &Scenario) -> Resul
         let fits = config.preset.check_memory(scenario, &config.observation_layout());
         return fits.map_err(|error| RunError::InvalidInput(format!("{}: {error}", scenario.name)));
     };
-    Err(RunError::InvalidInput(format!("{}: {why}\nhelp: start a new training there", scenario.name)))
+    Err(RunError::InvalidInput(format!("{}: {why}\nhelp: start a new training run there", scenario.name)))
 }
 
-/// Adopts the scenario that waits for the end of an episode, if there is one.
+/// Switches to the scenario that waits for the end of an episode, if there is one.
 pub(super) fn apply_pending_scenario(world: &mut World) {
     let Some(scenario) = world.resource_mut::<ScenarioSource>().pending.take() else { return };
     let file = world.resource::<TrainingRun>().config.scenario_from.clone();
@@ -106,7 +106,7 @@ pub(super) fn apply_pending_scenario(world: &mut World) {
     notify(world, NoticeTopic::File(file), severity, text);
 }
 
-/// Updates everything that depends on the scenario, after it has changed in `world`.
+/// Updates everything that depends on the scenario, after the scenario in `world` has changed.
 pub(super) fn on_scenario_changed(world: &mut World) {
     let scenario = Scenario::clone(&world.resource::<CurrentScenario>().0);
     let mut run = world.resource_mut::<TrainingRun>();

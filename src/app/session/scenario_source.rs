@@ -1,7 +1,7 @@
-//! The scenario's source: its file, and the last known content of the files that the user works with.
+//! The source of the current scenario: its file, and the last known content of the files that the user works with.
 //!
-//! In: every scenario that is loaded, saved or opened in the editor. Out: whether the scenario of the training differs from
-//! its file, and whether a file may be overwritten.
+//! In: every scenario that is loaded, saved or opened in the editor. Out: whether the current scenario differs from its file,
+//! and whether a file may be overwritten.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -13,18 +13,18 @@ use crate::run::folder::RunConfig;
 use crate::run::{RunError, shipped};
 use crate::scenario::{Scenario, path_exists};
 
-/// The source of the training's scenario, and the last known content of files.
+/// The source of the current scenario, and the last known content of files.
 #[derive(Resource)]
 pub struct ScenarioSource {
-    /// The scenario in its file, or as it is shipped.
+    /// The scenario as it is in its file, or as it is shipped.
     pub(super) loaded: Scenario,
-    /// A scenario to adopt when the next episode ends.
+    /// A scenario to switch to when the next episode ends.
     pub(super) pending: Option<Scenario>,
-    /// The scenario that was saved last; `None` if the training's scenario has changed since.
+    /// The scenario that was saved last; `None` if the current scenario has changed since.
     pub(super) saved: Option<ScenarioFile>,
     /// The scenario that was opened last in the editor.
     opened_in_editor: Option<ScenarioFile>,
-    /// A file that another program has changed, and that the user has asked once to overwrite.
+    /// A file that another program has changed, and that the user has once asked to overwrite.
     overwrite_requested: Option<PathBuf>,
 }
 
@@ -40,13 +40,13 @@ impl ScenarioSource {
         }
     }
 
-    /// Copies the known contents of files from `old`, when a new training replaces one.
+    /// Takes over the known contents of files from `old`, when a new training run replaces the current one.
     pub(super) fn keep_known_files(&mut self, old: Self) {
         self.saved = old.saved;
         self.opened_in_editor = old.opened_in_editor;
     }
 
-    /// Whether the scenario of the training differs from its file: an object was moved, or an edit was not saved.
+    /// Whether the current scenario differs from its file: an object was moved, or an edit was not saved.
     #[must_use]
     pub fn is_modified(&self, config: &RunConfig) -> bool {
         self.loaded != config.scenario
@@ -58,22 +58,22 @@ impl ScenarioSource {
         self.saved.as_ref()
     }
 
-    /// Records the content of a file that is edited.
-    pub(crate) fn opened_in_editor(&mut self, from: String, scenario: Arc<Scenario>) {
+    /// Records the content of a file that was opened in the editor.
+    pub(crate) fn record_opened(&mut self, from: String, scenario: Arc<Scenario>) {
         self.opened_in_editor = Some((from, scenario));
     }
 
-    /// Discards the saved scenario, because the training's scenario is newer.
+    /// Discards the saved scenario, because the current scenario is newer.
     pub(super) fn forget_saved(&mut self) {
         self.saved = None;
     }
 
-    /// Checks that writing `scenario` to `path` overwrites no changes of another program. The file may be written if its
+    /// Checks that writing `scenario` to `path` overwrites no changes made by another program. The file may be written if its
     /// content is as last read or written by the app, if the app never read it (the file dialog has asked for confirmation), or
     /// if the user asks twice.
     ///
     /// # Errors
-    /// Another program has changed the file, and the user asks for the first time.
+    /// Another program has changed the file, and the user asks to overwrite it for the first time.
     pub(super) fn check_overwrite(
         &mut self,
         config: &RunConfig,
@@ -100,7 +100,7 @@ impl ScenarioSource {
     }
 }
 
-/// The current content of `from`, a file or a shipped name.
+/// The scenario that `from`, a file or a shipped name, contains now.
 pub(super) fn load_source(from: &str) -> Option<Scenario> {
     shipped::scenario(from).ok()
 }

@@ -1,6 +1,6 @@
 //! The policies of the session: the current one, the best one so far, and the opened one.
 //!
-//! In: a [`PolicySource`]. Out: the policy, and a name that says where it comes from.
+//! In: a [`PolicySource`]. Out: the policy, and a name that describes its origin.
 
 use bevy::prelude::World;
 
@@ -13,10 +13,10 @@ use crate::policy::Policy;
 use crate::report::format::number;
 use crate::run::{RunError, metrics};
 
-/// The policy from `source`, and its origin in a few words.
+/// The origin of the policy from `source` in a few words, and the policy.
 ///
 /// # Errors
-/// There is no such policy.
+/// There is no such policy, or it cannot be read.
 pub(super) fn policy(world: &World, source: PolicySource) -> Result<(String, Policy), RunError> {
     let run = world.resource::<TrainingRun>();
     let origin = |env_steps: u64| {

@@ -1,4 +1,4 @@
-//! Starting a training in the app: from random weights, from a policy, or from a checkpoint.
+//! Starts training runs in the app: from random weights, from a policy, or from a checkpoint.
 //!
 //! In: names or files. Out: a new [`TrainingRun`] in place of the previous one, with its arenas reset. After an error,
 //! nothing has changed.
@@ -38,7 +38,7 @@ use crate::scenario::{Scenario, ScenarioSet};
 use crate::simulation::Extensions;
 use crate::task::ScenarioPool;
 
-/// A training that is ready to start.
+/// A training run that is ready to start.
 pub(super) struct PreparedTraining {
     pub(super) config: RunConfig,
     pub(super) initial_policy: Option<Policy>,
@@ -46,7 +46,7 @@ pub(super) struct PreparedTraining {
     pub(super) trainer_state: TrainerState,
 }
 
-/// The topic of a problem with a new training in `scenario`, whose file `is_broken` or not.
+/// The topic of the notice that training could not start in `scenario`; `is_broken` if its file is invalid.
 pub(super) fn scenario_topic(scenario: &str, is_broken: bool) -> NoticeTopic {
     if is_broken { NoticeTopic::File(scenario.into()) } else { NoticeTopic::General }
 }
@@ -56,7 +56,7 @@ fn prepare(config: RunConfig, initial_policy: Option<Policy>) -> Result<Prepared
     Ok(PreparedTraining { config, initial_policy, learner, trainer_state: TrainerState::default() })
 }
 
-/// Prepares a training from random weights, with `settings` of the preset.
+/// Prepares a training run from random weights, with `settings` applied to the preset.
 ///
 /// # Errors
 /// The scenario, the preset or a setting is invalid.
@@ -72,7 +72,7 @@ pub(super) fn prepare_new(
     prepare(config, None)
 }
 
-/// Inserts the resources of a prepared training, and puts its arenas in place of the current ones.
+/// Inserts the resources of a prepared training run, and replaces the arenas.
 pub(super) fn insert_run(world: &mut World, prepared: PreparedTraining) {
     let PreparedTraining { config, initial_policy, learner, trainer_state } = prepared;
     let scenario = Arc::new(config.scenario.clone());
@@ -89,7 +89,7 @@ pub(super) fn insert_run(world: &mut World, prepared: PreparedTraining) {
     world.insert_resource(ScenarioSource::new(&config));
     #[cfg(not(target_arch = "wasm32"))]
     world.insert_resource(match &config.scenario_set {
-        // Its scenarios come from several files.
+        // The scenarios of a set come from several files.
         Some(_) => FileWatches::default(),
         None => FileWatches::new(&config.scenario_from),
     });
@@ -97,7 +97,7 @@ pub(super) fn insert_run(world: &mut World, prepared: PreparedTraining) {
     world.insert_resource(TrainingRun::new(config, initial_policy, trainer_state));
 }
 
-/// Replaces the current training. What the user has opened or saved, and notices about anything else, stay.
+/// Replaces the current training run. What the user has opened or saved is kept, and so are notices that are not about the run.
 pub(super) fn replace(world: &mut World, prepared: PreparedTraining) {
     if let Some(pace) = world.resource::<ActiveMode>().suspended_pace() {
         world.resource_mut::<Pacer>().pace = pace;
@@ -116,7 +116,7 @@ pub(super) fn replace(world: &mut World, prepared: PreparedTraining) {
     open::list_user_files(world);
 }
 
-/// Starts a training from random weights, or reports why it cannot start.
+/// Starts a training run from random weights, or reports why it cannot start.
 pub(super) fn start_or_notify(world: &mut World, scenario: &str, preset: &str, seed: u64) {
     let Err(error) = start_training(world, scenario, preset, seed) else { return };
     #[cfg(not(target_arch = "wasm32"))]
@@ -126,7 +126,7 @@ pub(super) fn start_or_notify(world: &mut World, scenario: &str, preset: &str, s
     notify(world, scenario_topic(scenario, is_broken), Severity::Error, error.to_string());
 }
 
-/// Starts a training from random weights.
+/// Starts a training run from random weights.
 ///
 /// # Errors
 /// The scenario or the preset is invalid.
@@ -143,8 +143,8 @@ pub(super) fn start_training(
     Ok(())
 }
 
-/// Starts a training from random weights in `scenario`, or over the set that it is the first scenario of, with the current preset
-/// and seed. It comes from `from`.
+/// Starts a training run from random weights, with the current preset and seed: in a scenario, or over a set, given with its
+/// first scenario. `from` is the scenario's or the set's file or shipped name.
 ///
 /// # Errors
 /// The preset does not fit the scenario.
@@ -163,8 +163,8 @@ pub(super) fn start_in_scenario(
     Ok(())
 }
 
-/// The configuration of the running training with another scenario, preset and seed. What is the same stays as it is now,
-/// with the user's changes.
+/// The configuration of the current training run with this scenario, preset and seed. If the scenario or the preset has the same
+/// name as now, it is kept with the user's changes.
 ///
 /// # Errors
 /// The scenario or the preset is invalid.
@@ -187,8 +187,8 @@ pub(super) fn transfer_config(
     Ok(config)
 }
 
-/// Starts the training of `config` from a policy. Exploration starts at `epsilon`, limited to 0..1. The curves of the
-/// training that this policy comes from stay in the background.
+/// Starts the training run of `config` from a policy. Exploration starts at `epsilon`, limited to 0..=1. If the policy is the
+/// current or the best one, the curves of the run that it comes from stay in the background.
 ///
 /// # Errors
 /// There is no such policy, or it does not fit the scenario or the preset.
@@ -213,7 +213,7 @@ pub(super) fn start_from_policy(
     Ok(())
 }
 
-/// Resumes the run in the folder at `path`.
+/// Resumes the training run in the folder at `path`.
 ///
 /// # Errors
 /// The folder has no run, or an invalid one.

@@ -1,4 +1,4 @@
-//! Throughput: steps and frames per second, over about the last second.
+//! Throughput: steps and frames per second, averaged over about the last second.
 
 use std::collections::VecDeque;
 
@@ -19,10 +19,10 @@ pub struct Rates {
     pub frames_per_s: f64,
 }
 
-/// Counts of steps and frames.
+/// Counts of steps, and the times of recent frames.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Throughput {
-    /// Time in s, control steps and env steps at each recent frame.
+    /// Time in s and the counts of control steps and env steps, at the end of each recent frame.
     frames: VecDeque<(f64, u64, u64)>,
     control_steps: u64,
     env_steps: u64,

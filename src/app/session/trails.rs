@@ -1,7 +1,7 @@
-//! Trails: the path of each arena's current episode, and those of its last episodes with their outcomes.
+//! Trails: each arena's path towards its current goal, and its last finished paths with their outcomes.
 //!
-//! In: poses and outcomes after each control step. Out: points in m. Memory is bounded by `MAX_TRAILS` paths per arena. In
-//! training a path ends at every goal, collision or timeout.
+//! In: poses before and after each control step, and its outcomes. Out: points in m. Memory is bounded by `MAX_TRAILS` paths per
+//! arena. A path ends at every goal, collision or timeout.
 
 use std::collections::VecDeque;
 

@@ -1,6 +1,7 @@
 //! The training run in the app: its configuration, its progress, and the wall time spent on it.
 //!
-//! The learner itself is [`ActiveLearner`](crate::agent::ActiveLearner), the curves are [`TrainingHistory`](super::TrainingHistory).
+//! The learner itself is [`ActiveLearner`](crate::agent::ActiveLearner); the curves are
+//! [`TrainingHistory`](super::TrainingHistory).
 
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
@@ -10,16 +11,16 @@ use crate::policy::Policy;
 use crate::run::checkpoint::TrainerState;
 use crate::run::folder::RunConfig;
 
-/// Number of env steps beyond which a training may not be discarded without a confirmation.
+/// Number of env steps beyond which a training run may not be discarded without confirmation.
 const MAX_ENV_STEPS_TO_DISCARD: u64 = 20_000;
 
-/// Wall time in s beyond which a training may not be discarded without a confirmation: a slow training takes few steps in a
-/// person's minute.
+/// Wall time in s beyond which a training run may not be discarded without confirmation: a slow run takes few steps, but the
+/// user's time counts.
 const MAX_WALL_S_TO_DISCARD: f64 = 60.0;
 
-/// A moment of the training.
+/// A point in time of the training run. The default is its start.
 #[derive(Clone, Copy, Debug, Default)]
-struct SavedAt {
+struct Moment {
     env_steps: u64,
     wall_s: f64,
 }
@@ -27,16 +28,17 @@ struct SavedAt {
 /// The training run.
 #[derive(Resource)]
 pub struct TrainingRun {
-    /// Configuration with every name and file resolved. Its scenario follows each change made by hand or in the editor.
+    /// Configuration with every name and file resolved. Its scenario includes all later changes: moved objects, edits, and
+    /// changes of its file.
     pub config: RunConfig,
     /// Progress apart from the learner: evaluation results, best policy, milestones.
     pub trainer_state: TrainerState,
-    /// Policy whose weights the training started from, if any.
+    /// Policy from whose weights training started, if any.
     pub initial_policy: Option<Policy>,
-    /// Whether the training met non-finite numbers and cannot continue.
+    /// Whether training met non-finite numbers and cannot continue.
     pub has_failed: bool,
-    /// When the policy or the run was saved last; the start of the training if it never was.
-    saved_at: SavedAt,
+    /// When the policy or the run was saved last; the start of the run if neither was.
+    saved_at: Moment,
     /// The policy that Test, Drive and Compare use: the current or the best one.
     pub tested: PolicySource,
     started: Instant,
@@ -59,7 +61,7 @@ impl TrainingRun {
             initial_policy,
             has_failed: false,
             tested: PolicySource::Current,
-            saved_at: SavedAt::default(),
+            saved_at: Moment::default(),
             started,
             previous_wall_s,
         }
@@ -70,27 +72,27 @@ impl TrainingRun {
         self.previous_wall_s + self.started.elapsed().as_secs_f64()
     }
 
-    /// Whether the training, now at `env_steps`, may not be discarded without a confirmation.
+    /// Whether the run, now at `env_steps`, may not be discarded without confirmation.
     #[must_use]
     pub fn is_worth_keeping(&self, env_steps: u64) -> bool {
-        self.is_long_since(SavedAt::default(), env_steps)
+        self.is_long_since(Moment::default(), env_steps)
     }
 
-    /// Whether a training worth keeping would be lost if another one replaced it at `env_steps`: it was never saved, or has
-    /// gone on since for as long as a training that is worth keeping.
+    /// Whether replacing this run at `env_steps` would lose training worth keeping: all training since the last save, or since
+    /// the start if the run was never saved.
     #[must_use]
     pub fn would_lose_training(&self, env_steps: u64) -> bool {
         self.is_long_since(self.saved_at, env_steps)
     }
 
-    /// Whether the training, now at `env_steps`, has gone on for long since `since`.
-    fn is_long_since(&self, since: SavedAt, env_steps: u64) -> bool {
+    /// Whether the run, now at `env_steps`, has trained for long since `since`.
+    fn is_long_since(&self, since: Moment, env_steps: u64) -> bool {
         let steps = env_steps.saturating_sub(since.env_steps);
         steps > MAX_ENV_STEPS_TO_DISCARD || steps > 0 && self.wall_s() - since.wall_s > MAX_WALL_S_TO_DISCARD
     }
 
     /// Records that the policy or the run was saved at `env_steps`.
     pub(super) fn mark_saved(&mut self, env_steps: u64) {
-        self.saved_at = SavedAt { env_steps, wall_s: self.wall_s() };
+        self.saved_at = Moment { env_steps, wall_s: self.wall_s() };
     }
 }

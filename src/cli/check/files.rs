@@ -1,6 +1,6 @@
 //! The files that `wayfield --check` checks.
 //!
-//! In: paths of files and folders. Out: every file in them, with its kind, and its problems or its notes.
+//! In: paths of files and folders. Out: every file given or found, with its kind, and its problems or its notes.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -36,8 +36,8 @@ impl CheckedFile {
     }
 }
 
-/// Checks the files in `paths`, in this order. In a folder, all files named `*.ron` are checked, sorted by
-/// path and including subfolders; hidden files and folders (`.name`) are skipped.
+/// Checks the files and folders in `paths`, in this order. In a folder and its subfolders, all files named `*.ron` are checked,
+/// sorted by path; hidden files and folders (`.name`) are skipped.
 #[must_use]
 pub fn check(paths: &[PathBuf]) -> Vec<CheckedFile> {
     let mut checked = Vec::new();
@@ -70,7 +70,7 @@ fn check_folder(folder: &Path, checked: &mut Vec<CheckedFile>) {
         if is_folder {
             check_folder(&path, checked);
         } else if path.extension().is_some_and(|ending| ending == "ron") {
-            // A pipe that happens to lie in a folder may wait for ever; one that the user names is read.
+            // Reading a pipe in a folder could block for ever. A pipe that the user names itself is read.
             checked.push(if is_special_file(&path) {
                 CheckedFile::unreadable(
                     path,
@@ -83,8 +83,8 @@ fn check_folder(folder: &Path, checked: &mut Vec<CheckedFile>) {
     }
 }
 
-/// The visible entries of a folder, sorted by path; the flag is true for a folder. Links to folders are left
-/// out, because they may form a cycle.
+/// The entries of a folder that are not hidden, sorted by path; the flag is true for a folder. Links to folders are left out,
+/// because they may form a cycle.
 fn entries(folder: &Path) -> io::Result<Vec<(PathBuf, bool)>> {
     let mut entries = Vec::new();
     for entry in std::fs::read_dir(folder)? {

@@ -15,7 +15,7 @@ use crate::scenario::{
     SuiteFile, locate, notes, quoted, read_text, resemblance,
 };
 
-/// Number of levels that are made to check a level generator.
+/// Number of levels that are generated to check a level generator.
 const CHECKED_LEVELS: u64 = 8;
 
 /// The kind of a file that can be checked.
@@ -57,10 +57,10 @@ impl FileKind {
         }
     }
 
-    /// The kind of a RON file: the one whose name begins the text, or else the one with most of the text's fields. A text
-    /// that could be of any kind is a scenario.
+    /// The kind of a RON file: the one with whose name the text begins, or else the one that has most of the text's fields. A
+    /// text that could be of any kind is a scenario.
     pub fn of_text(text: &str) -> Self {
-        // The last of several kinds with equally many fields.
+        // `max_by_key` chooses the last of several kinds that match equally well.
         let kinds = [
             Self::ScenarioSet,
             Self::RunConfig,
@@ -74,7 +74,7 @@ impl FileKind {
         kinds.into_iter().max_by_key(|kind| kind.resemblance(text)).unwrap_or(Self::Scenario)
     }
 
-    /// How many of the fields in `text` this kind has.
+    /// How well `text` matches this kind: how many of its fields the kind has, or `usize::MAX` if it begins with the kind's name.
     fn resemblance(self, text: &str) -> usize {
         match self {
             Self::Scenario => resemblance::<Scenario>(text, "Scenario"),
@@ -90,7 +90,7 @@ impl FileKind {
         }
     }
 
-    /// The way to give a file of this kind in the command line.
+    /// How a file of this kind is given on the command line.
     fn usage(self, file: &str) -> String {
         match self {
             Self::Scenario | Self::LevelGenerator | Self::ScenarioSet => {
@@ -107,10 +107,10 @@ impl FileKind {
 
 /// Checks that the RON file `path` is not clearly of another kind than `wanted`. A file that cannot be read, or whose kind is in
 /// doubt, passes: whoever reads it next finds its problems. The configuration of a run passes as its scenario or preset, and a
-/// level generator as a scenario.
+/// level generator or a set of scenarios as a scenario.
 ///
 /// # Errors
-/// The file is of another kind: which, and how such a file is given.
+/// The file is of another kind. The message names the kind, and how such a file is given.
 pub fn expect_kind(path: &Path, wanted: FileKind) -> Result<(), RunError> {
     // Standard input can be read only once.
     if !path.is_file() {
@@ -135,7 +135,7 @@ pub fn expect_kind(path: &Path, wanted: FileKind) -> Result<(), RunError> {
 /// The notes on a valid file, with their locations.
 pub type LocatedNotes = Vec<(NoteLevel, LocatedDiagnostic)>;
 
-/// The kind of the file at `path`, if it can be read, and its notes, or its problems.
+/// Checks the file at `path`. Returns its kind, if it can be read, and its notes or its problems.
 pub fn check(path: &Path) -> (Option<FileKind>, Result<LocatedNotes, FileError>) {
     if path.extension().is_some_and(|extension| extension == "safetensors") {
         return (
@@ -176,11 +176,11 @@ fn check_preset(text: &str, path: &Path) -> Result<Preset, FileError> {
     Err(FileError::from_located(path, Preset::locate(text, path, [diagnostic].iter())))
 }
 
-/// Checks a level generator, and that it has a few levels.
+/// Checks a level generator, and that its first levels can be made.
 fn check_levels(text: &str, path: &Path) -> Result<(), FileError> {
     let generator = LevelGenerator::parse(text, path)?;
-    let hopeless = (0..CHECKED_LEVELS).find_map(|seed| generator.level(seed).err());
-    hopeless.map_or(Ok(()), |error| Err(FileError::for_file(path, error.to_string())))
+    let failure = (0..CHECKED_LEVELS).find_map(|seed| generator.level(seed).err());
+    failure.map_or(Ok(()), |error| Err(FileError::for_file(path, error.to_string())))
 }
 
 fn located(kind: FileKind, text: &str, path: &Path, notes: &[Note]) -> LocatedNotes {

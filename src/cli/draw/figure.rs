@@ -10,24 +10,24 @@ use crate::run::shipped::Source;
 use crate::run::{RunError, scenario_image};
 use crate::scenario::{LevelGenerator, Scenario, ScenarioSet};
 
-/// Number of levels on a contact sheet.
+/// Default number of levels on a contact sheet.
 const DEFAULT_LEVELS: u64 = 12;
 
-/// How a scenario or a level generator is drawn.
+/// How a scenario, a level generator or a set is drawn.
 pub struct ScenarioFigure<'a> {
-    /// Its name in messages.
+    /// Its file or shipped name, for messages.
     pub name: &'a str,
-    /// Fields with other values.
+    /// Values to set in the scenario before it is drawn.
     pub settings: &'a Settings,
-    /// Without its name, the legend and the axes.
+    /// Whether to leave out its name, the legend and the axes.
     pub is_plain: bool,
     /// The number of levels on the contact sheet of a level generator.
     pub levels: Option<u64>,
     /// The seed of the first level.
     pub seed: Option<u64>,
-    /// A map from which the scenario was imported, whose occupied cells are marked.
+    /// The map from which the scenario was imported; its occupied cells are marked.
     pub over: Option<&'a Path>,
-    /// The side of a pixel of a plain picture in `over`, in m.
+    /// The side of a pixel in m, if `over` is a plain image.
     pub resolution_m: Option<f64>,
 }
 
@@ -35,8 +35,8 @@ impl ScenarioFigure<'_> {
     /// The figure of `source` as SVG.
     ///
     /// # Errors
-    /// A setting or the map is invalid, an option is for level generators only, one scenario of a set is needed, or a level cannot
-    /// be made.
+    /// A setting or the map is invalid, an option is for level generators only or needs a single scenario, or a level cannot be
+    /// generated.
     pub fn svg(&self, source: Source) -> Result<String, RunError> {
         let only_for_levels = self.levels.map(|_| "--levels").or(self.seed.map(|_| "--seed"));
         let mut scenario = match (source, only_for_levels) {
@@ -64,7 +64,7 @@ impl ScenarioFigure<'_> {
         RunError::invalid_input(Path::new(self.name), why)
     }
 
-    /// The figure of the scenarios of a set; of a level generator, the first level.
+    /// The contact sheet of a set: each scenario, and the first level of each level generator.
     fn sheet_of_set(&self, set: &ScenarioSet) -> Result<String, RunError> {
         let path = Path::new(self.name);
         let mut scenarios = Vec::new();
@@ -77,7 +77,7 @@ impl ScenarioFigure<'_> {
         scenario_image::contact_sheet(&set.name, &scenarios).map_err(|error| RunError::failed(path, error))
     }
 
-    /// The figure of levels with consecutive seeds.
+    /// The contact sheet of levels with consecutive seeds.
     fn contact_sheet(&self, generator: &LevelGenerator) -> Result<String, RunError> {
         let path = Path::new(self.name);
         let mut levels = Vec::new();
@@ -90,7 +90,8 @@ impl ScenarioFigure<'_> {
         scenario_image::contact_sheet(&generator.name, &levels).map_err(|error| RunError::failed(path, error))
     }
 
-    /// The occupied areas of `map`, in m, in the frame of `scenario`, which was imported from it: those inside its enclosure.
+    /// The occupied areas of `map` in m, in the frame of `scenario`, which was imported from it: those that overlap the bounds of
+    /// its enclosure.
     fn occupied_areas(&self, map: &Path, scenario: &Scenario) -> Result<Vec<Vec<(f64, f64)>>, RunError> {
         let frame = Frame::find(&scenario.about).ok_or_else(|| {
             let why =
@@ -100,7 +101,7 @@ impl ScenarioFigure<'_> {
         let resolution_m = self.resolution_m;
         let backdrop = backdrop(map, &ImportOptions { resolution_m, ..ImportOptions::default() })?;
         let (low, high) = scenario.enclosure.bounds_m();
-        let is_inside = |corners: &Vec<(f64, f64)>| {
+        let overlaps = |corners: &Vec<(f64, f64)>| {
             let any = |is_beyond: &dyn Fn(&(f64, f64)) -> bool| corners.iter().any(is_beyond);
             any(&|at| at.0 > f64::from(low.x))
                 && any(&|at| at.0 < f64::from(high.x))
@@ -109,6 +110,6 @@ impl ScenarioFigure<'_> {
         };
         let in_scenario =
             |corners: &[DVec2; 4]| corners.map(|corner| frame.to_scenario(corner).into()).to_vec();
-        Ok(backdrop.areas_m.iter().map(in_scenario).filter(is_inside).collect())
+        Ok(backdrop.areas_m.iter().map(in_scenario).filter(overlaps).collect())
     }
 }

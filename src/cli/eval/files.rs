@@ -1,7 +1,6 @@
 //! The files of a test: episodes as CSV, and a trace of every control step as JSON lines.
 //!
-//! A file appears when the whole test is done, or not at all. It is written while the test goes on, so that it may be larger
-//! than memory.
+//! A file appears when the whole test is done, or not at all. It is written during the test, so it may be larger than memory.
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -42,7 +41,7 @@ impl From<RunError> for TestEnd {
 const STDOUT: &str = "/dev/stdout";
 
 impl TestFiles {
-    /// The files `csv` and `trace`, which can be written. `-` is standard output.
+    /// Checks that the files `csv` and `trace` can be written. `-` is standard output.
     ///
     /// # Errors
     /// A file cannot be written, both files are the same, or standard output is also needed for JSON.
@@ -65,12 +64,12 @@ impl TestFiles {
         Ok(files)
     }
 
-    /// Whether one of them is standard output.
+    /// Whether one of the files is standard output.
     pub fn use_stdout(&self) -> bool {
         [&self.csv, &self.trace].into_iter().flatten().any(|path| path == Path::new(STDOUT))
     }
 
-    /// Runs `test`, which writes the episodes to the first file and the steps to the second. If it fails, old files stay.
+    /// Runs `test`, which writes episodes to the first file and steps to the second. If it fails, existing files are kept.
     pub fn write<T>(
         &self,
         test: impl FnOnce(Option<&mut TestFile>, Option<&mut TestFile>) -> Result<T, TestEnd>,
@@ -79,7 +78,7 @@ impl TestFiles {
     }
 }
 
-/// Runs `work`, which writes the contents of the file at `path`, if there is one.
+/// Runs `work`, which writes the contents of the file at `path`, if a path is given.
 fn write<T>(
     path: Option<&Path>,
     work: impl FnOnce(Option<&mut TestFile>) -> Result<T, TestEnd>,
@@ -99,7 +98,7 @@ fn write<T>(
 }
 
 impl TestFile<'_> {
-    /// Adds rows of episodes, with a header at the top of the file.
+    /// Adds rows of episodes, with a header if they are the first rows of the file.
     pub fn rows(
         &mut self,
         records: impl Iterator<Item = impl Serialize>,

@@ -1,10 +1,10 @@
-//! The mode `--eval`: its options, and the policies and drivers, scenario and files that a test needs.
+//! The mode `--eval`: its options, and the policies, drivers, scenario and files that a test needs.
 //!
 //! | file | contents |
 //! |---|---|
 //! | `test.rs` | the test in one scenario |
 //! | `suite.rs` | the test in a suite |
-//! | `suite_page.rs`, `suite_failures.rs` | its report, with pictures of all failures |
+//! | `suite_page.rs`, `suite_failures.rs` | the report on a suite, with images of all failures |
 //! | `report.rs` | the results, as JSON |
 //! | `text.rs` | the results, as text |
 //! | `files.rs` | the files of `--csv` and `--trace` |
@@ -41,14 +41,14 @@ use test::{Named, Test};
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Options of --eval")]
 pub struct EvalArgs {
-    /// Test in many scenarios, with results by families: a suite (a RON file, or a shipped one by name: shipped, validation,
-    /// circle-crossing), a folder of scenarios, a set of scenarios, or the levels of a level generator that no training uses;
+    /// Test in many scenarios, with results by family: a suite (a RON file, or a shipped one by name: shipped, validation,
+    /// circle-crossing), a folder of scenarios, a set of scenarios, or a level generator, in levels that no training run uses;
     /// --episodes is the number in each scenario
     #[arg(long, value_name = "NAME", conflicts_with = "scenario")]
     suite: Option<String>,
 
-    /// Write a report of a test in a suite, or in what --scenario names, into DIR: the results, and a picture of every failure with
-    /// the command that repeats it in the window. A test that was interrupted goes on there
+    /// Write a report of a test in a suite, or in what --scenario names, into DIR: the results, and an image of every failure
+    /// with the command that repeats it in the app. If DIR holds an interrupted test, the test continues
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
 
@@ -56,8 +56,8 @@ pub struct EvalArgs {
     #[arg(long, value_name = "N", value_parser = values::whole::<u32>(1..=10_000), allow_negative_numbers = true)]
     rounds: Option<u32>,
 
-    /// Also drive the scenario's benchmark route, 5 rounds of 5 episodes; the paper's, from (0, 0) to (1.2, 1.2), in
-    /// Scenario I and II
+    /// Also drive the scenario's benchmark route, 5 rounds of 5 episodes; in Scenarios I and II it is the paper's, from
+    /// (0, 0) to (1.2, 1.2)
     #[arg(long)]
     course: bool,
 
@@ -79,15 +79,15 @@ pub struct EvalArgs {
 /// What the first signal prints if the test writes files.
 const STOPPING: &str = "stopping; no file is written";
 
-/// What it prints if the test writes a report.
+/// What the first signal prints if the test writes a report.
 const STOPPING_REPORT: &str = "stopping; finished tests are kept";
 
-/// Tests the policies and drivers in the files (or of the shipped names) `paths` and prints the results.
+/// Tests the policies and drivers `paths`, which are files or shipped names, and prints the results.
 ///
 /// # Errors
 /// The scenario, a policy, an option or a file is invalid.
 pub fn run(paths: &[PathBuf], args: &EvalArgs, shared: &SharedArgs) -> Result<(), RunError> {
-    // Before the first file. Without files, there is nothing to clean up.
+    // Must come before the first file is created. Without files, there is nothing to clean up.
     let has_files = args.csv.is_some() || args.trace.is_some() || args.report.is_some();
     let stopping = if args.report.is_some() { STOPPING_REPORT } else { STOPPING };
     let stop = has_files.then(|| stop_on_signal(stopping));
@@ -120,14 +120,15 @@ pub fn run(paths: &[PathBuf], args: &EvalArgs, shared: &SharedArgs) -> Result<()
     }
 }
 
-/// The suite of the test, or what is given in place of a scenario and makes a suite: a set of scenarios, or for a report anything.
+/// The suite of the test: what `--suite` names, or what `--scenario` names if that is a set, or if a report is written.
 fn suite_name<'a>(args: &'a EvalArgs, shared: &'a SharedArgs) -> Result<Option<&'a str>, RunError> {
     match (&args.suite, &shared.scenario) {
         (None, Some(name)) if matches!(Source::load(name)?, Source::Set(..)) || args.report.is_some() => {
             Ok(Some(name))
         }
         (None, None) if args.report.is_some() => Err(RunError::InvalidInput(
-            "--report needs what to test in; help: give --suite NAME, or --scenario NAME with a scenario, a set or a level generator"
+            "--report needs scenarios to test in; help: give --suite NAME, or --scenario NAME with a scenario, a set or a \
+             level generator"
                 .into(),
         )),
         (suite, _) => Ok(suite.as_deref()),
@@ -143,7 +144,7 @@ fn print(reports: &[PolicyReport], json: bool, stdout_is_file: bool) -> Result<(
     }
 }
 
-/// Prints results as JSON or as text: on stdout, unless that is one of the files.
+/// Prints results as JSON or as text on stdout. If stdout is one of the files, the text goes to stderr.
 fn print_results(
     report: &impl Serialize,
     text: impl FnOnce() -> String,
@@ -171,7 +172,7 @@ fn benchmark_route(scenario: &Scenario) -> Result<BenchmarkRoute, RunError> {
     })
 }
 
-/// The scenario of the test: the one that the user names, or else the policies' own, or else Scenario I.
+/// The scenario of the test: the one that the user names, or else that of the policies, or else Scenario I.
 fn scenario_for(policies: &[Named], shared: &SharedArgs) -> Result<Scenario, RunError> {
     if shared.scenario.is_some() {
         return Ok(shipped::scenario(shared.scenario())?);

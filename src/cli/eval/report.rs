@@ -16,7 +16,7 @@ use crate::task::EpisodeSetup;
 
 /// The number of episodes on the benchmark route (the paper: 5 rounds of 5).
 pub const ROUTE_EPISODES: usize = 25;
-/// The number of these episodes per round.
+/// The number of episodes on the benchmark route per round.
 const ROUTE_EPISODES_PER_ROUND: usize = 5;
 
 /// The results of one policy or driver: the JSON object that `--eval --json` prints.
@@ -66,7 +66,7 @@ pub struct CourseReport {
     pub course_success_interval: [f64; 2],
     pub course_time_s: Option<f64>,
     pub course_times_s: Vec<f64>,
-    /// Whether this is the paper's Scenario I, whose time applies.
+    /// Whether the scenario is the paper's Scenario I, so that the paper's time can be compared.
     #[serde(skip)]
     pub in_paper_scenario: bool,
 }
@@ -103,14 +103,14 @@ pub struct OptimumReport {
     pub optimum_episodes: usize,
     pub optimum_mean_time_s: Option<f64>,
     pub time_ratio: Option<f64>,
-    /// Whether the planner supports the scenario. If not, the test has said why.
+    /// Whether the planner supports the scenario. If not, the test has printed why.
     #[serde(skip)]
     pub is_supported: bool,
 }
 
 impl OptimumReport {
-    /// The report on `comparison`, which is `None` if no episode could be compared, or if the planner does
-    /// not support the scenario (`is_supported`).
+    /// The report on `comparison`, which is `None` if no episode could be compared. `is_supported` tells whether the planner
+    /// supports the scenario.
     pub fn new(comparison: Option<OptimumComparison>, is_supported: bool) -> Self {
         Self {
             is_supported,

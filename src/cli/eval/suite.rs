@@ -1,4 +1,4 @@
-//! The test in a suite: `--eval ... --suite NAME`, and `--scenario` with a set of scenarios.
+//! The test in a suite: `--eval ... --suite NAME`, and `--scenario` with a set of scenarios or with `--report`.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ use crate::run::progress::{CountProgress, print_stderr};
 use crate::run::provenance::{COMMIT, VERSION};
 use crate::run::suite::{FamilyResult, Suite, SuiteDriver, SuiteEpisodes, SuiteTest};
 
-/// The results of drivers in a suite: the JSON object that `--eval --suite --json` prints.
+/// The results of drivers in a suite: the JSON object that `--eval --suite --json` prints for several drivers.
 #[derive(Serialize)]
 pub struct SuiteReport<'a> {
     pub suite: &'a str,
@@ -45,7 +45,7 @@ pub struct DriverReport {
     pub families: Vec<(String, FamilyResult)>,
 }
 
-/// For one driver: its results next to what the suite says.
+/// The JSON object for a single driver: its results, and the other fields of [`SuiteReport`].
 #[derive(Serialize)]
 struct SingleReport<'a> {
     #[serde(flatten)]
@@ -64,9 +64,9 @@ fn by_name<S: Serializer>(families: &[(String, FamilyResult)], serializer: S) ->
     map.end()
 }
 
-/// The columns that a suite adds to those of an episode.
+/// The columns that a suite adds to a row of an episode.
 #[derive(Serialize)]
-struct Place<'a> {
+struct SuiteColumns<'a> {
     family: &'a str,
     scenario: &'a str,
 }
@@ -76,7 +76,7 @@ pub struct Tested<'a> {
     pub test: &'a SuiteTest<'a>,
     pub drivers: &'a [SuiteDriver<'a>],
     /// The episodes of each driver in each scenario.
-    pub found: Vec<Vec<SuiteEpisodes>>,
+    pub episodes: Vec<Vec<SuiteEpisodes>>,
 }
 
 /// Tests `drivers` in the suite `wanted`, and prints the results.
@@ -110,7 +110,7 @@ pub fn run(
         progress: &|done, count| progress.update(done, count),
     };
     let tested = files.write(|csv, _| {
-        let tested = Tested { test: &test, drivers: &under_test, found: test.run(&under_test)? };
+        let tested = Tested { test: &test, drivers: &under_test, episodes: test.run(&under_test)? };
         csv.map_or(Ok(()), |csv| tested.write_rows(csv))?;
         Ok(tested)
     });
@@ -140,10 +140,10 @@ impl Tested<'_> {
     /// Writes a row per episode.
     fn write_rows(&self, csv: &mut TestFile) -> Result<(), TestEnd> {
         let mut is_first = true;
-        for (driver, of_scenarios) in self.drivers.iter().zip(&self.found) {
+        for (driver, of_scenarios) in self.drivers.iter().zip(&self.episodes) {
             for ((family, scenario), of) in self.test.suite.scenarios().zip(of_scenarios) {
-                let place = || Place { family: &family.name, scenario: &scenario.name };
-                csv.rows(records(&driver.name, of).map(|record| (place(), record)), is_first)?;
+                let columns = || SuiteColumns { family: &family.name, scenario: &scenario.name };
+                csv.rows(records(&driver.name, of).map(|record| (columns(), record)), is_first)?;
                 is_first = false;
             }
         }
@@ -163,7 +163,7 @@ impl<'a> SuiteReport<'a> {
             seed,
             policies: drivers
                 .iter()
-                .zip(&tested.found)
+                .zip(&tested.episodes)
                 .map(|(driver, of)| DriverReport::new(driver, suite, of))
                 .collect(),
         }
@@ -202,15 +202,15 @@ fn check_options(args: &EvalArgs) -> Result<(), RunError> {
         [("--trace", args.trace.is_some()), ("--course", args.course), ("--rounds", args.rounds.is_some())];
     match refused.into_iter().find(|(_, is_given)| *is_given) {
         Some((flag, _)) => Err(RunError::InvalidInput(format!(
-            "{flag} is for a test in one scenario, not for a suite, a set of scenarios or a report; help: leave it out, or give one \
-             scenario with --scenario and no --report"
+            "{flag} is for a test in one scenario, not for a suite, a set of scenarios or a report; help: leave it out, or \
+             give one scenario with --scenario and no --report"
         ))),
         None => Ok(()),
     }
 }
 
-/// Checks that a driver can drive in every scenario of the suite. Of the scenarios of a family with the same robot, LIDAR and
-/// rules, the first is enough.
+/// Checks that a driver can drive in every scenario of the suite. Of a family's scenarios with the same robot, LIDAR and rules,
+/// only the first is checked.
 fn check_driver(
     path: &Path,
     (_, driver): &Named,

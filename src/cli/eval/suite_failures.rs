@@ -1,4 +1,4 @@
-//! The failures in a suite: a picture of each, and a scenario in which it can be repeated.
+//! The failures in a suite: an image of each, and a scenario in which it can be repeated.
 
 use std::path::{Path, PathBuf};
 
@@ -8,28 +8,29 @@ use crate::run::suite::{SuiteEpisodes, episode_setup};
 use crate::run::{RunError, on_all_cores};
 use crate::scenario::{PlacementRule, Scenario, to_text, vec2};
 
-/// The folder of the scenarios, in that of the report.
+/// The folder of the failures' scenarios, in the report's folder.
 pub const FOLDER: &str = "failures";
 
-/// A failed episode.
+/// A failed episode, drawn.
 pub struct Failure {
-    /// The number of the driver under test, and of the scenario's family.
+    /// Index of the driver.
     pub driver: usize,
+    /// Index of the scenario's family.
     pub family: usize,
     /// The number of the episode in its scenario, from 1.
     pub episode: usize,
-    /// The stem of the names of its files.
+    /// The name of its files, without the extension.
     pub file: String,
-    /// What happened.
+    /// The driver, the episode and how it ended, in words.
     pub text: String,
-    /// The picture, as SVG.
+    /// The image, as SVG.
     pub svg: String,
     /// The text of the scenario with the failure's start and goal.
     pub scenario: String,
 }
 
-/// An episode that failed.
-struct Place<'a> {
+/// An episode that failed, to be drawn.
+struct FailedEpisode<'a> {
     driver: usize,
     family: usize,
     scenario: &'a str,
@@ -37,28 +38,28 @@ struct Place<'a> {
     index: usize,
 }
 
-/// The failures of all drivers, in the order of the families, then of the drivers. Their pictures are made on all cores.
+/// The failures of all drivers, in the order of the families, then of the drivers. They are drawn on all cores.
 ///
 /// # Errors
 /// An episode cannot be repeated or drawn, or the work was stopped.
 pub fn failures(tested: &Tested<'_>) -> Result<Vec<Failure>, RunError> {
-    let places = places(tested);
-    let draw = |_: &mut (), number: usize| {
+    let failed = failed_episodes(tested);
+    let draw = |_: &mut (), index: usize| {
         tested.test.check_signals()?;
-        places[number].draw(number + 1, tested)
+        failed[index].draw(index + 1, tested)
     };
-    on_all_cores::map(places.len(), 0, || (), draw).into_iter().collect()
+    on_all_cores::map(failed.len(), 0, || (), draw).into_iter().collect()
 }
 
-fn places<'a>(tested: &'a Tested<'_>) -> Vec<Place<'a>> {
-    let mut places = Vec::new();
+fn failed_episodes<'a>(tested: &'a Tested<'_>) -> Vec<FailedEpisode<'a>> {
+    let mut all = Vec::new();
     let mut first = 0;
     for (family, of_family) in tested.test.suite.families.iter().enumerate() {
-        for (driver, found) in tested.found.iter().enumerate() {
+        for (driver, episodes) in tested.episodes.iter().enumerate() {
             for (k, scenario) in of_family.scenarios.iter().enumerate() {
-                let of = &found[first + k];
+                let of = &episodes[first + k];
                 let failed = of.episodes.iter().enumerate().filter(|(_, episode)| !episode.succeeded());
-                places.extend(failed.map(|(index, _)| Place {
+                all.extend(failed.map(|(index, _)| FailedEpisode {
                     driver,
                     family,
                     scenario: &scenario.name,
@@ -69,10 +70,10 @@ fn places<'a>(tested: &'a Tested<'_>) -> Vec<Place<'a>> {
         }
         first += of_family.scenarios.len();
     }
-    places
+    all
 }
 
-impl Place<'_> {
+impl FailedEpisode<'_> {
     fn draw(&self, number: usize, tested: &Tested<'_>) -> Result<Failure, RunError> {
         let Self { driver, family, scenario: name, of, index } = *self;
         let setup = episode_setup(&tested.test.suite.families[family], &of.scenario);
@@ -90,8 +91,8 @@ impl Place<'_> {
     }
 }
 
-/// `scenario` with the start, the goal and the generated obstacles of `episode`. What else is random in it, the window takes from
-/// the seed and the number of the episode: where moving obstacles begin, and noise.
+/// `scenario` with the start, the goal and the generated obstacles of `episode`. The app derives what else is random in the
+/// episode from its seed and number: where moving obstacles begin, and noise.
 fn repeatable(scenario: &Scenario, episode: &EpisodeResult, text: &str) -> Scenario {
     let EpisodeResult { start, goal, layout_seed, .. } = episode;
     let fixed = |x_m, y_m, heading_rad| PlacementRule::Fixed { position_m: vec2(x_m, y_m), heading_rad };
@@ -103,7 +104,7 @@ fn repeatable(scenario: &Scenario, episode: &EpisodeResult, text: &str) -> Scena
     }
 }
 
-/// The command that repeats a failure of the test with `seed` in the window.
+/// The command that repeats in the app a failure of the test with `seed`.
 pub fn command(report: &Path, failure: &Failure, seed: u64, driver: &Path) -> String {
     let scenario: PathBuf = report.join(FOLDER).join(format!("{}.ron", failure.file));
     let (scenario, episode, driver) = (scenario.display(), failure.episode, driver.display());

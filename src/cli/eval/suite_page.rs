@@ -1,7 +1,7 @@
-//! The report of a test in a suite: a page with the results of each family and a picture of every failure.
+//! The report of a test in a suite: a page with the results of each family and an image of every failure.
 //!
-//! The folder also holds the finished tests, from which an interrupted test goes on, what drove, and the scenarios of the
-//! failures.
+//! The folder also holds the finished tests, so that an interrupted test can continue; the policies and drivers; and the
+//! scenarios of the failures.
 
 use std::fs;
 use std::io::Write;
@@ -23,28 +23,28 @@ use crate::scenario::to_ron;
 
 /// The file with the finished tests.
 const TESTS: &str = "tests.ron";
-/// The folder of what drives.
+/// The folder of the policies and drivers.
 const DRIVERS: &str = "drivers";
 
 /// The folder of a report, locked by this process.
 pub struct SuiteFolder {
     path: PathBuf,
-    /// The tests that were finished in it.
+    /// The finished tests, each of one driver in one scenario.
     pub store: TestStore,
     _lock: Lock,
 }
 
 impl SuiteFolder {
-    /// Creates the folder at `path`, or goes on in one that an earlier test created.
+    /// Creates the folder at `path`, or opens one that an earlier test created.
     ///
     /// # Errors
-    /// It holds something else, another process uses it, or it cannot be written.
+    /// The folder holds something else, another process uses it, or it cannot be written.
     pub fn open(path: &Path) -> Result<Self, RunError> {
         let unwritable = |error: std::io::Error| RunError::not_writable(path, error);
         let is_used = fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_some());
         if is_used && !path.join(TESTS).is_file() {
             let why =
-                "holds something else than the report of a suite; help: give a new folder with --report";
+                "holds something other than the report of a suite; help: give a new folder with --report";
             return Err(RunError::invalid_input(path, why));
         }
         fs::create_dir_all(path).map_err(unwritable)?;
@@ -54,7 +54,7 @@ impl SuiteFolder {
         Ok(Self { path: path.into(), store, _lock: lock })
     }
 
-    /// Writes the report, with the pictures and scenarios of all failures. Returns the path of the page.
+    /// Writes the report, with the images and scenarios of all failures. Returns the path of the page.
     ///
     /// # Errors
     /// An episode cannot be drawn, or a file cannot be written.
@@ -74,17 +74,17 @@ impl SuiteFolder {
         };
         let families = report.policies.first().map_or(&[][..], |policy| &policy.families);
         let section = |(family, (name, _)): (usize, &(String, FamilyResult))| {
-            let own: Vec<&Failure> = failures.iter().filter(|failure| failure.family == family).collect();
+            let shown: Vec<&Failure> = failures.iter().filter(|failure| failure.family == family).collect();
             let table = Item::Table { table: table(report, family), claim_results: Vec::new() };
             Section {
                 id: format!("family-{}", family + 1),
                 heading: name.clone(),
-                about: match own.len() {
+                about: match shown.len() {
                     0 => "No episode failed.".into(),
                     1 => "One episode failed.".into(),
                     count => format!("{count} episodes failed."),
                 },
-                items: std::iter::once(table).chain(own.into_iter().map(figure)).collect(),
+                items: std::iter::once(table).chain(shown.into_iter().map(figure)).collect(),
             }
         };
         let page = Page {
@@ -105,10 +105,10 @@ impl SuiteFolder {
         Ok(self.path.join("report.html"))
     }
 
-    /// Writes what drives, so that the commands of the failures need no other file. Returns the paths, as they are given on the
-    /// command line.
+    /// Writes the policies and drivers, so that the commands of the failures need no other files. Returns their paths, as given
+    /// on the command line.
     fn write_drivers(&self, tested: &Tested<'_>) -> Result<Vec<PathBuf>, RunError> {
-        let folder = made(&self.path.join(DRIVERS))?;
+        let folder = create_folder(&self.path.join(DRIVERS))?;
         let mut paths = Vec::new();
         for (k, driver) in tested.drivers.iter().enumerate() {
             let name = driver.name.strip_suffix(WITH_MAP).unwrap_or(&driver.name);
@@ -134,7 +134,7 @@ impl SuiteFolder {
     }
 
     fn write_scenarios(&self, failures: &[Failure]) -> Result<(), RunError> {
-        let folder = made(&self.path.join(suite_failures::FOLDER))?;
+        let folder = create_folder(&self.path.join(suite_failures::FOLDER))?;
         for failure in failures {
             let path = folder.join(format!("{}.ron", failure.file));
             replace(&path, |file| file.write_all(failure.scenario.as_bytes()))
@@ -144,11 +144,13 @@ impl SuiteFolder {
     }
 }
 
-const LEAD: &str = "Every policy and driver drove the same episodes. In the pictures, the line is the robot's path, and the rays are \
-its last scan. The command below a picture opens the window in the same scenario, with the same start and goal, and what drove; \
-moving obstacles begin at their own start there, and sensor noise differs.";
+/// The paragraph at the top of the page.
+const LEAD: &str = "Every policy and driver drove the same episodes. In the images, the line is the robot's path, and the rays \
+are its last scan. The command below an image repeats the episode in the app, with the same driver, start, goal, moving \
+obstacles and sensor noise.";
 
-fn made(folder: &Path) -> Result<PathBuf, RunError> {
+/// Creates `folder` if it is missing, and removes temporary files from it.
+fn create_folder(folder: &Path) -> Result<PathBuf, RunError> {
     fs::create_dir_all(folder).map_err(|error| RunError::not_written(folder, error))?;
     remove_temporary_files(folder);
     Ok(folder.into())

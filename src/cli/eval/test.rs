@@ -1,4 +1,4 @@
-//! The test of policies, which all drive the same episodes.
+//! The test in one scenario. All policies and drivers drive the same episodes.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -23,7 +23,7 @@ const PLANNED_AT_ONCE: usize = 64;
 /// A policy or driver under test, with its file or shipped name.
 pub type Named = (String, TestDriver);
 
-/// A test of policies, which all drive the same episodes.
+/// A test in one scenario, in which all policies and drivers drive the same episodes.
 pub struct Test<'a> {
     pub scenario: Arc<Scenario>,
     /// The number of episodes.
@@ -35,14 +35,14 @@ pub struct Test<'a> {
     pub route: Option<BenchmarkRoute>,
     pub args: &'a EvalArgs,
     pub extensions: &'a Extensions,
-    /// Set if the test writes files: the flag that stops it.
+    /// The flag by which a signal stops the test, if it writes files.
     pub stop: Option<&'static AtomicBool>,
 }
 
 /// What the planner knows about the episodes of a test.
 struct References {
     shortest_paths_m: Vec<f64>,
-    /// Bounds of all episodes, if the file of the episodes needs them.
+    /// Bounds of all episodes, if the CSV file needs them.
     bounds: Option<Vec<StepBounds>>,
 }
 
@@ -68,7 +68,7 @@ impl Test<'_> {
         let mut reports = Vec::new();
         for named in policies {
             let episodes = self.episodes(&mut evaluator, named, trace.as_deref_mut())?;
-            // They are the same for every policy.
+            // The references are the same for every policy.
             let references = match &mut references {
                 Some(references) => references,
                 none => none.insert(self.references(&episodes, csv.is_some())?),
@@ -113,7 +113,7 @@ impl Test<'_> {
     fn references(&self, episodes: &[EpisodeResult], has_csv: bool) -> Result<References, RunError> {
         let has_bounds = has_csv && self.args.optimum;
         let mut references = References { shortest_paths_m: Vec::new(), bounds: has_bounds.then(Vec::new) };
-        // Some plans take seconds.
+        // Some plans take seconds, so signals are checked between chunks.
         for some in episodes.chunks(PLANNED_AT_ONCE) {
             self.check_signals()?;
             references.shortest_paths_m.extend(evaluate::shortest_paths_m(&self.scenario, some, 0));

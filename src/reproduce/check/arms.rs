@@ -36,7 +36,7 @@ impl Check<'_> {
         }
     }
 
-    /// Conditions change trainings, and finished runs cannot be changed.
+    /// Checks the conditions. They and the overrides cannot change finished runs.
     pub(super) fn conditions(&mut self, experiment: &Experiment) {
         self.found.names("conditions", experiment.conditions.iter().map(|c| c.name.as_str()));
         for (i, condition) in experiment.conditions.iter().enumerate() {
@@ -55,7 +55,7 @@ impl Check<'_> {
         }
     }
 
-    /// The scenarios of stages must exist.
+    /// Checks that each of `names` is the scenario of a stage.
     fn only_scenarios(&mut self, path: &str, names: &[String]) {
         let known = || self.arms.iter().flat_map(|arm| &arm.stages).map(|stage| stage.scenario.as_str());
         for name in names {
@@ -83,7 +83,7 @@ impl Check<'_> {
         }
     }
 
-    /// Every arm of which `measures` are taken at `point` must be trained that long, in the same unit.
+    /// Checks that `measures` have values at `point`, and that every arm is trained that long, in the same unit.
     pub(super) fn after(&mut self, path: &str, point: TestPoint, measures: &[Measure]) {
         let Some(after) = point.after else { return };
         self.found.range(path, amount(after), 0, MAX_STEPS);

@@ -9,7 +9,7 @@ use crate::scenario::Diagnostic;
 #[derive(Default)]
 pub(super) struct Collector {
     pub(super) diagnostics: Vec<Diagnostic>,
-    /// Whether a list is too long, so that what refers to it is not checked.
+    /// Whether a list is too long. Then nothing but sizes is checked.
     pub(super) is_too_large: bool,
 }
 
@@ -44,7 +44,7 @@ impl Collector {
         }
     }
 
-    /// Names must be unique and not empty.
+    /// Checks that names are unique and not empty.
     pub(super) fn names<'a>(&mut self, path: &str, names: impl Iterator<Item = &'a str>) {
         let mut seen = BTreeSet::new();
         for name in names {
@@ -56,7 +56,7 @@ impl Collector {
         }
     }
 
-    /// A name that becomes the name of a file.
+    /// Checks a name that becomes the name of a file.
     pub(super) fn file_name(&mut self, path: &str, name: &str) {
         let fits = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
         if name.is_empty() || name.len() > 60 || !name.chars().all(fits) {

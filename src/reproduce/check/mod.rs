@@ -24,8 +24,8 @@ use crate::limits::MAX_EVALUATION_EPISODES;
 use crate::limits::experiment::{MAX_ROUNDS, MAX_SEEDS, MAX_SMOOTHING, MAX_TEST_EPISODES, MAX_TRAININGS};
 use crate::scenario::{Diagnostic, closest_name, overlap};
 
-/// All diagnostics of `experiment`, of which the values at the paths `unknown` could not be read. If a list is too long, only what
-/// is too large is reported.
+/// All diagnostics of `experiment`. The values at the paths `unknown` could not be read. If a list is too long, only what is too
+/// large is reported.
 pub(super) fn diagnostics(experiment: &Experiment, unknown: &[String]) -> Vec<Diagnostic> {
     let names_are_known = !unknown.iter().any(|path| overlap(path, "arms"));
     let mut check = Check { arms: &experiment.arms, names_are_known, found: Collector::default() };
@@ -40,7 +40,7 @@ pub(super) fn diagnostics(experiment: &Experiment, unknown: &[String]) -> Vec<Di
     check.found.diagnostics
 }
 
-/// Whether the lists of `experiment`, and the trainings with one seed, are few enough to be checked one by one.
+/// Whether the lists of `experiment` are short enough, and its training runs with one seed few enough, to be checked one by one.
 pub(super) fn is_small(experiment: &Experiment) -> bool {
     let mut found = Collector::default();
     sizes::check(&mut found, experiment);
@@ -148,7 +148,7 @@ impl Check<'_> {
         }
     }
 
-    /// The name of an arm must exist.
+    /// Checks that an arm has this name.
     fn arm(&mut self, path: &str, name: &str) {
         if !self.names_are_known || self.arms.iter().any(|arm| arm.name == name) {
             return;
@@ -178,11 +178,11 @@ mod tests {
     use crate::run::preset::Budget;
     use crate::run::shipped;
 
-    /// A change that makes a valid experiment invalid, and the path of the field that must be reported.
+    /// The path of the field that must be reported, and a change that makes a valid experiment invalid.
     type Breakage = (&'static str, fn(&mut Experiment));
 
     #[test]
-    fn files_beyond_the_size_limits_are_rejected_before_their_contents_are_checked() {
+    fn invalid_values_are_reported_with_their_paths() {
         let text = shipped::experiments().find(|(from, _)| from.ends_with("fig10.ron")).expect("shipped").1;
         let valid = Experiment::parse(text, "fig10.ron").expect("it is valid");
         let breakages: &[Breakage] = &[
@@ -206,7 +206,7 @@ mod tests {
                 };
                 e.tables[0].claims = vec![claim; 201];
             }),
-            // 1,000 seeds with at least 11 trainings each.
+            // 1,000 seeds with at least 11 training runs each.
             ("seeds", |e| {
                 let stage = e.arms[0].stages[0].clone();
                 (e.seeds, e.arms[0].stages) = (Seeds::First(1000), vec![stage; 11]);

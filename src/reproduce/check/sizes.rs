@@ -1,4 +1,4 @@
-//! The size checks of an experiment: numbers of entries, lengths of texts, and the number of trainings.
+//! The size checks of an experiment: numbers of entries, lengths of texts, and the number of training runs.
 
 use super::collector::Collector;
 use crate::limits::experiment::*;
@@ -122,8 +122,8 @@ fn check_trainings(found: &mut Collector, experiment: &Experiment) {
     // A number of seeds that is itself out of range has its own diagnostic.
     if trainings > MAX_TRAININGS && seeds <= MAX_SEEDS {
         let message = format!(
-            "is {seeds}, which makes {trainings} trainings with these arms and conditions; help: reduce it to at most \
-             {MAX_TRAININGS} trainings"
+            "is {seeds}, which makes {trainings} training runs with these arms and conditions; help: give fewer seeds, for at \
+             most {MAX_TRAININGS} training runs"
         );
         found.add("seeds", message);
     }

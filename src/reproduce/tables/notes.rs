@@ -16,7 +16,7 @@ use crate::run::RunError;
 /// The notes of a table: the test, the intervals, the data, the policies and the measures.
 ///
 /// # Errors
-/// An arm is too short; a plan has no such arm.
+/// An arm is too short, which does not occur in a plan.
 pub(super) fn notes(results: &Results<'_>, index: usize, spec: &TableSpec) -> Result<Vec<String>, RunError> {
     let experiment = results.experiment(index);
     let (measures, point): (&[Measure], _) = match &spec.show {

@@ -1,4 +1,4 @@
-//! Tables of single seeds: every value, the mean, the paper's value and, for times, the ratio to the optimal time.
+//! Tables with the value of every seed, their mean, the paper's value and, for times, the ratio to the optimal time.
 
 use super::parts::{TableParts, estimate_cell, number_column, text_column, value_cell};
 use crate::planner::StepBounds;
@@ -81,7 +81,7 @@ fn columns(measure: Measure, seeds: &[u64], with_paper: bool) -> Vec<Column> {
     columns
 }
 
-/// The paper's value, and the difference of our mean to it.
+/// The paper's value, and our mean minus that value.
 fn paper_cells(paper: Option<f64>, mean: Option<Estimate>, measure: Measure) -> [Cell; 2] {
     let digits = measure.digits();
     let value = |value| Cell::Number { value, digits: digits.max(decimals(value)) };
@@ -89,7 +89,7 @@ fn paper_cells(paper: Option<f64>, mean: Option<Estimate>, measure: Measure) -> 
         Some((paper, mean)) => Cell::Signed {
             value: mean.mean - paper,
             half_width: mean.half_width,
-            // Of the mean, relative to the paper's value.
+            // The limits of the measure, also minus the paper's value.
             limits: measure.limits().map(|(low, high)| (low - paper, high - paper)),
             digits,
         },
@@ -108,8 +108,8 @@ fn optimal_time_note(scenario: &str, (plan_s, bound_s): (f64, f64)) -> String {
     )
 }
 
-/// The planner's mean time and the mean lower bound, in s, over the episodes that the measure is about. `None` if the
-/// planner found no path for one of them.
+/// The planner's mean time and the mean lower bound, in s, over the episodes that the measure is about. `None` if
+/// there are no such episodes, or the planner found no path for one of them.
 fn mean_optimal_time(
     results: &Results<'_>,
     arm: ArmIndex,

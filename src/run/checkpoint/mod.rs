@@ -129,7 +129,7 @@ fn read(path: &Path, config: &RunConfig) -> Result<(TrainerState, Learner), RunE
     read_from(BufReader::new(file), config).map_err(|why| RunError::invalid_input(path, why))
 }
 
-/// Reads what [`write_to`] wrote in a run of `config`. The contents are untrusted, even with valid checksums:
+/// Reads what [`write_to`] wrote in a run with `config`. The contents are untrusted, even with valid checksums:
 /// every value is checked.
 ///
 /// # Errors

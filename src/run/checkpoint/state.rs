@@ -49,15 +49,15 @@ pub struct TrainerState {
     pub wall_s: f64,
     /// The plugin data of every arena; empty without plugins.
     pub arena_extensions: Vec<ArenaExtension>,
-    /// The scenario of every arena in the run's set of scenarios; empty without a set.
+    /// Which scenario of the run's set each arena is in; empty without a set.
     pub arena_scenarios: Vec<ArenaScenario>,
-    /// The pose that each arena's robot believes in; empty if these are the true poses.
+    /// The estimated pose of each arena's robot; empty if these are the true poses.
     pub estimated_poses: Vec<Pose>,
     /// The pedestrians of each arena; empty if there are none.
     pub pedestrians: Vec<Pedestrians>,
     /// The scans that each arena's robot remembers for its observation by sectors; empty without one.
     pub earlier_scans: Vec<Vec<EarlierScan>>,
-    /// The results in the levels of each member of the run's set; empty unless levels are drawn by them.
+    /// The results in each level, by member of the run's set; empty unless levels are drawn by their results.
     pub level_results: Vec<Vec<LevelResults>>,
 }
 
@@ -103,7 +103,7 @@ impl BestPolicy {
     /// Policies count as equally good up to this multiple of the minimum mean cost.
     pub const COST_TOLERANCE: f64 = 1.01;
 
-    /// Env steps of the training before the policy, from its card; `None` without a card.
+    /// Env steps of training up to this policy, from its policy card; `None` without a card.
     #[must_use]
     pub fn env_steps(&self) -> Option<u64> {
         Some(Policy::from_bytes(&self.bytes).ok()?.card?.training.env_steps)
@@ -126,8 +126,8 @@ impl TrainerState {
         self.collect_extensions();
     }
 
-    /// Copies what the arenas' serialized form does not include out of them: plugin data, scenarios, estimated poses and
-    /// pedestrians.
+    /// Copies from the arenas what their serialized form leaves out: plugin data, scenarios, estimated poses, pedestrians and
+    /// earlier scans.
     fn collect_extensions(&mut self) {
         self.arena_extensions = self.arenas.iter().map(ArenaExtension::from_state).collect();
         if self.arena_extensions.iter().all(ArenaExtension::is_empty) {

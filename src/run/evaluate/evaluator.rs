@@ -36,7 +36,7 @@ pub struct EvaluationRun {
     pub episodes: Vec<EpisodeResult>,
     /// The initial states of the current episodes.
     initial: Vec<ArenaState>,
-    /// The reason and number of control steps of each current episode that has ended.
+    /// For each current episode, why it ended and after how many control steps; `None` while it runs.
     ends: Vec<Option<(EpisodeEnd, u32)>>,
     /// The paths of the current episodes, if they are measured.
     paths: Vec<PathTracker>,
@@ -279,7 +279,7 @@ impl Evaluator {
     }
 }
 
-/// Makes `encoding` that of the observations of `arenas` arenas with `beams` LIDAR beams, from the next reset on.
+/// Sets the encoding of the observations of `arenas` arenas with `beams` LIDAR beams, from the next reset on.
 pub(super) fn set_observation(world: &mut World, encoding: Encoding, beams: usize, arenas: usize) {
     let mut layout = world.resource_mut::<ObservationLayout>();
     layout.encoding = encoding;

@@ -34,15 +34,15 @@ pub use per_episode::{bounds, shortest_paths_m};
 pub use record::EpisodeRecord;
 pub use trace::TraceStep;
 
-/// The physics of the simulation, as reports name it: numbers of other simulators do not belong into one column with these.
+/// The simulation's physics, as reports name it: results from other physics do not belong in the same column.
 pub const PHYSICS: &str = "kinematic, rapier contact";
 
-/// What is evaluated: a policy, also with a map, or a classical driver.
+/// What is evaluated: a policy, a policy with a map, or a classical driver.
 #[derive(Clone, Copy, Debug)]
 pub enum Evaluated<'a> {
     /// The greedy actions of a policy.
     Policy(&'a Policy),
-    /// A policy that drives by percepts, with a map that it builds.
+    /// A policy that builds a map, with which it drives around what blocks the straight line to the goal.
     PolicyWithMap(&'a DrivingPolicy),
     /// A classical driver.
     Driver(&'a DriverConfig),
@@ -135,17 +135,17 @@ pub fn outcome_name(end: EpisodeEnd) -> &'static str {
 /// The rates and mean times of a set of episodes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Evaluation {
-    /// Share of episodes that succeeded, 0 to 1.
+    /// Fraction of episodes that succeeded, 0 to 1.
     pub success_rate: f64,
     /// The 95 % confidence interval of the success rate ([`rate_interval`]), within 0 to 1.
     pub success_interval: [f64; 2],
     /// The success rate of each round (tables 2 and 5 of the paper).
     pub rounds: Vec<f64>,
-    /// Share of episodes that ended in a collision, 0 to 1.
+    /// Fraction of episodes that ended in a collision, 0 to 1.
     pub collision_rate: f64,
     /// Its 95 % confidence interval, within 0 to 1.
     pub collision_interval: [f64; 2],
-    /// Share of episodes that ended at the time limit, 0 to 1.
+    /// Fraction of episodes that ended at the time limit, 0 to 1.
     pub timeout_rate: f64,
     /// Its 95 % confidence interval, within 0 to 1.
     pub timeout_interval: [f64; 2],
@@ -168,13 +168,13 @@ pub struct Evaluation {
 pub struct ScenarioResult {
     /// The scenario's name in the set.
     pub name: String,
-    /// Share of the episodes in this scenario that succeeded, 0 to 1.
+    /// Fraction of the episodes in this scenario that succeeded, 0 to 1.
     pub success_rate: f64,
     /// The 95 % confidence interval of the success rate, within 0 to 1.
     pub success_interval: [f64; 2],
-    /// Share of these episodes that ended in a collision, 0 to 1.
+    /// Fraction of these episodes that ended in a collision, 0 to 1.
     pub collision_rate: f64,
-    /// Share of these episodes that ended at the time limit, 0 to 1.
+    /// Fraction of these episodes that ended at the time limit, 0 to 1.
     pub timeout_rate: f64,
     /// Mean simulated time of the successful episodes, in s; `None` if none succeeded.
     pub mean_time_s: Option<f64>,
@@ -205,7 +205,8 @@ impl Evaluation {
         }
     }
 
-    /// The evaluation of `episodes` in the scenarios of `pool`, in their fixed shares; with `round` episodes per round.
+    /// The evaluation of `episodes`, whose scenarios are those of [`ScenarioPool::in_fixed_shares`]; with `round` episodes per
+    /// round.
     #[must_use]
     pub fn over_pool(episodes: &[EpisodeResult], round: usize, pool: &ScenarioPool, seed: u64) -> Self {
         let mut groups = vec![Vec::new(); pool.members()];

@@ -11,7 +11,7 @@ pub struct OptimumComparison {
     pub episodes: usize,
     /// Mean time of the planned paths, in s.
     pub optimum_mean_time_s: f64,
-    /// Mean time of the policy divided by that of the planned paths. If these are optimal, so is a ratio of 1.
+    /// Mean time of the policy divided by that of the planned paths. A ratio of 1 is optimal if these paths are.
     pub time_ratio: f64,
     /// Mean time of the policy divided by the mean of the proven lower bounds, 1 or more. The ratio to the
     /// true optimum lies between `time_ratio` and this.

@@ -37,8 +37,8 @@ impl PathQuery {
         Self(world.query())
     }
 
-    /// Calls `each` with the number of every arena, the robot's pose, and a function that measures its distance from the nearest
-    /// wall or obstacle, which takes time in large worlds.
+    /// Calls `each` with the index of every arena, the robot's pose, and a function that measures the robot's clearance, which
+    /// takes time in large scenarios.
     pub(super) fn read(&mut self, world: &World, mut each: impl FnMut(usize, &Pose, &dyn Fn() -> Clearance)) {
         for (arena, (layout, pedestrians), pose, clock, scan) in self.0.iter(world) {
             each(arena.0, pose, &|| Clearance::new(layout.indexed(pedestrians), pose, *clock, scan));

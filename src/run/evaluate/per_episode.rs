@@ -21,11 +21,11 @@ pub fn bounds(scenario: &Scenario, episodes: &[EpisodeResult], threads: usize) -
 }
 
 /// The length, in m, of the shortest path of each episode from the robot's start to the edge of the goal, around static
-/// obstacles and walls, in the order of `episodes`. Moving obstacles and the turning radius are ignored. In a scenario with
-/// polygons, which the planner does not support, it is the length of the straight line. The number of `threads` (0: one per
-/// core) does not change the result.
+/// obstacles and walls, in the order of `episodes`. Moving obstacles and the turning radius are ignored. If there is no path, or
+/// the scenario has polygons, which the planner does not support, it is the length of the straight line. The number of `threads`
+/// (0: one per core) does not change the result.
 ///
-/// See [`planner::shortest_path_m`] for the error.
+/// See [`planner::shortest_path_m`] for the accuracy.
 #[must_use]
 pub fn shortest_paths_m(scenario: &Scenario, episodes: &[EpisodeResult], threads: usize) -> Vec<f64> {
     per_episode(scenario, episodes, threads, |layout, episode| {
@@ -40,7 +40,7 @@ fn start_and_goal(episode: &EpisodeResult) -> ((f32, f32, f32), Vec2) {
     ((start.x_m, start.y_m, start.heading_rad), vec2(goal.x_m, goal.y_m))
 }
 
-/// `of` for each of `episodes` and the scenario with its generated obstacles and drawn numbers, in the order of `episodes`.
+/// The results of `of` for each of `episodes`, in their order. `of` gets the scenario as drawn for the episode.
 fn per_episode<T: Send>(
     scenario: &Scenario,
     episodes: &[EpisodeResult],

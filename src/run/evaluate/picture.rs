@@ -1,4 +1,4 @@
-//! The picture of an episode: its path, and what the robot sensed at its end.
+//! The image of an episode: its path, and what the robot sensed at its end.
 
 use bevy::prelude::*;
 
@@ -7,7 +7,7 @@ use crate::run::{RunError, scenario_image};
 use crate::task::{Arena, EpisodeSetup, Pose};
 
 impl Evaluator {
-    /// Drives only episode `index`, from 0, of [`Evaluator::run`]. Returns its result, and its picture at the end as the text of an
+    /// Runs only episode `index`, from 0, of [`Evaluator::run`]. Returns its result, and an image of its end as the text of an
     /// SVG file: obstacles, goal, the robot's path, and the robot with its last scan.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! The records of an evaluation's episodes: a row each in the file of `--eval --csv`.
+//! The records of an evaluation's episodes: one row each in the file of `--eval --csv`.
 
 use serde::Serialize;
 
@@ -6,7 +6,7 @@ use super::{EpisodeResult, outcome_name, period_s, round_to_microsecond};
 use crate::planner::StepBounds;
 use crate::scenario::{Obstacle, ObstacleMotion, Scenario, Shape, Solid};
 
-/// The record of one episode: what happened, how long it took, how far it was, and how close the robot came to walls and
+/// The record of one episode: what happened, how long it took, how long the path was, and how close the robot came to walls and
 /// obstacles. The field names are the columns of the file; an empty field is unknown or does not apply.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EpisodeRecord {
@@ -72,7 +72,7 @@ impl EpisodeRecord {
     ) -> Self {
         let period_s = period_s(scenario.task.control_period_s);
         let time_s = |steps: u32| round_to_microsecond(f64::from(steps) * period_s);
-        // A scenario that the planner does not support has neither a plan nor a bound.
+        // Without a plan, the bound is left out too: in a scenario that the planner does not support, it means nothing.
         let plan = bounds.and_then(|bounds| Some((bounds, bounds.plan_steps?)));
         let hit = result.path.and_then(|path| path.hit).map(|solid| Hit::new(solid, result, scenario));
         Self {
@@ -101,7 +101,7 @@ impl EpisodeRecord {
     }
 }
 
-/// What a robot has hit, in words.
+/// What a robot has hit, as in the columns of the file.
 #[derive(Clone, Copy)]
 struct Hit {
     kind: &'static str,

@@ -14,8 +14,8 @@ use crate::task::{
     SensorReadings, StepOutcome, StepOutcomes, Twist,
 };
 
-/// The state of an episode before one of its control steps, and what happened in that step. The last state of an episode has
-/// no step.
+/// The state of an episode before one of its control steps, and what happened in that step. After the last state of an
+/// episode there is no step.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TraceStep {
     /// Number of the episode, from 1.
@@ -52,7 +52,7 @@ pub struct TraceStep {
 }
 
 impl TraceStep {
-    /// Writes the line of this step of `policy`, a name: a JSON object.
+    /// Writes this step as one line: a JSON object that also has the name `policy`.
     ///
     /// # Errors
     /// `writer` cannot be written to.
@@ -86,7 +86,7 @@ type Traced = (
 
 impl Evaluator {
     /// Runs `count` episodes as [`Evaluator::run`] does, with the same results, but one after the other, and passes every step
-    /// to `each`: those of episode 1 in their order, then those of episode 2, and so on.
+    /// to `each`: first the steps of episode 1, then those of episode 2, and so on.
     ///
     /// # Errors
     /// As for [`Evaluator::run`], or an error of `each`, which ends the evaluation.
@@ -139,7 +139,7 @@ impl Evaluator {
     }
 }
 
-/// The state of arena 0, which is `step` control steps into episode `episode`.
+/// The state of arena 0, which is `step` control steps into episode `episode`; `None` if there is no arena.
 fn state(arenas: &mut QueryState<Traced>, world: &World, episode: usize, step: u32) -> Option<TraceStep> {
     let (_, (layout, pedestrians), pose, twist, scan, readings, goal, clock) =
         arenas.iter(world).find(|(arena, ..)| arena.0 == 0)?;

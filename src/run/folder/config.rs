@@ -49,7 +49,7 @@ pub struct RunConfig {
     /// The plugins. They are not part of the file.
     #[serde(skip)]
     pub extensions: Extensions,
-    /// The set of scenarios from which the episodes draw; `None` if all have the same one.
+    /// The set from which each episode draws its scenario; `None` if all episodes have the same one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scenario_set: Option<ScenarioSet>,
     /// The scenario; of a set, the first.
@@ -74,10 +74,11 @@ impl RunConfig {
         Ok(Self { scenario_set, ..config })
     }
 
-    /// The same in the scenario that the preset names, unless `scenario_from` is given; in Scenario I if there is neither.
+    /// Like [`resolve`](Self::resolve). Without `scenario_from`, it takes the scenario that the preset names, otherwise
+    /// Scenario I.
     ///
     /// # Errors
-    /// As [`resolve`](Self::resolve).
+    /// As for [`resolve`](Self::resolve).
     pub fn resolve_default(
         scenario_from: Option<&str>,
         preset_from: &str,
@@ -93,8 +94,8 @@ impl RunConfig {
         }
     }
 
-    /// The configuration of a run that starts from random weights, with a scenario and a preset that come from the files
-    /// or shipped names given with them.
+    /// The configuration of a run that starts from random weights. The scenario and the preset each come with their file
+    /// or shipped name.
     #[must_use]
     pub fn new(scenario: (String, Scenario), preset: (String, Preset), seed: u64) -> Self {
         let ((scenario_from, scenario), (preset_from, preset)) = (scenario, preset);
@@ -111,7 +112,7 @@ impl RunConfig {
             extensions: Extensions::default(),
             scenario_set: None,
             scenario,
-            // The scenario that it names was a default.
+            // The scenario that the preset names was only a default.
             preset: Preset { scenario: None, ..preset },
         }
     }
@@ -119,7 +120,7 @@ impl RunConfig {
     /// This configuration with changes to its scenario, or to all scenarios of its set, and to its preset.
     ///
     /// # Errors
-    /// As [`Settings::apply`].
+    /// As for [`Settings::apply`].
     pub fn with_settings(mut self, settings: &Settings) -> Result<Self, Vec<SettingError>> {
         if let Some(set) = &mut self.scenario_set {
             settings.apply_to_set(set, &self.preset)?;
@@ -131,7 +132,7 @@ impl RunConfig {
     /// This configuration with another budget and number of arenas, where they are given.
     ///
     /// # Errors
-    /// The preset is then invalid. The message names it.
+    /// The preset would then be invalid. The message names it.
     pub fn with_length(mut self, budget: Option<Budget>, arenas: Option<usize>) -> Result<Self, RunError> {
         self.preset.budget = budget.unwrap_or(self.preset.budget);
         self.preset.arenas = arenas.unwrap_or(self.preset.arenas);
@@ -154,7 +155,7 @@ impl RunConfig {
         Err(FileError::from_diagnostics(path, &read_text_with_limit(path, MAX_CONFIG_BYTES)?, &diagnostics))
     }
 
-    /// Whether the text of a file is meant as a configuration, by its fields.
+    /// Whether the text of a file is meant as a configuration, judging by its fields.
     #[must_use]
     pub fn is_meant_by(text: &str) -> bool {
         let others = [resemblance::<Scenario>(text, "Scenario"), resemblance::<Preset>(text, "Preset")];
@@ -169,7 +170,7 @@ impl RunConfig {
         parse_checked(text, path, Self::diagnostics_of_known, Self::diagnostics)
     }
 
-    /// All invalid values of the preset and the scenario.
+    /// All invalid values of the preset, the set of scenarios and the scenario.
     #[must_use]
     pub fn diagnostics(&self) -> Vec<Diagnostic> {
         self.diagnostics_of_known(&[])
@@ -260,7 +261,7 @@ impl RunConfig {
         self.scenario_set.iter().flat_map(|set| &set.members).map(|member| member.name.as_str())
     }
 
-    /// The plugins of the run's simulations: the user's, and the set of scenarios.
+    /// The plugins of the run's simulations: the user's, and one for the set of scenarios.
     #[must_use]
     pub fn simulation_plugins(&self) -> Extensions {
         match &self.scenario_set {
@@ -269,7 +270,7 @@ impl RunConfig {
         }
     }
 
-    /// Checks that the training needs no more memory than allowed, in any of its scenarios.
+    /// Checks that training needs no more memory than allowed, in any of its scenarios.
     ///
     /// # Errors
     /// It needs too much memory. The message names the fields to reduce.
@@ -318,16 +319,16 @@ impl RunConfig {
     }
 }
 
-/// The scenario of a training for which neither the user nor the preset names one.
+/// The scenario of a training run for which neither the user nor the preset names one.
 pub const DEFAULT_SCENARIO: &str = "scenario-1";
 
-/// The problem of a scenario that a preset names.
+/// The message for an unusable scenario that a preset names.
 fn of_preset(error: &FileError) -> String {
     format!("its `scenario` cannot be used: {error}")
 }
 
 /// The name of the file `path` without folder and extension, as part of another file's name: without characters that can't
-/// be printed. Standard input is called `stdin`, and the `config.ron` of a run like the run's folder.
+/// be printed. For standard input it is `stdin`, and for the `config.ron` of a run the name of the run's folder.
 fn file_stem(path: &str) -> String {
     let path = Path::new(if path == "-" { "stdin" } else { path });
     let folder = path.parent().and_then(Path::file_name).filter(|_| path.ends_with(RunFolder::CONFIG_FILE));

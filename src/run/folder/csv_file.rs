@@ -12,7 +12,7 @@ use crate::run::metric_rows::{SetColumns, parse_rows};
 use crate::run::write_points::write_point;
 
 impl RunFolder {
-    /// The rows of the CSV file `name`. A last row without its line break is left out: a run in progress writes it.
+    /// The rows of the CSV file `name`. A last row without a line break is left out: a run in progress is still writing it.
     ///
     /// # Errors
     /// The file cannot be read, or a row cannot be parsed as `Row`.
@@ -23,7 +23,7 @@ impl RunFolder {
         rows.map_err(|error| RunError::failed(&self.path.join(name), error))
     }
 
-    /// The same with the columns of a set of the `scenarios` with these names.
+    /// As [`rows`](Self::rows), with the further columns of a run over a set of scenarios; `scenarios` are their names.
     ///
     /// # Errors
     /// As [`rows`](Self::rows).

@@ -113,7 +113,7 @@ impl RunFolder {
     /// Checks that a new run can be created here: the folder is missing or empty, or holds the remains of a
     /// run that was killed before it wrote `config.ron`.
     fn check_vacant(&self) -> Result<(), RunError> {
-        if self.config().exists() {
+        if self.config_path().exists() {
             let why = "already holds a run; help: continue it with --resume, or give --out another folder";
             return Err(RunError::invalid_input(&self.path, why));
         }
@@ -132,7 +132,7 @@ impl RunFolder {
         Ok(())
     }
 
-    /// This folder, locked for writing. Temporary files that a killed process left are deleted.
+    /// Locks this folder for writing, and deletes temporary files that a killed process left.
     ///
     /// # Errors
     /// Another process has the lock, or the folder or one of the run's files cannot be written.
@@ -158,13 +158,13 @@ impl RunFolder {
     /// The folder does not exist, or its `config.ron` is unreadable or invalid.
     pub fn open(path: &Path) -> Result<(Self, RunConfig), RunError> {
         let folder = Self::new(path.into());
-        if !folder.config().exists() {
+        if !folder.config_path().exists() {
             let why = "is not a run folder (it has no config.ron); help: give the folder of a run";
             return Err(RunError::invalid_input(path, why));
         }
         folder.check_files_are_regular()?;
-        let config = RunConfig::load(&folder.config())?;
-        config.check_memory().map_err(|error| RunError::invalid_input(&folder.config(), error))?;
+        let config = RunConfig::load(&folder.config_path())?;
+        config.check_memory().map_err(|error| RunError::invalid_input(&folder.config_path(), error))?;
         Ok((folder, config))
     }
 
@@ -195,13 +195,13 @@ impl RunFolder {
     /// # Errors
     /// The file cannot be written.
     pub fn write_config(&self, config: &RunConfig) -> Result<(), RunError> {
-        let text = to_ron(config).map_err(|error| RunError::failed(&self.config(), error))?;
+        let text = to_ron(config).map_err(|error| RunError::failed(&self.config_path(), error))?;
         if text.len() as u64 > MAX_CONFIG_BYTES {
             let why = format!(
                 "would have {} bytes, more than {MAX_CONFIG_BYTES}; help: use fewer or smaller scenarios",
                 text.len()
             );
-            return Err(RunError::invalid_input(&self.config(), why));
+            return Err(RunError::invalid_input(&self.config_path(), why));
         }
         self.write(Self::CONFIG_FILE, |file| file.write_all(text.as_bytes()))
     }
@@ -230,7 +230,7 @@ impl RunFolder {
         &self.path
     }
 
-    fn config(&self) -> PathBuf {
+    fn config_path(&self) -> PathBuf {
         self.path.join(Self::CONFIG_FILE)
     }
 }

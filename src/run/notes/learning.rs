@@ -5,11 +5,11 @@ use super::RunLength;
 use crate::learning::{LearningConfig, Schedule, TargetUpdate};
 use crate::scenario::{Note, NoteLevel};
 
-/// Learning rates from here on diverge.
+/// At learning rates from this one on, learning diverges.
 const HIGH_LEARNING_RATE: f32 = 0.1;
-/// Learning rates below change no weight of the order of one.
+/// Learning rates below this one change no weight of the order of one.
 pub(super) const LOW_LEARNING_RATE: f32 = 1e-8;
-/// The share of a weight that decays per gradient step, from which on nothing learned lasts.
+/// If weights decay by at least this fraction per gradient step, nothing learned lasts.
 const STRONG_DECAY: f32 = 1e-3;
 
 pub(super) fn check(learning: &LearningConfig, length: RunLength, notes: &mut Vec<Note>) {
@@ -29,7 +29,7 @@ pub(super) fn check(learning: &LearningConfig, length: RunLength, notes: &mut Ve
         add(NoteLevel::Warning, "learning_rate", problem);
     } else if rate >= HIGH_LEARNING_RATE {
         let problem =
-            format!("is up to {rate}, with which learning diverges; help: give a lower one, such as 0.0005");
+            format!("is up to {rate}, at which learning diverges; help: give a lower one, such as 0.0005");
         add(NoteLevel::Warning, "learning_rate", problem);
     }
     let decay = rate * learning.weight_decay;

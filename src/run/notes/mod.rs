@@ -1,7 +1,7 @@
 //! The notes of a run: doubtful settings of its preset and its scenario, alone and together.
 //!
 //! In: a preset, the scenario if it is known, or a run's configuration. Out: [`Note`]s, which `--check`, `--train`, the
-//! editor and the app show before a training.
+//! editor and the app show before training.
 //!
 //! | file | what it checks |
 //! |---|---|
@@ -40,14 +40,14 @@ impl RunLength {
             }
             Budget::Episodes(n) => {
                 let limit = scenario.map(|scenario| u64::from(scenario.task.max_episode_steps));
-                // The last episodes of the other arenas are not finished.
+                // When the last episode ends, those of the other arenas are still running.
                 Self { least: n, most: limit.map(|limit| n.saturating_add(arenas).saturating_mul(limit)) }
             }
         }
     }
 }
 
-/// The doubtful settings of `preset`, a valid one, for a run in `scenario`; `has_reward_terms` is whether plugins add
+/// The doubtful settings of the valid `preset` for a run in `scenario`; `has_reward_terms` is whether plugins add
 /// rewards. The more important ones come first.
 #[must_use]
 pub fn preset_notes(preset: &Preset, scenario: Option<&Scenario>, has_reward_terms: bool) -> Vec<Note> {
@@ -76,7 +76,7 @@ impl fmt::Display for RunNote {
     }
 }
 
-/// The doubtful settings of a run: of its scenario, then of its preset, whose epsilon starts at that of the transfer.
+/// The doubtful settings of a run: of its scenario, then of its preset, with the initial epsilon of the transfer if it sets one.
 #[must_use]
 pub fn run_notes(config: &RunConfig) -> Vec<RunNote> {
     let of = |file: &String, notes: Vec<Note>| {

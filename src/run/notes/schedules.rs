@@ -6,10 +6,10 @@ use crate::learning::{Exploration, LearningConfig, Sampling, Schedule};
 use crate::run::preset::{Budget, Preset};
 use crate::scenario::{Note, NoteLevel};
 
-/// A run so many times as long as its schedule of the learning rate is noted.
+/// A run gets a note if it is this many times as long as its learning-rate schedule.
 const LONG_RUN: u64 = 4;
-/// The share of its first value that the learning rate must fall below for a long run to be noted.
-const SMALL_SHARE: f32 = 0.2;
+/// A long run gets a note only if its learning rate ends below this fraction of its first value.
+const SMALL_FRACTION: f32 = 0.2;
 
 /// `value` with four significant digits.
 fn rounded(value: f32) -> f32 {
@@ -71,7 +71,7 @@ fn ends(schedule: &Schedule) -> Option<(f32, f32, u64)> {
     }
 }
 
-/// The problem of a schedule of which a run of at most `most` env steps sees little.
+/// The problem if a run of at most `most` env steps ends long before `schedule` does.
 fn too_slow(schedule: &Schedule, most: u64) -> Option<String> {
     if let Schedule::Step { factor, every_env_steps, .. } = *schedule {
         return (every_env_steps > most && factor < 1.0).then(|| {
@@ -91,7 +91,7 @@ fn too_slow(schedule: &Schedule, most: u64) -> Option<String> {
     })
 }
 
-/// The problem of a learning rate that is small for most of a run of at least `least` env steps.
+/// The problem if the learning rate is small for most of a run of at least `least` env steps.
 fn too_fast(learning_rate: &Schedule, least: u64) -> Option<String> {
     if let Schedule::Step { from, .. } = *learning_rate {
         let half = learning_rate.at(least / 2);
@@ -103,7 +103,7 @@ fn too_fast(learning_rate: &Schedule, least: u64) -> Option<String> {
         });
     }
     let (from, to, env_steps) = ends(learning_rate)?;
-    (to < from * SMALL_SHARE && least / LONG_RUN > env_steps).then(|| {
+    (to < from * SMALL_FRACTION && least / LONG_RUN > env_steps).then(|| {
         format!(
             "ends at env step {env_steps}, but the budget is {least}, most of which has a learning rate of {to}; help: end \
              it at {least}, or give a smaller budget"
@@ -134,7 +134,7 @@ fn exploration(exploration: &Exploration, budget: Budget) -> Option<String> {
     let last = exploration.epsilon(0, episodes, None);
     (last > (start + end) / 2.0).then(|| {
         format!(
-            "has an epsilon of {last:.2} still when the budget of {episodes} episodes ends; help: give a smaller `decay`, or \
+            "still has an epsilon of {last:.2} when the budget of {episodes} episodes ends; help: give a smaller `decay`, or \
              a larger budget"
         )
     })

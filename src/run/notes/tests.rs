@@ -1,4 +1,4 @@
-//! The notes of presets and runs: which settings are doubtful, and that nothing shipped is.
+//! The notes of presets and runs: which settings are doubtful, and that no shipped file has any.
 
 use super::*;
 use crate::learning::{Exploration, Sampling, Schedule, TargetUpdate};
@@ -175,7 +175,7 @@ fn schedules_of_every_kind_are_compared_with_the_budget() {
     assert!(low.len() == 1 && low[0].contains("has fallen from 0.001 to 7.6"), "{low:?}");
     assert_eq!(rate(step(0.5, 100_000), 600_000), [""; 0]);
     let high = rate(Schedule::Step { from: 0.5, factor: 0.1, every_env_steps: 100_000 }, 600_000);
-    assert!(high.len() == 1 && high[0].contains("is up to 0.5, with which learning diverges"), "{high:?}");
+    assert!(high.len() == 1 && high[0].contains("is up to 0.5, at which learning diverges"), "{high:?}");
 }
 
 #[test]
@@ -196,7 +196,7 @@ fn doubtful_exploration_is_noted() {
         p.learning.learning_rate = Schedule::Constant(1e-3);
         p.learning.replay.sampling = Sampling::Uniform;
     };
-    assert_noted(slow, field, "has an epsilon of 0.90 still");
+    assert_noted(slow, field, "still has an epsilon of 0.90");
     assert_eq!(noted(per_episode(1.0, 0.99, 0.05)), [""; 0]);
 }
 

@@ -4,8 +4,8 @@ use std::fs::{File, Metadata};
 use std::io;
 use std::path::Path;
 
-/// Creates a file with the permissions that the umask leaves, and none that the file `replaced` lacks: a private file must
-/// not be readable by others even for a moment.
+/// Creates a file with the permissions that the umask leaves, but none that the file `replaced` lacks: a private file must not
+/// be readable by others even for a moment.
 #[cfg(unix)]
 pub fn create(path: &Path, replaced: Option<&Metadata>) -> io::Result<File> {
     use std::os::unix::fs::{MetadataExt, OpenOptionsExt};
@@ -13,7 +13,7 @@ pub fn create(path: &Path, replaced: Option<&Metadata>) -> io::Result<File> {
     File::options().read(true).write(true).create_new(true).mode(mode).open(path)
 }
 
-/// Gives the file `to` the permissions of the file that it replaces and, where the system permits it, the owner and group.
+/// Gives the file `to` the permissions of the file that it replaces and, where the system permits it, its owner and group.
 #[cfg(unix)]
 pub fn copy(from: &Metadata, to: &File) -> io::Result<()> {
     use std::fs::Permissions;
@@ -24,10 +24,10 @@ pub fn copy(from: &Metadata, to: &File) -> io::Result<()> {
         let _ = fchown(to, Some(from.uid()), None);
     }
     let same_group = new.gid() == from.gid() || fchown(to, None, Some(from.gid())).is_ok();
-    // Permissions of one group are not for another.
+    // Permissions for one group must not pass to another.
     let mode = from.mode() & if same_group { 0o777 } else { 0o707 };
     if new.mode() & 0o777 != mode {
-        // File systems without permissions, such as FAT, refuse this. Then the file has those of its new files.
+        // File systems without permissions, such as FAT, refuse this. The file then keeps their default permissions.
         let _ = to.set_permissions(Permissions::from_mode(mode));
     }
     Ok(())

@@ -69,7 +69,7 @@ fn write_directly(path: &Path, write: impl FnOnce(&mut Sink) -> io::Result<()>) 
     }
 }
 
-/// A new file in the folder of `target`, which it is to replace. Dropped, it is deleted.
+/// A new file in the folder of `target`, which it is to replace. It is deleted on drop.
 fn temporary_file(target: &Path, replaced: Option<&fs::Metadata>) -> io::Result<NamedTempFile> {
     let folder = folder_of(target);
     let file = tempfile::Builder::new().prefix(PREFIX).make_in(folder, |path| access::create(path, replaced));
@@ -80,7 +80,7 @@ fn temporary_file(target: &Path, replaced: Option<&fs::Metadata>) -> io::Result<
     })
 }
 
-/// A complete file that has yet to replace another one. Dropped, it is deleted.
+/// A complete file that has yet to replace another one. It is deleted on drop.
 #[derive(Debug)]
 pub struct StagedFile {
     temporary: TempPath,
@@ -88,7 +88,7 @@ pub struct StagedFile {
 }
 
 impl StagedFile {
-    /// Writes with `write` what is to replace the file `target`, which remains as it is. A link is replaced, not followed.
+    /// Writes, with `write`, the file that is to replace `target`; `target` stays as it is. A link is replaced, not followed.
     ///
     /// # Errors
     /// `write` fails, or the file cannot be written.

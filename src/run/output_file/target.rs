@@ -11,12 +11,12 @@ const MAX_LINKS: usize = 40;
 pub enum OutputTarget {
     /// A regular file that can be replaced, or a free name.
     File(PathBuf),
-    /// A device or a pipe, such as `/dev/stdout`, or an open file of this process.
+    /// A device or a pipe, such as `/dev/stdout`, or an open file of a process.
     Stream,
 }
 
 impl OutputTarget {
-    /// The target behind `path`. Links are followed, also to a file that does not exist yet.
+    /// The target behind `path`. Links are followed, even to a file that does not exist yet.
     ///
     /// # Errors
     /// The path is a folder, read-only or invalid, or its folder does not exist.
@@ -48,7 +48,7 @@ impl OutputTarget {
         }
         check_entry(&target)?;
         if target.exists() {
-            // Replacing a file takes permissions of its folder only; writing to it takes permissions of its own.
+            // Replacing a file needs permissions for its folder only; a file that may not be written must not be replaced either.
             File::options().write(true).open(&target)?;
         }
         Ok(Self::File(target))
@@ -61,10 +61,10 @@ pub fn is_stream(path: &Path) -> bool {
     matches!(OutputTarget::of(path), Ok(OutputTarget::Stream))
 }
 
-/// Checks that the entry `path` of a folder is a file that may be replaced, or free.
+/// Checks that the entry `path` of a folder is a file that may be replaced, or does not exist.
 ///
 /// # Errors
-/// It is a folder, or read-only (for root, too).
+/// It is a folder, or read-only (even for root).
 pub fn check_entry(path: &Path) -> io::Result<()> {
     match fs::symlink_metadata(path) {
         Ok(found) if found.is_dir() => {
@@ -83,8 +83,8 @@ pub(super) fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Whether `folder` holds the open files of a process. They look like links, but lead to what was opened, even if that has no
-/// name any more.
+/// Whether `folder` holds the open files of a process. They look like links, but lead to what was opened, even if that no
+/// longer has a name.
 fn holds_descriptors(folder: &Path) -> bool {
     folder.canonicalize().is_ok_and(|folder| {
         folder == Path::new("/dev/fd") || (folder.starts_with("/proc") && folder.ends_with("fd"))

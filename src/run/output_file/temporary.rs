@@ -3,7 +3,7 @@
 use std::fs::{self, DirEntry};
 use std::path::Path;
 
-/// The prefix of their names.
+/// The prefix of the names of temporary files.
 pub(super) const PREFIX: &str = ".writing-";
 
 /// Whether `entry` is a temporary file.

@@ -7,11 +7,11 @@ use crate::policy::Policy;
 use crate::run::{RunError, shipped};
 use crate::scenario::{Scenario, printable};
 
-/// The scenario of a policy without a card.
+/// The scenario that is assumed for a policy without a card.
 const DEFAULT: &str = "scenario-1";
 
-/// The scenario that all `policies`, with their names, were trained in; Scenario I for a policy without a card, and without
-/// policies.
+/// The scenario that all `policies`, with their names, were trained in; Scenario I for a policy without a card, and if
+/// there are no policies.
 ///
 /// # Errors
 /// Two policies were trained in different scenarios, or the scenario on a card is invalid.

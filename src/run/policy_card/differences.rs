@@ -1,8 +1,8 @@
 //! The comparison of a card with the scenario in which its policy is used.
 //!
-//! Actions that turn or drive the other way, or stand in another order, make a policy useless: it is refused. Other values
-//! of the robot, the LIDAR or the rules can make sense (a test of robustness, a transfer): they give a warning that lists
-//! the values on the card and in the scenario.
+//! A policy whose actions turn or drive the other way, or are in another order, is useless and is refused. Other differences
+//! in the robot, the LIDAR or the rules can make sense (a test of robustness, transfer): they give a warning that lists the
+//! values on the card and in the scenario.
 
 use super::{angles_rad, parse_scenario, printable, scenario_name, write};
 use crate::policy::card::Action;
@@ -13,7 +13,7 @@ use crate::scenario::{OdometryDrift, Ranged, Robot, Scenario, Slip, field_names}
 /// The maximum number of differences in a warning.
 const MAX_LISTED: usize = 12;
 
-/// Checks that no action of `policy` has become another one in `scenario`: reversed, or in another place.
+/// Checks that no action of `policy` is reversed in `scenario`, or has another index.
 ///
 /// # Errors
 /// The first such action, as the card and as the scenario have it.
@@ -47,14 +47,14 @@ fn sorted(actions: &[Action]) -> Vec<Action> {
 }
 
 /// Whether `policy` can drive every robot with every LIDAR: its inputs are sectors of a scan, and its actions are in units of the
-/// robot.
+/// robot's limits.
 #[must_use]
 pub fn fits_every_robot(policy: &Policy) -> bool {
     policy.card.as_ref().is_some_and(|card| card.observation.is_some() && card.relative_actions.is_some())
 }
 
-/// A warning for the user of `policy` in `scenario`: its settings that differ from those on the card, with both values, or
-/// that there is no card. `None` if nothing differs.
+/// A warning for the user of `policy` in `scenario`: the settings in which the card and the scenario differ, with both values,
+/// or that there is no card. `None` if nothing differs.
 ///
 /// # Errors
 /// The card's scenario cannot be read.
@@ -81,7 +81,7 @@ pub fn warning(policy: &Policy, scenario: &Scenario) -> Result<Option<String>, R
     Ok(Some(lines.join("\n")))
 }
 
-/// A note that `policy` was trained in another scenario than `scenario`; `None` if it was not, or if nothing is recorded.
+/// A note that `policy` was trained in a scenario other than `scenario`; `None` if it was not, or if nothing is recorded.
 #[must_use]
 pub fn note(policy: &Policy, scenario: &Scenario) -> Option<String> {
     let trained = scenario_name(policy)?;
@@ -135,7 +135,7 @@ fn differences(trained: &Scenario, here: &Scenario) -> Vec<String> {
     differences
 }
 
-/// The settings, apart from actions and the directions of beams, that give a policy's numbers their meaning: name, value
+/// The settings that give a policy's numbers their meaning, apart from actions, robot shape and beam directions: name, value
 /// and unit.
 fn settings(scenario: &Scenario) -> [(&'static str, String, &'static str); 13] {
     let Scenario { robot, lidar, task, .. } = scenario;

@@ -27,10 +27,11 @@ pub use write::attach;
 /// without it is `scaled`.
 const ENCODING: &str = "encoding";
 
-/// The key for the plugin sensors there, with their widths, such as `speed:2, bumper:1`. A policy without it uses none.
+/// The key in the same metadata for the plugin sensors, with their widths, such as `speed:2, bumper:1`. A policy without it uses
+/// none.
 const SENSORS: &str = "sensors";
 
-/// What follows the name of a policy that gets a map, wherever a policy or a driver is given.
+/// The suffix that gives a policy a map, wherever the user names a policy or a driver.
 pub const WITH_MAP: &str = "+map";
 
 /// The policy in the file at `path`, whose card agrees with its network and its scenario.
@@ -63,8 +64,8 @@ pub fn read_unnamed(path: &Path) -> Result<Policy, String> {
     Ok(policy)
 }
 
-/// The scenario that `policy` was trained in; `None` without a card. Its numbers are valid, but its parts may not fit
-/// together: the user may have moved an obstacle onto the benchmark route.
+/// The scenario that `policy` was trained in; `None` without a card. Each of its values is valid, but they may not fit together:
+/// the user may have moved an obstacle onto the benchmark route.
 ///
 /// # Errors
 /// The scenario is invalid, or the card contradicts it.
@@ -136,7 +137,7 @@ pub fn encoding(policy: &Policy) -> Result<Encoding, RunError> {
     }
 }
 
-/// `policy` as a driver by percepts, with or without a map that it builds.
+/// `policy` as a driver that gets percepts ([`Percept`](crate::drivers::Percept)), with or without a map that it builds.
 ///
 /// # Errors
 /// The policy has an encoding that this version does not support.
@@ -145,7 +146,7 @@ pub fn driving(policy: Policy, has_map: bool) -> Result<DrivingPolicy, RunError>
     Ok(DrivingPolicy { policy: Arc::new(policy), encoding, actions, has_map })
 }
 
-/// Checks that `policy` was trained without plugin sensors, whose readings a policy that drives by percepts does not get.
+/// Checks that `policy` was trained without plugin sensors, whose readings are not part of percepts.
 ///
 /// # Errors
 /// It was trained with some; the message names them.
@@ -155,7 +156,7 @@ pub fn check_without_sensors(policy: &Policy) -> Result<(), RunError> {
         return Ok(());
     }
     Err(RunError::InvalidInput(format!(
-        "the policy was trained with `{}`, whose readings it does not get here; help: test it by --eval, without a map",
+        "the policy was trained with `{}`, whose readings it does not get here; help: test it with --eval, without a map",
         printable(&sensors)
     )))
 }
@@ -228,7 +229,7 @@ fn sensor(slice: &ObservationSlice) -> (&str, usize) {
     (&slice.name, slice.width)
 }
 
-/// The sensors with a width as text. One of width 0 adds nothing to the observation.
+/// The sensors as text, without those of width 0, which add nothing to the observation.
 fn describe_sensors<'a>(sensors: impl IntoIterator<Item = (&'a str, usize)>) -> String {
     let sensors = sensors.into_iter().filter(|(_, width)| *width > 0);
     let parts: Vec<String> = sensors.map(|(name, width)| format!("{name}:{width}")).collect();

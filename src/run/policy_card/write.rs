@@ -10,8 +10,8 @@ use crate::run::provenance::{COMMIT, VERSION, scenario_json, set_crc32c};
 use crate::scenario::Scenario;
 use crate::task::ActiveActionSet;
 
-/// Gives `policy`, which the run of `config` has trained for these env steps and gradient steps, its card.
-/// `success_rate` is the rate in its evaluation, 0 to 1; `None` if it was not evaluated.
+/// Gives `policy` its card. The run of `config` has trained it for these env steps and gradient steps. `success_rate` is the
+/// rate in its evaluation, 0 to 1; `None` if it was not evaluated.
 pub fn attach(
     policy: &mut Policy,
     config: &RunConfig,
@@ -32,7 +32,7 @@ pub fn attach(
         gradient_steps,
         success_rate,
     };
-    // No scenario makes the JSON fail: it has only structs, lists, strings and numbers.
+    // A scenario can always be written as JSON: it has only structs, lists, strings and numbers.
     policy.card = card(policy, config, training).ok().map(Box::new);
 }
 

@@ -13,12 +13,12 @@ use crate::scenario::{
 /// The largest number of presets that are each based on the next.
 const MAX_CHAIN: usize = 16;
 
-/// The preset in `text`, complete: fields that it lacks come from the preset that it is based on. Whether the values of both
-/// are valid is not checked. `chain` holds the files that led to this one, which is at `path`.
+/// The preset in `text`, complete: fields that it lacks come from the preset that it is based on. The values of the result are
+/// not checked. `path` is the file of `text`, and `chain` holds the files that led to it.
 ///
 /// # Errors
-/// The text, or one that it is based on, is not a preset; there is no such preset; or a preset is based on itself. Then also
-/// the invalid values of the text.
+/// `text`, or a preset that it is based on, is not a preset or does not exist; or the chain is circular or too long. The error
+/// also lists the invalid values of `text`.
 pub(super) fn read(text: &str, path: &Path, chain: &[PathBuf]) -> Result<Preset, FileError> {
     let base = OnceCell::new();
     let read_base = |preset: &Preset| base.get_or_init(|| base_of(preset, text, path, chain));
@@ -44,7 +44,7 @@ pub(super) fn read(text: &str, path: &Path, chain: &[PathBuf]) -> Result<Preset,
         (Ok(_), Some(Err(of_base))) => Err(of_base),
         (Ok(_), Some(Ok(Some(base)))) => {
             let base = to_ron(&base).map_err(|error| FileError::for_file(path, error.to_string()))?;
-            // Both texts are presets, so this one is.
+            // Both texts are presets, so their overlay is one.
             let preset: Preset = parse_ron(&overlay(&base, text), path)?;
             Ok(with_scenario(Preset { based_on: None, ..preset }))
         }
@@ -52,7 +52,7 @@ pub(super) fn read(text: &str, path: &Path, chain: &[PathBuf]) -> Result<Preset,
     }
 }
 
-/// The complete preset that `preset` is based on, if it is; `text` is that of the file at `path`.
+/// The complete preset that `preset` is based on, if any; `preset` was read from `text`, the file at `path`.
 fn base_of(preset: &Preset, text: &str, path: &Path, chain: &[PathBuf]) -> Result<Option<Preset>, FileError> {
     let Some(name) = &preset.based_on else { return Ok(None) };
     let fail = |message: String| {
@@ -64,7 +64,9 @@ fn base_of(preset: &Preset, text: &str, path: &Path, chain: &[PathBuf]) -> Resul
     if chain.contains(&identity(&file)) || chain.len() >= MAX_CHAIN {
         let files: Vec<_> = chain.iter().map(|file| printable_path(file)).collect();
         let files = files.join(" -> ");
-        return Err(fail(format!("leads to no end ({files}); help: remove the `based_on` of one of them")));
+        return Err(fail(format!(
+            "is circular or too long ({files}); help: remove the `based_on` of one of them"
+        )));
     }
     let Some((file, text)) = base_text(name, path)? else {
         let names: Vec<_> = shipped::preset_names().collect();
@@ -74,8 +76,8 @@ fn base_of(preset: &Preset, text: &str, path: &Path, chain: &[PathBuf]) -> Resul
     read(&text, &file, &chain).map(Some)
 }
 
-/// The locations of `diagnostics` of the complete preset whose file is at `path` with this `text`. Those about a field that comes
-/// from a preset that it is based on are in the file of that one.
+/// The locations of `diagnostics` about the complete preset of `text`, the file at `path`. A diagnostic about an inherited field
+/// is located in the file that the field comes from.
 pub(super) fn locate_fields<'d>(
     text: &str,
     path: &Path,
@@ -128,7 +130,7 @@ fn file_of(name: &str, path: &Path) -> PathBuf {
     path.parent().unwrap_or(Path::new("")).join(name)
 }
 
-/// The file at `path`, by the same path however it is named.
+/// The same path for every spelling of `path`, to compare files.
 fn identity(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.into())
 }

@@ -55,7 +55,7 @@ fn a_preset_takes_what_it_lacks_from_the_one_that_it_is_based_on() {
 }
 
 #[test]
-fn problems_of_presets_that_are_based_on_others_are_named_where_they_stand() {
+fn problems_of_presets_that_are_based_on_others_are_located_in_the_right_file() {
     let base = ("base.ron", "(based_on: \"fast\")");
     for (files, expected) in [
         (
@@ -65,7 +65,8 @@ fn problems_of_presets_that_are_based_on_others_are_named_where_they_stand() {
         ),
         (
             vec![("mine.ron", "(based_on: \"other.ron\")"), ("other.ron", "(based_on: \"mine.ron\")")],
-            "other.ron:1:12: `based_on` leads to no end (mine.ron -> other.ron); help: remove the `based_on` of one of them",
+            "other.ron:1:12: `based_on` is circular or too long (mine.ron -> other.ron); help: remove the `based_on` of one of \
+             them",
         ),
         (
             vec![("mine.ron", "(based_on: \"base.ron\")"), ("base.ron", "(\n    arenas: none)")],

@@ -28,7 +28,7 @@ impl CountProgress {
         let mut inner = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let text = format!("{done} of {total} tests");
         if let Some(bar) = &inner.bar {
-            // Threads may come in another order than their counts.
+            // Threads may report their counts out of order.
             bar.set_position(bar.position().max(done as u64));
             bar.set_prefix(text);
         } else if inner.started.elapsed() >= inner.due {

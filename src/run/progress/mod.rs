@@ -1,6 +1,6 @@
 //! The progress display of a run, on stderr.
 //!
-//! In: a [`Progress`] at any rate, and messages. Out: on a terminal, a progress bar that stays at the bottom;
+//! In: a [`Progress`] as often as the caller likes, and messages. Out: on a terminal, a progress bar that stays at the bottom;
 //! elsewhere (a file, a pipe, a CI log), a plain line every few seconds. Nothing goes to stdout, which is for
 //! results. A closed stderr does not stop the run.
 

@@ -93,7 +93,7 @@ fn count(n: u64) -> String {
     if n < 10_000 { n.to_string() } else { short(n as f64) }
 }
 
-/// A non-negative number with three digits and a unit: `7.4`, `68.2k`, `1.25M`.
+/// A non-negative number, rounded to three digits or fewer, with a unit: `7.4`, `68.2k`, `1.25M`.
 fn short(x: f64) -> String {
     const UNITS: [&str; 5] = ["", "k", "M", "G", "T"];
     let (mut x, mut unit) = (x, 0);
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_have_three_digits_and_a_unit() {
+    fn numbers_are_rounded_and_have_a_unit() {
         let cases = [
             (0.0, "0.0"),
             (7.44, "7.4"),

@@ -8,8 +8,8 @@ use crate::scenario::Scenario;
 /// The maximum number of paths in a message.
 const MAX_LISTED: usize = 3;
 
-/// The paths that end with `path`, shortest first, for a message: "`learning.gamma`". `None` if there are none, or no file
-/// is given in which there might be.
+/// The paths that end with `path`, at most `MAX_LISTED`, shortest first, for a message: "`learning.gamma`". `None` if there are
+/// none.
 pub(super) fn longer(path: &str, preset: Option<&Preset>, scenario: Option<&Scenario>) -> Option<String> {
     let (named, index) = path.split_at(path.find('[').unwrap_or(path.len()));
     let mut paths = Vec::new();

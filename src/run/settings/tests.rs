@@ -149,7 +149,7 @@ fn the_error_names_the_setting_the_problem_and_the_fix() {
 }
 
 #[test]
-fn all_invalid_settings_are_reported_at_once_and_the_last_around_a_field_is_named() {
+fn all_invalid_settings_are_reported_at_once_and_the_last_that_contains_a_field_is_named() {
     let found = message(&["arenas=0.5", "learning.gama=1"]);
     assert_eq!(found.lines().count(), 2, "{found}");
     let speed = "scenario.obstacles[*].motion.speed_rad_s=99";

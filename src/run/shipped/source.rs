@@ -18,12 +18,13 @@ pub enum Source {
 }
 
 impl Source {
-    /// The scenario or level generator in the file `wanted`, which may be the `config.ron` of a run, or the shipped one of
-    /// that name. A map of ROS or a world of Gazebo is imported for the robot of Scenario I, except in the browser. With a seed after a colon, as in `clutter:17`, the level with this seed.
+    /// The scenario, level generator or set in the file `wanted`, which may be the `config.ron` of a run, or the shipped one of
+    /// that name. A ROS map or a Gazebo world is imported for the robot of Scenario I, except in the browser. A seed after a
+    /// colon, as in `clutter:17`, selects the generator's level with this seed.
     ///
     /// # Errors
-    /// As for [`Scenario::load`] and [`LevelGenerator::load`]; for an unknown name, the closest shipped one. Or the generator
-    /// has no level for the seed.
+    /// As for [`Scenario::load`] and [`LevelGenerator::load`]; for an unknown name, the message names the closest shipped one.
+    /// Also if there is a seed, but no generator or no level for it.
     pub fn load(wanted: &str) -> Result<Self, FileError> {
         let (file, seed) = split_seed(wanted);
         let path = Path::new(file);
@@ -74,7 +75,7 @@ impl Source {
     /// The scenario itself, or level 0 of the generator in the file `wanted`.
     ///
     /// # Errors
-    /// The generator has no level 0, or it is a set; the message names its scenarios.
+    /// The generator has no level 0; or the source is a set, and the message names its scenarios.
     pub fn into_scenario(self, wanted: &str) -> Result<Scenario, FileError> {
         match self {
             Self::Scenario(scenario) => Ok(scenario),
@@ -110,7 +111,7 @@ fn level(generator: &LevelGenerator, seed: u64, path: &Path) -> Result<Scenario,
     generator.level(seed).map_err(|error| FileError::for_file(path, error.to_string()))
 }
 
-/// `clutter` and 17 for `clutter:17`. A file with this name is no level.
+/// `clutter` and 17 for `clutter:17`, unless there is a file of that whole name.
 fn split_seed(wanted: &str) -> (&str, Option<u64>) {
     let parts = wanted.rsplit_once(':').filter(|_| !path_exists(Path::new(wanted)));
     match parts.and_then(|(file, seed)| Some((file, seed.parse().ok()?))) {

@@ -6,13 +6,13 @@ use std::sync::atomic::Ordering;
 use super::{FIRST, STOP};
 use crate::run::progress::print_stderr;
 
-/// SIGINT, the signal whose exit status stands for a Ctrl-C.
+/// The number of SIGINT, from which the exit status after a Ctrl-C is computed.
 const SIGINT: usize = 2;
 
-/// Only Unix has such limits.
+/// Does nothing: only Unix has such limits.
 pub fn survive_limits() {}
 
-/// A Ctrl-C ends the process as it is.
+/// Does nothing: without a handler, a Ctrl-C ends the process anyway.
 pub fn exit_on_signal() {}
 
 /// Installs the handler. A second Ctrl-C ends the process at once.
@@ -32,7 +32,7 @@ pub fn name(_: u8) -> &'static str {
     "Ctrl-C"
 }
 
-/// The handler records the first signal itself.
+/// The number of the first signal, which the handler records itself; 0 before the first.
 pub fn last_signal() -> usize {
     FIRST.load(Ordering::SeqCst)
 }

@@ -19,19 +19,19 @@ use crate::run::progress::print_stderr;
 /// The signals that ask the program to stop. SLURM and Grid Engine can be told to send SIGUSR1 or SIGUSR2 before they kill a
 /// job; the kernel sends SIGXCPU at the soft limit of CPU time (`ulimit -S -t`).
 const STOP_SIGNALS: [i32; 6] = [SIGINT, SIGTERM, SIGHUP, SIGXCPU, SIGUSR1, SIGUSR2];
-/// The time after the first signal from which on a Ctrl-C in the terminal ends the process at once.
+/// A Ctrl-C in the terminal ends the process at once if it comes at least this long after the first signal.
 const SECOND_CTRL_C: Duration = Duration::from_millis(500);
 
-/// The condition of handlers that always act.
+/// The condition for handlers that always act.
 static ALWAYS: AtomicBool = AtomicBool::new(true);
 /// The number of the last signal; 0 before the first.
 static LAST: AtomicUsize = AtomicUsize::new(0);
 
-/// Makes the limits of the process end in errors instead of signals: a write beyond the limit of file sizes (`ulimit -f`) fails,
-/// and an abort after a failed allocation, at a limit of memory (`ulimit -v`, `ulimit -d`), becomes exit status 1.
+/// Makes the limits of the process cause errors instead of signals: a write beyond the limit of file sizes (`ulimit -f`) fails,
+/// and an abort after a failed allocation, at a memory limit (`ulimit -v`, `ulimit -d`), becomes exit status 1.
 pub fn survive_limits() {
     static SEEN: AtomicBool = AtomicBool::new(false);
-    // Without these handlers, the limits kill the process: no reason to stop now.
+    // If a handler cannot be installed, the limit will kill the process. That is no reason to stop now.
     if !is_ignored(SIGXFSZ) {
         let _ = flag::register(SIGXFSZ, &SEEN);
     }
@@ -63,12 +63,12 @@ pub fn stop_on_signal(announcement: &'static str) -> io::Result<()> {
     }
     let signals = SignalsInfo::<WithOrigin>::new(&signals)?;
     announce_cpu_limit();
-    // Without a thread there is no announcement and no quitting at once, but the run still stops and saves.
+    // Without the thread, there is no announcement, and a second Ctrl-C does nothing, but the run still stops and saves.
     let _ = thread::Builder::new().name("signals".into()).spawn(move || watch(signals, announcement));
     Ok(())
 }
 
-/// Moves the soft limit of CPU time (`ulimit -t`) before the hard one, at which the kernel kills the process without notice.
+/// Lowers the soft limit of CPU time (`ulimit -t`) below the hard one, at which the kernel kills the process without notice.
 /// The soft limit sends SIGXCPU, and leaves time to save.
 fn announce_cpu_limit() {
     let limit = getrlimit(Resource::Cpu);

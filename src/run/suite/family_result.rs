@@ -16,17 +16,17 @@ pub struct FamilyResult {
     pub scenarios: usize,
     /// Number of episodes in all of them.
     pub episodes: usize,
-    /// Share of episodes that succeeded, 0 to 1.
+    /// Fraction of episodes that succeeded, 0 to 1.
     pub success_rate: f64,
     /// The 95 % confidence interval of the success rate (Wilson's), within 0 to 1.
     pub success_interval: [f64; 2],
-    /// The success rate of each round: that of the first episodes of all scenarios, of the second, and so on.
+    /// The success rate of each round: in the first episodes of all scenarios, in the second ones, and so on.
     pub rounds: Vec<f64>,
-    /// Share of episodes that ended in a collision, 0 to 1.
+    /// Fraction of episodes that ended in a collision, 0 to 1.
     pub collision_rate: f64,
     /// Its 95 % confidence interval, within 0 to 1.
     pub collision_interval: [f64; 2],
-    /// Share of episodes that ended at the time limit, 0 to 1.
+    /// Fraction of episodes that ended at the time limit, 0 to 1.
     pub timeout_rate: f64,
     /// Its 95 % confidence interval, within 0 to 1.
     pub timeout_interval: [f64; 2],
@@ -39,8 +39,8 @@ pub struct FamilyResult {
     /// The mean score of the BARN Challenge, 0 to 0.5, if the family has it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub barn_score: Option<f64>,
-    /// Time of the successful episodes divided by that of the planner's paths, where it has found one; `None` if it has found
-    /// none, or was not asked.
+    /// Time of the successful episodes divided by the time of the planner's paths, over the episodes for which the planner found
+    /// one; `None` if it found none or was not asked.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time_ratio: Option<f64>,
     /// Number of episodes in that comparison; 0 if the planner was not asked.
@@ -54,7 +54,7 @@ impl FamilyResult {
         let all = || of_scenarios.iter().flat_map(|of| &of.episodes);
         let episodes = all().count();
         let count = |end: EpisodeEnd| all().filter(|episode| episode.end == end).count();
-        let rate = |end| share(count(end), episodes);
+        let rate = |end| fraction(count(end), episodes);
         let interval = |end| rate_interval(count(end), episodes);
         let times: Vec<f64> = of_scenarios
             .iter()
@@ -81,7 +81,7 @@ impl FamilyResult {
     }
 }
 
-fn share(count: usize, of: usize) -> f64 {
+fn fraction(count: usize, of: usize) -> f64 {
     count as f64 / of.max(1) as f64
 }
 
@@ -89,7 +89,7 @@ fn mean(values: &[f64]) -> f64 {
     round_to_microsecond(values.iter().sum::<f64>() / values.len().max(1) as f64)
 }
 
-/// The mean of `value` over all episodes. It gets the scenario, the episode and the length of the shortest path in m.
+/// The mean of `value` over all episodes. `value` gets the scenario, the episode and the length of the shortest path in m.
 fn mean_over(of_scenarios: &[SuiteEpisodes], value: impl Fn(&Scenario, &EpisodeResult, f64) -> f64) -> f64 {
     let values = of_scenarios.iter().flat_map(|of| {
         let episodes = of.episodes.iter().zip(&of.references.shortest_paths_m);
@@ -99,7 +99,7 @@ fn mean_over(of_scenarios: &[SuiteEpisodes], value: impl Fn(&Scenario, &EpisodeR
 }
 
 fn success_rate(episodes: &[EpisodeResult]) -> f64 {
-    share(episodes.iter().filter(|episode| episode.succeeded()).count(), episodes.len())
+    fraction(episodes.iter().filter(|episode| episode.succeeded()).count(), episodes.len())
 }
 
 fn rounds(of_scenarios: &[SuiteEpisodes]) -> Vec<f64> {
@@ -125,12 +125,12 @@ fn barn_score(scenario: &Scenario, episode: &EpisodeResult, shortest_m: f64) -> 
     let length_m = stated_path_length_m(&scenario.about).unwrap_or(shortest_m);
     let optimal_s = length_m / f64::from(top_speed_m_s);
     let time_s = f64::from(episode.steps) * period_s(scenario.task.control_period_s);
-    // No shorter path than the goal's radius, and no robot that cannot drive, reaches the division by 0.
+    // Not finite if the path has no length or the robot cannot drive forwards.
     let score = optimal_s / time_s.clamp(2.0 * optimal_s, 8.0 * optimal_s);
     if episode.succeeded() && score.is_finite() { score } else { 0.0 }
 }
 
-/// The time of the successful episodes divided by that of the planner's paths, and the number of compared episodes.
+/// The time of the successful episodes divided by the time of the planner's paths, and the number of compared episodes.
 fn time_ratio(of_scenarios: &[SuiteEpisodes]) -> (Option<f64>, usize) {
     let (mut actual_s, mut planned_s, mut episodes) = (0.0, 0.0, 0);
     for of in of_scenarios {

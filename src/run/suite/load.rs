@@ -14,8 +14,8 @@ use crate::scenario::{
 };
 
 impl Suite {
-    /// The suite `wanted`: the file or the shipped name of a suite; a folder of scenarios, a level generator, of which the levels
-    /// that no training uses are tested, or a scenario, as the only family; or a set of scenarios, each of them a family.
+    /// The suite `wanted`: the file or the shipped name of a suite; a folder of scenarios, a level generator or a scenario, each
+    /// as a single family; or a set of scenarios, each of them a family. A generator's levels are ones that training never uses.
     /// `settings` change fields of the scenarios; `episodes` is the number of episodes in each, in place of the suite's.
     ///
     /// # Errors
@@ -158,7 +158,9 @@ fn named_levels(suite: &Path, name: &str, family: &SuiteFamily) -> Result<Vec<Su
     let wanted = named_file(suite, name)?;
     match Source::load(&wanted).map_err(|error| error.to_string())? {
         Source::Levels(generator) => Ok(levels(&wanted, generator, family.first_level(), family.levels())),
-        _ => Err("it is no level generator; help: write `scenarios: [...]` instead of `generator:`".into()),
+        _ => {
+            Err("it is not a level generator; help: write `scenarios: [...]` instead of `generator:`".into())
+        }
     }
 }
 

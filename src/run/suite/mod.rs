@@ -1,4 +1,4 @@
-//! Suites: tests of drivers and policies in many scenarios and levels, with results by families.
+//! Suites: tests of drivers and policies in many scenarios and levels, with results by family.
 //!
 //! In: the name of a suite, and drivers. Out: the episodes of each driver in each scenario, and the [`FamilyResult`]s.
 //!
@@ -6,7 +6,7 @@
 //! |---|---|
 //! | `load.rs` | a suite by name: its file, a folder, a set, a level generator, a scenario |
 //! | `test.rs` | the episodes, on all cores |
-//! | `store.rs` | the finished tests of a folder, so that an interrupted one goes on |
+//! | `store.rs` | the finished tests in a folder, so that an interrupted suite can go on |
 //! | `family_result.rs` | the results of a family |
 
 mod family_result;
@@ -36,7 +36,7 @@ pub struct Suite {
     pub families: Vec<Family>,
 }
 
-/// Scenarios of which results are given together.
+/// Scenarios whose results are given together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Family {
     /// Name of the family.
@@ -45,13 +45,13 @@ pub struct Family {
     pub scenarios: Vec<SuiteScenario>,
     /// Number of episodes in each scenario.
     pub episodes: usize,
-    /// Whether they drive the benchmark route of the scenario.
+    /// Whether the episodes drive the benchmark route of the scenario.
     pub benchmark_route: bool,
-    /// The score.
+    /// The family's score, if it has one.
     pub score: Option<SuiteScore>,
 }
 
-/// A scenario of a suite, or a level, which is made when it is needed.
+/// A scenario of a suite. If it is a level, it is made when it is needed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SuiteScenario {
     /// The file or shipped name, as given after `--scenario`.
@@ -89,7 +89,7 @@ impl Suite {
         self.families.iter().map(of).sum()
     }
 
-    /// Checks the number of episodes of so many `drivers`.
+    /// Checks the total number of episodes of `drivers` drivers.
     ///
     /// # Errors
     /// There are too many.
@@ -140,7 +140,7 @@ impl SuiteScenario {
         Ok(scenario)
     }
 
-    /// Robot, LIDAR and rules, without the changes of the suite. They decide whether a policy can drive in it.
+    /// Robot, LIDAR and rules, without the changes of the suite. They decide whether a policy can drive in the scenario.
     #[must_use]
     pub fn task(&self) -> (&Robot, &Lidar, &TaskRules) {
         match &self.source {
@@ -155,7 +155,7 @@ impl FamilyRules {
     fn apply(&self, scenario: &mut Scenario) -> Result<Vec<Diagnostic>, RunError> {
         let task = &mut scenario.task;
         if let Some(limit_s) = self.time_limit_s {
-            // The limits of files keep the steps within u32.
+            // The limits on both numbers keep the steps within u32.
             task.max_episode_steps = (limit_s / task.control_period_s).round().max(1.0) as u32;
         }
         if let Some(range_m) = self.collision_range_m {

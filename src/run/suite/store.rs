@@ -1,7 +1,7 @@
-//! The finished tests of a suite, in a file, so that an interrupted one goes on where it stopped.
+//! The finished tests of a suite, in a file, so that an interrupted suite continues where it stopped.
 //!
-//! Each line is one test, as RON: a line that is not whole, because the process was killed, is ignored and its test is repeated.
-//! A test is known by everything that its result depends on, so that any other test of the same folder can use it.
+//! Each line is one test, as RON. A line that is incomplete because the process was killed is dropped, and its test is repeated.
+//! The key of a test contains everything that its result depends on, so any later suite with the same folder can use the result.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -72,10 +72,10 @@ impl TestStore {
     }
 }
 
-/// What the result of a test depends on: the program, what drives, the scenario, and the `options` of the test.
+/// The key of a test, from all that its result depends on: the program, the driver, the scenario and the test's `options`.
 ///
 /// # Errors
-/// None that is known: all of them can be written as JSON.
+/// None is known: the driver and the scenario can always be written as JSON.
 pub fn key(evaluated: Evaluated<'_>, scenario: &Scenario, options: &str) -> Result<String, RunError> {
     let failed = |error: serde_json::Error| RunError::Failed(error.to_string());
     let driver = match evaluated {
@@ -98,7 +98,7 @@ mod tests {
     use crate::task::{Clock, EpisodeEnd, Goal, Pose};
 
     #[test]
-    fn finished_tests_are_read_back_to_the_bit_and_a_torn_line_is_dropped() {
+    fn finished_tests_are_read_back_bit_for_bit_and_an_incomplete_line_is_dropped() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("tests.ron");
         let episode = EpisodeResult {

@@ -23,8 +23,8 @@ pub struct SuiteDriver<'a> {
     pub evaluated: Evaluated<'a>,
 }
 
-/// A test of drivers, which all drive the same episodes. Each scenario has its own: episode j of a scenario depends only on the
-/// driver, the scenario, the seed and j.
+/// A test of drivers, which all get the same starts and goals. Episode j of a scenario depends only on the driver, the scenario,
+/// the seed and j.
 pub struct SuiteTest<'a> {
     /// The suite.
     pub suite: &'a Suite,
@@ -40,7 +40,7 @@ pub struct SuiteTest<'a> {
     pub stop: Option<&'a AtomicBool>,
     /// Where finished tests are kept, and taken from.
     pub store: Option<&'a TestStore>,
-    /// Is told the number of tested pairs of a driver and a scenario, and the number of all.
+    /// Called with the number of finished pairs of a driver and a scenario, and the number of all pairs.
     pub progress: &'a (dyn Fn(usize, usize) + Sync),
 }
 
@@ -64,7 +64,7 @@ pub struct References {
     pub bounds: Option<Vec<StepBounds>>,
 }
 
-/// The simulation of the scenario that a thread has worked in last.
+/// The simulation that a thread used last, with its scenario, kept for the next driver.
 struct Kept {
     index: usize,
     scenario: Arc<Scenario>,
@@ -95,7 +95,7 @@ impl SuiteTest<'_> {
             self.threads,
             || None,
             |kept: &mut Option<Kept>, job| {
-                // By scenarios first, so that a thread can keep its simulation.
+                // Scenario by scenario, so that a thread can keep its simulation.
                 let (index, driver) = (job / drivers.len(), job % drivers.len());
                 if failed.load(Ordering::Relaxed) {
                     return Ok(None);
@@ -175,12 +175,12 @@ impl SuiteTest<'_> {
     /// Checks that the test has not been stopped.
     ///
     /// # Errors
-    /// It has.
+    /// It has been stopped.
     pub fn check_signals(&self) -> Result<(), RunError> {
         match self.stop {
             Some(stop) if stop.load(Ordering::Relaxed) => {
                 let rest = if self.store.is_some() {
-                    "the same command goes on from here"
+                    "run the same command again to continue"
                 } else {
                     "no file was written"
                 };
@@ -191,7 +191,7 @@ impl SuiteTest<'_> {
     }
 }
 
-/// The simulation of scenario `index`: the one that is kept, or a new one.
+/// The simulation of scenario `index`: the kept one if it has this index, otherwise a new one, which is then kept.
 fn kept_of<'k>(
     kept: &'k mut Option<Kept>,
     index: usize,

@@ -8,9 +8,9 @@ use super::event::{self, FRAME_BYTES};
 use super::files;
 use crate::run::write_points::write_point;
 
-/// Cuts the event files in `dir` back: in each, everything from the first point on for which `is_kept` (of tag and step) is
-/// false, or from the first damaged record on. A file without a point is deleted. Returns the latest wall time of the points
-/// that remain, in s since 1970, or 0.
+/// Cuts each event file in `dir` back at the first point for which `is_kept` (of tag and step) is false, or at the first damaged
+/// record. A file without remaining points is deleted. Returns the latest wall time of the points that remain, in s since 1970;
+/// 0 if there are none.
 ///
 /// # Errors
 /// A file cannot be read or written. The message names it.

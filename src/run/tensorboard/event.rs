@@ -1,8 +1,8 @@
 //! The format of event files, for scalars.
 //!
 //! It has two thin layers. An *event* is a protobuf message with four fields; a *record* frames it with its length and two
-//! masked CRC-32C checksums. Both are written by hand: the crates for it are unmaintained, and depend on a protobuf runtime and
-//! an image codec that scalars don't need.
+//! masked CRC-32C checksums. Both are written by hand: the crates for them are unmaintained, and depend on a protobuf runtime
+//! and an image codec that scalars don't need.
 
 use std::io::{self, ErrorKind, Read};
 
@@ -67,14 +67,14 @@ fn read_valid(file: &mut impl Read) -> io::Result<Option<Vec<u8>>> {
     Ok((checksum == masked_crc(&event).to_le_bytes()).then_some(event))
 }
 
-/// The place of a scalar in its curve.
+/// A point of a curve, without its value.
 #[derive(Debug, PartialEq)]
 pub struct Point<'a> {
     /// Wall time in s since 1970.
     pub wall_s: f64,
     /// The name of the curve.
     pub tag: &'a str,
-    /// The horizontal axis.
+    /// The position on the horizontal axis.
     pub step: u64,
 }
 

@@ -26,7 +26,7 @@ use super::write_points::write_point;
 
 pub use cut::cut_back;
 
-/// The names of event files are this, the time in s since 1970, and [`SUFFIX`].
+/// The start of an event file's name. The time in s since 1970 and [`SUFFIX`] follow.
 const PREFIX: &str = "events.out.tfevents.";
 /// The end of the names of this program's event files.
 const SUFFIX: &str = ".wayfield";
@@ -49,11 +49,11 @@ impl EventWriter {
     /// The file cannot be created or written. The message names it.
     pub fn create(dir: &Path, earliest_s: f64) -> io::Result<Self> {
         let latest = files(dir).iter().filter_map(|file| seconds(file)).max();
-        let mut number = latest.map_or(0, |seconds| seconds + 1).max(since_1970().as_secs());
+        let mut time_s = latest.map_or(0, |seconds| seconds + 1).max(since_1970().as_secs());
         let (path, file) = loop {
-            let path = dir.join(format!("{PREFIX}{number:010}{SUFFIX}"));
+            let path = dir.join(format!("{PREFIX}{time_s:010}{SUFFIX}"));
             match File::create_new(&path) {
-                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => number += 1,
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => time_s += 1,
                 file => break (path, file),
             }
         };
@@ -86,7 +86,7 @@ impl EventWriter {
         self.file.flush()
     }
 
-    /// Like [`flush`](Self::flush); the data then survive a power cut.
+    /// Like [`flush`](Self::flush), and the data then survives a power cut.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -115,7 +115,7 @@ fn files(dir: &Path) -> Vec<PathBuf> {
 fn seconds(file: &Path) -> Option<u64> {
     let (number, rest) = file.file_name()?.to_str()?.strip_prefix(PREFIX)?.split_once('.')?;
     let is_ours = rest.split('.').next() == Some(&SUFFIX[1..]);
-    // Numbers of ten digits at most keep the names in order.
+    // At most ten digits, so that the names sort by time.
     number.parse::<u32>().ok().filter(|_| is_ours).map(u64::from)
 }
 

@@ -29,7 +29,7 @@ fn take_varint(data: &mut &[u8]) -> u64 {
     value
 }
 
-/// The fields of a message: number, and content as bytes (a varint as 8 bytes).
+/// The fields of a message: the field number, and the content as bytes (a varint as 8 bytes).
 fn fields(mut data: &[u8]) -> Vec<(u64, Vec<u8>)> {
     let mut found = Vec::new();
     while !data.is_empty() {
@@ -154,7 +154,7 @@ fn files_are_cut_back_to_the_points_that_are_kept() {
 
     // A curve can be behind another one.
     cut_back(dir.path(), |tag, step| step <= if tag == "b" { 149 } else { 150 }).expect("cut");
-    assert_eq!(std::fs::read(&first).expect("the file"), before, "a file is unchanged");
+    assert_eq!(std::fs::read(&first).expect("the file"), before, "a file with kept points only is unchanged");
     let kept = points(&second);
     assert_eq!(kept.len(), 101);
     assert_eq!(kept[99..], [("b".to_owned(), 149), ("a".to_owned(), 150)]);

@@ -120,7 +120,7 @@ impl Run {
         self.earlier_s + self.began.elapsed().as_secs_f64()
     }
 
-    /// Prints the doubtful settings of the run.
+    /// Prints notes about doubtful settings of the run.
     fn print_notes(&mut self) {
         let notes = run_notes(&self.config);
         for found in notes.iter().take(MAX_PRINTED_NOTES) {
@@ -203,7 +203,7 @@ impl Run {
         Ok(())
     }
 
-    /// Submits the current policy for evaluation if one is due: before the first step, and at the preset's interval.
+    /// Submits the current policy if an evaluation is due: before the first step, and at the preset's interval.
     fn submit_if_due(&mut self) -> Result<(), RunError> {
         if self.learner().env_steps() < self.trainer_state.next_evaluation {
             return Ok(());

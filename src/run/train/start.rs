@@ -138,8 +138,8 @@ impl Run {
     }
 }
 
-/// Whether the run in `folder` has its summary. A run that was killed between its last checkpoint and its summary has none, or
-/// that of an earlier process.
+/// Whether the run in `folder` has its final summary. A run that was killed between its last checkpoint and its summary has none,
+/// or an earlier process's.
 fn is_complete(folder: &Path, learner: &Learner) -> bool {
     Summary::read(folder).is_some_and(|s| s.finished && s.env_steps == learner.env_steps())
 }

@@ -1,4 +1,4 @@
-//! Random measurements, and what wayfield makes of them.
+//! Random measurements, and the Q-values that wayfield computes for them.
 
 use std::f32::consts::PI;
 use std::fs;
@@ -10,13 +10,13 @@ use wayfield_random::{uniform, uniform_01};
 /// The number of random observations per policy.
 const OBSERVATIONS: usize = 100_000;
 
-/// Random measurements: about half of the beams hit nothing, so that equal ranges are the rule.
+/// Random measurements. About half of the beams hit nothing, so that many ranges are equal.
 #[derive(Default)]
 pub struct Measurements {
     ranges: Vec<f32>,
     goal: Vec<f32>,
     sensor_readings: Vec<f32>,
-    /// The Q-values that `policy` computes.
+    /// The Q-values that the policy computes for them.
     q_values: Vec<f32>,
 }
 
@@ -31,7 +31,7 @@ impl Measurements {
         for _ in 0..OBSERVATIONS {
             let nearest_m = uniform(&mut random, 0.1, max_range_m);
             let mut range = |_| match uniform_01(&mut random) {
-                hit if hit < 0.5 => nearest_m + 2.0 * hit * (max_range_m - nearest_m),
+                draw if draw < 0.5 => nearest_m + 2.0 * draw * (max_range_m - nearest_m),
                 _ => max_range_m,
             };
             let ranges: Vec<f32> = (0..beams).map(&mut range).collect();
@@ -48,7 +48,7 @@ impl Measurements {
         all
     }
 
-    /// Compares ONNX Runtime's results for `policy.onnx` in `folder` with wayfield's. Returns the script's summary.
+    /// Asserts that ONNX Runtime with `policy.onnx` in `folder` gives wayfield's results. Returns the summary of `parity.py`.
     pub fn assert_parity(&self, python: &Path, folder: &Path) -> String {
         for (name, values) in [
             ("ranges", &self.ranges),

@@ -1,5 +1,5 @@
-//! Python with ONNX Runtime, for tests: the virtual environment of `.ci/python`. Without it a test is skipped with one line;
-//! in CI (`CI=true`) that is a failure.
+//! Python with ONNX Runtime, for tests: the virtual environment that `.ci/python setup` makes. Without it, a test prints one
+//! line and is skipped; where `CI` is set, it fails.
 
 #![allow(dead_code, reason = "each test file uses part of this module")]
 
@@ -10,7 +10,7 @@ use std::process::{Command, Output};
 
 pub use measurements::Measurements;
 
-/// The Python interpreter of the tests' virtual environment, if there is one.
+/// The Python interpreter of the tests' virtual environment; `None` if it or one of its packages is missing.
 pub fn python() -> Option<PathBuf> {
     let cache = std::env::var_os("XDG_CACHE_HOME").map(PathBuf::from);
     let cache = cache.or_else(|| std::env::home_dir().map(|home| home.join(".cache")))?;

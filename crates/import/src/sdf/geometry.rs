@@ -1,4 +1,4 @@
-//! The section of a shape at the height of the LIDAR.
+//! The horizontal section of a shape at the height of the LIDAR.
 
 use std::ops::RangeInclusive;
 
@@ -11,7 +11,7 @@ use super::xml::{XmlFile, numbers};
 use crate::findings::shown;
 use crate::solid::{Outline, Solid};
 
-/// Sizes of shapes in m; those of a scenario.
+/// The allowed sizes of shapes, in m, as in a scenario.
 const SIZE_M: RangeInclusive<f64> = 0.001..=1000.0;
 
 /// What becomes of a shape.
@@ -20,7 +20,7 @@ pub enum Section {
     Solid(Solid),
     /// Nothing: it is the ground.
     Floor,
-    /// Nothing, for this reason.
+    /// Nothing: it is left out, for this reason.
     LeftOut(String),
 }
 
@@ -35,7 +35,7 @@ pub fn section(
     height_m: f64,
 ) -> Result<Section, FileError> {
     let Some(shape) = geometry.children().find(Node::is_element) else { return Ok(Section::Floor) };
-    // From the shape's centre.
+    // The height of the section above the shape's centre.
     let above_m = height_m - pose.height_m;
     let (outline, half_height_m) = match shape.tag_name().name() {
         "plane" | "empty" => return Ok(Section::Floor),
@@ -79,7 +79,7 @@ fn slice(radius_m: f64, distance_m: f64) -> f64 {
     (radius_m * radius_m - distance_m * distance_m).max(0.0).sqrt().max(*SIZE_M.start())
 }
 
-/// The sizes in the child `tag` of a shape.
+/// The sizes in the child element `tag` of a shape.
 fn sizes<const N: usize>(file: &XmlFile<'_>, shape: Node<'_, '_>, tag: &str) -> Result<[f64; N], FileError> {
     let kind = shape.tag_name().name();
     let child = shape.children().find(|child| child.tag_name().name() == tag);

@@ -1,4 +1,4 @@
-//! Worlds and models of Gazebo, in SDF.
+//! Gazebo worlds and models, in SDF.
 //!
 //! In: an SDF file, and folders with models. Out: the solids at the height of the LIDAR, and what had to be left out.
 //! Boxes, upright cylinders and capsules, and spheres are understood, in nested models and with nested poses that turn about
@@ -35,14 +35,17 @@ pub struct SdfWorld {
     includes: usize,
 }
 
-/// Where a model stands in the world.
+/// How a model is placed by the world, model or include that contains it.
 #[derive(Clone, Copy)]
 struct Placement<'a> {
+    /// The pose of the world or model around it.
     pose: Pose,
     /// The pose that replaces the model's own.
     own_pose: Option<Pose>,
+    /// The name that replaces the model's own.
     name: Option<&'a str>,
     is_static: bool,
+    /// The number of models and includes around it.
     depth: usize,
 }
 
@@ -50,7 +53,7 @@ impl SdfWorld {
     /// The world or model in the file at `path`.
     ///
     /// # Errors
-    /// The file is missing, no SDF, or too large; or a number in it, or in a model that it includes, is invalid.
+    /// The file is missing, is not SDF, or is too large; or a number in it, or in a model that it includes, is invalid.
     pub fn read(path: &Path, options: &ImportOptions) -> Result<Self, FileError> {
         let text = read_text_with_limit(path, MAX_WORLD_BYTES)?;
         Self::parse(&text, path, options)
@@ -250,7 +253,7 @@ impl SdfWorld {
     }
 }
 
-/// The poses in the saved state of a world, by model. They replace the models' own.
+/// The poses in the saved state of a world, by model name. They replace the models' own.
 fn saved_poses<'a, 'input>(world: Node<'a, 'input>) -> BTreeMap<&'a str, Node<'a, 'input>> {
     let models = children(world, "state").take(1).flat_map(|state| children(state, "model"));
     models.filter_map(|model| Some((name(model), children(model, "pose").next()?))).collect()

@@ -11,8 +11,8 @@ pub fn is_scenery(uri: &str) -> bool {
     SCENERY.iter().any(|name| last.eq_ignore_ascii_case(name))
 }
 
-/// The SDF file of the model `uri`, such as `model://table`: in one of the `folders`, beside the file `from`, or in a folder
-/// `models` beside it or beside its folder. A model is a folder with a file `model.sdf`.
+/// The SDF file of the model `uri`, such as `model://table`. A model is a folder with a file `model.sdf`; it may be in one
+/// of the `folders`, or else in the folder of the file `from`, in `models` there, or in `../models`.
 pub fn find(uri: &str, from: &Path, folders: &[PathBuf]) -> Option<PathBuf> {
     let relative = uri.strip_prefix("model://").unwrap_or(uri.rsplit('/').next()?);
     let relative = Path::new(relative);

@@ -1,4 +1,4 @@
-//! Poses that turn about the vertical axis.
+//! Poses with a rotation about the vertical axis.
 
 use std::f64::consts::TAU;
 
@@ -8,7 +8,7 @@ use wayfield_scenario::FileError;
 
 use super::xml::{XmlFile, children, numbers};
 
-/// Roll and pitch up to this, in rad, count as rounding.
+/// Roll and pitch up to this, in rad, count as rounding errors.
 const LEVEL_RAD: f64 = 1e-3;
 
 /// A pose in the world.
@@ -25,7 +25,7 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// The pose `inner`, which is relative to this one.
+    /// The pose `inner`, given relative to this one, in the frame that this one is relative to.
     pub fn then(self, inner: Self) -> Self {
         Self {
             position_m: self.position_m + DVec2::from_angle(self.yaw_rad).rotate(inner.position_m),
@@ -36,7 +36,7 @@ impl Pose {
     }
 }
 
-/// The pose of an element, which is 0 if it states none. `None` if it is relative to another frame than its parent's.
+/// The pose of an element, zero if it states none. `None` if it is relative to a frame other than its parent's, or a quaternion.
 ///
 /// # Errors
 /// The numbers are invalid.
@@ -47,7 +47,7 @@ pub fn of(file: &XmlFile<'_>, element: Node<'_, '_>) -> Result<Option<Pose>, Fil
     }
 }
 
-/// The pose in an element `<pose>`. `None` if it is relative to another frame than its parent's.
+/// The pose in an element `<pose>`. `None` if it is relative to a frame other than its parent's, or a quaternion.
 ///
 /// # Errors
 /// The numbers are invalid.

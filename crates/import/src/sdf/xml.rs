@@ -23,10 +23,10 @@ impl XmlFile<'_> {
     }
 }
 
-/// The elements of `text`. Entities are not expanded, so that a small file stays small.
+/// The elements of `text`. A DTD is refused, so that no entities of its own can make a small file large.
 ///
 /// # Errors
-/// It is not XML, or has too many elements.
+/// It is not XML, has a DTD, or has too many elements.
 pub fn parse<'a>(text: &'a str, path: &Path) -> Result<Document<'a>, FileError> {
     let options =
         ParsingOptions { allow_dtd: false, nodes_limit: MAX_XML_NODES, ..ParsingOptions::default() };
@@ -61,7 +61,7 @@ pub fn text<'a>(node: Node<'a, '_>) -> &'a str {
 /// The numbers in an element. All are in the range of coordinates, and so finite.
 ///
 /// # Errors
-/// It has not exactly `N` such numbers.
+/// It does not hold exactly `N` such numbers.
 pub fn numbers<const N: usize>(file: &XmlFile<'_>, node: Node<'_, '_>) -> Result<[f64; N], FileError> {
     let inside = |value: &f64| crate::limits::COORDINATE_M.contains(value);
     let values: Option<Vec<f64>> =

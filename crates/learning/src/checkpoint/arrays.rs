@@ -37,14 +37,14 @@ impl ReplayBuffer {
     }
 
     fn read_states(&mut self, inputs: usize, file: &mut impl Read) -> Result<(), CheckpointError> {
-        let numbers = self.states.used() * inputs;
+        let count = self.states.used() * inputs;
         let mut values = self.states.values.iter_mut();
-        read_array(file, numbers, |bytes| {
+        read_array(file, count, |bytes| {
             if let Some(value) = values.next() {
                 *value = f32::from_le_bytes(bytes);
             }
         })?;
-        if !self.states.values[..numbers].iter().all(|value| value.is_finite()) {
+        if !self.states.values[..count].iter().all(|value| value.is_finite()) {
             return Err(CheckpointError::Corrupt("an observation is not finite"));
         }
         Ok(())
@@ -97,7 +97,7 @@ pub(super) fn is_priority(priority: f64) -> bool {
 }
 
 impl StoredTransition {
-    /// Whether [`ReplayBuffer::push`] can have stored these numbers.
+    /// Whether [`ReplayBuffer::push`] could have stored these values.
     fn is_valid(&self) -> bool {
         self.reward.is_finite() && (0.0..=1.0).contains(&self.discount) && self.flags < 4
     }

@@ -8,8 +8,8 @@ use wayfield_policy::Activation;
 use crate::config::{LearningConfig, NetworkConfig};
 use crate::framing::encode;
 
-/// What configs can switch on since version 2 of the file. A config that uses none of it is written in version 1. Version 3 is
-/// that of mirror augmentation, version 4 that of advantage learning.
+/// What version 2 of the file adds. Version 3 adds mirror augmentation, version 4 advantage learning. A config is written in the
+/// lowest version that has all it uses.
 #[derive(Serialize, PartialEq)]
 struct Switches {
     layer_norm: bool,

@@ -1,4 +1,4 @@
-//! The header of a checkpoint: everything except the config before it, and the arrays of the replay buffer after it.
+//! The main part of a checkpoint's header: all but the config before it and the mirror's random stream after it.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +9,7 @@ use crate::limits::MAX_COUNT;
 use crate::optimizer::OptimizerState;
 use crate::state_ring::StateId;
 
-/// The header's content.
+/// The main part of the header.
 #[derive(Serialize, Deserialize)]
 pub(super) struct Header {
     inputs: usize,
@@ -21,7 +21,7 @@ pub(super) struct Header {
     trajectories: Vec<Trajectory>,
     /// The number of states ever stored.
     pub(super) states: u64,
-    /// The number of the oldest transition in the buffer.
+    /// The sequence number, from 0, of the oldest transition in the buffer.
     pub(super) first_transition: u64,
     /// The number of transitions ever stored.
     pub(super) transitions: u64,
@@ -117,8 +117,8 @@ impl Header {
         Some(stored).filter(|&n| n <= learner.replay.capacity() as u64)
     }
 
-    /// Whether the number of pending updates is possible. Each env step adds at most `gradient_steps` updates, the number
-    /// of env steps is bounded by that of the stored transitions, and an update needs a transition to sample.
+    /// Whether the number of pending updates is plausible. Each env step adds at most `gradient_steps` updates, at most as many
+    /// env steps wait as there are stored transitions or environments, and an update needs a transition to sample.
     fn has_valid_pending_updates(&self, learner: &Learner) -> bool {
         let stored = self.stored_transitions(learner);
         let env_steps = stored.unwrap_or_default().max(learner.trajectories.len() as u64);

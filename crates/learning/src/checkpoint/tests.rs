@@ -97,7 +97,7 @@ fn invalid_values_are_rejected_even_if_the_checksum_matches() {
 }
 
 #[test]
-fn an_invalid_stream_of_the_mirror_is_rejected() {
+fn an_invalid_random_stream_of_the_mirror_is_rejected() {
     let (config, _) = learner();
     let config = LearningConfig { mirror: true, ..config };
     let mut learner = Learner::new(&config, 2, 2, 1, 1).expect("a valid config");
@@ -108,10 +108,10 @@ fn an_invalid_stream_of_the_mirror_is_rejected() {
     assert!(error.contains("the state of its mirror's random stream is invalid"), "{error}");
 }
 
-/// Sets the priority of the transition with the number `which(head, tail)`.
-fn set_priority(learner: &mut Learner, which: fn(u64, u64) -> u64, weight: f64) {
+/// Sets the priority of the transition with the sequence number `which(head, tail)`.
+fn set_priority(learner: &mut Learner, which: fn(u64, u64) -> u64, priority: f64) {
     let slot = learner.replay.slot(which(learner.replay.head, learner.replay.tail));
     if let Some(priorities) = &mut learner.replay.priorities {
-        priorities.tree.set(slot, weight);
+        priorities.tree.set(slot, priority);
     }
 }

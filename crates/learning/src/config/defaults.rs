@@ -1,4 +1,4 @@
-//! The defaults of the fields of choices, for serde.
+//! The defaults of the fields of enum variants, for serde.
 
 use super::Schedule;
 
@@ -12,12 +12,12 @@ pub(super) fn decay() -> f32 {
     0.99
 }
 
-/// PyTorch's first decay of Adam.
+/// PyTorch's beta1 of Adam.
 pub(super) fn beta1() -> f32 {
     0.9
 }
 
-/// PyTorch's second decay of Adam.
+/// PyTorch's beta2 of Adam.
 pub(super) fn beta2() -> f32 {
     0.999
 }

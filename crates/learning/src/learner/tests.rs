@@ -18,7 +18,7 @@ fn a_dqn_target_uses_the_largest_value_of_the_target_network() {
 }
 
 #[test]
-fn a_double_dqn_target_values_the_online_networks_choice_by_the_target_network() {
+fn a_double_dqn_target_uses_the_target_networks_value_of_the_online_networks_choice() {
     let (target_q, online_q, mut y) =
         ([3.0, 5.0, 4.0, 70.0, 80.0, 90.0], [9.0, 1.0, 2.0, 0.0, 0.0, 1.0], Vec::new());
     td_targets(&batch(), &online_q, &target_q, &mut y);
@@ -79,7 +79,7 @@ fn a_gradient_with_an_infinite_square_is_a_divergence() {
     let mut config = LearningConfig { batch_size: 1, ..LearningConfig::default() };
     (config.replay.learning_starts, config.train_freq, config.gradient_steps) = (1, 1, 1);
     let mut learner = Learner::new(&config, 1, 2, 1, 0).expect("a valid config");
-    // The TD error is about 4e18, whose square is finite in f32. The gradient is a hundred times larger, by the input.
+    // The TD error is about 4e18, whose square is finite in f32. The input of 100 makes the gradient a hundred times larger.
     let (observation, next_observation) = (&[100.0], &[0.0]);
     let reward = 4e18;
     learner.store(&Experience {
@@ -104,7 +104,7 @@ fn non_finite_values_are_detected() {
 }
 
 #[test]
-fn a_replay_buffer_larger_than_memory_is_rejected() {
+fn a_replay_buffer_with_too_many_observation_values_is_rejected() {
     let mut config = LearningConfig::default();
     config.replay.capacity = 1 << 24;
     let error = Learner::new(&config, 1000, 5, 1, 0).expect_err("2^24 observations of 1000 numbers");

@@ -10,7 +10,7 @@ use crate::optimizer::clip;
 use crate::replay::Batch;
 use wayfield_policy::greedy;
 
-/// The value of `steps_over_bound` from which on an overestimate is reported.
+/// An overestimate is reported once `steps_over_bound` reaches this value.
 const MIN_OVERESTIMATE_STEPS: u32 = 50;
 
 /// Means over the gradient steps of one [`Learner::train`].
@@ -35,7 +35,7 @@ pub(super) struct Scratch {
     gradient: Gradient,
     online_q: Vec<f32>,
     target_q: Vec<f32>,
-    /// Q(s, .) of the target network, with advantage learning.
+    /// Q(s, .) of the target network, for advantage learning.
     gap_q: Vec<f32>,
     targets: Vec<f32>,
 }
@@ -132,8 +132,8 @@ impl Learner {
         Ok(())
     }
 
-    /// A warning if `q`, the mean |Q(s, a)| of this batch, exceeds the largest possible return, and at least
-    /// [`MIN_OVERESTIMATE_STEPS`] more batches have exceeded it than not.
+    /// A warning if `q`, the mean |Q(s, a)| of this batch, exceeds the largest return that the rewards so far allow, and
+    /// `steps_over_bound` has reached [`MIN_OVERESTIMATE_STEPS`].
     fn check_return_bound(&mut self, q: f32) -> Option<Overestimate> {
         let Self { config, counters, largest_reward, steps_over_bound, .. } = self;
         let largest_return = *largest_reward / (1.0 - config.gamma);

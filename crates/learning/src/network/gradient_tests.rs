@@ -67,7 +67,7 @@ fn check(config: &NetworkConfig, loss: Loss) {
     assert!((gradient.loss - expected / BATCH as f32).abs() < 1e-5, "the loss is the weighted mean");
 
     // Central differences. The step is small compared with the weights (about 0.4), and large compared with f32 rounding.
-    // Layer normalization amplifies it, so that a ReLU would be pushed over its kink.
+    // Layer normalization amplifies the step; 2e-3 would push a ReLU over its kink.
     let step = if config.layer_norm { 5e-4 } else { 2e-3 };
     let mut other = Gradient::default();
     let mut moved = |network: &mut QNetwork, i: usize, by: f32| {

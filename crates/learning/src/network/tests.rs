@@ -35,7 +35,7 @@ fn a_hidden_layer_applies_weights_bias_and_relu() {
 }
 
 #[test]
-fn initial_weights_are_uniform_within_one_over_the_root_of_the_inputs() {
+fn initial_weights_are_uniform_within_one_over_the_root_of_the_input_count() {
     let config = NetworkConfig { hidden: vec![64, 64], ..NetworkConfig::default() };
     let shape = config.shape(28, 5).expect("the paper's shape");
     let network = QNetwork::new(shape.clone(), &mut stream(1, "test", 0)).expect("a valid shape");

@@ -1,4 +1,4 @@
-//! The activation function of a hidden layer as an operation of its own. (A ReLU without layer normalization is part of
+//! The activation function of a hidden layer as a separate operation. (A ReLU without layer normalization is part of
 //! [`Dense`](super::Dense).)
 
 use dfdx::prelude::*;
@@ -6,7 +6,7 @@ use wayfield_policy::activation::{Activation, sigmoid};
 
 use super::{Rows, add, rows, values};
 
-/// The function values of `x`, element by element. `x` may not be used elsewhere on the tape.
+/// Applies the activation function to each element of `x`.
 pub(crate) fn activate<T: Tape<f32, Cpu>>(activation: Activation, x: Rows<T>) -> Rows<T> {
     let (x, mut tape) = x.split_tape();
     let (n, width) = *x.shape();
@@ -35,7 +35,7 @@ pub(crate) fn activate<T: Tape<f32, Cpu>>(activation: Activation, x: Rows<T>) ->
     out.put_tape(tape)
 }
 
-/// Multiplies `gradient` by the derivatives, which `slope` gives for the values before and after the function.
+/// Multiplies `gradient` by the derivatives, which `slope` computes from the values before and after the activation.
 fn scale<'a>(
     gradient: &mut [f32],
     x_y: impl Iterator<Item = (&'a f32, &'a f32)>,

@@ -16,7 +16,7 @@ pub(crate) struct LayerNorm {
 }
 
 impl LayerNorm {
-    /// The normalized rows of `x`. Neither x nor the layer may be used elsewhere on the tape.
+    /// The normalized rows of `x`.
     pub(crate) fn forward<T: Tape<f32, Cpu>>(&self, x: Rows<T>) -> Rows<T> {
         let (x, mut tape) = x.split_tape();
         let (n, width) = *x.shape();
@@ -51,7 +51,7 @@ impl LayerNorm {
     }
 }
 
-/// Gives `row` the mean 0 and the variance 1, up to epsilon. Returns the factor 1 / sqrt(variance + epsilon).
+/// Shifts and scales `row` to mean 0 and variance 1, up to epsilon. Returns the factor 1 / sqrt(variance + epsilon).
 fn standardize(row: &mut [f32]) -> f32 {
     let center = mean(row);
     row.iter_mut().for_each(|x| *x -= center);
@@ -61,8 +61,8 @@ fn standardize(row: &mut [f32]) -> f32 {
     factor
 }
 
-/// Replaces `g`, the gradient of a row of outputs, by that of the inputs: with h = g * scale and the standardized inputs x,
-/// factor * (h - mean(h) - x * mean(h x)).
+/// Replaces `g`, the gradient with respect to a row of outputs, by the gradient with respect to the inputs:
+/// factor * (h - mean(h) - x * mean(h x)), with h = g * scale and the standardized inputs x.
 fn input_gradient(g: &mut [f32], x: &[f32], scale: &[f32], factor: f32) {
     g.iter_mut().zip(scale).for_each(|(g, scale)| *g *= scale);
     let center = mean(g);

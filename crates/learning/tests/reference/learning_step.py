@@ -1,9 +1,9 @@
 """Three gradient steps of (double) (dueling) DQN on a small fixed replay buffer, in float64 PyTorch.
 
 Writes learning_step.json, with which crates/learning/tests/pytorch_reference.rs compares the learner. Nothing here is
-derived from wayfield's code: returns follow their definition, gradients and optimizers are those of PyTorch.
+derived from wayfield's code: returns follow their definition; gradients and optimizers are those of PyTorch.
 
-    pip install torch && python tests/reference/learning_step.py
+    pip install torch && python crates/learning/tests/reference/learning_step.py
 """
 
 import json
@@ -37,7 +37,7 @@ class Net(torch.nn.Module):
         return self.value(x) + a - a.mean(dim=1, keepdim=True)
 
     def ordered(self):
-        """Parameters in wayfield's order: a head's weights, then its biases."""
+        """Parameters in wayfield's order: hidden layers, then the weights of all heads, then their biases."""
         heads = [self.value, self.advantage] if self.dueling else [self.output]
         out = [p for layer in self.hidden for p in (layer.weight, layer.bias)]
         return out + [h.weight for h in heads] + [h.bias for h in heads]

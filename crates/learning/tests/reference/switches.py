@@ -1,12 +1,12 @@
-"""Three gradient steps of DQN with each switch of the network and of the update, in plain Python and float64.
+"""Three gradient steps of DQN with switches (options that are off by default), in plain Python and float64.
 
 Writes switches.json, with which crates/learning/tests/pytorch_reference.rs compares the learner. Nothing here is derived
-from wayfield's code, and no gradient is derived at all: a derivative is the imaginary part of the loss at a parameter with
-a tiny imaginary part (complex step), which is exact to rounding. The formulas are those of PyTorch's LayerNorm, ELU, SiLU,
-clip_grad_norm_ and AdamW; with RMSprop the weights decay as in AdamW. Without a switch the script gives PyTorch's numbers,
-which it checks against learning_step.json.
+from wayfield's code, and no gradient is derived by hand: a derivative is the imaginary part of the loss after a tiny
+imaginary step of the parameter, divided by that step, which is exact up to rounding. The formulas are those of PyTorch's
+LayerNorm, ELU, SiLU, clip_grad_norm_ and AdamW; with RMSprop the weights decay as in AdamW. With all switches off the script
+reproduces PyTorch's results, which it checks against learning_step.json.
 
-    python3 tests/reference/switches.py
+    python3 crates/learning/tests/reference/switches.py
 """
 
 import cmath
@@ -80,8 +80,8 @@ def gradient(case, parameters, targets):
 def td_targets(case, online, target):
     out = []
     for _, _, reward, discount, last in transitions():
-        chooser = [q.real for q in q_values(case, online, observation(last))]
-        best = chooser.index(max(chooser))
+        chooser_q = [q.real for q in q_values(case, online, observation(last))]
+        best = chooser_q.index(max(chooser_q))
         out.append(reward + discount * q_values(case, target, observation(last))[best].real)
     return out
 

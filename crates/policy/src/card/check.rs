@@ -1,14 +1,14 @@
-//! The checks of a card: its numbers, and whether it agrees with itself and with the network.
+//! The checks of a policy card: its values, and whether it agrees with itself and with the network.
 
 use super::{Card, Input, Quantity, inputs, q_value_formula};
 use crate::greedy;
 use crate::network::{NetworkShape, Scratch, Weights, forward};
 use crate::observation::{self, Encoding};
 
-/// The relative difference of two Q-values that comes from the order of additions alone.
+/// The largest relative difference between two Q-values that can come from the order of additions alone.
 const Q_TOLERANCE: f32 = 1e-3;
 
-/// A contradiction in a card, as the rest of a sentence that begins with "the policy's card".
+/// A contradiction or an invalid value in a card, as the rest of a sentence that begins with "the policy's card".
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct CardError(pub String);
@@ -23,7 +23,7 @@ impl Card {
         known.find(|&e| e.check().is_ok() && inputs(e, &angles, &sensors) == self.inputs)
     }
 
-    /// The directions of the LIDAR beams, in rad.
+    /// The directions of the inputs that have one, in rad: LIDAR beams, or for an observation by sectors each input's sector.
     #[must_use]
     pub fn angles_rad(&self) -> Vec<f32> {
         self.inputs.iter().filter_map(|input| input.angle_rad).collect()
@@ -81,15 +81,15 @@ impl Card {
         self.action_set()
             .check()
             .map_err(|problem| CardError(format!("has relative actions; their list {problem}")))?;
-        let infinite = (0..self.actions.len()).find(|&k| !is_finite(k));
-        ensure(infinite.is_none(), || {
-            format!("has a number that is not finite in action {}", infinite.unwrap_or(0))
+        let non_finite = (0..self.actions.len()).find(|&k| !is_finite(k));
+        ensure(non_finite.is_none(), || {
+            format!("has a number that is not finite in action {}", non_finite.unwrap_or(0))
         })?;
         let is_finite =
             |input: &Input| input.divisor.is_finite() && input.angle_rad.is_none_or(f32::is_finite);
-        let infinite = self.inputs.iter().position(|input| !is_finite(input));
-        ensure(infinite.is_none(), || {
-            format!("has a number that is not finite in input {}", infinite.unwrap_or(0))
+        let non_finite = self.inputs.iter().position(|input| !is_finite(input));
+        ensure(non_finite.is_none(), || {
+            format!("has a number that is not finite in input {}", non_finite.unwrap_or(0))
         })?;
         let rate = self.training.success_rate;
         ensure(rate.is_none_or(|rate| (0.0..=1.0).contains(&rate)), || {
@@ -152,7 +152,7 @@ impl Card {
     }
 }
 
-/// An error with `problem` unless the condition `holds`.
+/// Returns an error with `problem` unless the condition `holds`.
 fn ensure(holds: bool, problem: impl FnOnce() -> String) -> Result<(), CardError> {
     let error = || CardError(format!("{}; help: use the file as wayfield wrote it", problem()));
     if holds { Ok(()) } else { Err(error()) }

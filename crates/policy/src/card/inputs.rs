@@ -10,11 +10,11 @@ use crate::observation::{Column, Encoding};
 pub struct Input {
     /// The quantity.
     pub quantity: Quantity,
-    /// The quantity's unit before the division; empty for a number without a unit.
+    /// The quantity's unit before the division; empty if it has none.
     pub unit: String,
     /// The divisor.
     pub divisor: f32,
-    /// The direction of a LIDAR beam relative to the heading, counterclockwise positive, in rad.
+    /// The direction of the LIDAR beam or sector relative to the heading, counterclockwise positive, in rad.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub angle_rad: Option<f32>,
     /// The name of the plugin sensor that this input is a reading of.
@@ -22,8 +22,8 @@ pub struct Input {
     pub sensor: Option<String>,
 }
 
-/// The inputs for a LIDAR with beams at `angles_rad`, which make no difference to sectors, followed by plugin sensors with these
-/// names and widths.
+/// The inputs for a LIDAR with beams at `angles_rad` (ignored for an observation by sectors), followed by those of plugin
+/// sensors with these names and widths.
 #[must_use]
 pub fn inputs(encoding: Encoding, angles_rad: &[f32], sensors: &[(&str, usize)]) -> Vec<Input> {
     let input = |quantity: Quantity, divisor| Input {

@@ -28,7 +28,7 @@ pub struct Card {
     pub program: Program,
     /// How the policy was trained.
     pub training: Training,
-    /// The encoding of the observations, if it is not the paper's: an observation by sectors.
+    /// The encoding of the observations, if it is not the paper's: [`Encoding::Sectors`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub observation: Option<Encoding>,
     /// The network's inputs, in their order.
@@ -39,7 +39,7 @@ pub struct Card {
     pub q_values: String,
     /// The actions, in the order of the Q-values. An action is held for one control period.
     pub actions: Vec<Action>,
-    /// The actions in units of the robot's limits, if the policy has its own; `actions` are then those of the robot that it was
+    /// The actions in units of the robot's limits, if the policy has its own; `actions` then gives them for the robot that it was
     /// trained with.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub relative_actions: Option<Vec<RelativeMotion>>,
@@ -49,7 +49,7 @@ pub struct Card {
     pub example: Example,
     /// The CRC-32C of the scenario's bytes, as eight hexadecimal digits.
     pub scenario_crc32c: String,
-    /// The scenario of the training: robot, LIDAR with its noise and delay, rules, obstacles, and every other field.
+    /// The scenario of the training run: robot, LIDAR with its noise and delay, rules, obstacles, and every other field.
     pub scenario: RawJson,
 }
 
@@ -60,7 +60,7 @@ pub struct Program {
     pub name: String,
     /// The program's version.
     pub version: String,
-    /// The Git commit that the program was built from, with `-dirty` if files had been changed; null if unknown.
+    /// The Git commit that the program was built from, with `-dirty` appended if files had been changed; null if unknown.
     pub commit: Option<String>,
 }
 
@@ -127,8 +127,8 @@ pub struct Example {
 }
 
 impl Example {
-    /// An arbitrary observation by eq. (8) of a LIDAR with `beams` beams and a range of `max_range_m`: every range is different,
-    /// the goal is behind to the right. `q_values` computes the Q-values.
+    /// An arbitrary observation by eq. (8) with the `lidar` (number of beams, maximum range in m): the ranges vary from beam to
+    /// beam, and the goal is behind the robot to the right. `q_values` computes the Q-values.
     pub fn new(
         encoding: Encoding,
         lidar: (usize, f32),
@@ -143,7 +143,8 @@ impl Example {
         Self::observed(observe, lidar, sensor_readings, q_values)
     }
 
-    /// The same with another observation: `observe` encodes the ranges in m, the bearing in rad and the distance in m of the goal.
+    /// Like [`new`](Self::new), with another observation: `observe` encodes the ranges in m, and the goal's bearing in rad and
+    /// distance in m.
     pub fn observed(
         observe: impl FnOnce(&[f32], f32, f32) -> Vec<f32>,
         (beams, max_range_m): (usize, f32),

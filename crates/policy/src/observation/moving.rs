@@ -1,25 +1,26 @@
 //! Things that move, found by comparing scans.
 //!
-//! Neighbouring hits form a thing, if it is compact. A thing that stands where an earlier scan saw nothing has moved; its velocity
-//! is the slope of the line through its places in the last scans, each matched to the nearest thing in the scan before. Everything
-//! else is taken as still. With few beams, only what is near is found in time.
+//! Neighbouring hits form a thing, if they are compact together. A thing where an earlier scan saw nothing has moved. It is
+//! followed back in time, in each scan to the thing nearest to where it is expected; its velocity is the slope of the line fitted
+//! to its positions. Everything else is taken to be still. With few beams, only what is near is found in time.
+//!
+//! Lengths are in units of the robot, which `sectors.rs` defines.
 
 use serde::{Deserialize, Serialize};
 
-/// Control steps back to the oldest scan that a thing is followed to.
+/// How many control steps a thing is followed back.
 pub(super) const FOLLOWED_STEPS: usize = 5;
-/// The fewest places that give a velocity.
-const MIN_PLACES: usize = 3;
+/// The fewest positions that give a velocity.
+const MIN_POSITIONS: usize = 3;
 /// Neighbouring hits belong to one thing if their distance is at most this many times the distance between beams at that range.
 const LINK: f32 = 2.0;
-/// They also belong to one thing if their distance is at most this, in units of the robot.
+/// Neighbouring hits also belong to one thing if their distance is at most this, in units of the robot.
 const MIN_LINK: f32 = 0.5;
 /// The largest extent of a thing that may move, in units of the robot. Larger things are taken for walls.
 const MAX_EXTENT: f32 = 5.0;
-/// Two places in successive scans may be this far apart to be taken for those of one thing, however slow the robot is, in units of
-/// the robot.
+/// A thing in a scan can be up to this far from where it is expected, however slow the robot is, in units of the robot.
 const MIN_GATE: f32 = 1.0;
-/// The least displacement over all places that counts as motion, in units of the robot.
+/// The least displacement over all positions that counts as motion, in units of the robot.
 const MIN_DISPLACEMENT: f32 = 0.3;
 
 /// A compact thing in a scan: a disc in the robot's frame at that moment, in units of the robot.
@@ -60,11 +61,11 @@ pub(super) struct MovingThing {
 }
 
 impl MovingThing {
-    /// The number of control steps until a robot that moves by `way` in each, from the origin, collides with it; infinite if it
-    /// does not.
-    pub(super) fn steps_to_collision(&self, way: (f32, f32)) -> f32 {
+    /// The number of control steps until the robot, which moves from the origin by `step` in each of them, collides with it;
+    /// infinite if they do not collide.
+    pub(super) fn steps_to_collision(&self, step: (f32, f32)) -> f32 {
         let Self { disc, velocity } = self;
-        let relative = (way.0 - velocity.0, way.1 - velocity.1);
+        let relative = (step.0 - velocity.0, step.1 - velocity.1);
         let speed_2 = relative.0 * relative.0 + relative.1 * relative.1;
         let along = disc.x * relative.0 + disc.y * relative.1;
         let reach = 1.0 + disc.radius;
@@ -81,8 +82,8 @@ fn length(x: f32, y: f32) -> f32 {
     (x * x + y * y).sqrt()
 }
 
-/// Finds the compact things among the ends of a scan's beams, in the order of the beams, and writes to `thing_of_beam` which one
-/// each beam has hit, if any.
+/// Finds the compact things among `ends`, the ends of a scan's beams in the order of the beams, and writes to `thing_of_beam`
+/// which one each beam has hit, if any.
 pub(super) fn find_things(
     ends: &[Option<BeamEnd>],
     spacing_rad: f32,
@@ -125,7 +126,7 @@ pub(super) fn find_things(
     }
 }
 
-/// A frame of an earlier scan: the rotation and the origin in the present frame.
+/// The robot's frame at an earlier scan: its rotation and its origin in the present frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Frame {
     cos: f32,
@@ -134,7 +135,8 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// The frame of the robot at the pose `then`, as it is at the pose `now` (x in m, y in m, heading in rad), in units of `unit_m`.
+    /// The robot's frame at the pose `then`, relative to its frame at the pose `now`, in units of `unit_m`. Poses are x in m, y
+    /// in m and heading in rad.
     pub(super) fn between(then: (f32, f32, f32), now: (f32, f32, f32), unit_m: f32) -> Self {
         let (sin, cos) = libm::sincosf(now.2);
         let (dx, dy) = (then.0 - now.0, then.1 - now.1);
@@ -143,15 +145,15 @@ impl Frame {
         Self { cos, sin, origin }
     }
 
-    /// A point of the frame, in the present one.
+    /// Converts a point of this frame to the present frame.
     pub(super) fn to_present(self, (x, y): (f32, f32)) -> (f32, f32) {
         let Self { cos, sin, origin } = self;
         (x * cos - y * sin + origin.0, x * sin + y * cos + origin.1)
     }
 }
 
-/// Follows a thing of the present scan back through `earlier` scans, the newest first. `gate` is the largest distance between
-/// its places in successive scans, in units of the robot, if that is more than the least one. Returns it if it moves.
+/// Follows a thing of the present scan back through `earlier` scans, the newest first, and returns it if it moves. In each scan
+/// it can be up to `gate` (at least [`MIN_GATE`]) from where it is expected, in units of the robot.
 pub(super) fn follow<'a>(
     disc: Thing,
     earlier: impl Iterator<Item = (Frame, &'a [Thing])>,
@@ -159,31 +161,31 @@ pub(super) fn follow<'a>(
 ) -> Option<MovingThing> {
     let gate = gate.max(MIN_GATE);
     let (mut at, mut velocity) = ((disc.x, disc.y), (0.0, 0.0));
-    // The sums of the least squares: places over times, with the present at time 0.
-    let mut places = 1.0;
+    // The sums of the least-squares fit of positions over times, with the present at time 0.
+    let mut positions = 1.0;
     let (mut t_sum, mut tt_sum) = (0.0, 0.0);
     let (mut sum, mut t_at_sum) = (at, (0.0, 0.0));
     for (step, (frame, things)) in earlier.enumerate() {
         let expected = (at.0 - velocity.0, at.1 - velocity.1);
         let candidates = things.iter().map(|thing| {
-            let place = frame.to_present((thing.x, thing.y));
-            (length(place.0 - expected.0, place.1 - expected.1), place)
+            let position = frame.to_present((thing.x, thing.y));
+            (length(position.0 - expected.0, position.1 - expected.1), position)
         });
         let nearest = candidates.filter(|(away, _)| *away <= gate).min_by(|a, b| a.0.total_cmp(&b.0));
-        let Some((_, place)) = nearest else { break };
-        at = place;
+        let Some((_, position)) = nearest else { break };
+        at = position;
         let t = -((step + 1) as f32);
-        places += 1.0;
+        positions += 1.0;
         t_sum += t;
         tt_sum += t * t;
         sum = (sum.0 + at.0, sum.1 + at.1);
         t_at_sum = (t_at_sum.0 + t * at.0, t_at_sum.1 + t * at.1);
-        let determinant = places * tt_sum - t_sum * t_sum;
-        let slope = |sum: f32, t_at_sum: f32| (places * t_at_sum - t_sum * sum) / determinant;
+        let determinant = positions * tt_sum - t_sum * t_sum;
+        let slope = |sum: f32, t_at_sum: f32| (positions * t_at_sum - t_sum * sum) / determinant;
         velocity = (slope(sum.0, t_at_sum.0), slope(sum.1, t_at_sum.1));
     }
-    let displacement = length(velocity.0, velocity.1) * (places - 1.0);
-    let moves = places >= MIN_PLACES as f32 && displacement >= MIN_DISPLACEMENT;
+    let displacement = length(velocity.0, velocity.1) * (positions - 1.0);
+    let moves = positions >= MIN_POSITIONS as f32 && displacement >= MIN_DISPLACEMENT;
     moves.then_some(MovingThing { disc, velocity })
 }
 
@@ -210,16 +212,16 @@ mod tests {
     }
 
     #[test]
-    fn the_robot_s_own_motion_does_not_count() {
-        // The robot has moved by 0.3 ahead and turned left by a right angle: it sees ahead what was to its left.
+    fn points_of_an_earlier_frame_are_converted_to_the_present_one() {
+        // The robot has moved ahead by 0.3 and turned left by a right angle: it sees ahead what was to its left.
         let frame = Frame { cos: 0.0, sin: -1.0, origin: (0.0, 0.3) };
-        let place = frame.to_present((0.3, 2.0));
-        assert!((place.0 - 2.0).abs() < 1e-6 && place.1.abs() < 1e-6, "{place:?}");
+        let point = frame.to_present((0.3, 2.0));
+        assert!((point.0 - 2.0).abs() < 1e-6 && point.1.abs() < 1e-6, "{point:?}");
     }
 
     #[test]
-    fn steps_to_a_collision_are_counted_by_hand() {
-        // It comes from 6 units ahead at 0.5 a step; contact is at 1 + 0.5 units.
+    fn steps_to_a_collision_match_a_calculation_by_hand() {
+        // A thing 6 units ahead comes nearer by 0.5 a step; contact is at 1 + 0.5 units.
         let moving = MovingThing { disc: disc(6.0, 0.0), velocity: (-0.5, 0.0) };
         assert_eq!(moving.steps_to_collision((0.0, 0.0)), 4.5 / 0.5);
         assert_eq!(moving.steps_to_collision((1.0, 0.0)), 4.5 / 1.5);
@@ -230,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn compact_things_are_told_from_walls_also_across_the_first_beam() {
+    fn compact_things_are_told_from_walls_even_across_the_first_beam() {
         let beams = 36;
         let spacing_rad = std::f32::consts::TAU / beams as f32;
         let end = |beam: usize| {

@@ -1,7 +1,7 @@
 //! The observer: turns scans and odometry into observations by sectors.
 //!
-//! In: per control step, a scan, the robot's pose by odometry and its motion; the goal. Out: a row of the layout of
-//! [`SectorLayout`]. It remembers the scans of the last steps, and allocates no memory after its first steps.
+//! In: per control step, a scan, the robot's pose by odometry and its motion; the goal. Out: a row with the columns of a
+//! [`SectorLayout`]. The observer remembers the scans of the last steps, and allocates no memory after its first steps.
 
 use std::collections::VecDeque;
 use std::f32::consts::TAU;
@@ -13,9 +13,9 @@ use super::sectors::{
     BodyScale, LidarBeams, OTHER_COLUMNS, SectorLayout, distance_at, nearness, sectors_of_beams,
 };
 
-/// The factor of the change of nearness.
+/// The factor that the change of nearness is multiplied by.
 const CHANGE_GAIN: f32 = 4.0;
-/// How much nearer than before a thing must be in its direction to stand where nothing was, in units of the robot.
+/// A thing has appeared if it is nearer by more than this than what was in its direction before, in units of the robot.
 const MIN_APPEARANCE: f32 = 0.25;
 /// The distance beyond which things are too far away for their motion to matter, in units of the robot.
 const MOTION_RANGE: f32 = distance_at(0.12);
@@ -52,7 +52,7 @@ const NO_HIT: Hit = Hit { x: 0.0, y: 0.0, distance: f32::INFINITY, nearness: 0.0
 pub struct EarlierScan {
     pose: (f32, f32, f32),
     hits: Vec<Hit>,
-    /// The compact things, without predicted paths none.
+    /// The compact things; empty without predicted paths.
     things: Vec<Thing>,
 }
 
@@ -73,7 +73,7 @@ impl EarlierScan {
         is_pose && are_things && self.hits.len() == usize::from(layout.count) && self.hits.iter().all(is_hit)
     }
 
-    /// The nearest hit of each sector, if its sector is seen by a beam.
+    /// The nearest hit of each sector that a beam sees.
     fn seen<'a>(&'a self, is_seen: &'a [bool]) -> impl Iterator<Item = (usize, &'a Hit)> {
         self.hits.iter().enumerate().filter(|(sector, _)| is_seen[*sector])
     }
@@ -85,17 +85,17 @@ pub struct SectorObserver {
     layout: SectorLayout,
     body: BodyScale,
     beams: Vec<Beam>,
-    /// Whether a beam belongs to each sector.
+    /// For each sector, whether a beam belongs to it.
     is_seen: Vec<bool>,
     max_range_m: f32,
     spacing_rad: f32,
-    /// The scans of the last steps, the newest last: at most one more than the steps that it looks back.
+    /// The scans of the last steps, the newest last: at most [`steps_back`](Self::steps_back) + 1.
     scans: VecDeque<EarlierScan>,
     /// The nearness of the earlier scan's points in each sector of the present frame; negative where there is none.
     earlier: Vec<f32>,
     /// The nearness of a collision in the direction of each sector's centre; empty without free paths.
     collisions: Vec<f32>,
-    /// The same if what moves goes on moving; empty without predicted paths.
+    /// Like `collisions`, if what moves goes on moving; empty without predicted paths.
     predicted: Vec<f32>,
     /// The nearness of a collision if the robot waits.
     waiting: f32,
@@ -123,7 +123,7 @@ impl SectorObserver {
     /// An observer of a robot with this LIDAR and body, which has sensed nothing yet.
     ///
     /// # Panics
-    /// The body has not an extent for each beam.
+    /// The body does not have one extent per beam.
     #[must_use]
     pub fn new(layout: SectorLayout, lidar: &LidarBeams, body: BodyScale) -> Self {
         assert_eq!(lidar.angles_rad.len(), body.extents_m.len(), "one extent per beam");
@@ -182,8 +182,8 @@ impl SectorObserver {
         self.scans.iter()
     }
 
-    /// Remembers `scans`, which [fit](EarlierScan::fits) its layout, instead of its own, and the robot's speed in m/s and turning
-    /// rate in rad/s.
+    /// Replaces what it remembers by `scans`, which [fit](EarlierScan::fits) its layout, and `twist`, the robot's speed in m/s
+    /// and turning rate in rad/s.
     pub fn restore(&mut self, scans: &[EarlierScan], twist: (f32, f32)) {
         self.reset();
         self.scans.extend(scans.iter().cloned());
@@ -205,13 +205,13 @@ impl SectorObserver {
         self.compare();
     }
 
-    /// The number of control steps that it looks back.
+    /// The number of control steps that the observer looks back.
     fn steps_back(&self) -> usize {
         let followed = if self.layout.predicted_paths { FOLLOWED_STEPS } else { 0 };
         followed.max(usize::from(self.layout.earlier_steps))
     }
 
-    /// Finds what the newest scan and those before it say about collisions and motion.
+    /// Finds collisions and motion from the newest scan and those before it.
     fn compare(&mut self) {
         self.find_collisions();
         if self.layout.earlier_steps > 0 {
@@ -262,8 +262,8 @@ impl SectorObserver {
     /// Finds the nearness of a collision in the direction of each sector's centre, for a disc with a radius of one unit.
     fn find_collisions(&mut self) {
         let Some(scan) = self.scans.back() else { return };
-        free_ways(&scan.hits, &self.directions, |_| true, &mut self.collisions);
-        self.collisions.iter_mut().for_each(|way| *way = collision_nearness(*way));
+        free_distances(&scan.hits, &self.directions, |_| true, &mut self.collisions);
+        self.collisions.iter_mut().for_each(|value| *value = collision_nearness(*value));
     }
 
     /// Finds which things of the newest scan move.
@@ -276,7 +276,7 @@ impl SectorObserver {
         frames.extend(before().map(|scan| Frame::between(scan.pose, now.pose, body.unit_m)));
         let step = body.step_length();
         for (index, &thing) in now.things.iter().enumerate() {
-            // It stands where the earlier scan saw nothing, or something farther away.
+            // The thing is where the earlier scan saw nothing, or something farther away.
             let has_appeared = |(hit, &earlier): (&Hit, &f32)| {
                 let extent = hit.distance - distance_at(hit.nearness);
                 let before = if earlier > 0.0 { distance_at(earlier) + extent } else { f32::INFINITY };
@@ -286,9 +286,9 @@ impl SectorObserver {
                 moving.push(None);
                 continue;
             }
-            let places = frames.iter().copied().zip(before().map(|scan| scan.things.as_slice()));
+            let earlier_things = frames.iter().copied().zip(before().map(|scan| scan.things.as_slice()));
             let distance = (thing.x * thing.x + thing.y * thing.y).sqrt();
-            moving.push(follow(thing, places, (2.0 * step).max(*spacing_rad * distance)));
+            moving.push(follow(thing, earlier_things, (2.0 * step).max(*spacing_rad * distance)));
         }
     }
 
@@ -304,11 +304,11 @@ impl SectorObserver {
         let Some(now) = scans.back() else { return };
         let step = body.step_length();
         let is_still = |hit: &Hit| hit.thing.is_none_or(|thing| moving[usize::from(thing)].is_none());
-        let steps_to_collision = |way: (f32, f32), at_most: f32| {
-            let steps = moving.iter().flatten().map(|thing| thing.steps_to_collision(way));
+        let steps_to_collision = |velocity: (f32, f32), at_most: f32| {
+            let steps = moving.iter().flatten().map(|thing| thing.steps_to_collision(velocity));
             steps.fold(at_most, f32::min)
         };
-        free_ways(&now.hits, directions, is_still, predicted);
+        free_distances(&now.hits, directions, is_still, predicted);
         for (predicted, &(cos, sin)) in predicted.iter_mut().zip(&*directions) {
             let free = *predicted / step;
             *predicted = collision_nearness(step * steps_to_collision((step * cos, step * sin), free));
@@ -331,16 +331,16 @@ impl SectorObserver {
         let frame = Frame::between(before.pose, now.pose, body.unit_m);
         let turned = before.pose.2 - now.pose.2;
         for (sector, hit) in before.seen(is_seen) {
-            let mut widen = |first: i32, last: i32, nearness: f32| {
+            let mut mark = |first: i32, last: i32, nearness: f32| {
                 for sector in first..=last.min(first + count - 1) {
                     let value = &mut earlier[sector.rem_euclid(count) as usize];
                     *value = value.max(nearness);
                 }
             };
             if hit.distance >= MOTION_RANGE {
-                // Nothing near: in the same direction, whatever the way of the robot.
+                // Nothing near: it stays in the same direction, however far the robot has driven.
                 let sector = (sector as f32 + turned / per_sector).round() as i32;
-                widen(sector, sector, hit.nearness);
+                mark(sector, sector, hit.nearness);
                 continue;
             }
             let (x, y) = frame.to_present((hit.x, hit.y));
@@ -348,17 +348,17 @@ impl SectorObserver {
             // It is as wide as its sector was, so that the points of a wall leave no gaps.
             let half_width = 0.5 * hit.distance / distance.max(0.25 * hit.distance);
             let centre = libm::atan2f(y, x) / per_sector;
-            // The extent of the body in that direction is taken from where the point was seen.
+            // The extent of the body is taken as in the direction in which the point was seen.
             let extent = hit.distance - distance_at(hit.nearness);
             let (first, last) = ((centre - half_width).round() as i32, (centre + half_width).round() as i32);
-            widen(first, last, nearness(distance - extent));
+            mark(first, last, nearness(distance - extent));
         }
     }
 
     /// Writes the observation for a goal at the bearing `goal.0`, relative to the heading, counterclockwise positive, in rad,
     /// and at the distance `goal.1`, in m.
     ///
-    /// Before anything was sensed, it is all zeros.
+    /// Before the first scan, it is all zeros.
     ///
     /// # Panics
     /// The length of `row` is not [`SectorLayout::width`].
@@ -398,21 +398,26 @@ impl SectorObserver {
     }
 }
 
-/// Writes into `ways` how far a disc with a radius of one unit can drive in each of `directions`, unit vectors, before it collides
-/// with one of the `counted` hits, in units of the robot. Without branches, the inner loop takes several directions at once.
-fn free_ways(hits: &[Hit], directions: &[(f32, f32)], counted: impl Fn(&Hit) -> bool, ways: &mut [f32]) {
-    ways.fill(f32::INFINITY);
-    for hit in hits.iter().filter(|hit| hit.nearness > 0.0 && counted(hit)) {
-        for (way, (cos, sin)) in ways.iter_mut().zip(directions) {
+/// Writes into `distances` how far a disc with a radius of one unit can drive in each of `directions`, unit vectors, before it
+/// collides with one of the hits that count, in units of the robot. The inner loop has no branches, so that it is vectorized.
+fn free_distances(
+    hits: &[Hit],
+    directions: &[(f32, f32)],
+    counts: impl Fn(&Hit) -> bool,
+    distances: &mut [f32],
+) {
+    distances.fill(f32::INFINITY);
+    for hit in hits.iter().filter(|hit| hit.nearness > 0.0 && counts(hit)) {
+        for (distance, (cos, sin)) in distances.iter_mut().zip(directions) {
             let (along, across) = (hit.x * cos + hit.y * sin, hit.x * sin - hit.y * cos);
             let beside = 1.0 - across * across;
             let free = along - beside.max(0.0).sqrt();
-            *way = if (along > 0.0) & (beside > 0.0) & (free < *way) { free } else { *way };
+            *distance = if (along > 0.0) & (beside > 0.0) & (free < *distance) { free } else { *distance };
         }
     }
 }
 
-/// The nearness of a collision after a way of this length, in units of the robot; 0 if it is infinite.
-fn collision_nearness(way: f32) -> f32 {
-    if way.is_finite() { nearness(way) } else { 0.0 }
+/// The nearness of a collision after driving this `distance`, in units of the robot; 0 if it is infinite.
+fn collision_nearness(distance: f32) -> f32 {
+    if distance.is_finite() { nearness(distance) } else { 0.0 }
 }

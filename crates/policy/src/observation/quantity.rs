@@ -14,7 +14,7 @@ pub enum Quantity {
     GoalDistance,
     /// The smallest of the ranges.
     SmallestRange,
-    /// The number of the first beam with the smallest range, from 0.
+    /// The index of the first beam with the smallest range.
     NearestBeam,
     /// A reading of a plugin's sensor.
     Sensor,
@@ -24,7 +24,7 @@ pub enum Quantity {
     NearnessChange,
     /// The nearness of a collision in the direction of a sector's centre.
     CollisionNearness,
-    /// The same at the robot's highest speed, if what moves goes on moving as it has.
+    /// Like [`CollisionNearness`](Self::CollisionNearness), at the robot's highest speed, if what moves goes on moving as it has.
     PredictedNearness,
     /// The cosine of the goal's bearing.
     GoalCosine,
@@ -38,7 +38,7 @@ pub enum Quantity {
     Speed,
     /// The robot's turning rate, in units of its highest.
     TurningRate,
-    /// The robot's longest way in a control step, in units of the robot.
+    /// The longest distance that the robot drives in a control step, in units of the robot.
     StepLength,
     /// The robot's largest turn in a control step.
     StepTurn,
@@ -47,7 +47,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// Its unit; empty for a number without a unit.
+    /// The quantity's unit; empty for a number without a unit.
     #[must_use]
     pub fn unit(self) -> &'static str {
         match self {

@@ -6,13 +6,13 @@
 //! | columns | meaning |
 //! |---|---|
 //! | 0 .. S-1 | nearness of the nearest thing in each of S sectors, 0 (nothing in sight) to 1 (contact); sector 0 is centred straight ahead, then counterclockwise |
-//! | S .. 2S-1 | what has moved: 4 times the nearness now minus that of the earlier scan, moved into the present frame by odometry; -1 to 1, positive for what approaches. Absent without an earlier scan |
-//! | then S | nearness of what the robot would collide with if it drove straight on in the direction of a sector's centre, whatever its heading; 0 if that way is free. Absent without free paths |
+//! | S .. 2S-1 | what has moved: the nearness now minus that of the earlier scan, moved into the present frame by odometry, times 4; -1 to 1, positive for what approaches. Absent without an earlier scan |
+//! | then S | nearness of what the robot would collide with if it drove straight on in the direction of a sector's centre, whatever its heading; 0 if that path is free. Absent without free paths |
 //! | then S | the same, at the robot's highest speed and if what moves goes on moving as it has. Absent without predicted paths |
 //! | then 4 | direction of the goal (cosine and sine of its bearing), its nearness, and the logarithm of its distance |
 //! | then 2 | the robot's speed and turning rate, in units of its highest |
-//! | then 2 | its longest way in a control step, in units of the robot, and its largest turn in a control step, in rad |
-//! | then 1 | nearness of a collision if the robot waits: at its highest speed it would drive that far until then. Absent without predicted paths |
+//! | then 2 | the longest distance that the robot drives in a control step, in units of the robot, and its largest turn in a control step, in rad |
+//! | then 1 | nearness of a collision if the robot waits: that of the distance that it would drive until then at its highest speed. Absent without predicted paths |
 //!
 //! The nearness of a thing x units away from the body is 1 / (1 + x / 2).
 
@@ -27,7 +27,7 @@ const COUNT: RangeInclusive<u16> = 4..=360;
 const MAX_EARLIER_STEPS: u8 = 20;
 /// The distance at which the nearness is one half, in units of the robot.
 const HALF_NEARNESS: f32 = 2.0;
-/// The number of columns after the sectors, but for that of waiting.
+/// The number of columns after the sectors, without that of waiting.
 pub(super) const OTHER_COLUMNS: usize = 8;
 
 /// The layout of an observation by sectors.
@@ -47,9 +47,9 @@ pub struct SectorLayout {
 /// The meaning of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Column {
-    /// What it measures.
+    /// What the column measures.
     pub quantity: Quantity,
-    /// The sector in which, if it is a quantity of sectors.
+    /// The sector in which it is measured, if the quantity has a column per sector.
     pub sector: Option<usize>,
 }
 
@@ -113,7 +113,7 @@ impl SectorLayout {
         self.columns().enumerate().map(image).collect()
     }
 
-    /// Checks that the numbers are in range.
+    /// Checks that the numbers are in range, and that predicted paths have an earlier scan.
     pub(super) fn check(self) -> Result<(), String> {
         let (least, most) = (COUNT.start(), COUNT.end());
         if !COUNT.contains(&self.count) {
@@ -138,7 +138,7 @@ pub(super) fn nearness(x: f32) -> f32 {
     1.0 / (1.0 + x.max(0.0) / HALF_NEARNESS)
 }
 
-/// The distance beyond which a nearness is below `nearness`, in units of the robot.
+/// The distance of a thing with this `nearness` from the body, in units of the robot.
 #[must_use]
 pub(super) const fn distance_at(nearness: f32) -> f32 {
     HALF_NEARNESS * (1.0 / nearness - 1.0)
@@ -155,12 +155,12 @@ pub struct LidarBeams {
     pub max_range_m: f32,
 }
 
-/// The numbers of a robot that its observation is scaled by.
+/// What an observation is scaled by: sizes and limits of the robot, and the goal's radius.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodyScale {
     /// The unit of length, in m: the distance from the robot's centre at which it collides.
     pub unit_m: f32,
-    /// The extent of the body along each beam, in m: a range that is not longer is a contact.
+    /// The extent of the body along each beam, in m: a range of at most this is a contact.
     pub extents_m: Vec<f32>,
     /// The highest speed, in m/s.
     pub max_speed_m_s: f32,
@@ -173,14 +173,14 @@ pub struct BodyScale {
 }
 
 impl BodyScale {
-    /// The longest way in a control step, in units of the robot.
+    /// The longest distance that the robot drives in a control step, in units of the robot.
     pub(super) fn step_length(&self) -> f32 {
         self.max_speed_m_s * self.control_period_s / self.unit_m
     }
 }
 
-/// The sectors of each beam: the one that it points into, and those without a beam of their own to which it is the nearest, at
-/// most the angle between neighbouring beams away.
+/// The sectors of each beam: the one that it points into, and each sector that no beam points into, if this beam is the nearest
+/// to its centre and less than the angle between neighbouring beams away.
 pub(super) fn sectors_of_beams(layout: SectorLayout, lidar: &LidarBeams) -> Vec<Vec<usize>> {
     let count = usize::from(layout.count);
     let per_sector = TAU / count as f32;

@@ -12,7 +12,7 @@ use crate::format::{number, percent};
 
 /// The number of episodes in the moving mean, here and in the app.
 pub const MEAN_EPISODES: usize = 100;
-/// Up to this number of episodes each one is drawn, beyond it only their minimum and maximum; here and in the app.
+/// Up to this number of episodes, each one is drawn; beyond it, only a band from minimum to maximum. Here and in the app.
 pub const MAX_SINGLE_EPISODES: usize = 1000;
 
 /// A result of the paper, which is drawn as a reference line.
@@ -46,11 +46,11 @@ pub struct EpisodePoint {
 pub struct EvaluationPoint {
     /// Environment steps of the whole run when the policy was evaluated.
     pub env_steps: u64,
-    /// Share of the episodes that succeeded, 0 to 1.
+    /// Fraction of the episodes that succeeded, 0 to 1.
     pub success_rate: f64,
     /// Mean simulated time of the successful episodes, in s; `None` if none succeeded.
     pub mean_time_s: Option<f64>,
-    /// Mean time of all episodes, in s, with the time limit for each failure. The best policy has the lowest cost.
+    /// Mean time of all episodes, in s; a failure counts as the time limit. [`best_evaluation`] compares it.
     pub mean_cost_s: f64,
 }
 
@@ -63,7 +63,7 @@ pub struct RunMark {
     pub text: String,
 }
 
-/// The curves of the training before a transfer, as (env steps, value).
+/// The curves of the training before a transfer, as points (env steps, value).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EarlierRun {
     /// Success rate of the greedy policy, 0 to 1.
@@ -74,7 +74,7 @@ pub struct EarlierRun {
     pub goal_mean: Vec<(f64, f64)>,
 }
 
-/// The contents of a run's figure. Points may be in any order; non-finite values are left out.
+/// The contents of a run's figure. Points may be in any order. Values that are not finite, or 1e12 or more, are left out.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RunFigure {
     /// The title.
@@ -89,7 +89,7 @@ pub struct RunFigure {
     pub marks: Vec<RunMark>,
     /// The training before a transfer.
     pub earlier: EarlierRun,
-    /// Whether the run is in the paper's Scenario I, so that the paper's levels apply.
+    /// Whether the run is in the paper's Scenario I, so that the paper's reference lines apply.
     pub is_paper_scenario_1: bool,
 }
 

@@ -8,11 +8,11 @@ use crate::format::{number, percent};
 use crate::smoothing::moving_mean;
 use crate::style::is_drawable;
 
-/// The palette's colours: blue for the training, ink for what lies behind it.
+/// Indices into the palette: blue for the main curves, ink for what is drawn behind them.
 const MAIN: usize = 0;
 const BACKGROUND: usize = 6;
 
-/// (x, y) values: thousands of env steps, and the value measured there.
+/// Points (x, y): thousands of env steps, and the value measured there.
 type Series = Vec<(f64, f64)>;
 
 impl RunFigure {
@@ -21,7 +21,7 @@ impl RunFigure {
         let percents = |series: &Series| -> Series {
             series.iter().map(|&(x, y)| (x, 100.0 * y.clamp(0.0, 1.0))).collect()
         };
-        // An episode with n goals attempted n + 1.
+        // An episode that reached n goals attempted n + 1.
         let goals = smoothed(&self.goals());
         let training: Series = goals.into_iter().map(|(x, goals)| (x, goals / (goals + 1.0))).collect();
         let name = |name: &str, series: &Series| {
@@ -76,7 +76,7 @@ impl RunFigure {
     }
 }
 
-/// A panel of the moving mean over single episodes, or over the band from their minimum to their maximum.
+/// A panel with the moving mean in front of the single episodes, or of the band from their minimum to their maximum.
 fn episode_panel(
     heading: &str,
     decimals: usize,
@@ -87,17 +87,17 @@ fn episode_panel(
     let means = smoothed(&raw);
     let name = means.last().map_or(String::new(), |&(_, last)| number(last, decimals));
     let mut include_y = include_y.to_vec();
-    let mut each =
+    let mut episodes =
         CurveLine { colour: BACKGROUND, faint: true, raw_style: RawStyle::Dots, ..CurveLine::default() };
     if raw.len() <= MAX_SINGLE_EPISODES {
-        each.raw = raw;
+        episodes.raw = raw;
     } else {
-        each.points = extremes(&raw);
-        include_y.extend(each.points.iter().flat_map(|p| [p.low, p.high]));
+        episodes.points = extremes(&raw);
+        include_y.extend(episodes.points.iter().flat_map(|p| [p.low, p.high]));
     }
     ChartPanel {
         heading: heading.into(),
-        lines: vec![each, earlier, line(name, MAIN, false, means)],
+        lines: vec![episodes, earlier, line(name, MAIN, false, means)],
         include_y,
         ..ChartPanel::default()
     }
@@ -114,7 +114,7 @@ fn smoothed(raw: &Series) -> Series {
     raw.iter().zip(moving_mean(&values, MEAN_EPISODES)).map(|(&(x, _), mean)| (x, mean)).collect()
 }
 
-/// The minimum and the maximum of groups of neighbours, without a mean.
+/// The minimum and the maximum of each group of neighbouring points, without a mean.
 fn extremes(raw: &Series) -> Vec<BandPoint> {
     let group = |points: &[(f64, f64)]| {
         let values = || points.iter().map(|point| point.1);
@@ -128,7 +128,7 @@ fn extremes(raw: &Series) -> Vec<BandPoint> {
     raw.chunks(raw.len().div_ceil(MAX_VERTICES).max(1)).map(group).collect()
 }
 
-/// The finite values, in order of env steps.
+/// The points that can be drawn, in order of env steps.
 fn in_order(points: impl Iterator<Item = (u64, f64)>) -> Series {
     let mut points: Vec<_> = points.filter(|point| is_drawable(point.1)).collect();
     points.sort_by_key(|point| point.0);

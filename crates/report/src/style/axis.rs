@@ -46,12 +46,12 @@ impl Axis {
 
     /// The pixel of a value on an axis that is drawn between two pixels. Values outside the range are clamped to it.
     pub(crate) fn pixel(&self, value: f64, (from, to): (i32, i32)) -> i32 {
-        let share = (value - self.range.start) / (self.range.end - self.range.start);
-        from + (share.clamp(0.0, 1.0) * f64::from(to - from)).round() as i32
+        let fraction = (value - self.range.start) / (self.range.end - self.range.start);
+        from + (fraction.clamp(0.0, 1.0) * f64::from(to - from)).round() as i32
     }
 }
 
-/// The smallest and the largest value; 0 and 1 if there are no values. Almost equal ones are moved apart.
+/// The smallest and the largest value; 0 and 1 if there are no values. Almost equal bounds are moved apart.
 pub(crate) fn bounds(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
     if low > high {

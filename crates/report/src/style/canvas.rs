@@ -36,7 +36,7 @@ pub(crate) type DrawResult = Result<(), Box<dyn Error>>;
 /// A position in drawn pixels: x to the right, y down.
 pub(crate) type Pixel = (i32, i32);
 
-/// The SVG of a white figure with the given size in drawn pixels. It is displayed at half that size.
+/// The SVG of a figure on white, with the given size in drawn pixels. It is displayed at half that size.
 pub(crate) fn picture(
     (width, height): (u32, u32),
     draw: impl FnOnce(&Canvas) -> DrawResult,

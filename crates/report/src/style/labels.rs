@@ -8,13 +8,13 @@ use super::text::wrapped;
 
 /// The y positions of labels, moved at least `gap` apart within `low..=high`, or closer if the range is too small. The
 /// order of the labels is kept; element `i` belongs to label `i`.
-pub(crate) fn spread(heights: &[i32], gap: i32, (low, high): (i32, i32)) -> Vec<i32> {
-    let count = heights.len() as i32;
+pub(crate) fn spread(positions: &[i32], gap: i32, (low, high): (i32, i32)) -> Vec<i32> {
+    let count = positions.len() as i32;
     let gap = if count > 1 { gap.min((high - low) / (count - 1)) } else { gap };
-    let mut order: Vec<usize> = (0..heights.len()).collect();
-    order.sort_by_key(|&i| (heights[i], i));
+    let mut order: Vec<usize> = (0..positions.len()).collect();
+    order.sort_by_key(|&i| (positions[i], i));
     // The first pass moves labels down from `low`; the second moves them up from `high`.
-    let mut moved = heights.to_vec();
+    let mut moved = positions.to_vec();
     let mut minimum = low;
     for &i in &order {
         moved[i] = moved[i].max(minimum);

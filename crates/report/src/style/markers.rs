@@ -57,8 +57,8 @@ pub(crate) fn pixels_along(points: &[Pixel], first: f64, distance: f64) -> Vec<P
         let (dx, dy) = (f64::from(to_x - x), f64::from(to_y - y));
         let length = dx.hypot(dy);
         while remaining <= length && length > 0.0 {
-            let share = remaining / length;
-            found.push((x + (dx * share).round() as i32, y + (dy * share).round() as i32));
+            let fraction = remaining / length;
+            found.push((x + (dx * fraction).round() as i32, y + (dy * fraction).round() as i32));
             remaining += distance;
         }
         remaining -= length;

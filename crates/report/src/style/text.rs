@@ -1,4 +1,4 @@
-//! The width of text, and shortening and wrapping to a width.
+//! The width of text, and how it is shortened and wrapped to a width.
 //!
 //! Widths follow Arial's metrics, rounded up slightly, because a viewer may use another font of the stack.
 
@@ -38,7 +38,7 @@ pub(crate) fn ellipsized(text: &str, size: f64, width: i32) -> String {
 /// The text wrapped into lines of similar length, each at most `width` drawn pixels wide; at least one line.
 pub(crate) fn wrapped(text: &str, size: f64, width: i32) -> Vec<String> {
     let lines = filled(text, size, width);
-    // Narrower lines, as long as their number stays the same: the last line is then not a single word.
+    // The narrowest lines that keep their number, so that the last one is not left with a single word.
     let narrower = (width / 2..width).step_by(16).map(|narrow| filled(text, size, narrow));
     let mut balanced =
         narrower.filter(|other| other.len() == lines.len() && !other.iter().any(|l| l.ends_with('…')));

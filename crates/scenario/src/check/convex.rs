@@ -1,4 +1,4 @@
-//! Rounded convex areas: the area that an obstacle covers, also on a straight leg, and whether two such areas overlap.
+//! Rounded convex areas: the area that an obstacle covers at rest or on a straight leg, and whether two such areas overlap.
 
 use super::polygons::meet;
 use crate::polygon::{sides, signed_distance};
@@ -14,7 +14,7 @@ pub(crate) struct RoundedArea {
 }
 
 impl RoundedArea {
-    /// The area of `obstacle` at step 0, without a rim of `rim_m`.
+    /// The area of `obstacle` at step 0, without a rim of about `rim_m`.
     pub(crate) fn within(obstacle: &Obstacle, rim_m: f32) -> Self {
         let (points, radius_m) = obstacle.shape.support_points(obstacle.rotation_rad);
         let mut corners_m = convex_hull(points.iter().map(|&point| obstacle.position_m + point).collect());
@@ -28,7 +28,7 @@ impl RoundedArea {
         Self { corners_m, radius_m: 0.0 }
     }
 
-    /// The area covered while this one moves in a straight line from `from` to `to`, relative to where it is now.
+    /// The area covered while this one moves in a straight line, from its position plus `from` to its position plus `to`.
     pub(crate) fn swept(&self, from: Vec2, to: Vec2) -> Self {
         let ends = [from, to].into_iter();
         let points = ends.flat_map(|by| self.corners_m.iter().map(move |&corner| corner + by)).collect();
@@ -79,8 +79,8 @@ fn corner_distance(one: &[Vec2], another: &[Vec2]) -> f32 {
 
 /// Whether a side of one polygon crosses or touches a side of the other.
 fn cross(one: &[Vec2], another: &[Vec2]) -> bool {
-    let wide = |(from, to): (Vec2, Vec2)| (from.as_dvec2(), to.as_dvec2());
-    sides(one).any(|side| sides(another).any(|other| meet(wide(side), wide(other))))
+    let in_f64 = |(from, to): (Vec2, Vec2)| (from.as_dvec2(), to.as_dvec2());
+    sides(one).any(|side| sides(another).any(|other| meet(in_f64(side), in_f64(other))))
 }
 
 /// The corners of the convex hull, in counterclockwise order (Andrew's monotone chain).
@@ -96,7 +96,7 @@ fn convex_hull(mut points: Vec<Vec2>) -> Vec<Vec2> {
     hull
 }
 
-/// The hull on the right of the way from the first point to the last, without the last.
+/// The part of the hull on the right of the line from the first point to the last, without the last point.
 fn half_hull(points: impl Iterator<Item = Vec2>) -> Vec<Vec2> {
     let mut hull: Vec<Vec2> = Vec::new();
     for point in points {

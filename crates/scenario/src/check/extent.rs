@@ -97,7 +97,7 @@ impl<'a> EnclosureExtent<'a> {
         sides.fold(f32::NEG_INFINITY, f32::max)
     }
 
-    /// [`Self::segment_overhang_m`] for two points whose own overhang is known.
+    /// Like [`Self::segment_overhang_m`], for two points that are given with their own overhangs.
     fn between(&self, from: (Vec2, f32), to: (Vec2, f32), margin: f32) -> f32 {
         let worst = from.1.max(to.1);
         let long = length(to.0.x - from.0.x, to.0.y - from.0.y);

@@ -1,7 +1,7 @@
 //! A fine grid over the enclosure with blocked cells and connected regions of free cells.
 //!
 //! In: outlines with a margin. Out: [`BlockedCells`], a bit per cell, and [`ConnectedRegions`]: the free cells grouped into
-//! regions whose cells share sides. All shapes are convex, so each blocks one interval of a row, and the work grows with
+//! regions whose cells share sides. Solids are convex, so each blocks one interval per row, and the work grows with
 //! the number of rows, not of cells.
 
 use glam::{DVec2, Vec2Swizzles, dvec2};
@@ -9,9 +9,9 @@ use glam::{DVec2, Vec2Swizzles, dvec2};
 use crate::limits::MAX_CELLS;
 use crate::polygon::sides;
 
-/// Smallest side of a cell as a fraction of the robot's collision range.
+/// Smallest side of a cell as a fraction of the distance that the robot's centre must keep.
 const MIN_CELL_FRACTION: f64 = 1.0 / 32.0;
-/// Largest side of a cell as a fraction of the collision range. In larger cells a passable gap could get lost.
+/// Largest side of a cell as a fraction of that distance. In larger cells a passable gap could get lost.
 const MAX_CELL_FRACTION: f64 = 1.0 / 2.0;
 
 /// The position and size of the cells.
@@ -64,7 +64,7 @@ impl CellGrid {
         (index(y, self.origin.y, self.rows), index(x, self.origin.x, self.columns))
     }
 
-    /// Centre of a cell in the scenario.
+    /// Centre of a cell, in the scenario's axes.
     pub(super) fn centre(&self, row: usize, column: usize) -> DVec2 {
         self.swap_axes(dvec2(self.origin.x + (column as f64 + 0.5) * self.cell_m, self.y(row)))
     }
@@ -123,7 +123,7 @@ impl<'a> BlockedCells<'a> {
         for point in &points {
             (low, high) = (low.min(point.y), high.max(point.y));
         }
-        // This area is bounded by arcs about the points and by the sides, shifted by the margin in both directions.
+        // This area is bounded by arcs about the points and by the sides, shifted outwards: left or right, so both are used.
         let mut moved = Vec::with_capacity(2 * points.len());
         for (a, b) in sides(&points) {
             let long = a.distance(b);
@@ -228,35 +228,35 @@ fn crossing(from: DVec2, to: DVec2, y: f64) -> Option<f64> {
 pub(crate) struct ConnectedRegions {
     /// Runs by row: first column, column after the last, and number of the run.
     runs: Vec<Vec<(usize, usize, u32)>>,
-    /// First run of the region of each run; its number is the number of the region.
+    /// For each run, the number of the first run of its region, which is also the number of the region.
     parents: Vec<u32>,
 }
 
 impl ConnectedRegions {
     pub(crate) fn of(cells: &BlockedCells<'_>) -> Self {
-        let mut parts = Self { runs: Vec::new(), parents: Vec::new() };
+        let mut regions = Self { runs: Vec::new(), parents: Vec::new() };
         for row in cells.rows() {
             let mut runs: Vec<(usize, usize, u32)> = Vec::new();
             for (from, to) in cells.gaps(row) {
-                runs.push((from, to, parts.parents.len() as u32));
-                parts.parents.push(parts.parents.len() as u32);
+                runs.push((from, to, regions.parents.len() as u32));
+                regions.parents.push(regions.parents.len() as u32);
             }
-            let above = parts.runs.last().cloned().unwrap_or_default();
+            let above = regions.runs.last().cloned().unwrap_or_default();
             let (mut a, mut b) = (0, 0);
             while a < above.len() && b < runs.len() {
                 if above[a].0 < runs[b].1 && runs[b].0 < above[a].1 {
-                    let (one, other) = (parts.root(above[a].2), parts.root(runs[b].2));
-                    parts.parents[one.max(other) as usize] = one.min(other);
+                    let (one, other) = (regions.root(above[a].2), regions.root(runs[b].2));
+                    regions.parents[one.max(other) as usize] = one.min(other);
                 }
                 if above[a].1 < runs[b].1 { a += 1 } else { b += 1 }
             }
-            parts.runs.push(runs);
+            regions.runs.push(runs);
         }
         // A parent has a lower number than its run, so its region is already known.
-        for run in 0..parts.parents.len() {
-            parts.parents[run] = parts.parents[parts.parents[run] as usize];
+        for run in 0..regions.parents.len() {
+            regions.parents[run] = regions.parents[regions.parents[run] as usize];
         }
-        parts
+        regions
     }
 
     /// Number of the region that contains a cell, or `None` if the cell is blocked.
@@ -267,8 +267,8 @@ impl ConnectedRegions {
         (column < to).then(|| self.parents[run as usize])
     }
 
-    /// Whether the centre of a cell of region `part` is closer than `away_m` to `point`.
-    pub(crate) fn is_near(&self, grid: &CellGrid, part: u32, point: DVec2, away_m: f64) -> bool {
+    /// Whether the centre of a cell of `region` is closer than `away_m` to `point`.
+    pub(crate) fn is_near(&self, grid: &CellGrid, region: u32, point: DVec2, away_m: f64) -> bool {
         let (row, _) = grid.cell_at(point);
         let DVec2 { x, y } = grid.swap_axes(point);
         let reach = (away_m / grid.cell_m).ceil() as usize + 1;
@@ -277,8 +277,8 @@ impl ConnectedRegions {
             let square = away_m * away_m - (y - grid.y(row)) * (y - grid.y(row));
             let half = square.max(0.0).sqrt();
             let (from, to) = (grid.column_beyond(x - half), grid.column_from(x + half));
-            let of_part = |run: &&(usize, usize, u32)| self.parents[run.2 as usize] == part;
-            self.runs[row].iter().filter(of_part).any(|run| run.0.max(from) < run.1.min(to))
+            let of_region = |run: &&(usize, usize, u32)| self.parents[run.2 as usize] == region;
+            self.runs[row].iter().filter(of_region).any(|run| run.0.max(from) < run.1.min(to))
         })
     }
 
@@ -353,12 +353,12 @@ mod tests {
         cells.set(1, 70, 71);
         cells.set(0, 128, 129);
         cells.set(1, 129, 130);
-        let parts = ConnectedRegions::of(&cells);
-        assert_eq!(parts.at(0, 0), parts.at(0, 127), "through the gap in row 2");
-        assert_eq!(parts.at(0, 70), None);
-        assert!(parts.at(0, 129).is_some());
-        assert_ne!(parts.at(0, 129), parts.at(0, 0), "a corner does not connect");
-        assert_eq!(parts.at(2, 129), parts.at(0, 0));
+        let regions = ConnectedRegions::of(&cells);
+        assert_eq!(regions.at(0, 0), regions.at(0, 127), "through the gap in row 2");
+        assert_eq!(regions.at(0, 70), None);
+        assert!(regions.at(0, 129).is_some());
+        assert_ne!(regions.at(0, 129), regions.at(0, 0), "a corner does not connect");
+        assert_eq!(regions.at(2, 129), regions.at(0, 0));
     }
 
     #[test]

@@ -7,7 +7,7 @@ use super::{Diagnostics, Note, NoteLevel, SECONDS};
 use crate::limits::*;
 use crate::schema::*;
 
-/// Checks the numbers of the motion at `path`, if it has key frames.
+/// Checks the count, times and positions of the key frames of the motion at `path`, if it has any.
 pub(super) fn check(path: Arguments<'_>, motion: &ObstacleMotion, diagnostics: &mut Diagnostics) {
     let ObstacleMotion::KeyFrames { frames, end } = motion else { return };
     diagnostics.check_count(format_args!("{path}.frames"), frames.len(), 1..=MAX_KEY_FRAMES);
@@ -77,7 +77,7 @@ pub(super) fn check_speeds(k: usize, obstacle: &Obstacle, period_s: f32, diagnos
     }
 }
 
-/// Notes key frames that stop.
+/// Notes motions that stop at their last key frame.
 pub(super) fn note_stops(scenario: &Scenario, notes: &mut Vec<Note>) {
     for (k, obstacle) in scenario.obstacles.iter().enumerate() {
         if let ObstacleMotion::KeyFrames { frames, end: KeyFrameEnd::Stop } = &obstacle.motion

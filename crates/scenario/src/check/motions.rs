@@ -38,18 +38,18 @@ pub(super) fn max_speed_m_s(robot: &Robot) -> f32 {
     robot.motions.iter().map(|motion| motion.v_m_s.abs()).fold(0.0, f32::max)
 }
 
-/// The longest way of the robot in one control step, in m.
+/// The longest distance that the robot drives in one control step, in m.
 pub(super) fn step_m(scenario: &Scenario) -> f64 {
     f64::from(max_speed_m_s(&scenario.robot)) * f64::from(scenario.task.control_period_s)
 }
 
-/// The number of control steps, rounded up, in which the robot gets to a goal that is `distance_m` away at the least.
+/// The least number of control steps, rounded up, in which the robot gets to a goal that is `distance_m` away.
 pub(super) fn steps_to(scenario: &Scenario, distance_m: f32) -> f64 {
     let way_m = f64::from(distance_m) - f64::from(scenario.task.goal_radius_m);
     (way_m / step_m(scenario) * SLACK).ceil()
 }
 
-/// The fix of a time limit that should be at least `steps`.
+/// The fix for a time limit that should be at least `steps`.
 pub(super) fn more_steps(steps: f64) -> String {
     if steps <= f64::from(*EPISODE_STEPS.end()) {
         format!("write at least {steps}, or make the robot faster")

@@ -48,7 +48,7 @@ pub(crate) fn check_name(path: &str, name: &str, diagnostics: &mut Diagnostics) 
     check_characters(path, name, diagnostics);
 }
 
-/// Checks that `text` has no characters that a picture of it could not contain.
+/// Checks that `text` has only characters that can also be drawn in a figure.
 fn check_characters(field: &str, text: &str, diagnostics: &mut Diagnostics) {
     let is_allowed = |c| matches!(c, '\n' | '\r' | '\t') || !(char::is_control(c) || is_noncharacter(c));
     if let Some(c) = text.chars().find(|&c| !is_allowed(c)) {

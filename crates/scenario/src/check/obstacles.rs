@@ -61,7 +61,7 @@ fn check_wall(k: usize, wall: &Wall, diagnostics: &mut Diagnostics) {
     diagnostics.check_range(path, wall.thickness_m, WALL_THICKNESS_M, METRES);
 }
 
-/// Checks the number of segments of all walls, with the rectangles of cells.
+/// Checks the number of segments of all walls, including the rectangles that cells form.
 fn check_segments(walls: &[Wall], diagnostics: &mut Diagnostics) {
     let segments: usize = walls.iter().map(Wall::segment_count).sum();
     if segments > MAX_WALL_SEGMENTS {

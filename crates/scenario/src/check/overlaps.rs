@@ -38,9 +38,9 @@ pub(super) fn check(scenario: &Scenario, notes: &mut Vec<Note>) {
         let path = SweptPath::of(obstacle);
         let mut found: HashSet<SolidId> = HashSet::new();
         for (id, solid) in &solids {
-            // A pair of static obstacles is noted once.
-            let is_noted = matches!(id, SolidId::Obstacle(j) if *j >= k && !is_moving) || found.contains(id);
-            if is_noted {
+            // A pair of static obstacles is noted once, at the second of them.
+            let skip = matches!(id, SolidId::Obstacle(j) if *j >= k && !is_moving) || found.contains(id);
+            if skip {
                 continue;
             }
             let Some(left) = work_left.checked_sub(path.work(solid)) else { return };

@@ -1,13 +1,13 @@
-//! The checks of polygons: no crossing sides and, for obstacles, no concave corner.
+//! The checks of polygons: no crossing sides and, except for the enclosure, no concave corner.
 
 use super::{Diagnostics, METRES};
 use crate::limits::*;
 use glam::{DVec2, Vec2};
 
-/// Sine of a bend to the wrong side that still counts as straight.
+/// Sine of the largest bend to the wrong side that still counts as straight.
 const STRAIGHT: f64 = 1e-4;
 
-/// Checks the corners of an obstacle: their number, and that the polygon is convex.
+/// Checks the corners of a shape: their number and coordinates, and that the polygon is convex.
 pub(super) fn check_convex(path: std::fmt::Arguments<'_>, corners: &[Vec2], diagnostics: &mut Diagnostics) {
     let before = diagnostics.found.len();
     diagnostics.check_count(path, corners.len(), POLYGON_CORNERS);
@@ -18,7 +18,7 @@ pub(super) fn check_convex(path: std::fmt::Arguments<'_>, corners: &[Vec2], diag
     if diagnostics.found.len() > before {
         return;
     }
-    let corners = wide(corners);
+    let corners = in_f64(corners);
     let n = corners.len();
     if repeats_corner(path, &corners, diagnostics) {
         return;
@@ -46,7 +46,7 @@ pub(super) fn check_convex(path: std::fmt::Arguments<'_>, corners: &[Vec2], diag
 
 /// Reports the first two sides that cross or touch. Needs at least three corners.
 pub(super) fn check_simple(path: std::fmt::Arguments<'_>, corners: &[Vec2], diagnostics: &mut Diagnostics) {
-    let corners = wide(corners);
+    let corners = in_f64(corners);
     let n = corners.len();
     let end = |k: usize| corners[(k + 1) % n];
     if repeats_corner(path, &corners, diagnostics) {
@@ -95,12 +95,12 @@ pub(super) fn meet((a, b): (DVec2, DVec2), (c, d): (DVec2, DVec2)) -> bool {
     if to_c * to_d > 0.0 || to_a * to_b > 0.0 {
         return false;
     }
-    // Each segment reaches the other's line: they meet unless all four points lie on one line, apart.
+    // Each segment reaches the other's line: they meet unless they are on one line with a gap between them.
     let overlap = |a: f64, b: f64, c: f64, d: f64| a.min(b) <= c.max(d) && c.min(d) <= a.max(b);
     overlap(a.x, b.x, c.x, d.x) && overlap(a.y, b.y, c.y, d.y)
 }
 
-fn wide(corners: &[Vec2]) -> Vec<DVec2> {
+fn in_f64(corners: &[Vec2]) -> Vec<DVec2> {
     corners.iter().map(|corner| corner.as_dvec2()).collect()
 }
 

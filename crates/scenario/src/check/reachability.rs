@@ -1,9 +1,9 @@
 //! The check that the robot can reach every possible goal from every possible start.
 //!
 //! In: the part of a scenario with valid numbers. The robot's centre must keep the collision range from everything, or
-//! the robot's inner radius if that is more; the space that remains is divided into a fine grid. A cell counts as free if it could contain a free point, so that only
-//! goals that are certainly out of reach are reported. Moving and generated obstacles are ignored: the former don't block
-//! a passage for ever, the latter leave gaps.
+//! the robot's inner radius if that is more; the space that remains is divided into a fine grid. A cell counts as free if it
+//! could contain a free point, so that only goals that are certainly out of reach are reported. Moving and generated
+//! obstacles are ignored: the former don't block a passage for ever, the latter leave gaps.
 
 use super::grid::{BlockedCells, CellGrid, ConnectedRegions};
 use super::{Diagnostics, ValidPart};
@@ -17,7 +17,7 @@ pub(crate) struct RegionSite {
     pub(crate) part: u32,
     /// Number of its cells that the rule allows.
     pub(crate) cells: usize,
-    /// One of the positions.
+    /// A position in it that the rule allows.
     place: DVec2,
 }
 
@@ -30,14 +30,14 @@ pub(super) fn check(valid: &ValidPart, diagnostics: &mut Diagnostics) {
     let (low, high) = scenario.enclosure.bounds_m();
     let Some(grid) = CellGrid::over(low.as_dvec2(), high.as_dvec2(), room) else { return };
     let half = grid.half_diagonal_m();
-    let parts = ConnectedRegions::of(&blocked(scenario, &grid, (room - half) * (1.0 - 1e-6)));
+    let regions = ConnectedRegions::of(&blocked(scenario, &grid, (room - half) * (1.0 - 1e-6)));
     if valid.has("starts") && valid.has("goals") {
-        check_rules(scenario, &grid, &parts, diagnostics);
+        check_rules(scenario, &grid, &regions, diagnostics);
     }
     let Some(route) = &scenario.benchmark_route else { return };
     let [start, goal] = [route.start_m, route.goal_m].map(|place| {
         let (row, column) = grid.cell_at(place.as_dvec2());
-        parts.at(row, column)
+        regions.at(row, column)
     });
     if start.is_some() && goal.is_some() && start != goal {
         let message = format!(
@@ -52,11 +52,11 @@ pub(super) fn check(valid: &ValidPart, diagnostics: &mut Diagnostics) {
 fn check_rules(
     scenario: &Scenario,
     grid: &CellGrid,
-    parts: &ConnectedRegions,
+    regions: &ConnectedRegions,
     diagnostics: &mut Diagnostics,
 ) {
-    let starts = sites(scenario, &scenario.starts, grid, parts);
-    let goals = sites(scenario, &scenario.goals, grid, parts);
+    let starts = sites(scenario, &scenario.starts, grid, regions);
+    let goals = sites(scenario, &scenario.goals, grid, regions);
     // The largest region is taken for the intended one.
     let Some(main) = starts.iter().chain(&goals).max_by_key(|site| site.cells) else { return };
     let odd = |sites: &[RegionSite]| sites.iter().position(|site| site.part != main.part);
@@ -92,7 +92,7 @@ pub(crate) fn sites(
     scenario: &Scenario,
     rule: &PlacementRule,
     grid: &CellGrid,
-    parts: &ConnectedRegions,
+    regions: &ConnectedRegions,
 ) -> Vec<RegionSite> {
     let mut sites: Vec<RegionSite> = Vec::new();
     let mut longest: Vec<usize> = Vec::new();
@@ -112,12 +112,12 @@ pub(crate) fn sites(
     match rule {
         PlacementRule::Fixed { position_m, .. } => {
             let (row, column) = grid.cell_at(position_m.as_dvec2());
-            add(parts.at(row, column), 1, position_m.as_dvec2());
+            add(regions.at(row, column), 1, position_m.as_dvec2());
         }
         PlacementRule::OneOf { positions_m } => {
             for &place in positions_m {
                 let (row, column) = grid.cell_at(place.as_dvec2());
-                add(parts.at(row, column), 1, place.as_dvec2());
+                add(regions.at(row, column), 1, place.as_dvec2());
             }
         }
         PlacementRule::Random { clearance_m } | PlacementRule::Within { clearance_m, .. } => {
@@ -127,7 +127,7 @@ pub(crate) fn sites(
             }
             for row in taken.rows() {
                 for (from, to) in taken.gaps(row) {
-                    add(parts.at(row, from), to - from, grid.centre(row, (from + to) / 2));
+                    add(regions.at(row, from), to - from, grid.centre(row, (from + to) / 2));
                 }
             }
         }
@@ -135,7 +135,7 @@ pub(crate) fn sites(
     sites
 }
 
-/// The cells whose centres are outside the enclosure or closer than `margin` to a static object.
+/// The cells whose centres are outside the enclosure, or closer than `margin` to it, an inner wall or a static obstacle.
 pub(crate) fn blocked<'a>(scenario: &Scenario, grid: &'a CellGrid, margin: f64) -> BlockedCells<'a> {
     let mut cells = BlockedCells::empty(grid);
     let corners: Vec<DVec2> = scenario.enclosure.corners_m().iter().map(|corner| corner.as_dvec2()).collect();

@@ -11,11 +11,11 @@ use crate::placement::free_points;
 use crate::schema::*;
 use glam::{Vec2, vec2};
 
-/// Number of moments of an episode at which free space is checked if obstacles move.
+/// Maximum number of moments of an episode at which free space is checked if obstacles move.
 const SAMPLED_STEPS: u64 = 4;
-/// Most generated layouts that are checked.
+/// Maximum number of generated layouts that are checked.
 const MAX_SAMPLED_LAYOUTS: usize = 4;
-/// Work (obstacles to place times sides to test) spent on generating layouts; fewer are checked if one takes more. The
+/// Work (obstacles to place times sides to test) spent on generating layouts; the more one takes, the fewer are checked. The
 /// editor runs this check during a drag, so it must be quick.
 const GENERATION_WORK_BUDGET: usize = 20_000;
 /// One in this many random starts must have a goal that is far enough away.
@@ -38,7 +38,7 @@ pub(super) fn check(valid: &ValidPart, diagnostics: &mut Diagnostics) {
     }
 }
 
-/// Checks that obstacles stay inside the enclosure. Paths are those in the whole scenario.
+/// Checks that obstacles stay inside the enclosure. The field paths of the diagnostics are those in the whole scenario.
 pub(super) fn check_paths(valid: &ValidPart, diagnostics: &mut Diagnostics) {
     if !valid.has("enclosure") {
         return;
@@ -111,14 +111,14 @@ fn check_regions(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     }
 }
 
-/// The positions that a rule names, each with its field path below the rule. Empty for a random rule.
+/// The positions that a rule names, each with its field path below the rule. Empty if the rule draws positions.
 fn named_positions(rule: &PlacementRule) -> impl Iterator<Item = (String, Vec2)> {
     let is_list = matches!(rule, PlacementRule::OneOf { .. });
     let path = move |k| if is_list { format!("positions_m[{k}]") } else { "position_m".into() };
     rule.positions_m().iter().enumerate().map(move |(k, &position)| (path(k), position))
 }
 
-/// Checks that the robot does not collide with a static object at the positions that the rules name.
+/// Checks that the robot does not collide with a wall or static obstacle at the positions that the rules name.
 fn check_named_positions(valid: &ValidPart, diagnostics: &mut Diagnostics) {
     let scenario = &valid.scenario;
     let still = without_moving_obstacles(scenario);
@@ -135,7 +135,7 @@ fn check_named_positions(valid: &ValidPart, diagnostics: &mut Diagnostics) {
     }
 }
 
-/// Checks that the robot does not collide at either end of the benchmark route, and that the ends are apart.
+/// Checks that the robot does not collide at either end of the benchmark route, and that the ends are not too close.
 fn check_benchmark_route(valid: &ValidPart, route: &BenchmarkRoute, diagnostics: &mut Diagnostics) {
     let scenario = &valid.scenario;
     for (name, point) in [("start_m", route.start_m), ("goal_m", route.goal_m)] {
@@ -151,7 +151,7 @@ fn check_benchmark_route(valid: &ValidPart, route: &BenchmarkRoute, diagnostics:
     );
 }
 
-/// Reports a position at which the robot may collide with what is `near`. `near` is named as in the whole scenario.
+/// Reports a position at which the robot may collide with what is `near`. The message names `near` as in the whole scenario.
 fn check_clearance(
     path: std::fmt::Arguments<'_>,
     (near, clear): (Solid, f32),
@@ -215,9 +215,9 @@ fn check_free_space(valid: &ValidPart, diagnostics: &mut Diagnostics) {
 
 /// The free space of a scenario at one moment, for starts and for goals. Rules with named positions are not checked here.
 struct FreeSpace {
-    /// Whether a start is free.
+    /// Whether there is a free start.
     starts: bool,
-    /// Whether a goal is free.
+    /// Whether there is a free goal.
     goals: bool,
     /// Whether the free positions of random goals extend over twice the minimum goal distance, so that one of them is far
     /// enough from any position. True for other goal rules.
@@ -247,7 +247,7 @@ impl FreeSpace {
     }
 }
 
-/// Checks that a few generated layouts leave free space, too.
+/// Checks that free space is left in a few generated layouts, too.
 fn check_layouts(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     let made = scenario.max_obstacles() - scenario.obstacles.len();
     if made == 0 {
@@ -301,7 +301,8 @@ fn check_goal_distance(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     let least = scenario.task.min_goal_distance_m;
     let frozen = frozen(scenario, 0);
     let goals = possible_positions(&frozen, &scenario.goals);
-    let leaves = |start: Vec2| goals.iter().any(|goal| length(goal.x - start.x, goal.y - start.y) >= least);
+    let has_far_goal =
+        |start: Vec2| goals.iter().any(|goal| length(goal.x - start.x, goal.y - start.y) >= least);
     if let (PlacementRule::Fixed { position_m: start, .. }, PlacementRule::Fixed { position_m: goal, .. }) =
         (&scenario.starts, &scenario.goals)
     {
@@ -316,7 +317,7 @@ fn check_goal_distance(scenario: &Scenario, diagnostics: &mut Diagnostics) {
         return;
     }
     for (path, start) in named_positions(&scenario.starts) {
-        if !leaves(start) {
+        if !has_far_goal(start) {
             let message = format!(
                 "has no goal at least {least} m away: move it, or write a smaller task.min_goal_distance_m"
             );
@@ -325,7 +326,7 @@ fn check_goal_distance(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     }
     if scenario.starts.positions_m().is_empty() {
         let starts = possible_positions(&frozen, &scenario.starts);
-        let far = starts.iter().filter(|&&start| leaves(start)).count();
+        let far = starts.iter().filter(|&&start| has_far_goal(start)).count();
         if far * FAR_START_DIVISOR < starts.len() {
             let message = format!(
                 "are too close to the starts: fewer than one start in {FAR_START_DIVISOR} has a goal at least {least} m away; \
@@ -344,7 +345,7 @@ pub(super) fn possible_positions(scenario: &Scenario, rule: &PlacementRule) -> V
     }
 }
 
-/// Number of sides of all obstacles and inner walls.
+/// Number of sides that a test of a point against all obstacles and inner walls takes, approximately.
 pub(super) fn sides(scenario: &Scenario) -> usize {
     scenario.obstacles.iter().map(|obstacle| obstacle.shape.side_count()).sum::<usize>()
         + scenario.walls.iter().map(|wall| wall.corners_m.len() + 2 * wall.blocks().len()).sum::<usize>()

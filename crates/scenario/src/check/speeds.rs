@@ -1,4 +1,4 @@
-//! The distances that robot and obstacles travel in one control step: too short to jump over each other.
+//! The checks of how far robot and obstacles move and turn in one control step, and the notes on fast obstacles.
 
 use std::f32::consts::PI;
 
@@ -13,7 +13,7 @@ pub(super) const SLACK: f32 = 1.0 + 1e-5;
 
 pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     let period = scenario.task.control_period_s;
-    // An invalid control period is reported elsewhere; with a period of 0 nothing here is.
+    // An invalid control period is reported elsewhere; with 0 instead of it, only speeds are checked here.
     let period = if CONTROL_PERIOD_S.contains(&period) { period } else { 0.0 };
     for (k, obstacle) in scenario.obstacles.iter().enumerate().take(MAX_OBSTACLES) {
         check_obstacle(k, obstacle, period, diagnostics);
@@ -39,7 +39,7 @@ fn check_obstacle(k: usize, obstacle: &Obstacle, period: f32, diagnostics: &mut 
                 let most = rounded_down(MAX_SPEED_M_S / arm);
                 diagnostics.push(path, format!("{}: write at most {most}", too_fast(speed)));
             } else if speed_rad_s.abs() * period > PI * SLACK {
-                diagnostics.push(path, too_round(speed_rad_s.abs() * period, "obstacle", period));
+                diagnostics.push(path, turns_too_far(speed_rad_s.abs() * period, "obstacle", period));
             }
         }
         MotionSpeed::Variable => key_frames::check_speeds(k, obstacle, period, diagnostics),
@@ -70,7 +70,7 @@ fn check_robot(scenario: &Scenario, period: f32, diagnostics: &mut Diagnostics) 
         let turned = motion.w_rad_s.abs() * period;
         if turned > PI * SLACK && motion.w_rad_s.abs() <= MAX_ANGULAR_SPEED_RAD_S {
             let path = format_args!("robot.motions[{k}].w_rad_s");
-            diagnostics.push(path, too_round(turned, "robot", period));
+            diagnostics.push(path, turns_too_far(turned, "robot", period));
         }
     }
 }
@@ -106,7 +106,7 @@ fn too_far(gone: f32, what: &str, most: &str) -> String {
     )
 }
 
-fn too_round(turned: f32, what: &str, period: f32) -> String {
+fn turns_too_far(turned: f32, what: &str, period: f32) -> String {
     format!(
         "turns the {what} by {turned:.3} rad in one control step, more than half a turn: write at most {}, or a \
          smaller task.control_period_s",

@@ -8,7 +8,7 @@ use glam::Vec2;
 
 /// Width of the rim that may overlap, in m: obstacles placed against a wall do not count as overlapping.
 const RIM_M: f32 = 0.0025;
-/// Points of a leg on which the place of an overlap is looked for.
+/// Number of intervals into which a leg is divided to locate an overlap.
 const SAMPLES: u16 = 64;
 
 /// A solid that does not move: a static obstacle, or a segment of a wall.
@@ -23,17 +23,18 @@ impl StaticSolid {
     }
 }
 
-/// The area that an obstacle covers.
+/// The area that an obstacle covers on its whole path.
 pub(super) struct SweptPath<'a> {
     obstacle: &'a Obstacle,
     area: Area,
-    /// A circle around the area.
+    /// The centre of a circle around the area.
     middle_m: Vec2,
+    /// The radius of that circle.
     reach_m: f32,
 }
 
 enum Area {
-    /// One area per leg; a single one if it does not move, or anywhere around its position.
+    /// One area per leg; a single one for an obstacle that does not move, or that walks at random.
     Legs(Vec<RoundedArea>),
     /// All points between two distances from the middle.
     Ring { near_m: f32, far_m: f32 },
@@ -93,14 +94,14 @@ impl<'a> SweptPath<'a> {
         }
     }
 
-    /// A point near the middle of the overlap with `solid`, in m.
+    /// A point near the deepest one of the overlap with `solid`, in m; for a moving obstacle, a point of its track.
     pub(super) fn place_m(&self, solid: &StaticSolid) -> Vec2 {
         let samples = || (0..=SAMPLES).map(|k| f32::from(k) / f32::from(SAMPLES));
         let at = self.obstacle.position_m;
         let points: Vec<Vec2> = match self.obstacle.actual_track() {
             Track::Circle { centre_m } => {
-                let turned = |share: f32| {
-                    let (sin, cos) = libm::sincosf(share * std::f32::consts::TAU);
+                let turned = |fraction: f32| {
+                    let (sin, cos) = libm::sincosf(fraction * std::f32::consts::TAU);
                     centre_m + Vec2::new(cos, sin).rotate(at - centre_m)
                 };
                 samples().map(turned).collect()
@@ -108,16 +109,16 @@ impl<'a> SweptPath<'a> {
             Track::Lines { corners_m, closed } => {
                 let stops = stops(corners_m, closed);
                 let leg = |ends: &[Vec2]| -> Vec<Vec2> {
-                    samples().map(|share| ends[0].lerp(ends[1], share)).collect()
+                    samples().map(|fraction| ends[0].lerp(ends[1], fraction)).collect()
                 };
                 stops.windows(2).flat_map(leg).collect()
             }
             Track::Point | Track::Disc { .. } => {
                 let nearest = solid.area.boundary_point(at);
-                samples().map(|share| at.lerp(nearest, share)).collect()
+                samples().map(|fraction| at.lerp(nearest, fraction)).collect()
             }
         };
-        // The depth in both; on a path, the depth in the solid alone.
+        // The depth in both; for a moving obstacle, that of its origin in the solid.
         let is_moving = self.obstacle.motion.is_moving();
         let own = |point| if is_moving { f32::NEG_INFINITY } else { distance(self.obstacle, point) };
         let depth = |point: &Vec2| distance(&solid.obstacle, *point).max(own(*point));

@@ -1,6 +1,6 @@
 //! The note on goals that are farther away than the robot gets within the time limit.
 //!
-//! A goal counts as out of reach only if the straight line to it is too long, so walls make the true share larger.
+//! A goal counts as out of reach only if the straight line to it is too long, so walls make the true fraction larger.
 
 use super::motions::{more_steps, step_m, steps_to};
 use super::space::{possible_positions, without_moving_obstacles};
@@ -9,10 +9,10 @@ use crate::geometry::length;
 use crate::schema::Scenario;
 use glam::Vec2;
 
-/// Most starts and goals that are compared.
+/// Maximum number of starts, and of goals, that are compared.
 const MAX_POSITIONS: usize = 512;
-/// Smallest share of goals out of reach that is noted.
-const MIN_SHARE: f64 = 0.01;
+/// Smallest fraction of goals out of reach that is noted.
+const MIN_FRACTION: f64 = 0.01;
 
 pub(super) fn check(scenario: &Scenario, notes: &mut Vec<Note>) {
     let limit = scenario.task.max_episode_steps;
@@ -35,12 +35,12 @@ pub(super) fn check(scenario: &Scenario, notes: &mut Vec<Note>) {
             }
         }
     }
-    let share = f64::from(beyond) / f64::from(all.max(1));
-    if share >= MIN_SHARE {
+    let fraction = f64::from(beyond) / f64::from(all.max(1));
+    if fraction >= MIN_FRACTION {
         let message = format!(
             "is {limit}: in this time the robot covers at most {covered_m:.1} m, but {:.0} % of the goals are farther from \
              the start, up to {farthest:.1} m: {}, or bring starts and goals closer together",
-            100.0 * share,
+            100.0 * fraction,
             more_steps(steps_to(scenario, farthest))
         );
         notes.push(Note::new(NoteLevel::Warning, "task.max_episode_steps", message));
@@ -49,7 +49,7 @@ pub(super) fn check(scenario: &Scenario, notes: &mut Vec<Note>) {
 
 /// At most [`MAX_POSITIONS`] of the positions, evenly spread over the list.
 fn thinned(positions: Vec<Vec2>) -> Vec<Vec2> {
-    // An odd number, so that not all of them are in the same columns of a grid.
+    // An odd stride, so that not all of them are in the same columns of a grid.
     let every = positions.len().div_ceil(MAX_POSITIONS) | 1;
     positions.into_iter().step_by(every).collect()
 }

@@ -10,7 +10,7 @@ use glam::vec2;
 const GRID: u16 = 64;
 /// The same in a scenario with more sides than [`MANY_SIDES`].
 const COARSE_GRID: u16 = 16;
-/// Number of sides from which on the coarse grid is used.
+/// Number of sides above which the coarse grid is used.
 const MANY_SIDES: usize = 1_000;
 
 pub(super) fn check(scenario: &Scenario, notes: &mut Vec<Note>) {
@@ -43,21 +43,21 @@ fn turning_radius_m(robot: &Robot) -> f32 {
     turning.map(|motion| (motion.v_m_s / motion.w_rad_s).abs()).fold(f32::INFINITY, f32::min)
 }
 
-/// An upper bound on the radius of the largest disc without static objects, in m. The search ends when one of
-/// `enough_m` is found.
+/// An upper bound on the radius, in m, of the largest disc without walls and static obstacles. The search ends when the
+/// bound reaches `enough_m`.
 fn widest_disc_m(scenario: &Scenario, enough_m: f32) -> f32 {
     let still = without_moving_obstacles(scenario);
     let grid = if sides(&still) > MANY_SIDES { COARSE_GRID } else { GRID };
     let (low, high) = still.enclosure.bounds_m();
     let step = (high - low) / f32::from(grid);
     // No point is farther than this from a point of the grid, and clearance changes by no more than the distance.
-    let nearest_m = length(step.x, step.y) / 2.0;
+    let half_diagonal_m = length(step.x, step.y) / 2.0;
     let centre = |k: u16, low: f32, step: f32| low + (f32::from(k) + 0.5) * step;
     let mut widest_m = 0.0_f32;
     for row in 0..grid {
         for column in 0..grid {
             let point = vec2(centre(column, low.x, step.x), centre(row, low.y, step.y));
-            widest_m = widest_m.max(clearance(&still, point, 0) + nearest_m);
+            widest_m = widest_m.max(clearance(&still, point, 0) + half_diagonal_m);
             if widest_m >= enough_m {
                 return widest_m;
             }

@@ -14,7 +14,7 @@ const ANY_SPEED: f32 = 0.01;
 pub(super) struct ValidPart {
     /// A scenario with valid numbers. What is invalid in the whole one is left out, or has its default.
     pub(super) scenario: Scenario,
-    /// The obstacles whose path is valid, with their index in the whole scenario. Their speed may be another.
+    /// The obstacles whose path is valid, with their index in the whole scenario. An invalid speed is replaced.
     pub(super) paths: Vec<(usize, Obstacle)>,
     /// For each list, the indices of its valid elements in the whole scenario.
     kept: [(&'static str, Vec<usize>); 3],
@@ -101,12 +101,12 @@ impl ValidPart {
     }
 }
 
-/// Whether an invalid value is in the field at `path`, or around it.
+/// Whether one of the `invalid` fields is the field at `path`, is inside it or contains it.
 fn touches(invalid: &[String], path: &str) -> bool {
     invalid.iter().any(|other| overlap(other, path))
 }
 
-/// The obstacles that have no other invalid value than their speed.
+/// The obstacles that have no invalid value but their speed, with their index.
 fn paths(whole: &Scenario, invalid: &[String]) -> Vec<(usize, Obstacle)> {
     if invalid.iter().any(|path| path.is_empty() || path == "obstacles") {
         return Vec::new();

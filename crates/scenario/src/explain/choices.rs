@@ -1,4 +1,4 @@
-//! The choices of an enum, found by trial: ron does not say that it expected one.
+//! The choices of an enum, found by trial: ron's errors do not say that a choice was expected.
 
 use std::ops::Range;
 
@@ -10,7 +10,7 @@ use super::offset;
 const UNKNOWN: &str = "UnknownChoice";
 
 /// The choices that ron knows for the `value` in `text`; empty if no choice is expected there. `parse` returns ron's error for
-/// another text.
+/// a changed text.
 pub(super) fn choices(
     text: &str,
     value: &Range<usize>,
@@ -41,7 +41,7 @@ pub(super) fn choice_problem(
     (!choices.is_empty()).then(|| format!("must be one of the choices {}{quotes}{hint}", names.join(", ")))
 }
 
-/// Whether ron reads `candidate` in place of the `value` in `text`, and finds an error after it or none.
+/// Whether ron reads `candidate` in place of the `value` in `text`, without an error up to its end.
 pub(super) fn is_read(
     text: &str,
     value: &Range<usize>,
@@ -70,7 +70,7 @@ pub(super) fn lacks_fields(
     })
 }
 
-/// Whether `error` is about the `value` in `text`, although ron's cursor is behind it.
+/// Whether `error` is about the `value` in `text`, although ron's cursor is past it.
 fn is_about(error: &SpannedError, text: &str, value: &Range<usize>) -> bool {
     use Error as E;
     match error.code {

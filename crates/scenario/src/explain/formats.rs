@@ -1,4 +1,4 @@
-//! Characters that only look like those of RON, and signs of other formats: JSON, YAML, TOML.
+//! Characters that only look like those of RON, and the syntax of other formats: JSON, YAML, TOML.
 
 use ron::error::Error;
 
@@ -6,7 +6,7 @@ use super::lookalike::lookalike;
 use super::{Place, Problem, Repair};
 
 impl Place<'_> {
-    /// A character that only looks like one of RON.
+    /// The problem of a character that only looks like one of RON.
     pub(super) fn foreign_character(&self) -> Option<Problem> {
         let before = self.text[..self.end].char_indices().next_back().map(|(at, _)| at);
         [Some(self.end), before].into_iter().flatten().find_map(|offset| {
@@ -16,7 +16,7 @@ impl Place<'_> {
         })
     }
 
-    /// Another file format than RON, or its signs.
+    /// The problem of a file in another format than RON, or with parts of its syntax.
     pub(super) fn other_format(&self, code: &Error) -> Option<Problem> {
         let root = self.map.start().unwrap_or(0);
         let before = &self.text[..self.end];

@@ -1,10 +1,10 @@
 //! Characters that look like those of RON but are others: what word processors, phones and web pages make of quotes,
-//! spaces and signs.
+//! spaces and symbols.
 
 use crate::text::{code_point, is_unprintable};
 
-/// The problem with the character at `offset` of `text`, which ron did not expect there, and the text to write instead.
-/// `None` for a character that RON uses.
+/// The character at `offset` of `text`, where ron did not expect it, its problem, and the text to write instead. `None` if it
+/// does not look like a character of RON.
 pub(super) fn lookalike(text: &str, offset: usize) -> Option<(char, String, &'static str)> {
     let c = text[offset..].chars().next()?;
     let code = code_point(c);

@@ -5,7 +5,7 @@
 //!
 //! | file | problems |
 //! |---|---|
-//! | `formats.rs`, `lookalike.rs` | characters that look like those of RON, signs of other formats |
+//! | `formats.rs`, `lookalike.rs` | characters that look like those of RON, syntax of other formats |
 //! | `numbers.rs`, `number_text.rs` | numbers as people write them |
 //! | `names.rs`, `synonyms.rs` | names of fields and choices |
 //! | `values.rs`, `choices.rs` | values of the wrong type |
@@ -39,17 +39,17 @@ struct Problem {
     pub offset: usize,
     /// The problem and its fix.
     pub message: String,
-    /// A change of the text after which reading may go on behind the problem.
+    /// A change of the text after which reading may go on after the problem.
     pub repair: Option<Repair>,
 }
 
 /// A change of a text that removes a problem.
 enum Repair {
-    /// The range gets another text.
+    /// The range is replaced by this text.
     Replace(Range<usize>, &'static str),
-    /// The name of a field or a choice gets this one.
+    /// The name of a field or a choice is replaced by this one.
     Rename(Range<usize>, &'static str),
-    /// The range gets any valid value.
+    /// The range is replaced by an arbitrary valid value.
     Value(Range<usize>),
     /// A field is added to the struct that starts at the offset.
     Add { start: usize, owner: String, field: &'static str },
@@ -63,7 +63,7 @@ struct Place<'a> {
     map: SourceMap<'a>,
 }
 
-/// The problem behind `error`, which ron found in `text`. `parse` returns ron's error for another text.
+/// The problem behind `error`, which ron found in `text`. `parse` returns ron's error for a changed text.
 fn explain(text: &str, error: &SpannedError, parse: &dyn Fn(&str) -> Option<SpannedError>) -> Problem {
     let (start, end) = (offset(text, error.span.start), offset(text, error.span.end));
     let place = Place { text, start, end, map: SourceMap::new(text) };

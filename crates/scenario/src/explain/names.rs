@@ -6,7 +6,7 @@ use super::synonyms::synonym;
 use super::{Place, Problem, Repair};
 
 impl Place<'_> {
-    /// A field or choice of an unknown name, or a field that is missing or appears twice.
+    /// The problem of an unknown name of a field or choice, or of a field that is missing or appears twice.
     pub(super) fn name(&self, code: &Error) -> Option<Problem> {
         let Self { start, end, .. } = *self;
         Some(match code {
@@ -37,7 +37,7 @@ impl Place<'_> {
         })
     }
 
-    /// The change of the name `found` at `start` to the one of the `expected` names that is meant, if there is one.
+    /// The replacement of the name `found` at `start` by the one of the `expected` names that is meant, if there is one.
     fn renaming(&self, found: &str, expected: &'static [&'static str]) -> Option<Repair> {
         let near = match synonym(found, expected) {
             Some(path) => expected.iter().copied().find(|name| *name == path)?,
@@ -64,8 +64,8 @@ pub(super) fn missing_fields(owner: &str, fields: &[&str]) -> String {
     }
 }
 
-/// The text "did you mean `x`? the fields are `x`, `y`": the one of `known` that is meant by `word` or closest to it, if there is
-/// one, then all, with the words `lead` before them.
+/// The text "did you mean `x`? the fields are `x`, `y`": first the one of the `known` names that `word` means or is most similar
+/// to, if any; then `lead` ("the fields are") and all of them.
 #[must_use]
 pub fn choose(word: &str, known: &[&str], lead: &str) -> String {
     let hint = synonym(word, known)

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use wayfield_ron_patch::tokens;
 
-/// The word around `offset` if it starts like a number and `offset` lies inside it: ron has read a part of it only.
+/// The word around `offset` if it starts like a number and `offset` lies inside it: ron has read only a part of it.
 pub(super) fn cut_number(text: &str, offset: usize) -> Option<Range<usize>> {
     let is_word = |c: char| c.is_alphanumeric() || "_.+-".contains(c);
     let before = text[..offset].len() - text[..offset].trim_end_matches(is_word).len();
@@ -15,8 +15,7 @@ pub(super) fn cut_number(text: &str, offset: usize) -> Option<Range<usize>> {
     (before > 0 && after > 0 && is_number).then_some(word)
 }
 
-/// What is wrong with `word`, of which ron has read a part as a number. It is the rest of a sentence that starts with the
-/// field.
+/// The problem of `word`, of which ron has read a part as a number, as the rest of a sentence that starts with the field.
 pub(super) fn cut_number_problem(word: &str) -> String {
     if let Ok(value) = word.replace('_', "").parse::<f64>() {
         return match whole(value) {
@@ -74,7 +73,7 @@ fn whole(value: f64) -> Option<u64> {
     ((0.0..=9e15).contains(&value) && value.fract() == 0.0).then_some(value as u64)
 }
 
-/// The problem of a number with commas that ends or starts at `offset`, where ron expected a field or a closing bracket: a
+/// The problem of a number with commas around `offset`, where ron expected a field or a closing bracket: a
 /// decimal comma, or commas between groups of digits. Returns its range as well.
 pub(super) fn comma_problem(text: &str, offset: usize) -> Option<(Range<usize>, String)> {
     let is_part = |c: char| c.is_ascii_digit() || matches!(c, ',' | '.' | '_');

@@ -1,4 +1,4 @@
-//! Numbers that ron reads only a part of, or reads as several.
+//! Numbers of which ron reads only a part, or which it reads as several.
 
 use std::ops::Range;
 
@@ -8,7 +8,7 @@ use super::number_text::{comma_problem, cut_number, cut_number_problem, pair_pro
 use super::{Place, Problem, Repair, is_about_a_name, last_of};
 
 impl Place<'_> {
-    /// A number that ron reads differently.
+    /// The problem of a number that ron reads differently from people.
     pub(super) fn number(&self, code: &Error) -> Option<Problem> {
         use Error as E;
         let is_cut = matches!(
@@ -40,7 +40,7 @@ impl Place<'_> {
         Some(Problem { offset: range.start, message, repair: Some(Repair::Value(range)) })
     }
 
-    /// The range of a number and of the unit behind it, and the problem.
+    /// The range of a number and the unit after it, and the problem.
     fn unit(&self) -> Option<(Range<usize>, String)> {
         let is_unit_char = |c: char| c.is_alphabetic() || "°%/".contains(c);
         let unit = &self.rest()[..self.rest().find(|c| !is_unit_char(c)).unwrap_or(self.rest().len())];
@@ -53,6 +53,6 @@ impl Place<'_> {
     }
 }
 
-/// Units that people write behind numbers.
+/// Units that people write after numbers.
 const UNITS: [&str; 14] =
     ["m", "cm", "mm", "s", "ms", "rad", "deg", "m/s", "rad/s", "Hz", "%", "°", "px", "steps"];

@@ -10,18 +10,18 @@ use super::choices::{choices, is_read, lacks_fields, replaced};
 use super::names::missing_fields;
 use super::{Problem, Repair, explain};
 
-/// The longest text, in bytes, that is read again to find further problems; of a longer one, only the first is reported.
+/// The longest text, in bytes, that is read again to find more problems; in a longer one, only the first is reported.
 const MAX_BYTES: usize = 1 << 15;
 /// The number of repairs after which reading stops.
 const MAX_REPAIRS: usize = 64;
-/// Values of every type that can be written without knowing the type. Choices are found by trial.
+/// Values to try in place of any value, of one type after another. The choices of an enum are tried after them.
 const VALUES: [&str; 6] = ["0", "0.0", "\"\"", "true", "[]", "(0, 0)"];
 
 /// The problems of a text, by byte offset, and what could be read without them.
 pub struct Recovered<T> {
     pub problems: Vec<(usize, String)>,
     pub value: Option<T>,
-    /// The paths of the fields in `value` that have any value, because theirs could not be read.
+    /// The paths of the fields in `value` that have an arbitrary value, because their own could not be read.
     pub unknown: Vec<String>,
     /// The repaired text.
     draft: Draft,
@@ -29,7 +29,7 @@ pub struct Recovered<T> {
 
 impl<T> Recovered<T> {
     /// The offset in the original text of the field at `path`, or of the innermost field around it, or else of the whole value.
-    /// `None` if it begins with a repair.
+    /// `None` if it begins in a repair.
     pub fn offset_of(&self, path: &str) -> Option<usize> {
         let map = SourceMap::new(&self.draft.text);
         let at = map.offset_of(path).or_else(|| map.start())?;
@@ -37,7 +37,7 @@ impl<T> Recovered<T> {
     }
 }
 
-/// The problems of `text`, of which ron has found `error`. `read` is ron.
+/// The problems of `text`, of which ron has found the first, `error`. `read` reads a text with ron.
 pub fn recover<T: DeserializeOwned>(
     text: &str,
     mut error: SpannedError,
@@ -92,7 +92,7 @@ pub fn recover<T: DeserializeOwned>(
 struct Draft {
     text: String,
     edits: Vec<Edit>,
-    /// The paths of the fields that got any value.
+    /// The paths of the fields that got an arbitrary value.
     unknown: Vec<String>,
 }
 

@@ -1,4 +1,4 @@
-//! The names that other libraries and papers have for fields of a preset.
+//! The names that other libraries and papers use for fields of a preset.
 
 /// Names in lower case, and the path of the field in a preset. A path may end with the value that is meant.
 const SYNONYMS: [(&[&str], &str); 17] = [
@@ -51,7 +51,7 @@ const SYNONYMS: [(&[&str], &str); 17] = [
 ];
 
 /// The field that is meant by `word`, as its path from a struct with the fields `known`: `replay.capacity` for `buffer_size` in
-/// `learning`. `None` if that struct does not lead to it.
+/// `learning`. `None` if it is not in that struct.
 pub(super) fn synonym(word: &str, known: &[&str]) -> Option<&'static str> {
     let word = word.to_lowercase();
     let (_, path) = SYNONYMS.iter().find(|(words, _)| words.contains(&word.as_str()))?;

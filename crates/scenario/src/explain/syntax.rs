@@ -1,11 +1,11 @@
-//! Brackets, commas, quotes and comments that are missing or too many.
+//! Brackets, commas, quotes and comments that are missing, superfluous or not closed.
 
 use ron::error::Error;
 
 use super::{Place, Problem, Repair};
 
 impl Place<'_> {
-    /// Brackets, commas, quotes and comments that are missing or too many.
+    /// The problem of brackets, commas, quotes or comments; for any other error, ron's message.
     pub(super) fn syntax(&self, code: &Error) -> Problem {
         use Error as E;
         let Self { start, end, .. } = *self;

@@ -6,7 +6,7 @@ use super::choices::{choice_problem, is_read};
 use super::{Place, Problem, Repair, is_about_a_name, last_of};
 
 impl Place<'_> {
-    /// A value of another type where a choice is wanted.
+    /// The problem of a value of another type where a choice is expected.
     pub(super) fn choice(
         &self,
         code: &Error,
@@ -21,7 +21,7 @@ impl Place<'_> {
         Some(Problem { offset: value.start, message, repair: Some(Repair::Value(value)) })
     }
 
-    /// A value of the wrong type.
+    /// The problem of a value of the wrong type.
     pub(super) fn value(
         &self,
         code: &Error,
@@ -81,9 +81,10 @@ impl Place<'_> {
     }
 }
 
-/// The end of what is expected where a range may stand ([`Ranged`](crate::Ranged)).
+/// The end of the text for what is expected where a range is allowed ([`Ranged`](crate::Ranged)).
 const RANGE: &str = "or a range (lowest, highest)";
 const POINT: &str = "a point: (x, y)";
+
 /// Whether a value may start with `c`.
 fn value_start(c: char) -> bool {
     !matches!(c, ')' | ']' | '}' | ',') && !c.is_whitespace()

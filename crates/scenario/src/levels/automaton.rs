@@ -8,9 +8,9 @@ use super::{number, whole};
 use crate::schema::{Obstacle, ObstacleMotion, Shape};
 
 /// A cell with at least this many filled neighbours is filled.
-const MIN_FILLED: usize = 5;
+const MIN_TO_FILL: usize = 5;
 /// A cell with at most this many filled neighbours is emptied.
-const MAX_EMPTIED: usize = 1;
+const MAX_TO_EMPTY: usize = 1;
 
 /// A grid of cells, row by row, in the middle of the field.
 struct Cells {
@@ -57,8 +57,8 @@ impl Cells {
 
     fn smooth(&mut self) {
         let smoothed = |cell| match self.filled_neighbours(cell) {
-            MIN_FILLED.. => true,
-            0..=MAX_EMPTIED => false,
+            MIN_TO_FILL.. => true,
+            0..=MAX_TO_EMPTY => false,
             _ => self.filled[cell],
         };
         self.filled = (0..self.filled.len()).map(smoothed).collect();
@@ -73,7 +73,7 @@ impl Cells {
         around.filter(|&other| other != cell && self.filled[other]).count()
     }
 
-    /// The centre of a cell, in sides of a cell from the middle of the grid.
+    /// The centre of a cell relative to the middle of the grid, in units of the cell side.
     fn centre(&self, cell: usize) -> Vec2 {
         let middle = |index: usize, count: usize| index as f32 + 0.5 - count as f32 / 2.0;
         vec2(middle(cell % self.columns, self.columns), middle(cell / self.columns, self.rows))
@@ -85,7 +85,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_smoothing_fills_crowded_cells_and_empties_lonely_ones() {
+    fn smoothing_fills_crowded_cells_and_empties_lonely_ones() {
         let rows = ["##...", "###..", ".#..#", "....."];
         let filled = rows.concat().chars().map(|c| c == '#').collect();
         let mut cells = Cells { columns: 5, rows: 4, filled };

@@ -36,7 +36,7 @@ impl Blocks {
         [left, right, below, above].into_iter().flatten()
     }
 
-    /// Fills all empty blocks but those of the largest region, whose blocks share sides.
+    /// Fills all empty blocks except those of the largest region. Blocks of a region are connected through their sides.
     pub(super) fn fill_pockets(&mut self) {
         let mut seen = self.solid.clone();
         let mut largest = Vec::new();
@@ -59,7 +59,7 @@ impl Blocks {
         }
     }
 
-    /// Adds the solid blocks to the level, as few rectangles: each is as wide as possible, then as high as possible.
+    /// Adds the solid blocks to the level, merged into rectangles: each as wide as possible, then as high as possible.
     pub(super) fn add_to(&self, draft: &mut Draft) {
         for (columns, rows) in merged(self.solid.clone(), self.columns()) {
             draft.add_obstacle(self.rectangle(columns, rows));

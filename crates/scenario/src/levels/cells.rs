@@ -1,4 +1,4 @@
-//! Walls by solid cells at random, as in the levels of JaxNav (Rutherford et al. 2024, "No Regrets").
+//! Walls of random solid cells, as in the levels of JaxNav (Rutherford et al. 2024, "No Regrets").
 
 use wayfield_random::{Stream, uniform_01};
 

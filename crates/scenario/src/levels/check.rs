@@ -34,7 +34,7 @@ pub fn level_generator_diagnostics(generator: &LevelGenerator) -> Vec<Diagnostic
         check_traffic(format_args!("traffic[{k}]"), traffic, generator, &mut diagnostics);
     }
     if diagnostics.is_empty() {
-        check_work(generator, &mut diagnostics);
+        check_floor_size(generator, &mut diagnostics);
     }
     diagnostics.into_vec()
 }
@@ -88,7 +88,8 @@ fn check_clearance(clearance_m: f32, gap_m: f32, diagnostics: &mut Diagnostics) 
     diagnostics.check_range(path, clearance_m, LEVEL_CLEARANCE_M, METRES);
     let least = MIN_CLEARANCE_GAPS * f64::from(gap_m);
     if f64::from(clearance_m) < least {
-        let message = format!("is {clearance_m}: write at least {least:.4}, {MIN_CLEARANCE_GAPS} times gap_m");
+        let message =
+            format!("is {clearance_m}: write at least {least:.4}, {MIN_CLEARANCE_GAPS} times gap_m");
         diagnostics.push(path, message);
     }
 }
@@ -228,7 +229,7 @@ fn check_traffic(
     }
 }
 
-/// Checks that cells with the smallest side `side_m` are at most `most` in the largest enclosure.
+/// Checks that the largest enclosure has at most `most` cells of the smallest side, `side_m`.
 fn check_cells(
     path: Arguments<'_>,
     side_m: f32,
@@ -245,8 +246,8 @@ fn check_cells(
     }
 }
 
-/// Checks that the floor of the largest enclosure does not take too much memory.
-fn check_work(generator: &LevelGenerator, diagnostics: &mut Diagnostics) {
+/// Checks that the floor's grid over the largest enclosure does not take too much memory.
+fn check_floor_size(generator: &LevelGenerator, diagnostics: &mut Diagnostics) {
     let cell_m = floor::cell_m(generator.gap_m / 2.0, generator.route);
     let cells = f64::from(generator.width_m.1) * f64::from(generator.height_m.1) / (cell_m * cell_m);
     if cells > f64::from(MAX_FLOOR_CELLS) {

@@ -14,11 +14,11 @@ use crate::schema::{Enclosure, Obstacle, ObstacleMotion, Region, Scenario, Shape
 pub(super) struct Draft {
     /// The level so far.
     pub(super) scenario: Scenario,
-    /// Width of the passages, in m.
+    /// Smallest width of the passages, in m.
     pub(super) gap_m: f32,
     /// The starts and goals.
     pub(super) route: Route,
-    /// The part of the enclosure for clutter and traffic.
+    /// The part of the enclosure for clutter, traps and traffic.
     pub(super) field: Region,
     /// The corners of the pairs of lanes.
     pub(super) lanes_m: Vec<[Vec2; 4]>,
@@ -121,7 +121,7 @@ impl Draft {
         self.scenario.walls.push(wall);
     }
 
-    /// Whether an obstacle would keep the gap from the edges of the field and from everything in it.
+    /// Whether `obstacle` would be at least the gap away from the edges of the field and from everything static.
     pub(super) fn has_space_for(&self, obstacle: &Obstacle) -> bool {
         let (points, radius_m) = obstacle.shape.support_points(obstacle.rotation_rad);
         let rim = Vec2::splat(self.gap_m + radius_m);
@@ -132,7 +132,7 @@ impl Draft {
             && !self.bodies.iter().any(|other| body.is_near(other, self.gap_m))
     }
 
-    /// The space that the robot can reach.
+    /// The space that is free of walls and static obstacles.
     pub(super) fn floor(&self) -> Floor<'_> {
         Floor::new(&self.scenario, self.gap_m / 2.0, self.route)
     }

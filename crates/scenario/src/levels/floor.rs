@@ -1,27 +1,27 @@
-//! The space of a level that the robot can reach, on a grid.
+//! The floor of a level: its free space, as connected regions on a grid.
 //!
 //! In: the static parts of a level. Out: whether every goal can be reached from every start through passages of the least
-//! width. The answer is proven: half the width and half the diagonal of a cell are kept free around the centres of free cells,
-//! so a path from centre to centre has the width. A start or goal has so much clearance that the centre of its cell is free.
+//! width. A yes is proven: around the centre of a free cell, half the width plus half a cell's diagonal is clear, so a path from
+//! centre to centre has the width. Random starts and goals have enough clearance for the centres of their cells to be free.
 
 use super::schema::Route;
 use crate::check::{CellGrid, ConnectedRegions, RegionSite, blocked, sites};
 use crate::schema::{Obstacle, PlacementRule, Scenario};
 
-/// Largest side of a cell, as a fraction of half the width of the passages. Larger cells close more passages that are only
-/// a little wider.
+/// Largest side of a cell, as a fraction of half the least width of the passages. Larger cells close more of the passages that
+/// are only a little wider than that.
 const MAX_CELL_FRACTION: f64 = 0.25;
 
-/// The space of a level that the robot can reach.
+/// The free space of a level, as connected regions on a grid.
 pub(super) struct Floor<'a> {
     scenario: &'a Scenario,
     grid: CellGrid,
     regions: ConnectedRegions,
-    /// Smallest distance of the centres of free cells from all surfaces, in m.
+    /// Smallest distance of the centres of free cells from any surface, in m.
     room_m: f64,
 }
 
-/// The side of the cells, in m, for passages of half the width `half_gap_m`.
+/// The side of the cells, in m, for passages whose least width is twice `half_gap_m`.
 pub(super) fn cell_m(half_gap_m: f32, route: Route) -> f64 {
     let half_gap_m = f64::from(half_gap_m);
     let largest = half_gap_m * MAX_CELL_FRACTION;
@@ -34,7 +34,7 @@ pub(super) fn cell_m(half_gap_m: f32, route: Route) -> f64 {
 }
 
 impl<'a> Floor<'a> {
-    /// The floor of `scenario` for passages of half the width `half_gap_m`.
+    /// The floor of `scenario` for passages whose least width is twice `half_gap_m`.
     pub(super) fn new(scenario: &'a Scenario, half_gap_m: f32, route: Route) -> Self {
         let (low, high) = scenario.enclosure.bounds_m();
         let grid = CellGrid::with_cells(low.as_dvec2(), high.as_dvec2(), cell_m(half_gap_m, route));
@@ -56,7 +56,7 @@ impl<'a> Floor<'a> {
         if all_in(starts[0].part) { Ok(()) } else { Err("some goals can't be reached from some starts") }
     }
 
-    /// The circles among `candidates`, of radius `radius_m`, that fill the regions which can't be reached from the largest one,
+    /// Those of `candidates`, circles of radius `radius_m`, that cover cells of any region with starts except the largest one,
     /// and leave that one as it is.
     pub(super) fn plugs(&self, mut candidates: Vec<Obstacle>, radius_m: f32) -> Vec<Obstacle> {
         let sites = self.sites(&self.scenario.starts);

@@ -10,7 +10,7 @@ use crate::schema::ObstacleMotion;
 
 /// Attempts to find free lanes before a pair is omitted.
 const TRIES: usize = 50;
-/// Smallest distance of two obstacles on a loop, centre to centre, in radii.
+/// Smallest distance between two obstacles on a loop, centre to centre, in radii.
 const MIN_SPACING_RADII: f32 = 4.0;
 
 /// Adds a pair of lanes across the whole field, along x or y, with up to `count` obstacles.
@@ -22,11 +22,11 @@ pub(super) fn add(draft: &mut Draft, walker: &Walker, count: u32, stream: &mut S
     };
     let Some(corners) = loops.find(is_free) else { return };
     let sides: [f32; 4] = std::array::from_fn(|k| distance(corners[k], corners[(k + 1) % 4]));
-    let around: f32 = sides.iter().sum();
-    let count = count.min((around / (MIN_SPACING_RADII * walker.radius_m)) as u32);
+    let perimeter: f32 = sides.iter().sum();
+    let count = count.min((perimeter / (MIN_SPACING_RADII * walker.radius_m)) as u32);
     let first = uniform_01(stream);
     for k in 0..count {
-        let mut along = around * (k as f32 + first) / count as f32;
+        let mut along = perimeter * (k as f32 + first) / count as f32;
         let mut side = 0;
         while side < 3 && along > sides[side] {
             along -= sides[side];
@@ -42,8 +42,8 @@ pub(super) fn add(draft: &mut Draft, walker: &Walker, count: u32, stream: &mut S
     draft.lanes_m.push(corners);
 }
 
-/// The corners of a random pair of lanes in the order of travel. Both lanes are so far apart that their obstacles pass with
-/// the gap between them.
+/// The corners of a random pair of lanes in the order of travel. The lanes are just far enough apart for obstacles to pass each
+/// other with the gap between them.
 fn random_loop(draft: &Draft, radius_m: f32, stream: &mut Stream) -> [Vec2; 4] {
     let upright = uniform_01(stream) < 0.5;
     let swap = |point: Vec2| if upright { vec2(point.y, point.x) } else { point };

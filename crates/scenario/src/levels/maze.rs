@@ -6,8 +6,8 @@ use super::blocks::Blocks;
 use super::draft::Draft;
 use super::{number, one_of};
 
-/// Adds a maze of passages of about the width `passage_m` between walls of the thickness `wall_m`. `loops` is the share of dead
-/// ends that are opened.
+/// Adds a maze with passages about `passage_m` wide and walls `wall_m` thick. `loops` is the probability that a dead end is
+/// opened.
 pub(super) fn add(
     draft: &mut Draft,
     passage_m: (f32, f32),
@@ -26,7 +26,7 @@ pub(super) fn add(
     maze.blocks.add_to(draft);
 }
 
-/// The edges of passages and walls in turn, from passage to passage. The passages are widened to cover `size_m`.
+/// The edges of passages and walls in turn; a passage is first and last. The passages are widened to cover `size_m`.
 fn edges(size_m: f32, passage_m: f32, wall_m: f32) -> Vec<f32> {
     let passages = (((size_m + wall_m) / (passage_m + wall_m) * (1.0 + 1e-6)) as usize).max(1);
     let wide = (size_m - (passages - 1) as f32 * wall_m) / passages as f32;
@@ -43,7 +43,7 @@ fn nodes_of(blocks: &Blocks) -> Vec<usize> {
         .collect()
 }
 
-/// A maze: the blocks in even columns and rows are its nodes, those between two of them are passages or walls.
+/// A maze. The blocks in even columns and rows are its nodes; each block between two nodes is a passage or a wall.
 struct Maze {
     blocks: Blocks,
 }
@@ -52,7 +52,7 @@ impl Maze {
     /// The nodes next to `node`, each with the block between them.
     fn steps(&self, node: usize) -> Vec<(usize, usize)> {
         let between = self.blocks.neighbours(node);
-        // A neighbour's index differs from the node's by as much as the next node's from the neighbour's.
+        // The index of the block between two nodes is the mean of theirs.
         between.map(|between| (2 * between - node, between)).collect()
     }
 
@@ -74,7 +74,7 @@ impl Maze {
         }
     }
 
-    /// Opens a second passage at the share `loops` of the dead ends.
+    /// Opens a second passage at each dead end with the probability `loops`.
     fn open_dead_ends(&mut self, loops: f32, stream: &mut Stream) {
         for node in nodes_of(&self.blocks) {
             let (closed, open): (Vec<_>, Vec<_>) =

@@ -1,7 +1,7 @@
 //! Level generators: families of whole scenarios, of which each seed gives one.
 //!
-//! In: a [`LevelGenerator`], read from a file or built in code, and a seed. Out: a [`Scenario`] without generators, the level,
-//! which is the same to the bit on every platform. Its passages are wide enough for the robot, so that every goal can be
+//! In: a [`LevelGenerator`], read from a file or built in code, and a seed. Out: a level, which is a [`Scenario`] without
+//! generators, the same to the bit on every platform. Its passages are wide enough for the robot, so that every goal can be
 //! reached from every start.
 //!
 //! | file | duty |
@@ -9,11 +9,11 @@
 //! | `schema.rs` | the types of the file |
 //! | `check.rs` | the checks of a generator |
 //! | `draft.rs` | a level under construction: enclosure, bodies, the gaps between them |
-//! | `floor.rs` | the space that the robot can reach |
+//! | `floor.rs` | the free space, and whether goals can be reached |
 //! | `walls.rs` | the choice of walls; each layout has a file: `cells.rs`, `text_grid.rs`, `rooms.rs`, `maze.rs`, `traps.rs` |
 //! | `blocks.rs` | solid blocks on a grid, for cells, text and mazes |
 //! | `automaton.rs`, `scatter.rs` | clutter |
-//! | `traffic.rs`, `lanes.rs` | moving obstacles |
+//! | `traffic.rs`, `lanes.rs`, `pedestrians.rs` | moving obstacles |
 //! | `route.rs` | starts and goals |
 
 mod automaton;
@@ -61,12 +61,12 @@ pub struct LevelError {
     pub generator: String,
     /// The seed.
     pub seed: u64,
-    /// What is wrong with the last attempt.
+    /// Why the last attempt failed.
     pub reason: &'static str,
 }
 
 impl LevelGenerator {
-    /// The checked generator in the file at `path`.
+    /// Reads and checks the generator in the file at `path`.
     ///
     /// # Errors
     /// [`FileError`] if the file can't be read, is not a level generator, or has diagnostics; it lists all of them.
@@ -75,7 +75,7 @@ impl LevelGenerator {
         Self::parse(&read_text(path)?, path)
     }
 
-    /// The checked generator in `text`. Errors name `path`.
+    /// Parses and checks the generator in `text`. Errors name `path`.
     ///
     /// # Errors
     /// As [`LevelGenerator::load`].
@@ -88,13 +88,13 @@ impl LevelGenerator {
         )
     }
 
-    /// Whether `text` is probably a level generator and not a scenario: by its fields.
+    /// Whether `text`, by its fields, is probably a level generator rather than a scenario.
     #[must_use]
     pub fn is_meant_by(text: &str) -> bool {
         resemblance::<Self>(text, "LevelGenerator") > resemblance::<Scenario>(text, "Scenario")
     }
 
-    /// The level of this generator, which has no diagnostics, for `seed`. The same seed gives the same level.
+    /// The level for `seed`. The same seed gives the same level. The generator must have no diagnostics.
     ///
     /// # Errors
     /// [`LevelError`] if no level that the robot can solve is found, because the parameters leave too little space.
@@ -109,7 +109,7 @@ impl LevelGenerator {
         Err(LevelError { generator: self.name.clone(), seed, reason })
     }
 
-    /// A level, or the reason why the robot can't solve it.
+    /// Makes a level, or gives the reason why the robot can't solve it.
     fn attempt(&self, streams: &Streams) -> Result<Scenario, &'static str> {
         let mut draft = Draft::new(self, &mut streams.named("levels: size"), streams.seed);
         walls::add(&mut draft, &self.wall_layouts, &mut streams.named("levels: walls"));
@@ -144,17 +144,17 @@ impl Streams {
     }
 }
 
-/// One of `list` with equal probabilities; `None` if it is empty.
+/// An element of `list`, all with equal probability; `None` if it is empty.
 fn one_of<'a, T>(list: &'a [T], stream: &mut Stream) -> Option<&'a T> {
     if list.is_empty() { None } else { list.get(uniform_index(stream, list.len())) }
 }
 
-/// A uniform number from a range with both ends.
+/// A uniform draw from a range.
 fn number(stream: &mut Stream, (low, high): (f32, f32)) -> f32 {
     uniform(stream, low, high)
 }
 
-/// A uniform whole number from a range with both ends.
+/// A uniform draw from a range of whole numbers, both ends included.
 fn whole(stream: &mut Stream, (low, high): (u32, u32)) -> u32 {
     low + uniform_index(stream, high.saturating_sub(low) as usize + 1) as u32
 }

@@ -1,4 +1,4 @@
-//! Pedestrians of levels: across a circle, or between random points. Their straight ways are clear of everything static.
+//! Pedestrians of levels: across a circle, or between random points. Their straight paths are clear of everything static.
 
 use std::f32::consts::PI;
 
@@ -11,9 +11,10 @@ use super::{number, whole};
 use crate::geometry::length;
 use crate::schema::{Obstacle, ObstacleMotion, PlacementRule};
 
-/// Attempts to find a free place or way before a pedestrian is omitted.
+/// Attempts to find a free start or path before a pedestrian is omitted.
 const TRIES: usize = 100;
-/// Smallest gap in m of a pedestrian's start to the starts and goals of the others and of the robot.
+/// Smallest gap in m between a pedestrian's start and the robot's start and goal, the others' starts and, on a circle, their
+/// goals.
 const SPACING_M: f32 = 0.2;
 
 /// How the pedestrians of a level behave.
@@ -23,10 +24,10 @@ pub(super) struct Behavior {
     pub(super) sees_robot: bool,
 }
 
-/// A start or goal, in m, and the radius in m of who starts or arrives there.
+/// A start or goal, in m, and the radius in m of its pedestrian or robot.
 type End = (Vec2, f32);
 
-/// Adds pedestrians who start near a circle and walk to the opposite points, by CrowdNav's rule.
+/// Adds pedestrians who start near a circle and walk to the opposite points, as in CrowdNav.
 pub(super) fn add_circle(
     draft: &mut Draft,
     (count, walkers, behavior): (u32, Walkers, Behavior),
@@ -55,7 +56,8 @@ pub(super) fn add_circle(
     }
 }
 
-/// Adds pedestrians between random points that are at least half the shorter side of the field apart.
+/// Adds pedestrians who walk between random points. Each goal is at least half the shorter side of the field from the point
+/// before it.
 pub(super) fn add_crowd(
     draft: &mut Draft,
     (count, walkers, behavior): (u32, Walkers, Behavior),
@@ -77,7 +79,7 @@ pub(super) fn add_crowd(
     }
 }
 
-/// Up to `count` goals, of which each can be reached in a straight line from the one before, and the start from the last.
+/// Up to `count` goals. The straight lines from `start` through the goals, and from each goal back to `start`, are free.
 fn random_goals(draft: &Draft, start: Vec2, radius_m: f32, count: u32, stream: &mut Stream) -> Vec<Vec2> {
     let far = (draft.field.max_m - draft.field.min_m).min_element() / 2.0;
     let mut goals_m = Vec::new();

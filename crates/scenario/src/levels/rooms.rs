@@ -17,19 +17,19 @@ const TRIES: usize = 20;
 pub(super) struct Rooms {
     /// Smallest side of a room, in m.
     pub(super) side_m: f32,
-    /// Widths of doors, in m.
+    /// The range of door widths, in m.
     pub(super) door_m: (f32, f32),
     /// Probability that a wall has a second door.
     pub(super) loops: f32,
 }
 
-/// A wall along one axis, from one end to the other, and its doors.
+/// A wall from one side of a room to the opposite one, and its doors.
 struct Partition {
     /// Whether it runs along y.
     upright: bool,
-    /// Its coordinate across.
+    /// Its coordinate on the other axis.
     at_m: f32,
-    /// Both ends of each door, along it.
+    /// The two ends of each door, as coordinates along the wall.
     doors_m: Vec<(f32, f32)>,
 }
 
@@ -54,8 +54,8 @@ pub(super) fn add(draft: &mut Draft, rooms: Rooms, stream: &mut Stream) {
 }
 
 impl Rooms {
-    /// A wall through the room between two corners, across its longer side; `None` if the room is too small or has no place
-    /// for it.
+    /// A wall that divides the longer side of the room with the corners `low` and `high`; `None` if the room is too small, or if
+    /// no position is found that leaves all doors open.
     fn divide(
         self,
         low: Vec2,
@@ -84,7 +84,7 @@ impl Rooms {
         let halves = [(from, middle), (middle, to)];
         let parts = if uniform_01(stream) < self.loops { &halves[..] } else { &[(from, to)] };
         let door = |&(from, to): &(f32, f32)| {
-            // At most what leaves half a wall's thickness on both sides.
+            // At least half a wall's thickness remains on either side.
             let wide = number(stream, self.door_m).min(to - from - THICKNESS_M);
             let start = uniform(stream, from + THICKNESS_M / 2.0, to - THICKNESS_M / 2.0 - wide);
             (start, start + wide)
@@ -94,7 +94,8 @@ impl Rooms {
 }
 
 impl Partition {
-    /// Whether a wall across this one, at `at_m`, that ends at the coordinates `along` leaves all doors open.
+    /// Whether this wall's doors stay open if another wall at `at_m` has the ends `along`. Only a wall across this one that
+    /// ends at it can block them.
     fn allows(&self, upright: bool, at_m: f32, along: (f32, f32)) -> bool {
         let touches = self.at_m == along.0 || self.at_m == along.1;
         let rim = THICKNESS_M / 2.0;
@@ -102,8 +103,8 @@ impl Partition {
         self.upright == upright || !touches || !self.doors_m.iter().any(blocks)
     }
 
-    /// The pieces between the doors of a wall from one coordinate to another. A piece extends half its thickness beyond its
-    /// ends.
+    /// The pieces of this wall, which runs from one coordinate to another, between its doors. A piece extends half its thickness
+    /// beyond its ends.
     fn walls(&self, from: f32, to: f32) -> Vec<Wall> {
         let point = |along: f32| if self.upright { vec2(self.at_m, along) } else { vec2(along, self.at_m) };
         let rim = THICKNESS_M / 2.0;

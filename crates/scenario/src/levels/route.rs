@@ -11,7 +11,7 @@ use crate::geometry::length;
 use crate::placement::draw_start_and_goal;
 use crate::schema::{BenchmarkRoute, PlacementRule, Scenario};
 
-/// Number of random routes of which the longest is the benchmark route.
+/// Number of random routes, the longest of which becomes the benchmark route.
 const ROUTES: usize = 4;
 
 impl Route {
@@ -26,7 +26,8 @@ impl Route {
                 fixed(-end, FRAC_PI_2, end)
             }
             Self::Sides { margin_m, clearance_m } => {
-                let (low, high) = (vec2(-width_m / 2.0, height_m / 2.0 - margin_m), vec2(width_m, height_m) / 2.0);
+                let (low, high) =
+                    (vec2(-width_m / 2.0, height_m / 2.0 - margin_m), vec2(width_m, height_m) / 2.0);
                 let within = |min_m, max_m| PlacementRule::Within { min_m, max_m, clearance_m };
                 (within(-high, vec2(high.x, -low.y)), within(low, high))
             }
@@ -40,7 +41,7 @@ fn fixed(start_m: Vec2, heading_rad: f32, goal_m: Vec2) -> (PlacementRule, Place
     (fixed(start_m, Some(heading_rad)), fixed(goal_m, None))
 }
 
-/// The level with a benchmark route by its rules for starts and goals.
+/// Adds a benchmark route by the rules for starts and goals, which completes the level.
 ///
 /// # Errors
 /// The reason why there is none, as the rest of a sentence.

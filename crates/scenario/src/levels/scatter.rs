@@ -31,7 +31,7 @@ fn sized(shape: &RandomShape, stream: &mut Stream) -> Shape {
     }
 }
 
-/// An obstacle at a random position of the field, with a random rotation if that changes it.
+/// An obstacle at a random position in the field, with a random rotation unless its shape is a circle.
 fn placed(draft: &Draft, shape: &Shape, stream: &mut Stream) -> Obstacle {
     let position_m = draft.random_point(stream);
     let rotation_rad = if shape.has_orientation() { uniform(stream, -PI, PI) } else { 0.0 };

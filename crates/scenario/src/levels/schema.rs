@@ -369,7 +369,7 @@ fn default_radius_m() -> (f32, f32) {
     (0.1, 0.2)
 }
 
-/// From 0.2 to 1.0 of the speed of the paper's robot.
+/// 0.2 to 1.0 times the speed of the paper's robot.
 fn default_speed_m_s() -> (f32, f32) {
     (0.03, 0.15)
 }

@@ -10,7 +10,8 @@ use crate::check::Diagnostics;
 use crate::limits::{LEVEL_CELL_M, MAX_LEVEL_CELLS};
 use crate::text_rows;
 
-/// Adds the solid cells of the `rows`, the upper one first, which cover the enclosure.
+/// Adds the solid cells of the `rows`, given from top to bottom. The grid covers the enclosure. Free cells that are cut off from
+/// the largest free area become solid.
 pub(super) fn add(draft: &mut Draft, rows: &[String]) {
     let size = draft.size_m();
     let (xs, ys) = (even_edges(size.x, text_rows::columns(rows)), even_edges(size.y, rows.len()));

@@ -15,9 +15,9 @@ use crate::schema::{Obstacle, ObstacleMotion, Shape};
 
 /// Attempts to find a free path before an obstacle is omitted.
 const TRIES: usize = 50;
-/// Largest deviation of an obstacle from its even place on the circle, as a share of the angle between two places.
+/// Largest deviation of an obstacle from its evenly spaced position on the circle, as a fraction of their spacing.
 const JITTER: f32 = 0.3;
-/// Smallest width of a capsule or rectangle, as a share of its length.
+/// Smallest width of a capsule or rectangle, as a fraction of its length.
 const MIN_ASPECT: f32 = 0.3;
 
 /// Adds one of `layouts`; nothing if there is none.
@@ -127,7 +127,7 @@ impl Walker {
     }
 }
 
-/// Obstacles from all around a circle to the opposite points and back.
+/// Adds obstacles that start all around a circle and move to the opposite points and back.
 fn add_circle(draft: &mut Draft, count: u32, walkers: Walkers, circle_m: (f32, f32), stream: &mut Stream) {
     let (circle_m, first) = (number(stream, circle_m), uniform(stream, -PI, PI));
     let middle = (draft.field.min_m + draft.field.max_m) / 2.0;
@@ -143,7 +143,7 @@ fn add_circle(draft: &mut Draft, count: u32, walkers: Walkers, circle_m: (f32, f
     }
 }
 
-/// An obstacle between two random points that are at least half the shorter side of the field apart.
+/// Adds an obstacle that moves back and forth between two random points, at least half the shorter side of the field apart.
 fn add_crossing(draft: &mut Draft, walker: &Walker, stream: &mut Stream) {
     let far = (draft.field.max_m - draft.field.min_m).min_element() / 2.0;
     let mut ends = (0..TRIES).map(|_| (draft.random_point(stream), draft.random_point(stream)));
@@ -155,7 +155,7 @@ fn add_crossing(draft: &mut Draft, walker: &Walker, stream: &mut Stream) {
     }
 }
 
-/// An obstacle that walks at random within `reach_m` of a random point.
+/// Adds an obstacle that walks at random within `reach_m` of a random point.
 fn add_walk(draft: &mut Draft, walker: &Walker, reach_m: f32, stream: &mut Stream) {
     let mut points = (0..TRIES).map(|_| draft.random_point(stream));
     if let Some(at) = points.find(|&at| draft.is_free(at, at, walker.radius_m + reach_m)) {
@@ -166,7 +166,7 @@ fn add_walk(draft: &mut Draft, walker: &Walker, reach_m: f32, stream: &mut Strea
     }
 }
 
-/// An obstacle that revolves about a random point, in either direction.
+/// Adds an obstacle that revolves about a random point, in either direction.
 fn add_orbit(draft: &mut Draft, walker: &Walker, orbit_m: f32, stream: &mut Stream) {
     let mut points = (0..TRIES).map(|_| draft.random_point(stream));
     if let Some(centre_m) = points.find(|&at| draft.is_free(at, at, walker.radius_m + orbit_m)) {

@@ -14,7 +14,7 @@ const THICKNESS_M: f32 = 0.1;
 /// Attempts to place a trap before it is omitted.
 const TRIES: usize = 50;
 
-/// Adds traps of the inner width and depth at random places, with random rotations.
+/// Adds traps with random sizes, positions and rotations.
 pub(super) fn add(
     draft: &mut Draft,
     count: (u32, u32),
@@ -31,7 +31,7 @@ pub(super) fn add(
     }
 }
 
-/// A trap with the size `size` between the centre lines of its walls.
+/// A trap whose walls have centre lines of width and depth `size`, at a random position with a random rotation.
 fn trap(draft: &Draft, size: Vec2, stream: &mut Stream) -> Wall {
     let middle = draft.random_point(stream);
     let (sin, cos) = libm::sincosf(uniform(stream, -PI, PI));

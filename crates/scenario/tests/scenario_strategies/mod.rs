@@ -1,4 +1,4 @@
-//! Random worlds over the whole schema: any, and such as can be run.
+//! Strategies for random scenarios over the whole schema: arbitrary ones and valid ones.
 
 use std::f32::consts::TAU;
 
@@ -12,13 +12,13 @@ use wayfield_scenario::{
     draw_start_and_goal, pose_at, vec2,
 };
 
-/// Numbers of a kind: those that a world may have, or any at all.
+/// The numbers that a strategy draws: those that a valid scenario may have, or others too.
 #[derive(Clone, Copy)]
 pub enum ValueRange {
     Plausible,
-    /// Huge ones, infinities and NaN included.
+    /// Also huge ones, infinities and NaN.
     Any,
-    /// Huge ones included, but each equal to itself.
+    /// Also huge ones, but neither infinities nor NaN.
     Finite,
 }
 
@@ -41,7 +41,7 @@ impl ValueRange {
         }
     }
 
-    fn place(self, reach: f32) -> BoxedStrategy<Vec2> {
+    fn point(self, reach: f32) -> BoxedStrategy<Vec2> {
         (self.within(-reach, reach), self.within(-reach, reach)).prop_map(Vec2::from).boxed()
     }
 
@@ -49,21 +49,21 @@ impl ValueRange {
         let side = || self.within(3.0, 7.0);
         let rectangle =
             (side(), side()).prop_map(|(width_m, height_m)| Enclosure::Rectangle { width_m, height_m });
-        // An L, either way round; its notch leaves both arms wide. (Worked out from numbers that can be.)
+        // An L with wide arms, whose corners are in either order. Its numbers are always plausible.
         let sane = |low, high| Self::Plausible.within(low, high);
         let l = (sane(3.0, 7.0), sane(3.0, 7.0), sane(0.3, 0.6), sane(0.3, 0.6), any::<bool>()).prop_map(
-            |(width, height, x, y, turned)| {
+            |(width, height, x, y, reversed)| {
                 let (w, h) = (width / 2.0, height / 2.0);
                 let (x, y) = (w * (2.0 * x - 1.0), h * (2.0 * y - 1.0));
                 let mut corners_m =
                     vec![vec2(-w, -h), vec2(w, -h), vec2(w, y), vec2(x, y), vec2(x, h), vec2(-w, h)];
-                if turned {
+                if reversed {
                     corners_m.reverse();
                 }
                 Enclosure::Polygon { corners_m }
             },
         );
-        let any = vec(self.place(4.0), 0..9).prop_map(|corners_m| Enclosure::Polygon { corners_m });
+        let any = vec(self.point(4.0), 0..9).prop_map(|corners_m| Enclosure::Polygon { corners_m });
         match self {
             Self::Plausible => prop_oneof![rectangle, l].boxed(),
             _ => prop_oneof![rectangle, l, any].boxed(),
@@ -71,7 +71,7 @@ impl ValueRange {
     }
 
     fn wall(self) -> BoxedStrategy<Wall> {
-        let corners = vec(self.place(1.6), if matches!(self, Self::Plausible) { 2..4 } else { 0..6 });
+        let corners = vec(self.point(1.6), if matches!(self, Self::Plausible) { 2..4 } else { 0..6 });
         let segments = (corners, self.within(0.02, 0.2)).prop_map(|(corners_m, thickness_m)| Wall {
             corners_m,
             thickness_m,
@@ -82,7 +82,7 @@ impl ValueRange {
         } else {
             vec("[#. x]{0,4}", 0..4).boxed()
         };
-        let cells = (rows, self.within(0.02, 0.2), self.place(1.4)).prop_map(|(rows, cell_m, centre_m)| {
+        let cells = (rows, self.within(0.02, 0.2), self.point(1.4)).prop_map(|(rows, cell_m, centre_m)| {
             Wall { cells: Some(WallCells::new(rows, cell_m, centre_m)), ..Wall::default() }
         });
         prop_oneof![3 => segments, 1 => cells].boxed()
@@ -93,7 +93,7 @@ impl ValueRange {
         // Corners on a circle, in order around it, are convex.
         let sane = |low, high| Self::Plausible.within(low, high);
         let polygon = (vec(sane(0.5, 1.0), 3..8), sane(0.05, 0.4), any::<bool>()).prop_map(
-            |(parts, radius, turned)| {
+            |(parts, radius, reversed)| {
                 let whole: f32 = parts.iter().sum();
                 let mut gone = 0.0;
                 let mut corners_m: Vec<Vec2> = Vec::new();
@@ -102,13 +102,13 @@ impl ValueRange {
                     let (sin, cos) = (gone / whole * std::f32::consts::TAU).sin_cos();
                     corners_m.push(vec2(radius * cos + 0.05, radius * sin));
                 }
-                if turned {
+                if reversed {
                     corners_m.reverse();
                 }
                 Shape::Polygon { corners_m }
             },
         );
-        let any = vec(self.place(1.0), 0..6).prop_map(|corners_m| Shape::Polygon { corners_m });
+        let any = vec(self.point(1.0), 0..6).prop_map(|corners_m| Shape::Polygon { corners_m });
         let others = prop_oneof![
             size().prop_map(|radius_m| Shape::Circle { radius_m }),
             (size(), size()).prop_map(|(width_m, height_m)| Shape::Rectangle { width_m, height_m }),
@@ -122,16 +122,16 @@ impl ValueRange {
 
     fn motion(self) -> BoxedStrategy<ObstacleMotion> {
         let speed = || self.within(0.0, 1.0);
-        let waypoints = || vec(self.place(1.4), if matches!(self, Self::Plausible) { 1..4 } else { 0..4 });
+        let waypoints = || vec(self.point(1.4), if matches!(self, Self::Plausible) { 1..4 } else { 0..4 });
         prop_oneof![
             2 => Just(ObstacleMotion::Static),
-            1 => (self.place(1.0), self.within(-0.8, 0.8))
+            1 => (self.point(1.0), self.within(-0.8, 0.8))
                 .prop_map(|(centre_m, speed_rad_s)| ObstacleMotion::Orbit { centre_m, speed_rad_s: speed_rad_s.into() }),
             1 => (waypoints(), speed())
                 .prop_map(|(waypoints_m, speed_m_s)| ObstacleMotion::Patrol { waypoints_m, speed_m_s: speed_m_s.into() }),
             1 => (waypoints(), speed())
                 .prop_map(|(waypoints_m, speed_m_s)| ObstacleMotion::BackAndForth { waypoints_m, speed_m_s: speed_m_s.into() }),
-            1 => (waypoints(), self.within(0.2, 1.0), any::<bool>(), self.place(1.4)).prop_map(
+            1 => (waypoints(), self.within(0.2, 1.0), any::<bool>(), self.point(1.4)).prop_map(
                 |(path_m, speed_m_s, is_loop, start_m)| {
                     ObstacleMotion::key_frames_along(start_m, &path_m, speed_m_s, is_loop)
                 }
@@ -143,7 +143,7 @@ impl ValueRange {
     }
 
     fn obstacle(self) -> BoxedStrategy<Obstacle> {
-        (self.shape(), self.place(1.6), self.within(-TAU, TAU), self.motion())
+        (self.shape(), self.point(1.6), self.within(-TAU, TAU), self.motion())
             .prop_map(|(shape, position_m, rotation_rad, motion)| Obstacle {
                 shape,
                 position_m,
@@ -177,16 +177,16 @@ impl ValueRange {
                 .prop_map(|(x, to_x, y, to_y, clearance_m)| {
                     PlacementRule::Within { min_m: vec2(x, y), max_m: vec2(to_x, to_y), clearance_m }
                 }),
-            1 => (self.place(2.0), heading).prop_map(|(position_m, heading_rad)| PlacementRule::Fixed { position_m, heading_rad }),
-            1 => vec(self.place(2.0), if matches!(self, Self::Plausible) { 1..5 } else { 0..5 })
+            1 => (self.point(2.0), heading).prop_map(|(position_m, heading_rad)| PlacementRule::Fixed { position_m, heading_rad }),
+            1 => vec(self.point(2.0), if matches!(self, Self::Plausible) { 1..5 } else { 0..5 })
                 .prop_map(|positions_m| PlacementRule::OneOf { positions_m }),
         ]
         .boxed()
     }
 
-    /// A world with all that there can be.
+    /// A scenario whose parts are all random.
     pub fn scenario(self) -> BoxedStrategy<Scenario> {
-        // The expected values of physics tests are those of discs.
+        // Physics tests, which use plausible scenarios, expect the robot to be a disc.
         let is_plausible = matches!(self, Self::Plausible);
         let shape = if is_plausible { Just(None).boxed() } else { option::of(self.shape()).boxed() };
         let robot = (
@@ -245,7 +245,7 @@ impl ValueRange {
                     }
                 },
             );
-        let benchmark_route = (self.place(2.0), self.within(-TAU, TAU), self.place(2.0))
+        let benchmark_route = (self.point(2.0), self.within(-TAU, TAU), self.point(2.0))
             .prop_map(|(start_m, heading_rad, goal_m)| BenchmarkRoute { start_m, heading_rad, goal_m });
         let benchmark_route = proptest::option::of(benchmark_route);
         let texts =
@@ -290,7 +290,7 @@ impl ValueRange {
     }
 }
 
-/// A world with nothing wrong: what is found fault with is taken out, or put elsewhere.
+/// A valid scenario: parts that the checks report are removed, moved or reset.
 pub fn valid_scenario() -> impl Strategy<Value = Scenario> {
     ValueRange::Plausible.scenario().prop_map(|mut scenario| {
         for attempt in 0..100 {
@@ -314,7 +314,7 @@ pub fn valid_scenario() -> impl Strategy<Value = Scenario> {
     })
 }
 
-/// Draws other places for the part called `what`, which names them, or leaves them to chance.
+/// Draws new positions for the part called `what`; resets the task, and makes a rule without listed positions random.
 fn put_elsewhere(what: &str, scenario: &mut Scenario, attempt: u64) {
     let random = PlacementRule::Random { clearance_m: 0.2 };
     let free =
@@ -323,11 +323,11 @@ fn put_elsewhere(what: &str, scenario: &mut Scenario, attempt: u64) {
         return;
     };
     let start = vec2(x, y);
-    let elsewhere = |rule: &PlacementRule, place| match rule {
+    let elsewhere = |rule: &PlacementRule, position_m| match rule {
         PlacementRule::Fixed { heading_rad, .. } => {
-            PlacementRule::Fixed { position_m: place, heading_rad: *heading_rad }
+            PlacementRule::Fixed { position_m, heading_rad: *heading_rad }
         }
-        PlacementRule::OneOf { .. } => PlacementRule::OneOf { positions_m: vec![place] },
+        PlacementRule::OneOf { .. } => PlacementRule::OneOf { positions_m: vec![position_m] },
         _ => random.clone(),
     };
     match what {
@@ -341,7 +341,7 @@ fn put_elsewhere(what: &str, scenario: &mut Scenario, attempt: u64) {
     }
 }
 
-/// The world without what moves.
+/// The scenario without its moving obstacles.
 pub fn without_moving_obstacles(scenario: &Scenario) -> Scenario {
     let mut still = scenario.clone();
     still

@@ -1,4 +1,4 @@
-//! Lists of corners: of walls, polygons, paths and rules.
+//! Lists of points: the corners of walls and polygons, and the points of paths and rules.
 
 use bevy::math::Vec2;
 
@@ -40,7 +40,7 @@ pub(super) fn remove(corners: &mut Vec<Vec2>, k: usize, min: usize) -> Option<()
     Some(())
 }
 
-/// Moves all corners.
+/// Moves all points, and rounds them to 1 mm.
 pub(super) fn translate<'a>(corners: impl IntoIterator<Item = &'a mut Vec2>, by_m: Vec2) {
     for corner in corners {
         *corner = point_to_mm(*corner + by_m);

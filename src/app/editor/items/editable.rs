@@ -98,7 +98,7 @@ pub(in super::super) trait Editable {
         handle.map(|handle| handle.position_m)
     }
 
-    /// The handle that a drag of `kind` at `position_m` moves; differs from `kind` only for items without a middle.
+    /// The handle that moves when `kind` is dragged from `position_m`; another one only for items without a middle.
     fn dragged_handle(&self, _scenario: &Scenario, kind: HandleKind, _position_m: Vec2) -> HandleKind {
         kind
     }
@@ -142,7 +142,7 @@ pub(in super::super) trait Editable {
         None
     }
 
-    /// The anchor of a copy next to the item, in m. The copy must fit into `others`.
+    /// The anchor, in m, that puts a copy next to the item. `others` is the scenario without the copy.
     fn copy_anchor_m(&self, scenario: &Scenario, _others: &Scenario, snap: Snap) -> Option<Vec2> {
         let step_m = if snap.on { snap.step_m.max(0.2) } else { 0.2 };
         self.anchor_m(scenario).map(|at| at + vec2(step_m, -step_m))
@@ -155,7 +155,7 @@ pub(in super::super) trait Editable {
         }
     }
 
-    /// Whether [`delete`](Self::delete) would change the scenario.
+    /// Whether the user can delete the item.
     fn can_delete(&self, scenario: &Scenario) -> bool {
         self.copy(scenario).is_some()
     }
@@ -171,7 +171,7 @@ pub(super) fn remove_at<T>(list: &mut Vec<T>, index: usize) -> Option<()> {
     (index < list.len()).then(|| drop(list.remove(index)))
 }
 
-/// `Obstacle 3 of 4`.
+/// A title such as `Obstacle 3 of 4`.
 pub(super) fn numbered(noun: &str, index: usize, count: usize) -> String {
     format!("{noun} {} of {count}", index + 1)
 }

@@ -65,8 +65,8 @@ impl Editable for EnclosureItem {
     }
 }
 
-/// Resizes one axis so that its side (-1 or 1) is at `coordinate_m`; side 0 is not resized. The centre stays at 0, so
-/// that the opposite side moves by the same distance.
+/// Resizes one axis so that its side (-1 or 1) is at `coordinate_m`; side 0 changes nothing. The centre stays at 0, so
+/// the opposite side moves by the same distance.
 fn resize(size_m: &mut f32, side: i8, coordinate_m: f32, target: DragTarget) {
     if side != 0 {
         *size_m = target.snap.size(2.0 * coordinate_m * f32::from(side)).max(MIN_ENCLOSURE_M);

@@ -95,8 +95,8 @@ pub(super) fn drag(obstacle: &mut Obstacle, kind: HandleKind, target: DragTarget
     Some(())
 }
 
-/// Resizes one axis of a shape: its side (-1 or 1) goes to the local coordinate `to_m`, which includes the rounding; the
-/// other side stays. Side 0 changes nothing. Returns the local coordinate of the new centre.
+/// Resizes one axis of a shape: its side (-1 or 1), which is rounded off by `rounding_m`, goes to the local coordinate
+/// `to_m`; the other side stays. Side 0 changes nothing. Returns the local coordinate of the new centre.
 fn resize(side: i8, size_m: &mut f32, to_m: f32, rounding_m: f32, snap: Snap) -> f32 {
     if side == 0 {
         return 0.0;

@@ -26,8 +26,8 @@ pub(super) fn handles(obstacle: &Obstacle) -> Vec<Handle> {
     }
 }
 
-/// Handles of the path: new waypoints on its legs, then its start and waypoints. Of a longer path than one can draw, only the
-/// start has a handle.
+/// Handles of the path: new waypoints on its legs, then its start and waypoints. A path with more waypoints than can be drawn
+/// has a handle only at its start.
 fn path_handles(path: &[Vec2], closed: bool) -> Vec<Handle> {
     let mut handles = Vec::new();
     let path = if path.len() > MAX_POINTS + 1 { &path[..1] } else { path };
@@ -74,7 +74,7 @@ pub(super) fn insert(obstacle: &mut Obstacle, kind: HandleKind, position_m: Vec2
     Some(HandleKind::Waypoint(k))
 }
 
-/// Removes a waypoint, unless it is the last.
+/// Removes a waypoint, unless it is the only one.
 pub(super) fn remove(obstacle: &mut Obstacle, kind: HandleKind) -> Option<()> {
     let HandleKind::Waypoint(k) = kind else { return None };
     obstacle.motion.remove_waypoint(k)

@@ -55,7 +55,7 @@ impl Editable for RuleItem {
         handles
     }
 
-    /// A rule has no middle; the nearest position is dragged.
+    /// Listed positions have no common middle; the nearest one is dragged.
     fn dragged_handle(&self, scenario: &Scenario, kind: HandleKind, position_m: Vec2) -> HandleKind {
         if kind != HandleKind::Middle {
             return kind;
@@ -126,7 +126,7 @@ impl Editable for RuleItem {
     }
 }
 
-/// The handle that turns a start's heading.
+/// The handle that changes a start's heading.
 pub(super) fn heading_handle(start_m: Vec2, heading_rad: f32) -> Handle {
     let tip = LocalFrame::new(start_m, heading_rad).to_world(vec2(HEADING_HANDLE_M, 0.0));
     Handle::new(HandleKind::Rotate, tip, degrees_text(heading_rad), "Turn the heading")

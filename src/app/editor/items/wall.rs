@@ -33,8 +33,7 @@ impl Editable for WallItem {
         wall.map_or_else(Vec::new, |wall| corners::handles(&wall.corners_m, false, *WALL_CORNERS.end()))
     }
 
-    /// The middle handle is not drawn, but the wall can be dragged by its body: then the first corner is the handle, or the centre
-    /// of cells.
+    /// A wall has no visible middle handle. When it is dragged by its body, its anchor acts as the handle.
     fn handle_position_m(&self, scenario: &Scenario, kind: HandleKind) -> Option<Vec2> {
         if kind == HandleKind::Middle {
             return self.anchor_m(scenario);
@@ -81,7 +80,7 @@ impl Editable for WallItem {
         scenario.walls.get(self.0).cloned().map(ListItem::Wall)
     }
 
-    /// The first corner, or the centre of cells.
+    /// The first corner or, for a wall of cells, their centre.
     fn anchor_m(&self, scenario: &Scenario) -> Option<Vec2> {
         let wall = scenario.walls.get(self.0)?;
         wall.corners_m.first().copied().or_else(|| wall.cells.as_ref().map(WallCells::centre_m))

@@ -138,7 +138,7 @@ fn resizing_a_rotated_box_keeps_the_opposite_corner() {
         rotation_rad: 0.5236,
         ..static_obstacle(Shape::Rectangle { width_m: 0.6, height_m: 0.4 }, vec2(1.0, 0.0))
     };
-    // The lower left (-1, -1) or the upper right (1, 1).
+    // The lower left corner (-1) or the upper right one (1).
     let corner = |editor: &Editor, side: f32| {
         let o = &editor.scenario().obstacles[0];
         let Shape::Rectangle { width_m, height_m } = o.shape else { panic!("a box") };
@@ -290,10 +290,10 @@ fn a_path_is_dragged_by_its_waypoints_or_as_a_whole() {
 }
 
 #[test]
-fn key_frames_are_dragged_with_their_times() {
+fn dragged_key_frames_keep_their_times() {
     let mut editor = editor(full());
     editor.select(Selection::Obstacle(1));
-    // The patrol from (1, 0) over (1, 1.5) and (0.5, 1.5) at 0.1 m/s.
+    // The patrol from (1, 0) via (1, 1.5) and (0.5, 1.5) at 0.1 m/s.
     editor.set_motion(MotionKind::KeyFrames);
     let frames = |editor: &Editor| match &editor.scenario().obstacles[1].motion {
         ObstacleMotion::KeyFrames { frames, .. } => {

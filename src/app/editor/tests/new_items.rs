@@ -49,7 +49,7 @@ fn a_copy_is_placed_next_to_the_original() {
     let ObstacleMotion::Patrol { waypoints_m, .. } = &copy.motion else { panic!("a patrol") };
     let expected = vec2(to_mm(1.0 + by.x), to_mm(1.5 + by.y));
     assert_eq!(waypoints_m[0], expected, "the path moves with it");
-    // To a position, after the original is deleted.
+    // Pasted at a position, after the original is deleted.
     editor.select(Selection::Wall(0));
     editor.cut();
     assert!(editor.scenario().walls.is_empty() && editor.can_paste());
@@ -64,7 +64,7 @@ fn a_copy_is_placed_next_to_the_original() {
 }
 
 #[test]
-fn copies_of_a_random_walk_have_other_seeds() {
+fn copies_of_a_random_walk_have_different_seeds() {
     let mut editor = editor(Scenario::default());
     editor.add_obstacle(new_shape("Circle"), vec2(1.0, -1.0));
     editor.set_motion(MotionKind::RandomWalk);

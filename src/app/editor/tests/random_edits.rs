@@ -46,7 +46,7 @@ fn click(editor: &mut Editor, at: Vec2) {
     assert_eq!(expected, before);
 }
 
-/// Asserts that the tool fits the selected item, and that this item was selected `before`.
+/// Asserts that the tool fits the selected item, and that the item was also selected `before` if the tool needs it.
 fn assert_tool_fits(editor: &Editor, before: Selection) {
     let now = editor.selection();
     match editor.tool() {

@@ -13,7 +13,7 @@ fn a_late_save_of_the_previous_document_is_ignored() {
     editor.mark_saved("scenarios/other.ron", &late);
     assert_eq!(editor.from(), "empty", "the file holds another document");
     assert!(editor.is_modified());
-    // After undoing to the previous document, the next one is the other document.
+    // After undoing to the previous document, a late save of the next one is ignored too.
     let ours = Arc::clone(editor.scenario());
     editor.undo();
     editor.undo();

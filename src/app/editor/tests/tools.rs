@@ -1,4 +1,4 @@
-//! A tool is put away when it no longer fits the selected item.
+//! Drawing with tools. A tool is put away when it no longer fits the selected item.
 
 use super::*;
 use bevy::math::vec2;

@@ -1,7 +1,7 @@
 //! The objects of an arena: walls, obstacles, goal and robot.
 //!
 //! In: the scenario and an [`ArenaScene`]. Out: shapes on a [`Canvas`]. The order of drawing is floor, field,
-//! trajectories, solids, goal, beams, robot.
+//! trajectories, solids, the driver's plan, goal, beams, robot.
 
 use egui::{Color32, Shape as Mark, Stroke, StrokeKind};
 
@@ -16,7 +16,7 @@ use crate::task::Pose;
 
 /// Draws the walls of `scenario`, and its obstacles at `poses`.
 pub fn draw_solids(canvas: &Canvas, scenario: &Scenario, poses: &[ObstaclePose]) {
-    walls(canvas, scenario, canvas.palette.obstacle);
+    draw_walls(canvas, scenario, canvas.palette.obstacle);
     for (obstacle, &pose) in scenario.obstacles.iter().zip(poses) {
         let outline = Silhouette::Obstacle { shape: obstacle.shape.clone(), pose };
         silhouette::draw(canvas, &outline, canvas.palette.obstacle, Stroke::NONE);
@@ -24,7 +24,7 @@ pub fn draw_solids(canvas: &Canvas, scenario: &Scenario, poses: &[ObstaclePose])
 }
 
 /// Draws the inner walls, then the enclosure, which hides the ends of inner walls that reach beyond it.
-fn walls(canvas: &Canvas, scenario: &Scenario, color: Color32) {
+fn draw_walls(canvas: &Canvas, scenario: &Scenario, color: Color32) {
     let thickness = if canvas.compact { 1.5 } else { 4.0 };
     for piece in scenario.walls.iter().flat_map(Wall::segments) {
         silhouette::draw(canvas, &Silhouette::from_obstacle(&piece), color, Stroke::NONE);

@@ -33,7 +33,7 @@ fn columns_rows(count: usize, available: Vec2, aspect: f32) -> (usize, usize) {
     (columns, count.div_ceil(columns))
 }
 
-/// Draws a cell for each arena in `rect`.
+/// Draws a cell in `rect` for each arena.
 pub(super) fn arena_grid_ui(ui: &Ui, rect: Rect, scene: &Scene, view_state: &mut ViewState) {
     let area = rect.shrink(8.0);
     let [width_m, height_m] = ArenaBounds::from_enclosure(&scene.scenario.enclosure).size_m();
@@ -102,8 +102,8 @@ fn draw_cell(ui: &Ui, cell: Rect, arena: &ArenaScene, index: usize, view_state: 
     }
 }
 
-/// Draws the number of the arena on the left, with the scenario of a set if that fits, its goals reached and its collisions on the
-/// right.
+/// Draws the number of the arena on the left, followed by its scenario in a set if that fits; on the right, the numbers of goals
+/// reached and of collisions.
 fn draw_caption(canvas: &Canvas, cell: Rect, y: f32, arena: &ArenaScene, index: usize, color: Color32) {
     let (left, right) = (cell.left() + 7.0, cell.right() - 7.0);
     let number = canvas.small_text(pos2(left, y), Align2::LEFT_CENTER, &(index + 1).to_string(), color);

@@ -5,8 +5,8 @@ use egui::{CursorIcon, Response, Ui};
 use super::transform::ViewTransform;
 use crate::app::view_state::ViewCamera;
 
-/// Zooms by the scroll wheel; pans by dragging and fits by a double click if the pointer is on free floor
-/// (`on_floor`).
+/// Zooms with the scroll wheel or a pinch. If the pointer is on free floor (`on_floor`), a drag pans the view and a double click
+/// fits the arena to it.
 pub fn steer_camera(
     ui: &Ui,
     response: &Response,

@@ -17,7 +17,7 @@ pub struct Canvas {
     pub transform: ViewTransform,
     /// The colours.
     pub palette: Palette,
-    /// A small cell of the grid: less detail.
+    /// Whether the view is a small cell of the grid, drawn with less detail.
     pub compact: bool,
 }
 
@@ -79,7 +79,7 @@ impl Canvas {
     }
 }
 
-/// Drops points closer than `min_distance` to the one before, but keeps the last.
+/// Drops points within `min_distance` of the one kept before, but always keeps the last point.
 fn thinned(points: impl Iterator<Item = Pos2>, min_distance: f32) -> Vec<Pos2> {
     let mut kept: Vec<Pos2> = Vec::new();
     let mut skipped = None;

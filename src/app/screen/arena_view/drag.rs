@@ -1,7 +1,7 @@
 //! Dragging the robot, the goal or an obstacle with the pointer.
 //!
 //! In: the pointer and one arena. Out: [`Command::Move`] while an object is dragged, and the drag itself. The
-//! object under the pointer at the press stays the dragged one, even if it drives away meanwhile.
+//! object under the pointer at the press stays the dragged one, even if it moves away meanwhile.
 
 use egui::{Response, Ui};
 

@@ -11,7 +11,7 @@ use crate::app::scene::ArenaScene;
 use crate::scenario::shape_distance;
 
 /// The object under the pointer, with some tolerance for small ones: the robot first, then the goal, then the
-/// obstacles. Generated obstacles are not among them, because they are not in the scenario's file, nor those of a set's scenarios.
+/// obstacles. Generated obstacles are left out, because they are not in the scenario's file; so are those of a set's scenarios.
 #[must_use]
 pub fn hit_test(transform: &ViewTransform, arena: &ArenaScene, at: Pos2) -> Option<Movable> {
     let scenario = &*arena.written;
@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn a_generated_obstacle_cannot_be_dragged() {
+    fn obstacles_that_are_generated_or_of_a_set_cannot_be_dragged() {
         let (transform, mut scene) = scene();
         let at = transform.to_screen([1.0, 1.0]);
         assert_eq!(hit_test(&transform, &scene.arenas[0], at), Some(Movable::Obstacle(0)));

@@ -1,4 +1,4 @@
-//! The plan of a classical driver: the cells of the map that it builds, and its path to the goal.
+//! The plan of a driver: the occupied cells of the map that it builds, and its path to the goal.
 
 use bevy::math::{Vec2, vec2};
 use egui::{Color32, Mesh, Pos2, Shape, Stroke};
@@ -6,7 +6,7 @@ use egui::{Color32, Mesh, Pos2, Shape, Stroke};
 use super::canvas::Canvas;
 use crate::drivers::DriverPlan;
 
-/// Dashes and gaps of the path, in points.
+/// Lengths of the path's dashes and gaps, in points.
 const DASH: f32 = 5.0;
 const GAP: f32 = 4.0;
 

@@ -6,8 +6,7 @@ use egui::{Color32, ColorImage, Mesh, Rect, pos2};
 
 use crate::app::scene::ScalarField;
 
-/// Seven colours from low to high: even steps of lightness, starting at that of the floor, in violet, which
-/// nothing else uses.
+/// Seven colours from low to high: violet, which nothing else uses, in even steps of lightness from that of the floor.
 fn ramp(dark: bool) -> [Color32; 7] {
     let rgb = Color32::from_rgb;
     if dark {
@@ -57,15 +56,14 @@ pub(super) struct ValueRange {
     pub above: bool,
 }
 
-/// The range of the finite values of `field`, without the lowest share `clipped.0` and the highest share
-/// `clipped.1` of them, so that a few extremes do not leave all others in one colour. `None` if no value is
-/// finite.
+/// The range of the finite values of `field`, without the fraction `clipped.0` of them that is lowest and the fraction
+/// `clipped.1` that is highest, so that a few extremes do not leave all others in one colour. `None` if no value is finite.
 pub(super) fn value_range(field: &ScalarField, clipped: (f32, f32)) -> Option<ValueRange> {
-    let mut numbers: Vec<f32> = field.values.iter().copied().filter(|value| value.is_finite()).collect();
-    numbers.sort_unstable_by(f32::total_cmp);
-    let (&min, &max) = (numbers.first()?, numbers.last()?);
-    let last = numbers.len() - 1;
-    let quantile = |share: f32| numbers[((share * last as f32).round() as usize).min(last)];
+    let mut sorted: Vec<f32> = field.values.iter().copied().filter(|value| value.is_finite()).collect();
+    sorted.sort_unstable_by(f32::total_cmp);
+    let (&min, &max) = (sorted.first()?, sorted.last()?);
+    let last = sorted.len() - 1;
+    let quantile = |level: f32| sorted[((level * last as f32).round() as usize).min(last)];
     let (low, high) = (quantile(clipped.0), quantile(1.0 - clipped.1));
     // If nearly all values are equal, the few others are what matters.
     let (low, high) = if low < high { (low, high) } else { (min, max) };
@@ -77,8 +75,7 @@ fn fraction(value: f32, ValueRange { low, high, .. }: ValueRange) -> f32 {
     if high > low || !value.is_finite() { (value - low) / (high - low) } else { 0.5 }
 }
 
-/// The image of `field`, at twice its resolution if it is coarse, so that the edges of missing values are
-/// smooth.
+/// The image of `field`, at twice its resolution if it is coarse, so that the edges around missing values are smooth.
 pub(super) fn field_image(field: &ScalarField, range: ValueRange, dark: bool) -> ColorImage {
     let [width, height] = field.size;
     let upscale = if width.max(height) <= 128 { 2 } else { 1 };
@@ -90,7 +87,7 @@ pub(super) fn field_image(field: &ScalarField, range: ValueRange, dark: bool) ->
         (low, (low + 1).min(count - 1), at - low as f32)
     };
     let (values, coverage) = fill_gaps(field);
-    // The first row of the image is the top one, that of the field the bottom one.
+    // The first row is the top one in the image, but the bottom one in the field.
     for (row, line) in image.pixels.chunks_exact_mut(width * upscale).rev().enumerate() {
         let (y0, y1, v) = neighbours(row, height);
         for (column, pixel) in line.iter_mut().enumerate() {
@@ -110,8 +107,8 @@ pub(super) fn field_image(field: &ScalarField, range: ValueRange, dark: bool) ->
     image
 }
 
-/// The values with gaps filled by a weighted mean of their neighbours, and the weighted share of finite
-/// neighbours, 0 to 1.
+/// The values, with gaps filled by a weighted mean of their neighbours, and for each cell the weighted fraction of finite
+/// values around it, 0 to 1.
 fn fill_gaps(field: &ScalarField) -> (Vec<f32>, Vec<f32>) {
     const TENT: [f32; 5] = [1.0, 2.0, 3.0, 2.0, 1.0];
     let [width, height] = field.size;
@@ -142,7 +139,7 @@ fn fill_gaps(field: &ScalarField) -> (Vec<f32>, Vec<f32>) {
     (values, coverage)
 }
 
-/// The colours from left to right as a mesh.
+/// A mesh of the colours, from left to right.
 pub(super) fn color_bar_mesh(bar: Rect, dark: bool) -> Mesh {
     let stops = ramp(dark);
     let mut mesh = Mesh::default();

@@ -1,7 +1,6 @@
-//! Field overlays: the potential and the state value as colours and as arrows.
+//! Field overlays: the potential or the state value as colours, and the potential's descent as arrows.
 //!
-//! In: a [`ScalarField`]. Out: a texture, made again only when the version of the field changes, and arrows
-//! downhill.
+//! In: a [`ScalarField`]. Out: a texture, made again only when the field or the theme changes, and arrows downhill.
 
 use egui::{Color32, Context, Id, Rect, Stroke, TextureHandle, pos2};
 
@@ -10,7 +9,7 @@ use super::field_image::{field_image, value_range};
 use super::transform::screen_direction;
 use crate::app::scene::ScalarField;
 
-/// Arrows along the longer side of the field.
+/// Number of arrows along the longer side of the field.
 const ARROWS: usize = 14;
 
 /// The kind of a field; each has its own texture.
@@ -32,8 +31,8 @@ impl FieldKind {
         }
     }
 
-    /// The shares of the lowest and of the highest values that the colours do not cover: the extremes of a
-    /// network at both ends, and the potential close to obstacles.
+    /// The fractions of the lowest and of the highest values that the colours do not cover: for the potential, the high
+    /// values close to obstacles; for a network, the extremes at both ends.
     pub fn clipped_shares(self) -> (f32, f32) {
         match self {
             Self::Potential => (0.0, 0.03),
@@ -48,15 +47,14 @@ fn is_complete(field: &ScalarField) -> bool {
     width > 0 && height > 0 && width.checked_mul(height) == Some(field.values.len())
 }
 
-/// A texture in egui's memory, and the version and size of the field and the theme it was made for.
+/// A texture in egui's memory; `key` is the version and size of the field it was made for, and whether the theme is dark.
 #[derive(Clone)]
 struct Cached {
     key: (u64, [usize; 2], bool),
     texture: TextureHandle,
 }
 
-/// The texture of `field`, from the cache if it is up to date; `None` if no value is finite or it is too
-/// large.
+/// The texture of `field`, from the cache if it is up to date; `None` if no value is finite or the field is too large.
 fn texture(ctx: &Context, kind: FieldKind, field: &ScalarField, dark: bool) -> Option<TextureHandle> {
     let id = Id::new(("wayfield field", kind));
     let key = (field.version, field.size, dark);
@@ -91,9 +89,9 @@ pub fn draw_heatmap(canvas: &Canvas, kind: FieldKind, field: &ScalarField, dark:
         return;
     }
     if let Some(texture) = texture(canvas.painter.ctx(), kind, field, dark) {
-        let place = canvas.transform.to_screen_rect(field.min_m, field.max_m);
+        let target = canvas.transform.to_screen_rect(field.min_m, field.max_m);
         let all = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        canvas.painter.image(texture.id(), place, all, Color32::WHITE);
+        canvas.painter.image(texture.id(), target, all, Color32::WHITE);
     }
 }
 
@@ -126,8 +124,7 @@ pub fn draw_arrows(canvas: &Canvas, field: &ScalarField, color: Color32) {
     }
 }
 
-/// The unit vector downhill at a cell; `None` at the edge of the field, where it is flat, or next to a
-/// non-finite value.
+/// The unit vector downhill at a cell; `None` if the cell is at the edge of the field, flat, or next to a non-finite value.
 fn descent(field: &ScalarField, ix: usize, iy: usize) -> Option<[f32; 2]> {
     let [width, height] = field.size;
     if ix == 0 || iy == 0 || ix + 1 >= width || iy + 1 >= height {

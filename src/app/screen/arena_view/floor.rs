@@ -1,4 +1,4 @@
-//! The floor of an arena, with grid lines at round distances.
+//! The floor of an arena, with grid lines at a round spacing.
 
 use bevy::math::{Vec2, Vec2Swizzles};
 use egui::{Rangef, Rect, Stroke};
@@ -8,7 +8,7 @@ use super::polygon;
 use super::transform::ArenaBounds;
 use crate::scenario::Enclosure;
 
-/// Draws the floor with faint grid lines at a round distance.
+/// Draws the floor with faint grid lines at a round spacing.
 pub fn draw_floor(canvas: &Canvas, enclosure: &Enclosure) {
     let (painter, transform, palette) = (&canvas.painter, &canvas.transform, &canvas.palette);
     let bounds = ArenaBounds::from_enclosure(enclosure);
@@ -34,16 +34,16 @@ pub fn draw_grid_lines(canvas: &Canvas, visible: Rect, corners: &[Vec2], step_m:
     let (low, high) = (transform.to_world(visible.left_bottom()), transform.to_world(visible.right_top()));
     let part =
         |from: f32, to: f32, visible: Rangef| Rangef::new(from.min(to), from.max(to)).intersection(visible);
-    for k in lines_between(low[0], high[0], step_m) {
-        for [from, to] in spans_at(corners, k, step_m) {
-            let (from, to) = (canvas.to_screen([k, from]), canvas.to_screen([k, to]));
+    for x_m in lines_between(low[0], high[0], step_m) {
+        for [from, to] in spans_at(corners, x_m, step_m) {
+            let (from, to) = (canvas.to_screen([x_m, from]), canvas.to_screen([x_m, to]));
             painter.vline(from.x, part(from.y, to.y, visible.y_range()), stroke);
         }
     }
     let transposed: Vec<Vec2> = corners.iter().map(|corner| corner.yx()).collect();
-    for k in lines_between(low[1], high[1], step_m) {
-        for [from, to] in spans_at(&transposed, k, step_m) {
-            let (from, to) = (canvas.to_screen([from, k]), canvas.to_screen([to, k]));
+    for y_m in lines_between(low[1], high[1], step_m) {
+        for [from, to] in spans_at(&transposed, y_m, step_m) {
+            let (from, to) = (canvas.to_screen([from, y_m]), canvas.to_screen([to, y_m]));
             painter.hline(part(from.x, to.x, visible.x_range()), from.y, stroke);
         }
     }
@@ -56,8 +56,7 @@ fn spans_at(corners: &[Vec2], at_m: f32, step_m: f32) -> Vec<[f32; 2]> {
     if length(&left) >= length(&right) { left } else { right }
 }
 
-/// The distance of the grid lines in m: the smallest of 1, 2 or 5 times a power of ten that is at least 56
-/// points.
+/// The spacing of the grid lines in m: the smallest of 1, 2 or 5 times a power of ten that is at least 56 points wide.
 #[must_use]
 pub fn grid_step_m(points_per_m: f32) -> f32 {
     let min_m = 56.0 / points_per_m.max(1e-6);

@@ -11,7 +11,7 @@ use crate::app::commands::{Command, SessionMode};
 use crate::app::moves::{Movable, MoveRequest, check_move};
 use crate::app::screen::input::ScreenInput;
 
-/// Handles the pointer over free floor in arena `index`: shows where the goal would be, and sends it at a click.
+/// Handles the pointer over free floor in arena `index`: shows where the goal would be, and sends it on a click.
 pub fn update(
     ui: &Ui,
     response: &Response,

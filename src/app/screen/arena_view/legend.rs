@@ -1,4 +1,4 @@
-//! The legend: the robot, the goal, the distance of the grid lines, and the overlays that are on.
+//! The legend: the robot, the goal, the spacing of the grid lines, and the overlays that are on.
 //!
 //! In: the overlays. Out: a line along the bottom of the view, which the arena does not cover at zoom 1.
 

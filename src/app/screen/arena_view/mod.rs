@@ -1,8 +1,7 @@
-//! The arena view: one arena, a grid of all arenas, or two side by side; with the camera, the overlays and
-//! dragging.
+//! The arena view: one arena, a grid of all arenas, or two side by side; with the camera, the overlays and dragging.
 //!
 //! In: the [`ScreenInput`]. Out: shapes, changes of the [`ViewState`] (camera, followed arena, drag), and
-//! [`Command`]s that move a dragged object.
+//! [`Command`]s that move a dragged object or set the goal.
 //!
 //! | file | duty |
 //! |---|---|
@@ -11,17 +10,17 @@
 //! | `single_arena.rs` | one arena with everything over it |
 //! | `arena_grid.rs` | the grid of all arenas |
 //! | `floor.rs`, `arena.rs` | floor and grid lines; walls, obstacles, goal, robot |
-//! | `silhouette.rs`, `polygon.rs` | outlines of objects; filling and growing polygons |
+//! | `silhouette.rs`, `polygon.rs` | outlines of objects; filling polygons |
 //! | `obstacle_paths.rs` | the paths of moving obstacles |
 //! | `trajectories.rs` | the robot's current path and past paths |
-//! | `driver_plan.rs` | the map and the planned path of a classical driver |
+//! | `driver_plan.rs` | the map and the planned path of a driver |
 //! | `beams.rs` | LIDAR beams |
 //! | `q_card.rs`, `q_card_position.rs`, `motion_arrow.rs` | the Q-values next to the robot |
-//! | `field_view.rs`, `field_image.rs`, `color_bar.rs` | the potential and the state value as colours and arrows |
+//! | `field_view.rs`, `field_image.rs`, `color_bar.rs` | potential and state value as colours, arrows down the potential |
 //! | `legend.rs` | the legend |
 //! | `score.rs` | driver, success rate and outcomes above an arena |
 //! | `drag.rs`, `drag_target.rs` | dragging objects, and where they may be put |
-//! | `goal_click.rs` | the goal that a click on free floor gives |
+//! | `goal_click.rs` | setting the goal by a click on free floor |
 //! | `steer.rs` | the arrow keys in Drive mode |
 //! | `welcome.rs` | the start button before the first training |
 
@@ -103,7 +102,7 @@ fn draw_arena_label(canvas: &Canvas, rect: Rect, words: String) {
     canvas.painter.galley(corner, galley, canvas.palette.weak_text);
 }
 
-/// The number of arena `index`, and the scenario of a set that it is in.
+/// The number of arena `index` and, in a set, its current scenario.
 fn arena_words(scene: &Scene, index: usize) -> String {
     let words = format!("Arena {} of {}", index + 1, scene.arenas.len());
     match scene.arenas.get(index).and_then(|arena| arena.set_member.as_ref()) {

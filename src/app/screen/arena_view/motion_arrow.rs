@@ -1,4 +1,5 @@
-//! The symbol of a motion: an arrow that bends in the direction of the turn and is longer for a higher speed; for a stop, a square.
+//! The symbol of a motion: an arrow that bends in the direction of the turn and is longer for a higher speed, or a square for a
+//! stop.
 
 use egui::{Color32, Pos2, Rect, Shape, Stroke, Vec2, pos2};
 
@@ -9,7 +10,7 @@ use crate::scenario::Motion;
 /// The side of the square that stands for a stop, in points.
 const STOP: f32 = 7.0;
 
-/// The highest speed and turning rate of `motions`, both without sign and above 0.
+/// The highest absolute speed and turning rate of `motions`, both above 0.
 pub fn fastest(motions: &[Motion]) -> Motion {
     let least = Motion { v_m_s: 1e-6, w_rad_s: 1e-6 };
     motions.iter().fold(least, |fastest, motion| Motion {
@@ -34,8 +35,8 @@ pub fn draw(canvas: &Canvas, middle: Pos2, motion: Motion, fastest: Motion, colo
     canvas.arrow_head(tip, along, 5.0, color);
 }
 
-/// The points of the arrow for a robot that faces up, in points with y down: an arc of up to 110°, or most of
-/// a circle for a turn on the spot. At half of the highest speed it is three quarters as long.
+/// The line of the arrow for a robot that faces up, in screen points with y down: an arc of up to 110°, or most of a circle
+/// for a turn on the spot. At half of the highest speed it is three quarters as long.
 fn arc_points(motion: Motion, fastest: Motion) -> Vec<Pos2> {
     const PARTS: usize = 10;
     let turn = (motion.w_rad_s / fastest.w_rad_s).clamp(-1.0, 1.0) * 1.92;

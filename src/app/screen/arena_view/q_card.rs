@@ -1,8 +1,8 @@
 //! The card of Q-values next to the robot: for each motion, from left to right, its advantage (Q-value minus
 //! the mean) as a bar and its Q-value as a number, with the chosen motion highlighted.
 //!
-//! In: the Q-values of an [`ArenaScene`]. Out: a card near the robot that avoids covering it or the goal, and
-//! a line that connects the two.
+//! In: the Q-values of an [`ArenaScene`]. Out: a card near the robot that avoids covering it or the goal, and a line from the
+//! robot to the card.
 
 use std::cmp::Ordering;
 
@@ -15,7 +15,7 @@ use crate::app::scene::{ArenaScene, DriverLabel};
 use crate::app::screen::numbers::{decimals_for, format_decimals};
 use crate::scenario::{Motion, Scenario};
 
-/// Maximum number of motions that are all shown. Of more, only the chosen and the best one are shown.
+/// Up to this many motions, all are shown; of more, only the chosen and the best one.
 const MAX_ROWS: usize = 12;
 const ROW: f32 = 16.0;
 const HEAD: f32 = 18.0;
@@ -49,8 +49,8 @@ fn rows(motions: &[Motion], q: &[f32], chosen: usize) -> Vec<usize> {
     order
 }
 
-/// Draws the card if there are finite Q-values. It avoids the rectangles in `avoid`; `id` keeps its side of
-/// the robot.
+/// Draws the card if there are finite Q-values. It avoids the rectangles in `avoid`, and its side of the robot is kept under
+/// `id`.
 pub fn draw(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene, avoid: &[Rect], id: Id) {
     let (motions, q) = (&arena.motions, &arena.q_values);
     if q.is_empty() || !q.iter().all(|value| value.is_finite()) {

@@ -10,10 +10,10 @@ use crate::app::screen::theme::{BODY, HEADING, Palette, SMALL};
 /// The height of the score, in points.
 pub const HEIGHT: f32 = 46.0;
 
-/// The distance of the header from the top, in points: closer to its arena than to the toolbar.
+/// The header is moved down by this many points, so that it is closer to its arena than to the toolbar.
 const DOWN: f32 = 12.0;
 const COLUMN_GAP: f32 = 14.0;
-/// Without this width for the driver, in points, less important columns are left out.
+/// If less width than this, in points, remains for the driver, less important columns are left out.
 const MIN_NAME: f32 = 110.0;
 /// The number of columns that are never left out.
 const MIN_COLUMNS: usize = 3;

@@ -21,7 +21,7 @@ pub enum Silhouette {
         /// The radius, in m.
         radius_m: f32,
     },
-    /// An obstacle's shape at a pose.
+    /// The shape of an obstacle or of the robot, at a pose.
     Obstacle {
         /// The shape.
         shape: Shape,

@@ -172,7 +172,7 @@ fn draw_drag_feedback(
     }
 }
 
-/// Adds the objects that can be dragged to the accessibility tree, if egui builds one.
+/// Adds the draggable objects to the accessibility tree, if egui builds one.
 fn name_objects(ui: &Ui, view: Id, canvas: &Canvas, arena: &ArenaScene) {
     let movable = if arena.set_member.is_some() { 0 } else { arena.written.obstacles.len() };
     let obstacles = (0..movable).map(Movable::Obstacle);
@@ -184,8 +184,8 @@ fn name_objects(ui: &Ui, view: Id, canvas: &Canvas, arena: &ArenaScene) {
     }
 }
 
-/// Adds an object that can be dragged to the accessibility tree. `describe` returns its name and its rectangle on the screen;
-/// it is called only if egui builds a tree.
+/// Adds a draggable object to the accessibility tree. `describe` returns its name and its rectangle on the screen; it is
+/// called only if egui builds a tree.
 pub fn name_object(ui: &Ui, id: Id, describe: impl FnOnce() -> Option<(String, Rect)>) {
     ui.ctx().accesskit_node_builder(id, |node| {
         let Some((name, rect)) = describe() else { return };

@@ -9,8 +9,8 @@ use crate::app::commands::{Command, SessionMode};
 use crate::app::screen::input::ScreenInput;
 use crate::scenario::Motion;
 
-/// In Drive mode, sends the motion that the arrow keys ask for whenever it changes; `last` is the motion sent
-/// last.
+/// In Drive mode, sends the motion that the arrow keys ask for whenever it changes; `last` is the scenario and the index of the
+/// motion sent last.
 pub fn handle(
     ui: &Ui,
     view: &ScreenInput<'_>,
@@ -24,8 +24,8 @@ pub fn handle(
     let typing = ui.ctx().text_edit_focused();
     let held = |key| !typing && ui.input(|i| i.key_down(key));
     let (left, right) = (held(Key::ArrowLeft), held(Key::ArrowRight));
-    // The user drives in the first arena. Another scenario, also one of a set, may have other motions, so the motion is sent again
-    // there.
+    // The user drives in the first arena. Another scenario, also one of the same set, may have other motions, so the motion is
+    // then sent again.
     let Some(arena) = view.scene.arenas.first() else { return };
     let Some(motion) = steered(&arena.scenario.robot.motions, left, right, held(Key::ArrowUp)) else {
         return;
@@ -38,8 +38,8 @@ pub fn handle(
     }
 }
 
-/// The index of the motion for the arrow keys held down: the straightest without left or right, otherwise the
-/// sharpest turn to that side, or the gentlest if up is held too. Of motions that turn alike, the fastest. `None` without motions.
+/// The index of the motion for the arrow keys held down: the straightest without left or right, otherwise the sharpest turn to
+/// that side, or the gentlest if up is held too. Of motions that turn equally, the fastest. `None` without motions.
 fn steered(motions: &[Motion], left: bool, right: bool, up: bool) -> Option<usize> {
     let turn = |&(_, motion): &(usize, &Motion)| motion.w_rad_s.abs();
     let gentler = |a: &(usize, &Motion), b: &(usize, &Motion)| {

@@ -7,8 +7,8 @@ use crate::app::scene::{ArenaScene, Trail, TrailEnd};
 use crate::app::screen::theme::Palette;
 use crate::app::view_state::Overlays;
 
-/// Draws the past paths by outcome and the current path, which fades towards its start, as far as the
-/// overlays are on.
+/// Draws the past paths by outcome and the current path, which fades towards its start; each
+/// only if its overlay is on.
 pub fn draw(canvas: &Canvas, arena: &ArenaScene, overlays: &Overlays) {
     if overlays.trails {
         let count = arena.trails.len().min(if canvas.compact { 3 } else { usize::MAX });

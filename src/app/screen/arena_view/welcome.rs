@@ -7,8 +7,7 @@ use crate::app::screen::input::ScreenInput;
 use crate::app::screen::theme::{HEADING, Palette, SMALL};
 use crate::app::screen::widgets::buttons;
 
-/// Draws the start button in the middle of `arena` while training is paused at step 0 and does not start from
-/// another policy.
+/// Draws the start button in the middle of `arena` while training is paused at step 0 with random initial weights.
 pub fn welcome_ui(ui: &mut Ui, arena: Rect, view: &ScreenInput<'_>, commands: &mut Vec<Command>) {
     let status = view.status;
     let fresh = status.env_steps == 0 && status.transfer_from.is_none();

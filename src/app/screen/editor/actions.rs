@@ -1,6 +1,6 @@
-//! The buttons at the bottom of the editor's panel: continue or restart the training in the edited scenario, save it.
+//! The buttons at the bottom of the editor's panel: continue or restart training in the edited scenario, or save it.
 //!
-//! A restart that would discard a training worth keeping needs a confirmation.
+//! A restart that would discard a training run worth keeping needs a confirmation.
 
 use egui::{Button, Frame, Margin, Response, RichText, Stroke, Ui, Vec2, vec2};
 
@@ -23,9 +23,9 @@ const HEIGHT: f32 = 30.0;
 pub enum Action {
     /// Continue the training in the edited scenario.
     Continue,
-    /// Begin a new training in the edited scenario.
+    /// Begin a new training run in the edited scenario.
     Restart,
-    /// The same, after saving the current training.
+    /// Like [`Action::Restart`], after saving the current training run.
     SaveAndRestart,
     /// Close the editor.
     Close,
@@ -42,7 +42,7 @@ pub fn actions_ui(
     ui.add_space(GAP);
     let blocker = continue_blocker(input, editor);
     interaction.confirm_restart &= restart_blocker(editor).is_none();
-    // The question is above the buttons, which are disabled meanwhile: a double-click on one of them answers nothing.
+    // The question is above the buttons, which are disabled meanwhile: a double-click on one cannot answer the question.
     let asking = interaction.confirm_restart;
     let mut action = if asking { confirm_restart_ui(ui, input, interaction) } else { None };
     let size = vec2((ui.available_width() - ui.spacing().item_spacing.x) / 2.0, HEIGHT);
@@ -78,7 +78,7 @@ fn continue_button_ui(ui: &mut Ui, size: Vec2, asking: bool, blocker: Option<&st
 }
 
 fn restart_button_ui(ui: &mut Ui, size: Vec2, asking: bool, blocker: Option<&str>) -> Response {
-    let tip = "Start a new training in the edited scenario. The current training is discarded";
+    let tip = "Start training from scratch in the edited scenario. The current training is discarded";
     let button = Button::new("Restart here");
     let response = ui.add_enabled_ui(blocker.is_none() && !asking, |ui| ui.add_sized(size, button)).inner;
     response.on_hover_text(tip).on_disabled_hover_text(blocker.unwrap_or(tip))
@@ -105,7 +105,7 @@ pub fn continue_blocker(input: &ScreenInput<'_>, editor: &Editor) -> Option<Stri
     (edited == running && !editor.is_drafting()).then(|| "This scenario is already running".into())
 }
 
-/// The reason why no training can start in the edited scenario.
+/// The reason why no training run can start in the edited scenario.
 pub fn restart_blocker(editor: &Editor) -> Option<&'static str> {
     (!editor.diagnostics().is_empty()).then_some("Fix the problems first")
 }
@@ -133,7 +133,7 @@ pub fn save_command(editor: &mut Editor, status: &AppSnapshot) -> Command {
     }
 }
 
-/// The question before the current training is discarded.
+/// Asks before the current training run is discarded.
 fn confirm_restart_ui(
     ui: &mut Ui,
     input: &ScreenInput<'_>,
@@ -150,7 +150,7 @@ fn confirm_restart_ui(
         ui.label(RichText::new(text).color(palette.text));
         let buttons = [
             ("Save first", "Save the current training, then start a new one", true),
-            ("Discard", "Start a new training", true),
+            ("Discard", "Start a new training run", true),
             ("Cancel", "Keep the current training", true),
         ];
         ui.spacing_mut().button_padding.x = 2.0;

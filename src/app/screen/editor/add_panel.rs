@@ -1,4 +1,4 @@
-//! The buttons that add items, and the choice of the grid.
+//! The buttons that add items, and the choice of the snapping grid.
 
 use egui::{Button, Ui, Vec2, vec2};
 
@@ -14,7 +14,7 @@ const COLUMNS: usize = 3;
 /// Height of a button, in points.
 const HEIGHT: f32 = 26.0;
 
-/// Shows the buttons. New items go near the middle of the view.
+/// Shows the buttons. New obstacles go near the middle of the view.
 pub fn add_ui(ui: &mut Ui, editor: &mut Editor, camera: ViewCamera) {
     section_title_ui(ui, "Add");
     let near_m = view_center_m(ui, editor, camera);

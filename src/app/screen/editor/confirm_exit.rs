@@ -14,8 +14,8 @@ use crate::app::screen::widgets::buttons::primary_button_ui;
 use crate::app::screen::widgets::question::question_ui;
 use crate::app::view_state::ViewState;
 
-/// Opens the editor on the running scenario. If a newer version was saved to its file but not applied yet, opens that
-/// one: otherwise the next save would overwrite it with the old one.
+/// Opens the editor on the running scenario. If a newer version was saved to its file but is not running yet, opens
+/// that one: otherwise the next save would overwrite it with the old one.
 ///
 /// A set of scenarios cannot be edited: asks whether to edit a copy of one of its scenarios.
 pub fn enter_editor(view: &ScreenInput<'_>, view_state: &mut ViewState, commands: &mut Vec<Command>) {
@@ -68,7 +68,8 @@ pub fn exit_editor(view_state: &mut ViewState, then: Option<Command>, commands: 
     }
 }
 
-/// The question about unsaved changes, in the middle of `canvas`, if it is open.
+/// Shows the question about unsaved changes in the middle of `canvas`, if it is open. If the answer was to save, leaves the
+/// editor once the scenario is saved.
 pub fn confirm_exit_ui(
     ui: &Ui,
     canvas: Rect,

@@ -5,7 +5,7 @@ use egui::{Align, Button, ComboBox, Layout, Response, RichText, Ui, vec2};
 use crate::app::screen::theme::BODY;
 use crate::app::screen::widgets::text::weak_text;
 
-/// Width of a choice, in points, without the space between two fields.
+/// Width of a choice, in points; the spacing between two fields is added to it.
 const CHOICE_WIDTH: f32 = 132.0;
 
 /// Gives a control a name for screen readers.
@@ -13,8 +13,8 @@ pub fn set_accessible_name(response: &Response, name: &str) {
     response.ctx.accesskit_node_builder(response.id, |node| node.set_label(name));
 }
 
-/// Shows a row with a list to choose from; each choice has a value, a text and a tooltip. Returns the value if another
-/// one was chosen.
+/// Shows a row with a list to choose from; each choice has a value, a text and a tooltip. Returns the chosen value if
+/// it is not `now`.
 pub fn choice_ui<T: Copy + PartialEq>(
     ui: &mut Ui,
     name: &str,
@@ -41,7 +41,7 @@ pub fn choice_ui<T: Copy + PartialEq>(
     chosen.filter(|&value| value != now)
 }
 
-/// Shows a row of buttons over the width of the panel; each has a text, a tooltip and whether it is enabled. Returns the
+/// Shows a row of buttons across the width of the panel; each has a text, a tooltip and whether it is enabled. Returns the
 /// index of the clicked button.
 pub fn button_row_ui(ui: &mut Ui, buttons: &[(&str, &str, bool)]) -> Option<usize> {
     let mut clicked = None;

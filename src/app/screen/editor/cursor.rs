@@ -39,7 +39,7 @@ fn resize_icon(transform: &ViewTransform, editor: &Editor, kind: HandleKind) -> 
     }
 }
 
-/// The double arrow nearest to a direction on the screen, y down.
+/// The double arrow closest to a direction on the screen, y down.
 fn double_arrow(direction: Vec2) -> CursorIcon {
     let eighth = (direction.angle() / std::f32::consts::FRAC_PI_4).round() as i32;
     match eighth.rem_euclid(4) {

@@ -8,10 +8,10 @@ use crate::app::screen::theme::{Palette, SMALL};
 use crate::app::screen::widgets::text::{section_title_ui, weak_text};
 use crate::scenario::Diagnostic;
 
-/// Maximum number of problems listed, and of notes.
+/// Maximum number of entries shown in each of the two lists.
 const MAX_SHOWN: usize = 12;
 
-/// Shows the list.
+/// Shows the problems and the notes.
 pub fn diagnostics_ui(ui: &mut Ui, editor: &mut Editor, interaction: &mut EditorInteraction) {
     let palette = Palette::from_ui(ui);
     if editor.diagnostics().is_empty() && editor.notes().is_empty() {
@@ -20,15 +20,15 @@ pub fn diagnostics_ui(ui: &mut Ui, editor: &mut Editor, interaction: &mut Editor
     }
     let problems: Vec<_> = editor.diagnostics().iter().collect();
     let notes: Vec<_> = editor.notes().iter().map(|note| &note.diagnostic).collect();
-    let problem = list_ui(ui, "problem", &problems, palette.error);
-    let clicked = list_ui(ui, "note", &notes, palette.warning).or(problem);
+    let clicked_problem = list_ui(ui, "problem", &problems, palette.error);
+    let clicked = list_ui(ui, "note", &notes, palette.warning).or(clicked_problem);
     if let Some(path) = clicked {
         editor.select(Selection::from_field_path(&path));
         interaction.group_to_open = Some(scenario_panel::group_of(&path));
     }
 }
 
-/// Shows a list under its title: the number of entries, each called `name`. Returns the path of the clicked one.
+/// Shows `entries` under a title such as "3 problems", for the `name` "problem". Returns the path of the clicked entry.
 fn list_ui(ui: &mut Ui, name: &str, entries: &[&Diagnostic], color: Color32) -> Option<String> {
     let count = entries.len();
     if count == 0 {
@@ -48,7 +48,7 @@ fn list_ui(ui: &mut Ui, name: &str, entries: &[&Diagnostic], color: Color32) -> 
 }
 
 /// Shows one problem or note in its colour. Returns whether it was clicked.
-fn diagnostic_ui(ui: &mut Ui, problem: &Diagnostic, color: Color32) -> bool {
+fn diagnostic_ui(ui: &mut Ui, diagnostic: &Diagnostic, color: Color32) -> bool {
     let palette = Palette::from_ui(ui);
     let frame = Frame::new()
         .fill(palette.control)
@@ -58,11 +58,11 @@ fn diagnostic_ui(ui: &mut Ui, problem: &Diagnostic, color: Color32) -> bool {
     let shown = frame.show(ui, |ui| {
         ui.set_width(ui.available_width());
         ui.spacing_mut().item_spacing.y = 1.0;
-        ui.label(RichText::new(field_name(&problem.path)).size(SMALL).color(color).strong());
-        ui.label(RichText::new(&problem.message).size(SMALL).color(palette.text));
+        ui.label(RichText::new(field_name(&diagnostic.path)).size(SMALL).color(color).strong());
+        ui.label(RichText::new(&diagnostic.message).size(SMALL).color(palette.text));
     });
     let response = shown.response.interact(Sense::click()).on_hover_cursor(CursorIcon::PointingHand);
-    response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, problem.to_string()));
+    response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, diagnostic.to_string()));
     if response.hovered() || response.has_focus() {
         let stroke = Stroke::new(1.0, color);
         ui.painter().rect_stroke(response.rect, 4.0, stroke, egui::StrokeKind::Inside);

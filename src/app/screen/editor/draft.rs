@@ -6,7 +6,7 @@ use egui::{Align2, Pos2, Shape, Stroke, Ui, vec2};
 use crate::app::editor::{Editor, Selection, Tool};
 use crate::app::screen::arena_view::canvas::Canvas;
 
-/// Draws the points so far, a dashed line to the pointer and its length.
+/// Draws the points so far, and a dashed line to the pointer, labelled with its length.
 pub fn draw(ui: &Ui, canvas: &Canvas, editor: &Editor, pointer: Option<Pos2>) {
     if *editor.tool() == Tool::Select {
         return;
@@ -34,7 +34,7 @@ pub fn draw(ui: &Ui, canvas: &Canvas, editor: &Editor, pointer: Option<Pos2>) {
     canvas.label(next + vec2(12.0, -10.0), Align2::LEFT_BOTTOM, &label, palette.text);
 }
 
-/// The points so far, in m; a path begins at its obstacle. `None` if there is no obstacle.
+/// The points so far, in m; a path begins at the selected obstacle. `None` for a path without one.
 fn points_m(editor: &Editor) -> Option<Vec<math::Vec2>> {
     let mut points_m = editor.tool().points_m().to_vec();
     if let Tool::Path { .. } = editor.tool() {

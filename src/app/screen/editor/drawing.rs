@@ -13,9 +13,9 @@ use crate::app::screen::arena_view::obstacle_paths;
 use crate::app::screen::arena_view::silhouette::{self, Silhouette};
 use crate::scenario::{Obstacle, Scenario, pose_at};
 
-/// Smallest distance of the snap grid's lines at which the grid is drawn, in points.
+/// Smallest line spacing at which the snap grid is drawn, in points.
 const MIN_GRID_SPACING: f32 = 9.0;
-/// Number of later positions shown of a moving obstacle.
+/// Number of later positions shown for the selected obstacle, if it moves.
 const GHOSTS: u64 = 7;
 
 /// Draws the scenario.
@@ -48,7 +48,7 @@ pub fn draw(ui: &Ui, canvas: &Canvas, id: Id, editor: &Editor, hit: PointerHit) 
     problem_note::draw(canvas, editor);
 }
 
-/// The grid that positions snap to, and a coarser one.
+/// Draws the grid that positions snap to, and a coarser one.
 fn draw_grids(canvas: &Canvas, editor: &Editor) {
     let (corners, visible) = (editor.scenario().enclosure.corners_m(), canvas.painter.clip_rect());
     let palette = &canvas.palette;
@@ -60,7 +60,7 @@ fn draw_grids(canvas: &Canvas, editor: &Editor) {
     floor::draw_grid_lines(canvas, visible, &corners, floor::grid_step_m(canvas.transform.scale), coarse);
 }
 
-/// The paths of all obstacles; the selected obstacle's with its later positions.
+/// Draws the paths of all obstacles, and the later positions of the selected one.
 fn draw_paths(canvas: &Canvas, scenario: &Scenario, selected: Selection) {
     for (k, obstacle) in scenario.obstacles.iter().enumerate() {
         if selected == Selection::Obstacle(k) {
@@ -72,7 +72,7 @@ fn draw_paths(canvas: &Canvas, scenario: &Scenario, selected: Selection) {
     }
 }
 
-/// Later positions of a moving obstacle, fading. Those of a pedestrian depend on others.
+/// Draws later positions of a moving obstacle, each fainter than the last. A pedestrian has none: its motion depends on others.
 fn draw_ghosts(canvas: &Canvas, scenario: &Scenario, obstacle: &Obstacle) {
     // Far enough apart that the ghosts do not overlap.
     let spacing_m = 1.3 * Silhouette::from_obstacle(obstacle).reach_m();
@@ -91,7 +91,7 @@ fn draw_ghosts(canvas: &Canvas, scenario: &Scenario, obstacle: &Obstacle) {
     }
 }
 
-/// An example of the obstacles that the generators make, as outlines.
+/// Draws an example of the obstacles that the generators make.
 fn draw_generated_example(ui: &Ui, canvas: &Canvas, id: Id, editor: &Editor) {
     if editor.scenario().generators.is_empty() {
         return;

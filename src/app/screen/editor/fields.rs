@@ -23,13 +23,13 @@ pub struct FieldRows<'u> {
     /// The panel.
     pub ui: &'u mut Ui,
     changed_field: Option<String>,
-    left: bool,
+    edit_ended: bool,
 }
 
 impl<'u> FieldRows<'u> {
     /// Begins the rows.
     pub fn new(ui: &'u mut Ui) -> Self {
-        Self { ui, changed_field: None, left: false }
+        Self { ui, changed_field: None, edit_ended: false }
     }
 
     /// Applies `change` if a field was changed; `item` identifies the edited item for undo.
@@ -37,12 +37,12 @@ impl<'u> FieldRows<'u> {
         if let Some(field) = self.changed_field {
             editor.edit(&format!("{item}: {field}"), change);
         }
-        if self.left {
+        if self.edit_ended {
             editor.close_group();
         }
     }
 
-    /// A label, and fields to the right of it. Returns the label.
+    /// Adds a label, and fields to the right of it. Returns the response of the label.
     fn row(&mut self, name: &str, tip: &str, fields: impl FnOnce(&mut Ui, Id) -> FieldEvents) -> Response {
         let row = self.ui.horizontal(|ui| {
             ui.set_height(HEIGHT);
@@ -59,21 +59,21 @@ impl<'u> FieldRows<'u> {
         if events.changed {
             self.changed_field = Some(name.to_owned());
         }
-        self.left |= events.left;
+        self.edit_ended |= events.edit_ended;
         label
     }
 
-    /// A row with one number.
+    /// Adds a row with one number.
     pub fn number(&mut self, name: &str, tip: &str, value: &mut f32, spec: NumberSpec) {
         self.row(name, tip, |ui, label| number_ui(ui, FieldName::Label(label), tip, value, spec));
     }
 
-    /// A row with a number, or with both ends of a range.
+    /// Adds a row with a number, or with both ends of a range.
     pub fn ranged(&mut self, name: &str, tip: &str, value: &mut Ranged<f32>, spec: NumberSpec) {
         self.ranged_row(name, tip, value, |ui, name, number| number_ui(ui, name, tip, number, spec));
     }
 
-    /// A row with a whole number, or with both ends of a range.
+    /// Adds a row with a whole number, or with both ends of a range.
     pub fn ranged_count(
         &mut self,
         name: &str,
@@ -84,7 +84,7 @@ impl<'u> FieldRows<'u> {
         self.ranged_row(name, tip, value, |ui, name, number| count_ui(ui, name, tip, number, range.clone()));
     }
 
-    /// A row of `field`s. The context menu of its label turns a number into a range, and back.
+    /// Adds a row with one `field` for a number, or two for a range. The context menu of the label turns one into the other.
     fn ranged_row<T: RangeNumber>(
         &mut self,
         name: &str,
@@ -104,7 +104,7 @@ impl<'u> FieldRows<'u> {
             Ranged::Range(..) => ("Same number in every episode", Ranged::Number(value.value())),
         };
         let mut is_chosen = false;
-        // Without a place in the order of Tab: a label that is registered twice would keep the focus.
+        // Not focusable (unlike `Sense::click`): a label registered twice in the Tab order would keep the focus.
         label.interact(Sense::CLICK).context_menu(|ui| is_chosen = ui.button(text).clicked());
         if is_chosen {
             *value = other;
@@ -112,18 +112,18 @@ impl<'u> FieldRows<'u> {
         }
     }
 
-    /// A row with two numbers; each has a name for screen readers.
+    /// Adds a row with two numbers; each has a name for screen readers.
     pub fn pair(&mut self, name: &str, tip: &str, values: [(&str, &mut f32); 2], spec: NumberSpec) {
         self.row(name, tip, |ui, _| pair_ui(ui, name, tip, values, [spec; 2]));
     }
 
-    /// A row with a position.
+    /// Adds a row with a position.
     pub fn position(&mut self, name: &str, tip: &str, math::Vec2 { x, y }: &mut math::Vec2) {
         self.pair(name, tip, [("x", x), ("y", y)], NumberSpec::POSITION);
     }
 
-    /// A list with two numbers per entry, and a button to remove each entry while more than `min` remain. `elsewhere` is
-    /// how to edit the entries of a long list that are not shown.
+    /// Adds a list with two numbers per entry, and a button to remove each entry while there are more than `min`. `elsewhere`
+    /// tells the user how to edit the entries beyond [`MAX_SHOWN`].
     pub fn list<T>(
         &mut self,
         name: &str,
@@ -154,7 +154,7 @@ impl<'u> FieldRows<'u> {
         }
     }
 
-    /// A list of positions.
+    /// Adds a list of positions.
     pub fn positions(&mut self, name: &str, positions: &mut Vec<math::Vec2>, min: usize) {
         let specs = [NumberSpec::POSITION; 2];
         self.list(name, positions, min, "drag them on the canvas", specs, |math::Vec2 { x, y }| {
@@ -162,7 +162,7 @@ impl<'u> FieldRows<'u> {
         });
     }
 
-    /// A field for lines of text in a font of equal widths, below its label.
+    /// Adds a label and, below it, a field for several lines of text in a monospaced font.
     pub fn text(&mut self, name: &str, tip: &str, text: &mut String) {
         let label = with_tip(self.ui.add(Label::new(weak_text(name)).selectable(false)), tip);
         let field = TextEdit::multiline(text).code_editor().lock_focus(false).desired_width(f32::INFINITY);
@@ -170,15 +170,15 @@ impl<'u> FieldRows<'u> {
         if response.changed() {
             self.changed_field = Some(name.to_owned());
         }
-        self.left |= response.lost_focus();
+        self.edit_ended |= response.lost_focus();
     }
 
     /// Records a change that is a complete undo step.
     pub fn mark_changed(&mut self, field: &str) {
-        (self.changed_field, self.left) = (Some(field.to_owned()), true);
+        (self.changed_field, self.edit_ended) = (Some(field.to_owned()), true);
     }
 
-    /// A row with a whole number.
+    /// Adds a row with a whole number.
     pub fn count<T: egui::emath::Numeric>(
         &mut self,
         name: &str,
@@ -189,7 +189,7 @@ impl<'u> FieldRows<'u> {
         self.row(name, tip, |ui, label| count_ui(ui, FieldName::Label(label), tip, value, range));
     }
 
-    /// A checkbox.
+    /// Adds a checkbox.
     pub fn checkbox(&mut self, name: &str, tip: &str, value: &mut bool) {
         let palette = Palette::from_ui(self.ui);
         let on = *value;
@@ -208,7 +208,7 @@ impl<'u> FieldRows<'u> {
     }
 }
 
-/// Two fields, in a row that is filled from the right.
+/// Adds two fields to a row that is filled from the right.
 fn pair_ui(
     ui: &mut Ui,
     name: &str,
@@ -221,7 +221,7 @@ fn pair_ui(
     a.or(b)
 }
 
-/// The button that removes an entry of a list. Returns whether it was clicked.
+/// Shows the button that removes an entry of a list. Returns whether it was clicked.
 fn remove_button_ui(ui: &mut Ui, name: &str) -> bool {
     let text = format!("Remove {}", name.to_lowercase());
     icons::icon_button_ui(ui, Icon::Close, ButtonStyle::Quiet, 16.0, &text, &text).clicked()

@@ -18,8 +18,8 @@ pub fn view_center_m(ui: &Ui, editor: &Editor, camera: ViewCamera) -> math::Vec2
     ViewTransform::new(Rect::ZERO, Vec2::ZERO, camera, bounds).centre_m.into()
 }
 
-/// The box that zoom 1 shows: the enclosure's. During a drag or with a moved camera it stays as it was, so that the
-/// scenario does not shift under the pointer.
+/// The part of the plane that zoom 1 shows: the bounding box of the enclosure. During a drag or with a moved camera it stays
+/// as it was, so that the scenario does not shift under the pointer.
 pub fn bounds(ui: &Ui, id: Id, editor: &Editor, camera: ViewCamera) -> ArenaBounds {
     let now = ArenaBounds::from_enclosure(&editor.scenario().enclosure);
     let before = ui.data(|data| data.get_temp::<(String, ArenaBounds)>(id));

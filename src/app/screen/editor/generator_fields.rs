@@ -19,7 +19,7 @@ pub fn generator_ui(ui: &mut Ui, editor: &mut Editor, index: usize) {
     let mut rows = FieldRows::new(ui);
     rows.count("Count", "Fewer if they do not fit", &mut generator.count, GENERATOR_COUNT);
     random_shape_rows(&mut rows, &mut generator);
-    let tip = "Smallest distance to walls and other obstacles. The robot fits through if it is more than twice the \
+    let tip = "Smallest distance to walls and other obstacles. The robot fits through a gap of more than twice the \
                collision range.";
     rows.number("Gap", tip, &mut generator.gap_m, NumberSpec::length(CLEARANCE_M));
     let bounds = editor.scenario().enclosure.bounds_m();
@@ -31,7 +31,7 @@ pub fn generator_ui(ui: &mut Ui, editor: &mut Editor, index: usize) {
     });
 }
 
-/// The region, if there is one.
+/// Adds the checkbox of the region, and the corners of the region if there is one.
 fn within_rows(rows: &mut FieldRows<'_>, within: &mut Option<Region>, bounds: (Vec2, Vec2)) {
     let mut has_region = within.is_some();
     rows.checkbox("Limit to a region", "Otherwise anywhere in the enclosure", &mut has_region);
@@ -74,7 +74,7 @@ fn random_shape_rows(rows: &mut FieldRows<'_>, generator: &mut Generator) {
     }
 }
 
-/// Boxes as large as the circles, or circles as large as the boxes.
+/// Turns circles into boxes of the same width and height, or boxes into circles of the same width.
 fn converted_shape(boxes: bool, shape: &RandomShape) -> RandomShape {
     match (boxes, shape) {
         (true, RandomShape::Circle { radius_m: (low, high) }) => {

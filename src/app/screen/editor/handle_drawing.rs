@@ -61,7 +61,7 @@ fn draw_handle(canvas: &Canvas, editor: &Editor, handle: &ScreenHandle, is_activ
     }
 }
 
-/// A circle with a plus sign.
+/// Draws a circle with a plus sign.
 fn draw_plus(canvas: &Canvas, at: Pos2, half: f32) {
     let accent: Color32 = canvas.palette.accent;
     canvas.painter.circle(at, half, canvas.palette.floor, Stroke::new(1.0, accent.gamma_multiply(0.7)));
@@ -70,7 +70,7 @@ fn draw_plus(canvas: &Canvas, at: Pos2, half: f32) {
     }
 }
 
-/// The value that a handle changes: to its upper right or, where that covers one of `others`, to another side.
+/// Draws the value that a handle changes: to its upper right or, where that would cover one of `others`, on another side.
 fn draw_value(canvas: &Canvas, handle: &ScreenHandle, others: &[ScreenHandle]) {
     let (painter, palette, text) = (&canvas.painter, &canvas.palette, &handle.handle.text);
     let size = painter.layout_no_wrap(text.clone(), FontId::proportional(SMALL), palette.text).size();

@@ -74,7 +74,7 @@ fn is_rectangle_corner(kind: HandleKind) -> bool {
     matches!(kind, HandleKind::Side(x, y) if x != 0 && y != 0)
 }
 
-/// The rotation handle: at a fixed distance on the screen from the item, whatever the zoom.
+/// The position of the rotation handle: at a fixed distance on the screen from the item, whatever the zoom.
 fn rotation_handle(transform: &ViewTransform, editor: &Editor, handle: &Handle) -> Pos2 {
     let at = transform.to_screen(handle.position_m.into());
     let Some((centre_m, _)) = editor.rotation_of() else { return at };
@@ -101,8 +101,8 @@ pub fn center(transform: &ViewTransform, editor: &Editor) -> Option<Pos2> {
     Some(transform.to_screen(center_m.into()))
 }
 
-/// The nearest handle within `reach` points of `at`. At the start of a path the handle of the whole item is hit, or with
-/// `shift` that of the obstacle alone.
+/// The nearest handle within `reach` points of `at`. At the start of a path, this is the handle that moves the obstacle with
+/// its path; with `shift`, the one that moves the obstacle alone.
 pub fn hit_test(handles: &[ScreenHandle], at: Pos2, reach: f32, shift: bool) -> Option<HandleKind> {
     let has_start = handles.iter().any(|handle| handle.kind() == HandleKind::PathStart);
     let hidden = if shift && has_start { HandleKind::Middle } else { HandleKind::PathStart };
@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn the_nearest_handle_is_hit_and_existing_points_go_before_new_ones() {
+    fn the_nearest_handle_is_hit_and_existing_points_take_precedence() {
         let handles = [
             handle(HandleKind::InsertCorner(1), 6.0),
             handle(HandleKind::Corner(0), 0.0),
@@ -140,13 +140,13 @@ mod tests {
         ];
         let hit = |x: f32| super::hit_test(&handles, Pos2::new(x, 0.0), 9.0, false);
         assert_eq!(hit(1.0), Some(HandleKind::Corner(0)));
-        assert_eq!(hit(4.0), Some(HandleKind::Corner(0)), "the insert handle is nearer, but inserts");
+        assert_eq!(hit(4.0), Some(HandleKind::Corner(0)), "the insert handle is nearer, but the corner wins");
         assert_eq!(hit(7.0), Some(HandleKind::InsertCorner(1)));
         assert_eq!(hit(49.5), None);
     }
 
     #[test]
-    fn a_small_box_shows_only_its_corners_and_a_tiny_one_no_sides() {
+    fn a_small_box_shows_only_corner_handles_and_a_tiny_one_not_even_those() {
         let block = Obstacle {
             shape: Shape::Rectangle { width_m: 0.2, height_m: 0.2 },
             position_m: math::vec2(0.5, 0.5),

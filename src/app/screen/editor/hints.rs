@@ -1,5 +1,4 @@
-//! The hint line at the bottom of the canvas: the current effects of the pointer and the keys. It is truncated where it does
-//! not fit.
+//! The hint line at the bottom of the canvas: what the pointer and the keys do now. A line that does not fit is truncated.
 
 use egui::text::{LayoutJob, TextFormat, TextWrapping};
 use egui::{FontId, Rect, vec2};
@@ -8,7 +7,7 @@ use crate::app::editor::{Editor, HandleKind, PointerHit, Selection, Tool};
 use crate::app::screen::arena_view::canvas::Canvas;
 use crate::app::screen::theme::SMALL;
 
-/// Draws the hint line, unless the canvas is too low.
+/// Draws the hint line, unless the canvas is not high enough.
 pub fn draw(canvas: &Canvas, editor: &Editor, hit: PointerHit) {
     let view = canvas.transform.rect.shrink2(vec2(8.0, 5.0));
     if view.height() < 120.0 {

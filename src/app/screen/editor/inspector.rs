@@ -23,7 +23,7 @@ pub fn inspector_ui(ui: &mut Ui, editor: &mut Editor, interaction: &mut EditorIn
             None => {}
         }
     }
-    // With ids of their own, the text being typed for one item cannot end up in another.
+    // Each item has its own ids, so that text being typed for one cannot end up in another.
     ui.push_id(format!("{selection:?}"), |ui| match selection {
         Selection::Nothing => scenario_panel::scenario_ui(ui, editor, interaction),
         Selection::Enclosure => scenario_panel::enclosure_ui(ui, editor),
@@ -37,7 +37,7 @@ pub fn inspector_ui(ui: &mut Ui, editor: &mut Editor, interaction: &mut EditorIn
     });
 }
 
-/// The item's name and a button to deselect it.
+/// Shows the item's name and a button to deselect it.
 fn title_ui(ui: &mut Ui, editor: &mut Editor) {
     let selection = editor.selection();
     section_title_ui(ui, &selection.title(editor.scenario()));

@@ -1,5 +1,5 @@
-//! Starts, goals and regions on the canvas: starts in the robot's colour, goals in the goal's colour, errors in the error
-//! colour.
+//! Starts, goals and regions on the canvas: starts in the robot's colour, goals in the goal's colour, those with a problem in
+//! the error colour.
 
 use bevy::math;
 use egui::{Align2, Color32, Pos2, Shape, Stroke, vec2};
@@ -12,7 +12,7 @@ use crate::app::screen::arena_view::transform::screen_direction;
 use crate::scenario::{BenchmarkRoute, PlacementRule, Region, Scenario};
 use crate::task::Pose;
 
-/// Maximum number of positions that are drawn with their names.
+/// A rule with more positions than this is drawn without their names.
 const MAX_NAMED: usize = 6;
 
 /// Draws the regions of the rules and the generators.
@@ -73,7 +73,7 @@ fn shade(canvas: &Canvas, region: Region, color: Color32, strength: f32, label: 
     }
 }
 
-/// Draws the ends of the benchmark route and the given starts and goals.
+/// Draws the ends of the benchmark route, and the positions that the rules for starts and goals list.
 pub fn draw_places(canvas: &Canvas, editor: &Editor) {
     if let Some(route) = editor.scenario().benchmark_route {
         draw_benchmark_goal(canvas, editor, route);
@@ -98,7 +98,7 @@ fn draw_benchmark_start(canvas: &Canvas, editor: &Editor, route: BenchmarkRoute)
     let color = color_or_error(canvas, editor, Selection::BenchmarkStart, canvas.palette.accent);
     let math::Vec2 { x: x_m, y: y_m } = route.start_m;
     arena::draw_robot(canvas, scenario, Pose { x_m, y_m, heading_rad: route.heading_rad }, color);
-    // The name is opposite to the heading, where the rotation handle is not.
+    // The name is on the side opposite to the heading, away from the rotation handle.
     let radius = radius(canvas, scenario, Selection::BenchmarkStart);
     let above = route.heading_rad.sin() < 0.0;
     draw_name(canvas, route.start_m, if above { -radius } else { radius }, "Benchmark start", color);
@@ -112,32 +112,32 @@ fn draw_rule(canvas: &Canvas, editor: &Editor, role: PlacementRole, label: &str)
         PlacementRule::Fixed { heading_rad, .. } if role == PlacementRole::Starts => *heading_rad,
         _ => None,
     };
-    for (k, &place) in positions_m.iter().enumerate() {
-        let error = place_has_error(editor, selection, k);
+    for (k, &position_m) in positions_m.iter().enumerate() {
+        let error = position_has_error(editor, selection, k);
         let color = if error { canvas.palette.error } else { role_color(canvas, role) };
-        let at = canvas.to_screen(place.into());
+        let at = canvas.to_screen(position_m.into());
         canvas.painter.circle(at, radius, color.gamma_multiply(0.14), Stroke::new(1.75, color));
         match heading_rad {
             Some(heading) => draw_heading(canvas, at, radius, heading, color),
             None => drop(canvas.painter.circle_filled(at, 2.5, color)),
         }
         if positions_m.len() <= MAX_NAMED {
-            draw_name(canvas, place, radius, label, color);
+            draw_name(canvas, position_m, radius, label, color);
         }
     }
 }
 
-/// Whether position `k` of a rule has a problem, or the rule as a whole.
-fn place_has_error(editor: &Editor, selection: Selection, k: usize) -> bool {
+/// Whether position `k` of a rule, or the rule as a whole, has a problem.
+fn position_has_error(editor: &Editor, selection: Selection, k: usize) -> bool {
     let mut problems =
         editor.diagnostics().iter().filter(|problem| Selection::from_field_path(&problem.path) == selection);
     problems.any(|problem| {
-        let place = problem.path.split("positions_m[").nth(1).and_then(|rest| rest.split(']').next());
-        place.is_none_or(|place| place == k.to_string())
+        let index = problem.path.split("positions_m[").nth(1).and_then(|rest| rest.split(']').next());
+        index.is_none_or(|index| index == k.to_string())
     })
 }
 
-/// An arrow in the direction of the heading.
+/// Draws an arrow in the direction of the heading.
 fn draw_heading(canvas: &Canvas, at: Pos2, radius: f32, heading_rad: f32, color: Color32) {
     let along = screen_direction(heading_rad);
     let tip = at + along * (radius - 2.0).max(6.0);
@@ -153,7 +153,7 @@ fn radius(canvas: &Canvas, scenario: &Scenario, selection: Selection) -> f32 {
     }
 }
 
-/// A name below a mark of this radius, or above it if the radius is negative.
+/// Draws a name below a mark of this radius, or above it if the radius is negative.
 fn draw_name(canvas: &Canvas, position_m: math::Vec2, radius: f32, name: &str, color: Color32) {
     let at = canvas.to_screen(position_m.into());
     let anchor = if radius < 0.0 { Align2::CENTER_BOTTOM } else { Align2::CENTER_TOP };
@@ -183,8 +183,8 @@ mod tests {
             ..Scenario::default()
         };
         let editor = Editor::open(Arc::new(scenario), "mine.ron".into(), true);
-        let has_error = |k| place_has_error(&editor, Selection::Goals, k);
+        let has_error = |k| position_has_error(&editor, Selection::Goals, k);
         assert_eq!([has_error(0), has_error(1)], [false, true], "{:?}", editor.diagnostics());
-        assert!(!place_has_error(&editor, Selection::Starts, 0));
+        assert!(!position_has_error(&editor, Selection::Starts, 0));
     }
 }

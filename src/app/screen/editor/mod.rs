@@ -5,7 +5,7 @@
 //!
 //! | file | duty |
 //! |---|---|
-//! | `confirm_exit.rs`, `set_question.rs` | entering and leaving the editor; the question in a training over a set |
+//! | `confirm_exit.rs`, `set_question.rs` | entering and leaving the editor; the question while training over a set |
 //! | `framing.rs` | the part of the plane that the canvas shows |
 //! | `pointer.rs`, `cursor.rs`, `shortcuts.rs` | pointer, cursor icon and keyboard on the canvas |
 //! | `drawing.rs`, `outlines.rs`, `marks.rs`, `draft.rs` | drawing: the scenario, outlines of items, starts and goals, an unfinished wall or path |
@@ -86,8 +86,8 @@ pub fn editor_ui(ui: &mut Ui, view_state: &mut ViewState) {
     let canvas = Canvas { painter: ui.painter_at(rect), transform, palette, compact: false };
     drawing::draw(ui, &canvas, id, editor, hit);
     outlines::name_solids(ui, &canvas, editor.scenario());
-    let tip = response.hover_pos().filter(|_| response.contains_pointer() || response.dragged());
-    draft::draw(ui, &canvas, editor, tip);
+    let pointer_pos = response.hover_pos().filter(|_| response.contains_pointer() || response.dragged());
+    draft::draw(ui, &canvas, editor, pointer_pos);
     handle_drawing::draw(&canvas, editor, hit);
     hints::draw(&canvas, editor, hit);
 }

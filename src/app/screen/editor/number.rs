@@ -78,7 +78,7 @@ impl NumberSpec {
         Self { suffix: " rad/s²", ..Self::length(range) }
     }
 
-    /// A number of a shape or a motion.
+    /// The format of a field of a shape or a motion.
     pub fn of(quantity: Quantity) -> Self {
         let format = match quantity {
             Quantity::Size | Quantity::Reach => Self::POSITION,
@@ -108,14 +108,14 @@ pub struct FieldEvents {
     /// The value changed.
     pub changed: bool,
     /// The field lost the focus, or a drag of its value ended.
-    pub left: bool,
+    pub edit_ended: bool,
 }
 
 impl FieldEvents {
     /// The events of either field.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
-        Self { changed: self.changed || other.changed, left: self.left || other.left }
+        Self { changed: self.changed || other.changed, edit_ended: self.edit_ended || other.edit_ended }
     }
 }
 
@@ -133,13 +133,13 @@ pub fn number_ui(ui: &mut Ui, name: FieldName, tip: &str, value: &mut f32, spec:
         .custom_formatter(move |value, _| format_number(value, spec.shown))
         .suffix(spec.suffix);
     let response = named(ui.add_sized(vec2(WIDTH, HEIGHT), field), name);
-    // egui parses the text of a field that is left, and the text has fewer decimals than the stored value.
+    // When a field loses the focus, egui parses its text, which has fewer decimals than the stored value.
     let changed = format_number(shown, spec.shown) != format_number(before, spec.shown);
     if changed {
         let steps = 10_f64.powi(spec.stored);
         *value = ((shown / spec.factor * steps).round() / steps) as f32 + 0.0;
     }
-    FieldEvents { changed, left: is_left(&with_tip(response, tip)) }
+    FieldEvents { changed, edit_ended: has_edit_ended(&with_tip(response, tip)) }
 }
 
 /// Shows the field of a whole number.
@@ -154,7 +154,7 @@ pub fn count_ui<T: egui::emath::Numeric>(
     let field = DragValue::new(value).range(range).clamp_existing_to_range(false).speed(0.1);
     let response = named(ui.add_sized(vec2(WIDTH, HEIGHT), field), name);
     let changed = value.to_f64() != before;
-    FieldEvents { changed, left: is_left(&with_tip(response, tip)) }
+    FieldEvents { changed, edit_ended: has_edit_ended(&with_tip(response, tip)) }
 }
 
 /// The response of a field with a name for screen readers.
@@ -182,11 +182,11 @@ fn format_number(value: f64, (min, max): (usize, usize)) -> String {
 }
 
 /// Whether the field lost the focus or a drag of its value ended.
-pub fn is_left(response: &Response) -> bool {
+pub fn has_edit_ended(response: &Response) -> bool {
     response.lost_focus() || response.drag_stopped()
 }
 
-/// The response with a tooltip, unless that is empty.
+/// The response, with a tooltip unless `tip` is empty.
 pub fn with_tip(response: Response, tip: &str) -> Response {
     if tip.is_empty() { response } else { response.on_hover_text(tip) }
 }

@@ -15,8 +15,8 @@ use crate::scenario::{
     Field, FieldValue, KeyFrame, KeyFrameEnd, MotionKind, Obstacle, ObstacleMotion, Track, WallCells,
 };
 
-/// Longest text of cells that is shown, in bytes.
-const MAX_SHOWN_CELLS: usize = 10_000;
+/// Longest text of wall cells that is shown, in bytes.
+const MAX_SHOWN_BYTES: usize = 10_000;
 
 /// Shows the fields of an obstacle.
 pub fn obstacle_ui(ui: &mut Ui, editor: &mut Editor, index: usize) {
@@ -46,7 +46,7 @@ pub fn obstacle_ui(ui: &mut Ui, editor: &mut Editor, index: usize) {
     }
 }
 
-/// The button that begins and finishes drawing the path.
+/// Shows the button that begins and finishes drawing the path.
 fn path_button_ui(ui: &mut Ui, editor: &mut Editor, has_path: bool) {
     let drawing = matches!(editor.tool(), Tool::Path { .. });
     let text = match (drawing, has_path) {
@@ -92,7 +92,7 @@ pub(super) fn described_rows(rows: &mut FieldRows<'_>, fields: Vec<Field<'_>>) {
     }
 }
 
-/// The times of key frames, then their positions.
+/// Adds rows for the times of key frames, then for their positions.
 fn key_frame_rows(rows: &mut FieldRows<'_>, label: &str, frames: &mut Vec<KeyFrame>) {
     let time = NumberSpec::seconds(KEY_FRAME_TIME_S);
     for (k, frame) in frames.iter_mut().enumerate().take(MAX_SHOWN) {
@@ -104,7 +104,7 @@ fn key_frame_rows(rows: &mut FieldRows<'_>, label: &str, frames: &mut Vec<KeyFra
     });
 }
 
-/// Whether key frames repeat, and after which time. A new period gives as much time for the way back as for the way there.
+/// Adds rows for whether key frames repeat, and for the period. A new period leaves as much time to return as the frames take.
 fn end_rows(rows: &mut FieldRows<'_>, frames: &[KeyFrame], end: &mut KeyFrameEnd) {
     let (was_loop, last_s) = (*end != KeyFrameEnd::Stop, frames.last().map_or(1.0, |frame| frame.time_s));
     let mut is_loop = was_loop;
@@ -168,12 +168,12 @@ pub fn wall_ui(ui: &mut Ui, editor: &mut Editor, index: usize) {
     });
 }
 
-/// The size, the place and the text of cells.
+/// Adds rows for the cells of a wall: their size, the centre of their grid, and their text.
 fn cell_rows(rows: &mut FieldRows<'_>, cells: &mut WallCells) {
     let (mut cell_m, mut centre_m, mut text) = (cells.cell_m(), cells.centre_m(), cells.rows().join("\n"));
     rows.number("Cell", "Side of a cell", &mut cell_m, NumberSpec::length(WALL_CELL_M));
     rows.position("Centre", "Centre of the grid", &mut centre_m);
-    if text.len() > MAX_SHOWN_CELLS {
+    if text.len() > MAX_SHOWN_BYTES {
         rows.ui.label(weak_text(&format!("{} rows of cells: edit them in the file", cells.rows().len())));
     } else {
         rows.text("Cells", "# is solid, . is free", &mut text);

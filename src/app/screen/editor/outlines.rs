@@ -57,7 +57,7 @@ pub fn draw_selected_wall(canvas: &Canvas, wall: &Wall) {
     }
 }
 
-/// Fills the items that have a problem. Starts, goals and regions show theirs by colour, see `marks.rs`.
+/// Draws obstacles, walls and the enclosure in the error colour if they have a problem. `marks.rs` does so for all other items.
 pub fn draw_errors(canvas: &Canvas, editor: &Editor) {
     let error = canvas.palette.error;
     let mut done = Vec::new();
@@ -83,7 +83,7 @@ pub fn draw_errors(canvas: &Canvas, editor: &Editor) {
     }
 }
 
-/// Draws a ring with an exclamation mark at the place of each note.
+/// Draws a ring with an exclamation mark at the position of each note, if it has one.
 pub fn draw_notes(canvas: &Canvas, editor: &Editor) {
     let (painter, palette) = (&canvas.painter, &canvas.palette);
     for place_m in editor.notes().iter().filter_map(|note| note.place_m) {
@@ -93,7 +93,7 @@ pub fn draw_notes(canvas: &Canvas, editor: &Editor) {
     }
 }
 
-/// Draws a solid, inflated by some points.
+/// Draws an obstacle or a piece of a wall, inflated by `by` points.
 fn draw_solid(canvas: &Canvas, obstacle: &Obstacle, by: f32, fill: Color32, stroke: Stroke) {
     let shape = Silhouette::from_obstacle(obstacle);
     let shape = if by > 0.0 { shape.inflated(by / canvas.transform.scale) } else { shape };
@@ -111,7 +111,7 @@ pub fn name_solids(ui: &Ui, canvas: &Canvas, scenario: &Scenario) {
     }
 }
 
-/// The bounding box of an item on the screen; of a rule with several positions, that of the first. `None` for the
+/// The bounding box of an item on the screen; for a rule with several positions, the box of the first. `None` for the
 /// enclosure and for items without a position.
 pub fn screen_rect(canvas: &Canvas, scenario: &Scenario, selection: Selection) -> Option<Rect> {
     let to_screen = |at: math::Vec2| canvas.to_screen(at.into());

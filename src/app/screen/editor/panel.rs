@@ -12,10 +12,10 @@ use crate::app::screen::input::ScreenInput;
 use crate::app::screen::theme::GAP;
 use crate::app::view_state::ViewState;
 
-/// A panel at least this high keeps diagnostics and actions visible below the rest, in points.
+/// Minimum height of a panel that keeps diagnostics and actions visible below the rest, in points.
 const TALL: f32 = 560.0;
 /// Maximum height of the list of diagnostics in a tall panel, as a fraction of the app's height.
-const MAX_DIAGNOSTICS_HEIGHT: f32 = 0.16;
+const MAX_DIAGNOSTICS_FRACTION: f32 = 0.16;
 
 /// Shows the panel.
 pub fn panel_ui(
@@ -33,7 +33,7 @@ pub fn panel_ui(
     if tall {
         let footer = Panel::bottom("editor footer").resizable(false).frame(inner);
         footer.show(ui, |ui| {
-            let max_height = ui.ctx().content_rect().height() * MAX_DIAGNOSTICS_HEIGHT;
+            let max_height = ui.ctx().content_rect().height() * MAX_DIAGNOSTICS_FRACTION;
             let list = ScrollArea::vertical().id_salt("diagnostics").max_height(max_height);
             list.show(ui, |ui| diagnostics::diagnostics_ui(ui, editor, interaction));
             action = actions::actions_ui(ui, input, editor, interaction, commands);
@@ -60,8 +60,8 @@ pub fn panel_ui(
     }
 }
 
-/// Withdraws the question whether to restart, and finishes an unfinished drawing before the scenario is applied. Returns the
-/// command that applies it; `None` if the action is to close the editor or the scenario cannot be applied.
+/// Withdraws the question whether to restart, and finishes an unfinished drawing unless the action is to close the editor.
+/// Returns the command that applies the scenario; `None` if the action is to close, or is blocked.
 fn prepare(
     action: Action,
     input: &ScreenInput<'_>,

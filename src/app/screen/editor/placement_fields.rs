@@ -52,7 +52,7 @@ fn rule_rows(rows: &mut FieldRows<'_>, rule: &mut PlacementRule, role: Placement
         }
         PlacementRule::Fixed { position_m, heading_rad } => {
             rows.position(noun, "", position_m);
-            // A goal has no heading and is an error with one; then it can be removed here.
+            // A goal with a heading is an error: the heading can be removed here.
             if role == PlacementRole::Starts || heading_rad.is_some() {
                 heading_rows(rows, heading_rad);
             }
@@ -70,7 +70,7 @@ fn heading_rows(rows: &mut FieldRows<'_>, heading_rad: &mut Option<f32>) {
     }
 }
 
-/// The button that begins and ends adding positions with the pointer.
+/// Shows the button that begins and ends adding positions with the pointer.
 fn add_positions_ui(ui: &mut Ui, editor: &mut Editor, role: PlacementRole) {
     let adding = *editor.tool() == Tool::Positions;
     let text = if adding { "Finish" } else { "Add positions" };

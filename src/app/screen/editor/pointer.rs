@@ -13,7 +13,7 @@ const SLACK: f32 = 5.0;
 /// Distance at which a finger still hits a small item, in points.
 const SLACK_TOUCH: f32 = 14.0;
 
-/// Handles the pointer. Returns the target under it or, during a drag, the dragged target.
+/// Handles the pointer. Returns what is under it or, while a button is down, what was pressed or is dragged.
 pub fn update(
     ui: &Ui,
     response: &Response,
@@ -55,7 +55,7 @@ pub fn update(
     editor.dragged().map_or(pressed, PointerHit::Handle)
 }
 
-/// Selects the item at `at`. Returns the pressed target.
+/// Selects the item at `at`. Returns the press.
 fn press(ui: &Ui, transform: &ViewTransform, editor: &mut Editor, at: Pos2) -> Press {
     let hit = hit_at(ui, transform, editor, at);
     if let PointerHit::Body(selection) = hit {
@@ -64,7 +64,7 @@ fn press(ui: &Ui, transform: &ViewTransform, editor: &mut Editor, at: Pos2) -> P
     Press { hit, position_m: transform.to_world(at).into() }
 }
 
-/// The target at `at`; with a drawing tool, always the floor.
+/// The handle or item at `at`; with a drawing tool, always [`PointerHit::Nothing`].
 fn hit_at(ui: &Ui, transform: &ViewTransform, editor: &Editor, at: Pos2) -> PointerHit {
     if *editor.tool() != Tool::Select {
         return PointerHit::Nothing;
@@ -81,7 +81,7 @@ fn hit_at(ui: &Ui, transform: &ViewTransform, editor: &Editor, at: Pos2) -> Poin
     }
 }
 
-/// Begins to drag the pressed target. Returns whether it can be dragged.
+/// Begins to drag the pressed handle or item. Returns whether it can be dragged.
 fn begin_drag(ui: &Ui, editor: &mut Editor, Press { hit, position_m }: Press) -> bool {
     match hit {
         PointerHit::Nothing => false,
@@ -110,7 +110,7 @@ fn click(ui: &Ui, response: &Response, transform: &ViewTransform, editor: &mut E
     }
 }
 
-/// A double-click on a handle: inserts or removes its point.
+/// Handles a double-click: on a handle, inserts or removes its point.
 fn double_click(ui: &Ui, transform: &ViewTransform, editor: &mut Editor, at: Option<Pos2>) {
     let Some(at) = at else { return };
     match hit_at(ui, transform, editor, at) {

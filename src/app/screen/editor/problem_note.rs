@@ -1,5 +1,5 @@
-//! A card on the canvas with the problem of the selected item, or else with the note on it. During a drag it may show the
-//! problem of another item.
+//! A card on the canvas with a problem of the selected item or, if it has none, a note on it. During a drag, the problem may
+//! be another item's.
 
 use egui::{FontId, Rect, Vec2, pos2, vec2};
 
@@ -28,7 +28,7 @@ pub fn draw(canvas: &Canvas, editor: &Editor) {
     painter.galley(card.min + vec2(8.0, 5.0), text, color);
 }
 
-/// The problem to show and the bounding box of its item: of the selected item first.
+/// The problem to show, with the bounding box of its item. The selected item's problems come first.
 fn shown_problem<'e>(canvas: &Canvas, editor: &'e Editor) -> Option<(Rect, &'e Diagnostic)> {
     let selected = editor.selection();
     if selected == Selection::Nothing {
@@ -51,7 +51,7 @@ fn shown_note<'e>(canvas: &Canvas, editor: &'e Editor) -> Option<(Rect, &'e Diag
     Some((outlines::screen_rect(canvas, editor.scenario(), selected)?, note))
 }
 
-/// Below the item, or above it where the canvas ends.
+/// The rectangle of a card of this `size`: below the item, or above it where the canvas ends.
 fn place(canvas: &Canvas, item: Rect, size: Vec2) -> Rect {
     let view = canvas.transform.rect.shrink(6.0);
     let below = pos2(item.center().x - size.x / 2.0, item.bottom() + GAP);

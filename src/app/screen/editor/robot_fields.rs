@@ -21,7 +21,7 @@ const SHAPES: [(&str, &str, &str); 4] = [
     ("Hexagon", "Polygon", "Any convex polygon around the origin"),
 ];
 
-/// The template that stands for the shape of a robot.
+/// The name of the template for the shape of a robot.
 fn shape_name(shape: Option<&Shape>) -> &'static str {
     match shape {
         None | Some(Shape::Circle { .. }) => "Circle",
@@ -47,7 +47,7 @@ pub fn robot_ui(ui: &mut Ui, editor: &mut Editor) {
         rows.mark_changed("shape");
     }
     let mut turning_radius_m = robot.min_turning_radius_m.unwrap_or(0.0);
-    let tip = "Least turning radius of a robot that steers like a car; 0 if it can turn on the spot";
+    let tip = "Minimum turning radius of a robot that steers like a car; 0 if it can turn on the spot";
     let radius = NumberSpec::length(0.0..=*TURNING_RADIUS_M.end());
     rows.number("Min. turning radius", tip, &mut turning_radius_m, radius);
     robot.min_turning_radius_m = (turning_radius_m != 0.0).then_some(turning_radius_m);

@@ -28,7 +28,7 @@ const GROUPS: [(&str, &str, Contents); 9] = [
     ("Generators", "generators", generators_ui),
 ];
 
-/// The group that shows the field at `path`, as the first part of the path.
+/// The group that shows the field at `path`: the first part of the path.
 pub fn group_of(path: &str) -> String {
     path.split(['.', '[']).next().unwrap_or_default().to_owned()
 }
@@ -87,7 +87,7 @@ pub fn enclosure_ui(ui: &mut Ui, editor: &mut Editor) {
 
 fn benchmark_route_ui(ui: &mut Ui, editor: &mut Editor) {
     if editor.scenario().benchmark_route.is_none() {
-        let tip = "An episode with a fixed start and goal, which wayfield --eval --course times";
+        let tip = "A fixed start and goal: wayfield --eval --course times the drive";
         if button_row_ui(ui, &[("Add a benchmark route", tip, true)]).is_some() {
             editor.add_benchmark_route();
         }
@@ -101,7 +101,7 @@ fn benchmark_route_ui(ui: &mut Ui, editor: &mut Editor) {
     }
 }
 
-/// A list of the generators, which may have no place on the canvas.
+/// Shows a list of the generators: one without a region is not on the canvas.
 fn generators_ui(ui: &mut Ui, editor: &mut Editor) {
     for k in 0..editor.scenario().generators.len() {
         let name = format!("Generator {}", k + 1);

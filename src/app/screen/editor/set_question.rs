@@ -1,5 +1,5 @@
-//! The question in place of the editor in a training over a set of scenarios, which cannot be edited: whether to edit a copy of the
-//! scenario that is shown.
+//! The question in place of the editor while training over a set of scenarios. The set cannot be edited: the question is
+//! whether to edit a copy of the scenario that is shown.
 
 use egui::{Key, Rect, RichText, Ui, vec2};
 

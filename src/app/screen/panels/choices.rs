@@ -1,4 +1,4 @@
-//! The choices for a training on the setup panel: scenario, learner and seed. What is chosen but not running says so.
+//! The choices for a training run on the setup panel: scenario, learner and seed. A note marks a choice that is not running.
 //!
 //! In: the session state and the choices so far ([`SetupForm`]). Out: changed choices.
 
@@ -34,7 +34,7 @@ pub(super) fn choices_ui(ui: &mut Ui, status: &AppSnapshot, form: &mut SetupForm
     }
 }
 
-/// Notes on the running scenario: the policy that the training started from, and changes by hand.
+/// Shows notes on the running scenario: the policy that the training started from, and changes by hand.
 fn scenario_notes_ui(ui: &mut Ui, status: &AppSnapshot) {
     if let Some(from) = &status.transfer_from {
         let text = format!("policy from {from}");
@@ -58,12 +58,12 @@ pub(super) fn choice_in_words(status: &AppSnapshot, form: &SetupForm) -> String 
     }
 }
 
-/// The title of the choice from `from`, or `from` itself.
+/// The title of the choice from the name or file `from`; `from` itself if there is none.
 fn title_of<'a>(choices: &'a [Choice], from: &'a str) -> &'a str {
     choices.iter().find(|choice| choice.from == from).map_or(from, |choice| choice.title.as_str())
 }
 
-/// A drop-down list titled `title`; `from` is the name or file of the chosen entry.
+/// Shows a drop-down list titled `title`; `from` is the name or file of the chosen entry.
 fn choice_ui(ui: &mut Ui, title: &str, choices: &[Choice], from: &mut String) {
     let label = section_title_ui(ui, title);
     let text = title_of(choices, from).to_owned();
@@ -80,7 +80,7 @@ fn choice_ui(ui: &mut Ui, title: &str, choices: &[Choice], from: &mut String) {
     shown.response.labelled_by(label.id);
 }
 
-/// The description of the choice from `from`.
+/// Shows the description of the choice from `from`.
 fn about_ui(ui: &mut Ui, choices: &[Choice], from: &str) {
     let chosen = choices.iter().find(|choice| choice.from == from);
     if let Some(Choice { about, .. }) = chosen.filter(|choice| !choice.about.is_empty()) {

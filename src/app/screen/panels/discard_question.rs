@@ -1,4 +1,4 @@
-//! The question before a training is discarded.
+//! The question before a training run is discarded.
 
 use egui::{Button, Frame, Margin, RichText, Stroke, Ui, vec2};
 
@@ -8,7 +8,7 @@ use crate::app::screen::numbers;
 use crate::app::screen::theme::Palette;
 use crate::app::setup_form::SetupForm;
 
-/// Sends `command`, or first opens the question if the command would discard a training worth keeping.
+/// Sends `command`, or first opens the question if the command would discard training worth keeping.
 pub(super) fn send_or_ask(
     command: Command,
     status: &AppSnapshot,
@@ -22,7 +22,7 @@ pub(super) fn send_or_ask(
     }
 }
 
-/// Draws the question in place of the button that asked it. Its text is under the pointer, so that a double
+/// Draws the question in place of the button that opened it. Its text is under the pointer, so that a double
 /// click on that button does not answer it.
 pub(super) fn discard_question_ui(
     ui: &mut Ui,
@@ -75,7 +75,7 @@ fn with_current_choices(asked: &Command, form: &SetupForm) -> Command {
     }
 }
 
-/// The question before `asked`, and the text of the button that confirms it.
+/// The question to ask before `asked` is sent, and the text of the button that confirms it.
 fn question(status: &AppSnapshot, asked: Option<&Command>) -> (String, &'static str) {
     let episodes = numbers::format_episodes(status.episodes);
     match asked {

@@ -1,7 +1,7 @@
 //! The panels: toolbar, setup panel, notices and help window.
 //!
 //! In: the session state and the [`ViewState`](crate::app::view_state::ViewState). Out: commands, and changes
-//! of the view state.
+//! to the view state.
 //!
 //! | file | duty |
 //! |---|---|
@@ -9,14 +9,14 @@
 //! | `mode_switch.rs` | the toolbar's choice of mode: Train, Test, Drive, Compare, Edit |
 //! | `readouts.rs` | the toolbar's numbers: success rate, steps, speed |
 //! | `setup.rs` | the setup panel on the left |
-//! | `training.rs` | the setup panel's first section: the choices, and the buttons that start a training |
+//! | `training.rs` | the setup panel's first section: the choices, and the buttons that start training |
 //! | `choices.rs`, `seed.rs` | the choices of scenario, learner and seed |
-//! | `discard_question.rs` | the question before a training is discarded |
+//! | `discard_question.rs` | the question before a training run is discarded |
 //! | `tested_policy.rs` | the setup panel's choice of the policy to test |
 //! | `files.rs` | the setup panel's buttons that open and save files |
 //! | `overlays.rs` | the setup panel's switches for the overlays |
 //! | `notices.rs` | notices over the arena |
-//! | `offers.rs` | the offers to continue the last session, and to restore what was unsaved in the editor |
+//! | `offers.rs` | the offers to continue the last session, and to restore unsaved changes of the editor |
 //! | `quit_question.rs` | the question before quitting |
 //! | `help.rs` | the help window |
 

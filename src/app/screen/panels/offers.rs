@@ -1,4 +1,4 @@
-//! Offers over the top of the arena: to continue the last session, and to restore what was unsaved in the editor.
+//! Offers over the top of the arena: to continue the last session, and to restore unsaved changes of the editor.
 
 use egui::{Align2, Area, Button, Frame, Id, Margin, Rect, RichText, Stroke, Ui, vec2};
 
@@ -13,7 +13,7 @@ use crate::app::screen::widgets::text::weak_text;
 const WIDTH: f32 = 300.0;
 const BUTTON_HEIGHT: f32 = 28.0;
 
-/// An offer that the user takes or not.
+/// An offer that the user takes or dismisses.
 struct Offer {
     question: &'static str,
     details: String,
@@ -21,8 +21,8 @@ struct Offer {
     dismiss: Command,
 }
 
-/// Draws an offer over the top of `arena`, until the user has decided. Unsaved changes are offered first, but not while others
-/// are made in the `editor`.
+/// Draws an offer over the top of `arena`, until the user has decided. Unsaved changes are offered first, but not while the
+/// `editor` has unsaved changes itself.
 pub fn offers_ui(
     ui: &Ui,
     arena: Rect,
@@ -86,7 +86,7 @@ fn describe(session: &LastSession) -> String {
     format!("{scenario}, {preset}, seed {seed} · {steps} steps · {}", age(*age_s))
 }
 
-/// A time in the past in words.
+/// A time `seconds` ago, in words.
 fn age(seconds: u64) -> String {
     match seconds {
         0..60 => "just now".into(),

@@ -1,4 +1,4 @@
-//! The switches of the overlays: a row each, with a sample of the drawing and the key.
+//! The switches of the overlays: one row each, with a sample of what the overlay draws, and its key.
 
 use egui::{
     Align2, FontId, Mesh, Painter, Rect, Sense, Shape, Stroke, StrokeKind, Ui, WidgetInfo, WidgetType,
@@ -83,7 +83,7 @@ fn overlay_row_ui(ui: &mut Ui, on: &mut bool, name: &str, shortcut: Shortcut, ab
     response.on_hover_text(about);
 }
 
-/// A small sample of what the overlay draws.
+/// Draws a small sample of the overlay.
 fn sample(painter: &Painter, shortcut: Shortcut, rect: Rect, palette: Palette) {
     let at = |x: f32, y: f32| rect.lerp_inside(vec2(x, y));
     let line = |from, to, color| {
@@ -132,7 +132,7 @@ fn sample(painter: &Painter, shortcut: Shortcut, rect: Rect, palette: Palette) {
     }
 }
 
-/// The colours of a field overlay, from the lowest value to the highest.
+/// Draws the colours of a field overlay, from the lowest value to the highest.
 fn gradient(painter: &Painter, rect: Rect, palette: Palette) {
     let [from, to] = palette.field_colors;
     let mut mesh = Mesh::default();

@@ -1,4 +1,4 @@
-//! The question before the app closes and an unsaved training would be lost.
+//! The question before the app closes, if unsaved training would be lost.
 
 use egui::{Key, Rect, RichText, Ui, vec2};
 

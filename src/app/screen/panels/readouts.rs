@@ -28,11 +28,11 @@ const HEIGHT: f32 = 40.0;
 /// Draws as many readouts as fit, the most important first; `ui` must lay out from right to left. `tight`
 /// saves space in the toolbar of a narrow window.
 pub fn readouts_ui(ui: &mut Ui, status: &AppSnapshot, tight: bool) {
-    // In a tight toolbar there is no gap after the last one.
+    // In a tight toolbar there is no gap after the last readout.
     let mut free = ui.available_width() + if tight { 2.0 * GAP } else { 0.0 };
     let mut fit: Vec<(usize, Readout)> = Vec::new();
-    // Ordered by importance; the number is the position from the right.
-    for (place, readout) in [
+    // Ordered by importance; the index counts from the right.
+    for (from_right, readout) in [
         (0, Readout { width: if tight { 68.0 } else { 84.0 }, ..success(status) }),
         (3, episodes(status)),
         (2, env_steps(status)),
@@ -44,9 +44,9 @@ pub fn readouts_ui(ui: &mut Ui, status: &AppSnapshot, tight: bool) {
             break;
         }
         free -= needs;
-        fit.push((place, readout));
+        fit.push((from_right, readout));
     }
-    fit.sort_by_key(|(place, _)| *place);
+    fit.sort_by_key(|(from_right, _)| *from_right);
     ui.spacing_mut().item_spacing.x = 2.0 * GAP;
     for (_, readout) in &fit {
         readout_ui(ui, readout).on_hover_text(&readout.tip);
@@ -98,7 +98,7 @@ fn success(status: &AppSnapshot) -> Readout {
 }
 
 fn episodes(status: &AppSnapshot) -> Readout {
-    let tip = "Episodes finished by a collision or the time limit, in all arenas together".into();
+    let tip = "Episodes that a collision or the time limit ended, in all arenas together".into();
     Readout::new(numbers::format_count(status.episodes), "episodes", 52.0, tip)
 }
 

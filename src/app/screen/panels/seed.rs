@@ -8,10 +8,10 @@ use crate::app::screen::widgets::icons::{self, ButtonStyle, Icon};
 use crate::app::screen::widgets::text::{note_ui, section_title_ui};
 use crate::app::setup_form::SetupForm;
 
-/// The maximum number of characters of a rejected text that are repeated.
+/// The maximum number of characters of a rejected text that its message repeats.
 const MAX_REPEATED: usize = 24;
 
-/// Draws the field for the seed of `form`. A text that is no seed is refused with a message below the field.
+/// Draws the field for the seed of `form`. Text that is not a seed is rejected with a message below the field.
 pub(super) fn seed_ui(ui: &mut Ui, form: &mut SetupForm) {
     let label = section_title_ui(ui, "Seed");
     ui.horizontal(|ui| {

@@ -62,7 +62,7 @@ fn view_ui(ui: &mut Ui, view: &ScreenInput<'_>, view_state: &mut ViewState) {
     });
 }
 
-/// The choice of one arena or all; leaves `reserved` points on the right for a button.
+/// Draws the choice of one arena or all; leaves `reserved` points on the right for a button.
 fn arena_choice_ui(ui: &mut Ui, view: &ScreenInput<'_>, view_state: &mut ViewState, reserved: f32) {
     let all = format!("All {}", view.scene.arenas.len());
     let segments = [

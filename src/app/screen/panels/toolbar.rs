@@ -15,7 +15,7 @@ use crate::app::screen::widgets::icons::{self, ButtonStyle, Icon};
 use crate::app::screen::widgets::segments::{self, Segment};
 use crate::app::view_state::{ThemeChoice, ViewState};
 
-/// The width of the upper of two rows with all its buttons, in points.
+/// The width at which all buttons fit into the upper of two rows, in points.
 const UPPER_ROW: f32 = 348.0;
 /// The width of the lower row without the modes, in points: success rate and two buttons.
 const LOWER_ROW_WITHOUT_MODES: f32 = 134.0;

@@ -1,7 +1,7 @@
-//! The first section of the setup panel: the choices for a training, and the buttons that start one with them.
+//! The first section of the setup panel: the choices for a training run, and the buttons that start it.
 //!
-//! In: the session state and the choices so far ([`SetupForm`]). Out: commands. One that discards a training
-//! worth keeping is sent only after the user has confirmed it.
+//! In: the session state and the choices so far ([`SetupForm`]). Out: commands. A command that discards
+//! training worth keeping is sent only after the user has confirmed it.
 
 use egui::{Label, Slider, Ui, vec2};
 
@@ -39,7 +39,7 @@ pub fn training_ui(ui: &mut Ui, status: &AppSnapshot, form: &mut SetupForm, comm
     });
 }
 
-/// The buttons that start a training with the choices, and the one that takes the choices back.
+/// Draws the buttons that start training with the choices, and the button that undoes the choices.
 fn start_buttons_ui(ui: &mut Ui, status: &AppSnapshot, form: &mut SetupForm, commands: &mut Vec<Command>) {
     restart_ui(ui, status, form, commands);
     if form.scenario != status.scenario_from {
@@ -62,12 +62,12 @@ fn restart_ui(ui: &mut Ui, status: &AppSnapshot, form: &mut SetupForm, commands:
         return discard_question_ui(ui, status, form, commands);
     }
     let about = if status.scenario_modified {
-        "Train from scratch with these settings, in the scenario as in its file, without your changes. The current training \
-         is discarded"
+        "Train from scratch with these settings, in the scenario as it is in its file, without your changes. The current \
+         training is discarded"
     } else {
         "Train from scratch with these settings. The current training is discarded"
     };
-    // In the accent colour only if the settings differ from those that run.
+    // In the accent colour only if the settings differ from the running ones.
     let button = if form.differs_from_running() {
         let text = format!("Train from scratch{}", choice_in_words(status, form));
         primary_button_ui(ui, &text, BODY, vec2(ui.available_width(), TALL))
@@ -79,7 +79,7 @@ fn restart_ui(ui: &mut Ui, status: &AppSnapshot, form: &mut SetupForm, commands:
     }
 }
 
-/// A button that starts a training from `policy`, or the question that it has asked.
+/// Draws a button that starts training from `policy`, or the question that the button has opened.
 fn transfer_button_ui(
     ui: &mut Ui,
     text: &str,
@@ -109,10 +109,10 @@ fn opened_policy_ui(
     ui.add(Label::new(weak_text(name)).truncate()).on_hover_text(name);
     let (text, about) = if form.differs_from_running() {
         let text = format!("Continue this policy{}", choice_in_words(status, form));
-        (text, "Start a new training with these settings from this policy. The current training is discarded")
+        (text, "Start training with these settings from this policy. The current training is discarded")
     } else {
-        let about = "Start a new training of the same learner in the same scenario from this policy. The current training \
-                     is discarded";
+        let about = "Start training the same learner in the same scenario from this policy. The current training is \
+                     discarded";
         ("Continue training this policy".into(), about)
     };
     transfer_button_ui(ui, &text, about, PolicySource::Opened, status, form, commands);
@@ -124,12 +124,12 @@ fn epsilon_ui(ui: &mut Ui, form: &mut SetupForm) {
         // The number field keeps its width from 5% to 100% and is as high as the slider.
         (ui.spacing_mut().interact_size, ui.spacing_mut().button_padding.y) = (vec2(52.0, 18.0), 1.0);
         ui.spacing_mut().slider_width = (ui.available_width() - 58.0).max(40.0);
-        let percent = |share: f64, _| format!("{:.0}%", share * 100.0);
+        let percent = |fraction: f64, _| format!("{:.0}%", fraction * 100.0);
         let slider = Slider::new(&mut form.epsilon, 0.0..=1.0).step_by(0.05).custom_formatter(percent);
         let slider =
             slider.custom_parser(|text| Some(text.trim_end_matches(['%', ' ']).parse::<f64>().ok()? / 100.0));
         ui.add(slider)
             .labelled_by(label.id)
-            .on_hover_text("Share of random actions at the start (the paper: 50%)");
+            .on_hover_text("Probability of a random action at the start (50% in the paper)");
     });
 }

@@ -9,7 +9,7 @@ use crate::report::format::number;
 /// The scale of a y axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxisScale {
-    /// A share from 0 to 1, in percent.
+    /// A fraction from 0 to 1, shown in percent.
     Percent,
     /// A number from 0 to 1.
     Unit,
@@ -32,7 +32,7 @@ impl AxisScale {
         }
     }
 
-    /// Values that the axis must include: the reference line, zero, or whole decades.
+    /// Values that the axis must include: the reference line, zero and one, or whole decades.
     pub(super) fn included_values<'a>(
         self,
         series: impl Iterator<Item = &'a DownsampledSeries>,
@@ -173,7 +173,7 @@ mod tests {
 
     #[test]
     fn values_are_formatted_by_their_scale() {
-        let percent = [0.0, 0.9996, 1.0].map(|share| AxisScale::Percent.format_value(share, 0));
+        let percent = [0.0, 0.9996, 1.0].map(|rate| AxisScale::Percent.format_value(rate, 0));
         assert_eq!(percent, ["0.0%", "99.9%", "100%"]);
         let logs =
             [0.000_453_f64, 0.0489, 1.27, 133.0].map(|value| AxisScale::Log10.format_value(value.log10(), 2));

@@ -10,7 +10,7 @@ const ENTRY_GAP: f32 = 12.0;
 /// Cards narrower than this, in points, have short names in the legend.
 const NARROW: f32 = 300.0;
 
-/// Draws the title, the value of the first line, and the best one.
+/// Draws the title, the value of the first line, and its best value.
 pub(super) fn heading_ui(ui: &mut egui::Ui, card: &Card<'_>, shared: &CardContext<'_>, palette: Palette) {
     ui.horizontal(|ui| {
         ui.label(RichText::new(card.title).size(BODY).color(palette.text)).on_hover_text(card.about);
@@ -28,8 +28,8 @@ pub(super) fn heading_ui(ui: &mut egui::Ui, card: &Card<'_>, shared: &CardContex
     });
 }
 
-/// Draws the legend: the name of each line in its colour, with its value unless that stands next to the
-/// title. Short names are used if the full ones do not fit. An entry is never wrapped.
+/// Draws the legend: the name of each line in its colour, with its value unless that is next to the title.
+/// Short names are used if the full ones do not fit. An entry is never wrapped.
 pub(super) fn legend_ui(ui: &mut egui::Ui, card: &Card<'_>, shared: &CardContext<'_>, palette: Palette) {
     let entries = |short: bool| -> Vec<_> {
         let traces = card.traces.iter().enumerate().map(|(index, trace)| {

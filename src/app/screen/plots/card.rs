@@ -13,7 +13,7 @@ pub enum TraceStyle {
     Main,
     /// A secondary line.
     Faint,
-    /// A line in the background, from an earlier training.
+    /// A line in the background, from an earlier training run.
     Earlier,
     /// A line with a dot at each point, as long as there are few points.
     Dots,
@@ -67,7 +67,7 @@ pub struct CardContext<'a> {
     pub hovered: Option<f64>,
     /// Whether only a part of the x axis was shown in the last frame.
     pub zoomed: bool,
-    /// Vertical lines with a text for each change made by the user.
+    /// A labelled vertical line for each change made by the user.
     pub marks: &'a [Annotation],
     /// Whether to show the whole x axis again.
     pub reset: bool,

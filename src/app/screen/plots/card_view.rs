@@ -19,7 +19,7 @@ const HEIGHT: f32 = 112.0;
 const AXIS_WIDTH: f32 = 44.0;
 /// The radius of the ring around the best point, in points.
 const RING_RADIUS: f32 = 4.5;
-/// The maximum number of points of a line that are drawn with dots.
+/// The maximum number of points of a line at which it is drawn with dots.
 const MAX_DOTS: usize = 40;
 
 /// Draws a card; `labelled` adds the texts of the vertical marks.

@@ -8,8 +8,8 @@ use crate::app::screen::theme::{Palette, SMALL};
 const ABOUT: &str = "Learning curves over env steps: the control steps of all arenas together. Ctrl+scroll to zoom, drag to \
                      pan, double-click to show everything";
 
-/// Draws the header; returns whether the whole x axis is to be shown again. `can_save` is false before the
-/// first row.
+/// Draws the header; returns whether the whole x axis is to be shown again. `can_save` is whether there is
+/// data to export.
 pub(super) fn header_ui(
     ui: &mut egui::Ui,
     can_save: bool,
@@ -50,7 +50,7 @@ fn export_menu_ui(ui: &mut egui::Ui, has_disk: bool, commands: &mut Vec<Command>
     menu.response.on_hover_text("Save the learning curves");
 }
 
-/// The unit of the x axis, between title and buttons; left out where it does not fit.
+/// Shows the unit of the x axis, between title and buttons; left out where it does not fit.
 fn unit_ui(ui: &mut egui::Ui) {
     let color = Palette::from_ui(ui).weak_text;
     let text = RichText::new("by env steps").size(SMALL).color(color);

@@ -6,7 +6,7 @@ use crate::app::history::{DownsampledSeries, History, LearningCurves, MovingAver
 use crate::app::screen::theme::Palette;
 use crate::report::run_figure::{PAPER_RETURN, PAPER_SUCCESS_RATE};
 
-/// The opacity of the curves before a transfer.
+/// The opacity of the curves from before a transfer.
 const EARLIER_OPACITY: f32 = 0.6;
 /// The text of a card whose values come from gradient steps, before the first one.
 const BEFORE_LEARNING: &str = "Learning starts once enough experience is collected";
@@ -14,7 +14,7 @@ const BEFORE_LEARNING: &str = "Learning starts once enough experience is collect
 /// The state of the session that decides which texts and reference lines are shown.
 #[derive(Clone, Copy, Debug)]
 pub struct PlotContext {
-    /// Whether the scenario is the paper's Scenario I, so that the paper's levels apply.
+    /// Whether the scenario is the paper's Scenario I, so that the paper's results are shown for comparison.
     pub is_paper_scenario_1: bool,
     /// Whether the mode is Train. In all other modes training is paused.
     pub training: bool,
@@ -24,7 +24,7 @@ pub struct PlotContext {
     pub has_disk: bool,
 }
 
-/// The cards that are always shown; of a training over a set, with the success in each of its scenarios.
+/// The cards that are always shown; while training over a set, also the success in each of its scenarios.
 #[must_use]
 pub fn main_cards(history: &History, palette: Palette, context: PlotContext) -> Vec<Card<'_>> {
     let curves = history.curves();
@@ -88,8 +88,8 @@ fn success_by_scenario(curves: &LearningCurves, palette: Palette) -> Card<'_> {
     let lines = curves.evaluated_in.iter().zip(colors.into_iter().cycle());
     Card {
         title: "Success by scenario",
-        about: "Share of goals that the greedy policy reached in the regular evaluations, in each scenario of the set. Levels of a \
-                generator are others than in training",
+        about: "Share of goals that the greedy policy reached in the regular evaluations, in each scenario of the set. The \
+                levels of a level generator differ from those in training",
         scale: AxisScale::Percent,
         digits: 0,
         traces: lines.map(|((name, series), color)| main_line(name, name, series, color)).collect(),

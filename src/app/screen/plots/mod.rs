@@ -8,7 +8,7 @@
 //! | `list.rs` | the plots: titles, lines, colours |
 //! | `card.rs`, `card_view.rs` | one plot: its data, its drawing |
 //! | `caption.rs` | title, values and legend above a plot |
-//! | `axis.rs`, `marks.rs` | grid lines and tick labels; texts at the vertical marks |
+//! | `axis.rs`, `marks.rs` | grid lines and tick labels; labels of the vertical marks |
 //! | `band.rs` | the area between minimum and maximum |
 //! | `header.rs`, `more.rs` | the title with the export buttons; the row that shows more plots |
 
@@ -43,7 +43,7 @@ pub fn plots_ui(
     commands: &mut Vec<Command>,
 ) {
     let id = Id::new("wayfield plots");
-    // Each card reads its values where the pointer was in the last frame, on whichever card.
+    // If the pointer was over a card in the last frame, all cards show their values at that x position.
     let before: CardResponse = ui.data(|data| data.get_temp(id)).unwrap_or_default();
     // The scroll bar is in the panel's right margin.
     let width = ui.available_width() - 2.0 * GAP;

@@ -30,7 +30,7 @@ pub(super) fn more_ui(ui: &mut egui::Ui, open: &mut bool, body: impl FnOnce(&mut
     let color = if highlighted { palette.text } else { palette.weak_text };
     let corners = corners.map(|corner| middle + corner).to_vec();
     ui.painter().add(egui::Shape::convex_polygon(corners, color, egui::Stroke::NONE));
-    // Truncated where the row ends.
+    // Truncates text at the end of the row.
     let text = |x, words: &str, size, color| {
         let mut job = LayoutJob::simple_singleline(words.into(), FontId::proportional(size), color);
         job.wrap = TextWrapping::truncate_at_width(rect.right() - x);

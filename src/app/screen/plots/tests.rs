@@ -1,4 +1,4 @@
-//! Tests of the plots: export buttons, reference levels, values at the pointer, non-finite values.
+//! Tests of the plots: export buttons, reference lines, values at the pointer, non-finite values.
 
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
@@ -68,15 +68,15 @@ fn before_the_first_episode_nothing_can_be_exported() {
 }
 
 #[test]
-fn the_papers_levels_are_shown_in_the_papers_scenario_only() {
+fn the_papers_results_are_shown_in_the_papers_scenario_only() {
     let mut history = History::new();
     history.push_episode(&row(1, 3.0));
     let mut harness = plots_of(history);
-    let levels = |harness: &Harness<'_, State>| harness.query_all_by_label_contains("paper ").count();
-    assert_eq!(levels(&harness), 2);
+    let results = |harness: &Harness<'_, State>| harness.query_all_by_label_contains("paper ").count();
+    assert_eq!(results(&harness), 2);
     harness.state_mut().context.is_paper_scenario_1 = false;
     harness.run_steps(2);
-    assert_eq!(levels(&harness), 0);
+    assert_eq!(results(&harness), 0);
 }
 
 #[test]

@@ -136,8 +136,8 @@ fn paint(painter: &Painter, icon: Icon, centre: Pos2, radius: f32, color: Color3
     }
 }
 
-/// A window with a side panel that reaches from `strip[0]` to `strip[1]`, where the window's half width is
-/// 1.1.
+/// Draws a window with a side panel from `strip[0]` to `strip[1]`, in units in which the window's half width
+/// is 1.1.
 fn panel(painter: &Painter, [min, max]: [Pos2; 2], strip: [f32; 2], open: bool, color: Color32) {
     let rect = Rect::from_min_max(min, max);
     painter.rect_stroke(rect, 2.0, Stroke::new(1.2, color), egui::StrokeKind::Middle);

@@ -26,12 +26,12 @@ impl Segment {
 
 const HEIGHT: f32 = 28.0;
 /// Padding left and right of each text, in points.
-const SIDE: f32 = 10.0;
-/// The maximum amount by which the padding of a segment, left and right together, shrinks where space is short.
+const PADDING: f32 = 10.0;
+/// The most by which a segment's padding, left plus right, shrinks if space is short, in points.
 const MAX_SHRINK: f32 = 6.0;
 
-/// Draws `segments` in a row and returns the index of the clicked one. The row is as wide as the texts need,
-/// or `width` points in all, as far as the padding can shrink.
+/// Draws `segments` in a row and returns the index of the clicked one. The row is as wide as the texts
+/// need, or `width` points if that is given; not narrower than `MAX_SHRINK` allows.
 pub fn segments_ui(
     ui: &mut Ui,
     id: &str,
@@ -45,7 +45,7 @@ pub fn segments_ui(
         .iter()
         .map(|s| ui.painter().layout_no_wrap(s.text.clone(), font.clone(), egui::Color32::PLACEHOLDER))
         .collect();
-    let natural: f32 = texts.iter().map(|text| text.size().x.ceil() + 2.0 * SIDE).sum();
+    let natural: f32 = texts.iter().map(|text| text.size().x.ceil() + 2.0 * PADDING).sum();
     let spare = width.map_or(0.0, |width| width - natural) / segments.len().max(1) as f32;
     let spare = spare.max(-MAX_SHRINK);
     let (whole, _) =
@@ -61,7 +61,7 @@ pub fn segments_ui(
     let mut clicked = None;
     let mut left = whole.left();
     for (k, (segment, text)) in segments.iter().zip(texts).enumerate() {
-        let size = vec2(text.size().x.ceil() + 2.0 * SIDE + spare, HEIGHT);
+        let size = vec2(text.size().x.ceil() + 2.0 * PADDING + spare, HEIGHT);
         let rect = Rect::from_min_size(egui::pos2(left, whole.top()), size);
         left = rect.right();
         let part = ui.new_child(UiBuilder::new().max_rect(rect));

@@ -34,7 +34,7 @@ pub fn separator_ui(ui: &mut Ui) {
     ui.add_space(GAP * 0.5);
 }
 
-/// A key drawn as a keyboard cap.
+/// A key, drawn as a key cap.
 pub fn key_cap_ui(ui: &mut Ui, key: &str) {
     let palette = Palette::from_ui(ui);
     let text = ui.painter().layout_no_wrap(key.into(), FontId::proportional(SMALL), palette.text);

@@ -21,7 +21,7 @@ impl Writing {
         }))
     }
 
-    /// The slot, once the autosave is written; with `wait`, waits for that.
+    /// The slot and the result, or `self` if the autosave is not written yet; with `wait`, waits until it is.
     pub(super) fn poll(mut self, wait: bool) -> Result<Written, Self> {
         if wait {
             return Ok(block_on(self.0));

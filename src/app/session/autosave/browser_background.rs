@@ -22,7 +22,8 @@ impl Writing {
         Self { slot, failed }
     }
 
-    /// The slot, once the page has stored the autosave. A page cannot wait for that.
+    /// The slot and the result, or `self` if the page has not stored the autosave yet. A page cannot wait for it: with
+    /// `wait`, success is assumed.
     pub(super) fn poll(self, wait: bool) -> Result<Written, Self> {
         let Self { slot, failed } = self;
         match failed.map(Err).or_else(sessions::take_stored).or(wait.then_some(Ok(()))) {

@@ -45,7 +45,7 @@ struct PageReports {
     stored: Option<Result<(), RunError>>,
     /// Files received so far of the session that the user continues.
     files: BTreeMap<String, Vec<u8>>,
-    /// All of these files.
+    /// All of these files once they have been received, or the reason why they cannot be.
     session: Option<Result<BTreeMap<String, Vec<u8>>, RunError>>,
 }
 
@@ -84,7 +84,7 @@ pub(super) fn take_session() -> Option<Result<BTreeMap<String, Vec<u8>>, RunErro
     reports().session.take()
 }
 
-/// Asks for an autosave in one of the next frames.
+/// Asks for an autosave within a few seconds.
 #[wasm_bindgen]
 pub fn save_soon() {
     reports().save_soon = true;
@@ -99,7 +99,7 @@ pub fn autosave_stored(number: u32, error: Option<String>) {
     }
 }
 
-/// Passes a file of the session that the user continues.
+/// Receives a file of the session that the user continues.
 #[wasm_bindgen]
 pub fn receive_session_file(name: String, bytes: Vec<u8>) {
     reports().files.insert(name, bytes);

@@ -1,6 +1,6 @@
-//! The slot of a training in a browser: its autosave in the browser's database, through the page.
+//! The slot of a training run in a browser: its autosave in the browser's database, through the page.
 //!
-//! In: copies of the training. Out: files that the page stores. It reports later whether that has worked (`browser_sessions.rs`).
+//! In: copies of the training. Out: files that the page stores. The page reports the result later (`browser_sessions.rs`).
 
 use std::path::Path;
 
@@ -11,11 +11,11 @@ use crate::run::RunError;
 use crate::run::folder::{INITIAL_POLICY_FILE, RunFolder};
 use crate::scenario::to_ron;
 
-/// The autosave of a training.
+/// The autosave of a training run.
 pub(super) struct Slot;
 
 impl Slot {
-    /// A slot without an autosave. The page keeps the one of the training before.
+    /// A slot without an autosave. The page keeps the autosave of the previous training run.
     pub(super) fn new(_: &Path) -> Self {
         page::begin_autosave();
         Self
@@ -27,12 +27,12 @@ impl Slot {
         Self
     }
 
-    /// A page has no paths.
+    /// `None`: a page has no paths.
     pub(super) fn path(&self) -> Option<&Path> {
         None
     }
 
-    /// Every copy of the training must be complete.
+    /// 0: every copy of the training must be complete.
     pub(super) fn known_bytes(&self) -> u64 {
         0
     }

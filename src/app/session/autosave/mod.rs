@@ -1,5 +1,5 @@
 //! Autosaves: a copy of the training on disk (in a browser, in its storage), at most half a minute old, in case the app ends
-//! in a way that it cannot control.
+//! unexpectedly.
 //!
 //! In: the training, between two control steps. Out: a run folder that `--resume` continues, replaced by a newer one at every
 //! interval; and the last session, which the app offers to continue at its next start. The training is copied in a few
@@ -52,7 +52,7 @@ pub const AUTOSAVE_INTERVAL: Duration = Duration::from_secs(25);
 /// If an evaluation has delayed an autosave for this long, no more control steps are taken until the evaluation ends.
 const MAX_DELAY: Duration = Duration::from_secs(3);
 
-/// The interval between autosaves while the user seems to leave the page.
+/// The interval between autosaves while the user seems to be leaving the page.
 const SOON: Duration = Duration::from_secs(3);
 
 /// What the user can do if autosaves fail.
@@ -83,7 +83,7 @@ impl AutosaveOptions {
     }
 }
 
-/// Control steps and interventions of the training: what has changed since an autosave.
+/// Numbers of control steps and interventions so far. If either differs from the last autosave, the training has changed.
 type Progress = (u64, usize);
 
 /// The state of the autosaves.
@@ -98,7 +98,7 @@ pub struct Autosave {
     saved: Option<Progress>,
     /// Time of the last autosave, successful or not, or the start of the training.
     since: Instant,
-    /// Whether to save as soon as possible.
+    /// Whether to save soon, at the interval [`SOON`].
     soon: bool,
     /// The last failure that was reported.
     reported: Option<String>,
@@ -122,7 +122,7 @@ impl Default for Autosave {
 }
 
 impl Autosave {
-    /// Autosaves with these options; `None` saves nothing. Deletes the oldest autosaves of earlier sessions, and with `offer`
+    /// Autosaves with these options; `None` saves nothing. Deletes old autosaves of earlier sessions, and with `offer`
     /// offers the newest.
     pub(super) fn new(options: Option<AutosaveOptions>, offer: bool) -> Self {
         let found = options.as_ref().map(|options| sessions::find(&options.folder)).unwrap_or_default();
@@ -145,7 +145,7 @@ impl Autosave {
         self.last_session = None;
     }
 
-    /// Begins to save another training.
+    /// Begins to save another training run.
     fn begin(&mut self, slot: Option<Slot>, saved: Option<Progress>) {
         latest::set(slot.as_ref().and_then(Slot::path));
         (self.slot, self.saved, self.since) = (slot, saved, Instant::now());
@@ -167,7 +167,7 @@ pub(super) fn holds_steps(world: &World) -> bool {
     world.resource::<Evaluations>().is_running() && delay(world).is_some_and(|delay| delay >= MAX_DELAY)
 }
 
-/// The time since an autosave was due; `None` if none is due.
+/// The time since an autosave became due; `None` if none is due.
 fn delay(world: &World) -> Option<Duration> {
     let autosave = world.resource::<Autosave>();
     let every = autosave.options.as_ref()?.every;
@@ -266,7 +266,7 @@ pub(super) fn end_training(world: &mut World, keep: bool) {
 /// Continues the session that was offered.
 ///
 /// # Errors
-/// Another process continues it already, or its files are invalid.
+/// Another process has already continued it, its files are invalid, or the current training cannot be saved first.
 #[cfg(not(target_arch = "wasm32"))]
 pub(super) fn continue_last_session(world: &mut World) -> Result<(), RunError> {
     let Some(found) = world.resource_mut::<Autosave>().last_session.take() else { return Ok(()) };
@@ -293,7 +293,7 @@ pub(super) fn continue_last_session(world: &mut World) -> Result<(), RunError> {
     Ok(())
 }
 
-/// Continues the run `saved` from its autosave, which `slot` takes over when the autosaves of the current training have ended.
+/// Continues the run `saved` from its autosave. Calls `slot` afterwards, because the start ends the current training's autosaves.
 fn start_saved(world: &mut World, saved: SavedRun, slot: impl FnOnce() -> Slot) {
     saved.start(world);
     let progress = progress(world);

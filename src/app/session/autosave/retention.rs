@@ -2,10 +2,10 @@
 
 use std::cmp::Reverse;
 
-/// The number that are kept, apart from those of running sessions.
+/// The maximum number kept, not counting those of running sessions.
 const MAX_KEPT: usize = 3;
 
-/// Sorts `found` by the `time` at which each was written, newest first. Removes all but the newest three, and passes them to
+/// Sorts `found` by the `time` at which each was written, newest first. Keeps only the newest three, and passes the others to
 /// `delete`.
 pub fn keep_newest<T, K: Ord>(found: &mut Vec<T>, time: impl Fn(&T) -> K, delete: impl FnMut(T)) {
     found.sort_by_key(|item| Reverse(time(item)));

@@ -1,7 +1,7 @@
 //! Autosaves of earlier sessions.
 //!
-//! In: the folder of all autosaves. Out: the newest ones that no running process uses. Older ones are deleted, and unfinished
-//! ones that were abandoned.
+//! In: the folder of all autosaves. Out: the newest ones that no running process uses. Older ones are deleted, and so
+//! are abandoned unfinished ones.
 
 use std::fs;
 use std::io;
@@ -17,13 +17,13 @@ use crate::run::folder::RunFolder;
 use crate::run::lock::Lock;
 use crate::scenario::read_ron;
 
-/// The file in an autosave with its metadata. Other run folders do not have it.
+/// The file with the metadata of an autosave. Other run folders do not have it.
 pub(super) const METADATA_FILE: &str = "autosave.ron";
 
 /// The prefix of autosaves that are being written.
 pub(super) const TEMPORARY: &str = ".saving-";
 
-/// Number of folder entries that are read.
+/// Maximum number of folder entries that are read.
 const MAX_ENTRIES: usize = 1000;
 
 /// An unfinished autosave of this age was left by a process that was killed.

@@ -1,4 +1,4 @@
-//! The slot of a training: the folder of its autosave.
+//! The slot of a training run: the folder of its autosave.
 //!
 //! In: copies of the training. Out: a folder under the folder of all autosaves, locked by this process. A new copy is written
 //! next to it and renamed, so a complete one exists at any moment.
@@ -15,11 +15,11 @@ use crate::run::folder::RunFolder;
 use crate::run::output_file::write_atomic;
 use crate::scenario::to_ron;
 
-/// The autosave of a training.
+/// The autosave of a training run.
 pub(super) struct Slot {
     /// The folder of all autosaves.
     root: PathBuf,
-    /// The autosave; `None` before the first.
+    /// The autosave; `None` before the first one is written.
     folder: Option<RunFolder>,
     /// Length of `episodes.csv` in the autosave, in bytes; 0 if it must be written in full.
     known_bytes: u64,
@@ -44,7 +44,7 @@ impl Slot {
         self.folder.as_ref().map(RunFolder::path)
     }
 
-    /// Number of bytes of `episodes.csv` that the next copy of the training may lack.
+    /// Number of bytes at the start of `episodes.csv` that the next copy of the training may omit: the autosave has them.
     pub(super) fn known_bytes(&self) -> u64 {
         self.known_bytes
     }
@@ -76,7 +76,7 @@ impl Slot {
         // Unlocks the earlier one: some systems do not rename a folder with open files.
         self.folder = None;
         let swapped = swap(&written, &path).map_err(|error| RunError::failed(&path, error));
-        // After a failure, the earlier one if there was one.
+        // After a failure, this is the earlier autosave, if there was one.
         match open_locked(&path) {
             Ok(folder) => self.folder = Some(folder),
             Err(error) => return swapped.and(Err(error)),
@@ -102,11 +102,11 @@ fn open_locked(path: &Path) -> Result<RunFolder, RunError> {
     RunFolder::open(path)?.0.locked()
 }
 
-/// Moves the folder `written` to `path`, in place of an earlier one. After an error, the earlier one is there again.
+/// Moves the folder `written` to `path`, and deletes the folder that was there. After an error, that one is still there.
 fn swap(written: &Path, path: &Path) -> io::Result<()> {
     let folder = path.parent().unwrap_or(path);
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    // Another name than that of one left by a process that was killed here.
+    // Not the name of a folder that an earlier process left when it was killed during this function.
     let previous = unused_path(folder, &format!("{name}-previous"));
     let has_earlier = match fs::rename(path, &previous) {
         Ok(()) => true,
@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_killed_process_left_does_not_stop_later_autosaves_and_stays() {
+    fn a_folder_left_by_a_killed_process_stays_and_does_not_stop_later_autosaves() {
         let root = tempfile::tempdir().expect("a temporary folder");
         let [path, written, left] = ["run", "written", "run-previous"].map(|name| root.path().join(name));
         folder_with(&left, "left");

@@ -1,12 +1,11 @@
-//! Clipping: lines and bands that leave the plot end exactly at its upper and lower edge.
+//! Clipping: lines and bands end exactly at the upper and lower edges of the plot.
 
 use std::ops::Range;
 
 /// A point (x, y), in units of the axes.
 type Point = (f64, f64);
 
-/// One side of a band: the points of a line, moved to the end of `range` where they lie beyond it. Where the line crosses that
-/// end, a point is added.
+/// One side of a band: the points of a line with y clamped to `range`. Where the line crosses an end of it, a point is added.
 pub(super) fn clamped(points: impl Iterator<Item = Point>, range: &Range<f64>) -> Vec<Point> {
     with_crossings(points, range).into_iter().map(|(x, y)| (x, y.clamp(range.start, range.end))).collect()
 }

@@ -59,7 +59,7 @@ impl CurveChart {
             frame.draw_marker_labels(root, &markers, top + HEADING_HEIGHT - 16)?;
             for (i, panel) in (0..).zip(&panels) {
                 let upper = top + i * PANEL_HEIGHT + HEADING_HEIGHT;
-                // The first panel's heading stands above the labels of the markers.
+                // The first panel's heading is above the labels of the markers.
                 let raised = if i == 0 { marker_row } else { 0 };
                 let heading = ellipsized(&panel.heading, HEADING, frame.right - LEFT);
                 write(root, &heading, (LEFT, upper - 32 - raised), HEADING, &INK, HPos::Left)?;
@@ -76,7 +76,7 @@ impl CurveChart {
         Axis::within(values.chain(included).chain(markers.iter().map(|m| m.x)), 6.0)
     }
 
-    /// The legend's entries: only those of contents that the panels have.
+    /// The legend's entries, only for what the panels contain.
     fn legend_entries(&self, panels: &[ChartPanel]) -> Vec<LegendEntry> {
         let any = |has: fn(&CurveLine) -> bool| panels.iter().flat_map(|p| &p.lines).any(has);
         let mut entries = Vec::new();

@@ -116,7 +116,8 @@ impl ChartPanel {
         }
     }
 
-    /// The y axis. It spans the means and all dots; raw lines and bands extend it to at most twice that range.
+    /// The y axis. It spans the means, the dots, the reference lines and the values to include; raw lines and bands extend it to
+    /// at most twice that range.
     pub(super) fn y_axis(&self) -> Axis {
         let means = self.lines.iter().flat_map(|l| l.points.iter().filter(|p| p.has_mean()).map(|p| p.mean));
         let references = self.reference_lines.iter().map(|l| l.value);

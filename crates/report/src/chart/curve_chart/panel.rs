@@ -134,15 +134,14 @@ impl<'a> PanelDrawing<'a> {
                 curve.points.iter().filter(|p| p.has_mean()).map(|p| self.pixel(p.x, p.mean)).collect()
             })
             .collect();
-        let in_drawing_order =
-            |faint| curves.iter().zip(&paths).filter(move |(curve, _)| curve.faint == faint);
-        for (curve, path) in in_drawing_order(true) {
+        let with_faintness = |faint| curves.iter().zip(&paths).filter(move |(curve, _)| curve.faint == faint);
+        for (curve, path) in with_faintness(true) {
             line(root, path.clone(), colour(curve.colour).mix(FAINT).stroke_width(HAIRLINE))?;
         }
-        for (curve, path) in in_drawing_order(false) {
+        for (curve, path) in with_faintness(false) {
             line(root, path.clone(), colour(curve.colour).stroke_width(STROKE))?;
         }
-        let has_markers = in_drawing_order(false).count() > 1;
+        let has_markers = with_faintness(false).count() > 1;
         let mut labels = Vec::new();
         for (i, (curve, path)) in curves.iter().zip(&paths).enumerate() {
             let marker = (has_markers && !curve.faint).then_some(curve.colour);

@@ -12,7 +12,7 @@ use crate::style::{
     write,
 };
 
-/// Space between a column's sides and its axis, for dots and arrows at the ends, in drawn pixels.
+/// Space between a column's sides and its range of values, for dots and arrows at the ends, in drawn pixels.
 const PADDING: i32 = 36;
 
 /// The drawable values of a column: one cell per row.

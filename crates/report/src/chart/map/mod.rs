@@ -66,7 +66,7 @@ impl ScenarioMap {
     }
 
     /// The scenario without title, legend, numbers and trajectories, as the text of an SVG file of 480 x 360 pixels.
-    /// In a scenario larger than 3 m, the grid lines are a whole number of metres apart.
+    /// In a scenario larger than 3 m, the grid lines are at least 1 m apart.
     ///
     /// # Errors
     /// The drawing library failed. No input is known to cause this.
@@ -74,10 +74,10 @@ impl ScenarioMap {
         self.small_svg(|root, plan| self.draw_start(root, plan))
     }
 
-    /// The picture of a thumbnail's size, with what `draw_robot` draws above tracks, obstacles and goal.
+    /// A figure of a thumbnail's size, with what `draw_on_top` draws over tracks, obstacles and goal.
     fn small_svg(
         &self,
-        draw_robot: impl FnOnce(&Canvas, &FloorPlan) -> DrawResult,
+        draw_on_top: impl FnOnce(&Canvas, &FloorPlan) -> DrawResult,
     ) -> Result<String, DrawError> {
         let (width, height) = THUMBNAIL;
         picture((width as u32, height as u32), |root| {
@@ -88,7 +88,7 @@ impl ScenarioMap {
             let plan = plan.centred((width / 2, height / 2));
             plan.draw_grid(root)?;
             self.draw_contents(root, &plan)?;
-            draw_robot(root, &plan)?;
+            draw_on_top(root, &plan)?;
             plan.draw_enclosure(root, &self.enclosure, ((0, 0), THUMBNAIL), OUTSIDE)
         })
     }

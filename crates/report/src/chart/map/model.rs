@@ -5,9 +5,9 @@
 pub struct ScenarioMap {
     /// The title above the figure.
     pub title: String,
-    /// The corners of the enclosing walls, anticlockwise, in m.
+    /// The corners of the enclosing walls, counterclockwise, in m.
     pub enclosure: Vec<(f64, f64)>,
-    /// Areas that are marked above everything that stands still: the occupied cells of a map. The corners of each, in m.
+    /// Areas that are marked over the obstacles: the occupied cells of an occupancy grid map. The corners of each, in m.
     pub marked_areas: Vec<Vec<(f64, f64)>>,
     /// Walls and obstacles; later ones are drawn over earlier ones.
     pub obstacles: Vec<MapObstacle>,
@@ -39,7 +39,7 @@ pub enum MapObstacleKind {
     Obstacle,
     /// A static obstacle that is generated for each episode.
     Generated,
-    /// A moving obstacle, with its direction in rad, anticlockwise from the x axis.
+    /// A moving obstacle, with its direction in rad, counterclockwise from the x axis.
     Moving(f64),
 }
 
@@ -64,7 +64,7 @@ pub enum MapTrack {
 /// A robot in a frame of a simulation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapRobot {
-    /// The pose: x and y in m, heading in rad, anticlockwise from the x axis.
+    /// The pose: x and y in m, heading in rad, counterclockwise from the x axis.
     pub pose: (f64, f64, f64),
     /// The area that its body covers.
     pub body: MapShape,

@@ -41,7 +41,7 @@ pub(super) fn draw_tracks(plan: &FloorPlan, root: &Canvas, tracks: &[MapTrack]) 
     Ok(())
 }
 
-/// Draws evenly spaced dots from one end to the other.
+/// Draws evenly spaced dots from one end of a path to the other.
 pub(super) fn draw_dots(root: &Canvas, path: &[Pixel]) -> DrawResult {
     let length: f64 = path.windows(2).map(|ends| (distance_squared(ends[0], ends[1]) as f64).sqrt()).sum();
     let distance = length / (length / DOT_DISTANCE).round().max(1.0);
