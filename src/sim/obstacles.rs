@@ -7,7 +7,6 @@
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::*;
 use bevy_rapier2d::rapier::math::{Pose as BodyPose, Rotation, Vector};
-use bevy_rapier2d::rapier::prelude::RigidBodyHandle;
 
 use super::colliders::shared_shape;
 use super::physics::Bodies;
@@ -39,7 +38,7 @@ pub(super) fn advance(mut arenas: Query<Advanced>) {
             pedestrians.0.advance(&layout.scenario, (Vec2::new(pose.x_m, pose.y_m), velocity_m_s));
         }
         let layout = layout.indexed(&pedestrians);
-        for (body, obstacle) in moving(bodies) {
+        for &(body, obstacle) in &bodies.moving {
             if let Some(body) = set.bodies.get_mut(body) {
                 body.set_next_kinematic_position(body_pose(layout, obstacle, *clock));
             }
@@ -105,7 +104,7 @@ pub(super) fn place_bodies(
     set: &mut RapierRigidBodySet,
     colliders: &mut RapierContextColliders,
 ) {
-    for (body, obstacle) in moving(bodies) {
+    for &(body, obstacle) in &bodies.moving {
         if let Some(body) = set.bodies.get_mut(body) {
             let pose = body_pose(layout, obstacle, clock);
             body.set_position(pose, true);
@@ -113,11 +112,6 @@ pub(super) fn place_bodies(
         }
     }
     set.propagate_modified_body_positions_to_colliders(colliders);
-}
-
-/// The bodies of the moving obstacles, each with the obstacle's index.
-fn moving(bodies: &Bodies) -> impl Iterator<Item = (RigidBodyHandle, usize)> {
-    bodies.obstacles.iter().enumerate().filter_map(|(index, body)| Some(((*body)?, index)))
 }
 
 /// The pose of the obstacle with index `obstacle`.

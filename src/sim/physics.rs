@@ -44,6 +44,8 @@ pub struct Bodies {
     pub robot: RigidBodyHandle,
     /// The bodies of the scenario's obstacles, in the scenario's order; None for a static obstacle.
     pub obstacles: Vec<Option<RigidBodyHandle>>,
+    /// The bodies in `obstacles`, each with its index there.
+    pub(super) moving: Vec<(RigidBodyHandle, usize)>,
     /// The colliders reserved for generated obstacles. Those that the current layout does not use are disabled.
     pub generated: Vec<ColliderHandle>,
     /// Everything that beams and the robot can hit: the obstacles in the scenario's order, then the walls, then the
@@ -226,7 +228,9 @@ fn make_bodies(
         (obstacles[index], solids[index]) = (Some(body), colliders.insert_with_parent(shape, body, bodies));
     }
     let (scenario, footprint) = (scenario.clone(), Footprint::of(&scenario.robot));
-    Bodies { scenario, robot, obstacles, generated, solids, footprint, still: None, not_in_grid: Vec::new() }
+    let moving = obstacles.iter().enumerate().filter_map(|(index, body)| Some(((*body)?, index))).collect();
+    let (still, not_in_grid) = (None, Vec::new());
+    Bodies { scenario, robot, obstacles, moving, generated, solids, footprint, still, not_in_grid }
 }
 
 fn is_moving(obstacle: &Obstacle) -> bool {

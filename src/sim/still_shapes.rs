@@ -24,6 +24,8 @@ const ROUNDING: f32 = 1e-5;
 pub(super) struct StillShapes {
     grid: UniformGrid,
     shapes: Vec<StillShape>,
+    /// Boxes around the shapes, which are cheaper to test.
+    boxes: Vec<BeamBox>,
     /// The longest beam, in m, for which the grid lists every shape that the beam hits.
     max_range_m: f32,
 }
@@ -37,9 +39,18 @@ pub(super) struct StillShape {
     kind: Kind,
 }
 
-/// A LIDAR beam. All vectors but the origin have length 1.
+/// A box around a shape, with a margin above the rounding errors of a cast.
+#[derive(Clone, Copy, Debug)]
+struct BeamBox {
+    low: Vec2,
+    high: Vec2,
+}
+
+/// A LIDAR beam. Heading and directions have length 1.
 struct Beam {
     origin: Vec2,
+    /// The reciprocals of the coordinates of `direction`.
+    per_direction: Vec2,
     /// The robot's heading.
     heading: Vec2,
     /// The beam's direction in the robot's frame.
@@ -98,6 +109,18 @@ impl StillShape {
     }
 }
 
+impl BeamBox {
+    /// Whether a beam may hit the box within `max_m`. If not, it cannot hit the shape.
+    #[inline]
+    fn may_be_hit(&self, beam: &Beam, max_m: f32) -> bool {
+        let to_side = |side: Vec2| (side - beam.origin) * beam.per_direction;
+        let (a, b) = (to_side(self.low), to_side(self.high));
+        let (enter, exit) = (a.min(b).max_element(), a.max(b).min_element());
+        // Along a side of the box, these may be NaN, which is no reason to skip the cast.
+        !(enter > exit || exit < 0.0 || enter > max_m)
+    }
+}
+
 impl StillShapes {
     /// The grid over the colliders `still`, for beams of up to `max_range_m`. None if a test of every shape is as fast.
     pub(super) fn new(
@@ -120,7 +143,8 @@ impl StillShapes {
             + ROUNDING * farthest_m.fold(0.0, f32::max);
         let distance_m = |item: usize, at| distance_m(&shapes[item].position, shapes[item].shape(), at);
         let grid = UniformGrid::new(&boxes, margin_m, distance_m)?;
-        Some(Self { grid, shapes, max_range_m })
+        let with_margin = |(low, high): (Vec2, Vec2)| BeamBox { low: low - margin_m, high: high + margin_m };
+        Some(Self { grid, shapes, boxes: boxes.into_iter().map(with_margin).collect(), max_range_m })
     }
 
     /// The shapes at most `radius_m` from `at`, and possibly others. A shape may occur more than once.
@@ -133,11 +157,13 @@ impl StillShapes {
     pub(super) fn cast(&self, origin: Vec2, heading: Vec2, beams: &[Vec2], ranges_m: &mut [f32]) {
         let is_inside = self.grid.contains(origin);
         for (&in_robot, range_m) in beams.iter().zip(ranges_m) {
-            let beam = Beam { origin, heading, in_robot, direction: heading.rotate(in_robot) };
+            let direction = heading.rotate(in_robot);
+            let beam = Beam { origin, per_direction: direction.recip(), heading, in_robot, direction };
             if is_inside && *range_m <= self.max_range_m {
                 *range_m = self.cast_along_cells(&beam, *range_m);
             } else {
-                *range_m = nearest_m(&self.shapes, &beam, *range_m);
+                let nearer = |range_m, shape: &StillShape| shape.cast(&beam, range_m).unwrap_or(range_m);
+                *range_m = self.shapes.iter().fold(*range_m, nearer);
             }
         }
     }
@@ -148,19 +174,17 @@ impl StillShapes {
         let mut tested: &[u32] = &[];
         self.grid.walk(beam.origin, beam.direction, |items, exit_m| {
             let known = if tested.len() <= 4 { tested } else { &[] };
-            let new = items.iter().filter(|item| !known.contains(item));
-            range_m = nearest_m(new.map(|&item| &self.shapes[item as usize]), beam, range_m);
+            for item in items {
+                let index = *item as usize;
+                if self.boxes[index].may_be_hit(beam, range_m) && !known.contains(item) {
+                    range_m = self.shapes[index].cast(beam, range_m).unwrap_or(range_m);
+                }
+            }
             tested = items;
             range_m > exit_m
         });
         range_m
     }
-}
-
-/// The distance along a beam, at most `range_m`, to the nearest of `shapes`.
-#[inline]
-fn nearest_m<'a>(shapes: impl IntoIterator<Item = &'a StillShape>, beam: &Beam, range_m: f32) -> f32 {
-    shapes.into_iter().fold(range_m, |range_m, shape| shape.cast(beam, range_m).unwrap_or(range_m))
 }
 
 impl Bodies {

@@ -59,6 +59,9 @@ pub struct LearningConfig {
     /// target network (Bellemare et al. 2016). The best action stays the best and keeps its value, and the others fall behind
     /// it by 1 / (1 - weight) times as much, so that small errors of the network confuse them less. The paper: 0.
     pub advantage_learning: f32,
+    /// The number of quantiles of the return that are learned for each action, 1 to 200 (QR-DQN, Dabney et al. 2018). Their mean
+    /// is the Q-value, and the policy keeps only that. More than 1 need a `Huber` loss. The paper: 1, the Q-value itself.
+    pub quantiles: usize,
 }
 
 /// The layers of the Q-network.
@@ -267,6 +270,7 @@ impl Default for LearningConfig {
             exploration: Exploration::PerEpisode { start: 1.0, decay: 0.99, end: 0.05 },
             mirror: false,
             advantage_learning: 0.0,
+            quantiles: 1,
         }
     }
 }

@@ -82,8 +82,7 @@ pub(crate) fn non_finite_weight_cause(network: &QNetwork, gradient: &[f32], lear
     let Some(at) = weights.iter().position(|weight| !weight.is_finite()) else {
         return "a weight is not finite".into();
     };
-    let views = network.shape().parameters();
-    let name = views.iter().find(|view| view.range.contains(&at)).map_or("", |view| view.name.as_str());
+    let name = network.parameter_name(at);
     format!(
         "a weight of `{name}` is {} after a step along a gradient of {:e} with the learning rate {learning_rate}",
         weights[at],

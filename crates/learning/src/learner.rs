@@ -127,7 +127,8 @@ impl Learner {
         within("num_envs", num_envs, 1..=MAX_ENVS)?;
         let shape = config.network.shape(inputs, actions)?;
         within("replay.capacity", config.replay.capacity, 1..=MAX_STORED_FLOATS / inputs)?;
-        let online = QNetwork::new(shape, &mut stream(seed, "learning: weights", 0))?;
+        let online =
+            QNetwork::with_quantiles(shape, config.quantiles, &mut stream(seed, "learning: weights", 0))?;
         Ok(Self {
             config: config.clone(),
             target: online.clone(),
@@ -286,7 +287,7 @@ impl Learner {
             return Err(LoadWeightsError::InvalidEpsilon(epsilon));
         }
         for network in [&mut self.online, &mut self.target] {
-            network.update(|parameters| parameters.copy_from_slice(policy.parameters()));
+            network.load(policy);
         }
         self.optimizer = OptimizerState::new(&self.config.optimizer, self.online.parameters().len());
         self.counters.epsilon_start = epsilon;

@@ -6,6 +6,8 @@ pub const MAX_BATCH_SIZE: usize = 65_536;
 pub const MAX_N_STEP: usize = 100;
 /// The maximum number of gradient steps per update.
 pub const MAX_GRADIENT_STEPS: u32 = 10_000;
+/// The maximum number of quantiles of a return.
+pub const MAX_QUANTILES: usize = 200;
 /// The maximum learning rate.
 pub const MAX_LEARNING_RATE: f32 = 10.0;
 /// The maximum `reward_scale`, small enough that scaled rewards and their sums stay finite.

@@ -8,8 +8,12 @@ use dfdx::prelude::*;
 use wayfield_policy::{Activation, NetworkShape, Policy};
 
 use super::config::ConfigError;
+use super::limits::MAX_QUANTILES;
 pub(crate) use super::ops::Regression;
-use super::ops::{Dense, LayerNorm, Rows, activate, dueling, rows, td_loss, values};
+use super::ops::{
+    Dense, LayerNorm, Rows, activate, dueling, mean_of_quantiles, quantile_loss, rows, td_loss, values,
+};
+use wayfield_policy::limits::MAX_PARAMETERS;
 use wayfield_policy::range::within;
 use wayfield_random::{Stream, uniform};
 
@@ -17,10 +21,13 @@ use wayfield_random::{Stream, uniform};
 /// at which gemm starts threads: at this size, threads cost more than they gain.
 const CHUNK_ROWS: usize = 128;
 
-/// A network that maps observations to Q-values.
+/// A network that maps observations to Q-values, or to quantiles of returns, whose means are the Q-values.
 #[derive(Clone)]
 pub struct QNetwork {
+    /// Without the quantiles.
     shape: NetworkShape,
+    /// The number of quantiles; each has a head of its own on the last hidden layer. 1: the Q-values.
+    quantiles: usize,
     parameters: Vec<f32>,
     layers: Vec<Layer>,
     device: Cpu,
@@ -82,9 +89,19 @@ impl QNetwork {
     /// # Errors
     /// See [`NetworkShape::check`].
     pub fn new(shape: NetworkShape, stream: &mut Stream) -> Result<Self, ConfigError> {
+        Self::with_quantiles(shape, 1, stream)
+    }
+
+    /// Like [`QNetwork::new`], with this number of quantiles.
+    pub(crate) fn with_quantiles(
+        shape: NetworkShape,
+        quantiles: usize,
+        stream: &mut Stream,
+    ) -> Result<Self, ConfigError> {
         shape.check()?;
-        let mut parameters = Vec::with_capacity(shape.parameter_count());
-        for (i, (inputs, outputs)) in shape.layers().enumerate() {
+        within("quantiles", quantiles, 1..=max_quantiles(&shape))?;
+        let mut parameters = Vec::with_capacity(parameter_count(&shape, quantiles));
+        for (i, (inputs, outputs)) in layers(&shape, quantiles).enumerate() {
             let bound = 1.0 / (inputs as f32).sqrt();
             parameters.extend((0..(inputs + 1) * outputs).map(|_| uniform(stream, -bound, bound)));
             if shape.layer_norm && i < shape.hidden.len() {
@@ -92,7 +109,7 @@ impl QNetwork {
                 parameters.extend(std::iter::repeat_n(0.0, outputs));
             }
         }
-        Self::from_parameters(shape, parameters)
+        Ok(Self::with_parameters(shape, quantiles, parameters))
     }
 
     /// A network with these parameters, in the order of [`NetworkShape::parameters`].
@@ -103,12 +120,16 @@ impl QNetwork {
         shape.check()?;
         let count = shape.parameter_count();
         within("network.parameters", parameters.len(), count..=count)?;
+        Ok(Self::with_parameters(shape, 1, parameters))
+    }
+
+    fn with_parameters(shape: NetworkShape, quantiles: usize, parameters: Vec<f32>) -> Self {
         let device = Cpu::default();
-        let layers = shape.layers().enumerate();
+        let layers = layers(&shape, quantiles).enumerate();
         let layers = layers.map(|(i, sizes)| Layer::zeros(&shape, i, sizes, &device)).collect();
-        let mut network = Self { shape, parameters, layers, device };
+        let mut network = Self { shape, quantiles, parameters, layers, device };
         network.refresh();
-        Ok(network)
+        network
     }
 
     /// The network with the weights of `policy`.
@@ -119,11 +140,57 @@ impl QNetwork {
         Self::from_parameters(policy.shape().clone(), policy.parameters().to_vec())
     }
 
-    /// A policy with this network's weights, without a policy card.
+    /// A policy with this network's weights, without a policy card. Its head has the mean weights of all quantiles, so its
+    /// Q-values are their means.
     #[must_use]
     pub fn to_policy(&self) -> Policy {
-        Policy::new(self.shape.clone(), self.parameters.clone())
-            .expect("`from_parameters` checks the shape and the number of parameters")
+        let (hidden, weights, biases) = self.split_head();
+        let mut parameters = hidden.to_vec();
+        for heads in [weights, biases] {
+            let size = heads.len() / self.quantiles;
+            let mean = |at: usize| match self.quantiles {
+                1 => heads[at],
+                n => heads[at..].iter().step_by(size).sum::<f32>() / n as f32,
+            };
+            parameters.extend((0..size).map(mean));
+        }
+        Policy::new(self.shape.clone(), parameters)
+            .expect("`with_parameters` gets a valid shape and its number of parameters")
+    }
+
+    /// Replaces all parameters by those of a policy of the same shape. Each quantile gets its head.
+    pub(crate) fn load(&mut self, policy: &Policy) {
+        let (inputs, outputs) = head_size(&self.shape);
+        let (hidden, head) = policy.parameters().split_at(policy.parameters().len() - (inputs + 1) * outputs);
+        let (weights, biases) = head.split_at(inputs * outputs);
+        let n = self.quantiles;
+        self.update(|parameters| {
+            let all = hidden.iter().chain(weights.iter().cycle().take(n * weights.len()));
+            let all = all.chain(biases.iter().cycle().take(n * biases.len()));
+            parameters.iter_mut().zip(all).for_each(|(to, from)| *to = *from);
+        });
+    }
+
+    /// The parameters of the hidden layers, the weights of all heads, the biases of all heads.
+    fn split_head(&self) -> (&[f32], &[f32], &[f32]) {
+        let (inputs, outputs) = head_size(&self.shape);
+        let heads = (inputs + 1) * outputs * self.quantiles;
+        let (hidden, heads) = self.parameters.split_at(self.parameters.len() - heads);
+        let (weights, biases) = heads.split_at(inputs * outputs * self.quantiles);
+        (hidden, weights, biases)
+    }
+
+    /// The name of the parameter with this index in [`NetworkShape::parameters`]; it is the same for all quantiles.
+    pub(crate) fn parameter_name(&self, index: usize) -> String {
+        let (inputs, outputs) = head_size(&self.shape);
+        let (hidden, weights) = (self.split_head().0.len(), inputs * outputs);
+        let index = match index.checked_sub(hidden) {
+            None => index,
+            Some(at) if at < weights * self.quantiles => hidden + at % weights,
+            Some(at) => hidden + weights + (at - weights * self.quantiles) % outputs,
+        };
+        let views = self.shape.parameters();
+        views.into_iter().find(|view| view.range.contains(&index)).map_or(String::new(), |view| view.name)
     }
 
     /// The sizes and kinds of the layers.
@@ -132,7 +199,14 @@ impl QNetwork {
         &self.shape
     }
 
-    /// All parameters in one flat slice; [`NetworkShape::parameters`] names its parts.
+    /// The number of quantiles; 1 if the network has Q-values.
+    #[must_use]
+    pub fn quantiles(&self) -> usize {
+        self.quantiles
+    }
+
+    /// All parameters in one flat slice; [`NetworkShape::parameters`] names its parts. With several quantiles, the weights of all
+    /// their heads stand in place of the head's, then all their biases.
     #[must_use]
     pub fn parameters(&self) -> &[f32] {
         &self.parameters
@@ -161,9 +235,26 @@ impl QNetwork {
 
     /// Writes the Q-values of `n` observations (row-major, n x inputs) into `out` (row-major, n x actions).
     pub fn q_values(&self, observations: &[f32], n: usize, out: &mut Vec<f32>) {
-        self.in_chunks(observations, n, self.shape.actions, out, |head| {
+        self.in_chunks(observations, n, self.shape.actions, out, |heads| {
+            let head = mean_of_quantiles(heads, self.quantiles);
             if self.shape.dueling { dueling(head) } else { head }
         });
+    }
+
+    /// Writes the quantiles of the returns of all actions for `n` observations into `out`: row-major, n x quantiles x actions.
+    pub fn quantile_values(&self, observations: &[f32], n: usize, out: &mut Vec<f32>) {
+        let width = self.quantiles * self.shape.actions;
+        self.in_chunks(observations, n, width, out, |heads| self.quantile_rows(heads));
+    }
+
+    /// The quantiles (n quantiles x actions) of the output of the last layer (n x quantiles head outputs).
+    fn quantile_rows<T: Tape<f32, Cpu>>(&self, heads: Rows<T>) -> Rows<T> {
+        let (n, width) = *heads.shape();
+        let heads = match self.quantiles {
+            1 => heads,
+            count => heads.reshape_like(&(n * count, width / count)),
+        };
+        if self.shape.dueling { dueling(heads) } else { heads }
     }
 
     /// Writes V and A of `n` observations into `out`: row-major, n x (1 + actions), V first. The mean of A is subtracted, so
@@ -171,7 +262,7 @@ impl QNetwork {
     pub fn value_and_advantage(&self, observations: &[f32], n: usize, out: &mut Vec<f32>) {
         let mut head = Vec::new();
         let width = self.shape.actions + usize::from(self.shape.dueling);
-        self.in_chunks(observations, n, width, &mut head, |head| head);
+        self.in_chunks(observations, n, width, &mut head, |heads| mean_of_quantiles(heads, self.quantiles));
         out.clear();
         for row in head.chunks_exact(width) {
             let advantages = &row[usize::from(self.shape.dueling)..];
@@ -205,13 +296,16 @@ impl QNetwork {
         self.layers.iter().enumerate().fold(x, |x, (i, layer)| layer.forward(x, i > 0))
     }
 
-    /// Writes the loss of the regression of Q(s, a) on the TD targets, and the gradient of that loss, into `out`. The
+    /// Writes the loss of the regression of Q(s, a), or of its quantiles, on the TD targets, and the gradient of that loss, into `out`. The
     /// observations are row-major, n x inputs, where n is the number of transitions.
     pub(crate) fn gradient(&self, observations: &[f32], regression: Regression<'_>, out: &mut Gradient) {
         let x = rows(&self.device, observations.to_vec(), regression.actions.len(), self.shape.inputs);
-        let head = self.head(x.leaky_traced());
-        let q = if self.shape.dueling { dueling(head) } else { head };
-        let loss = td_loss(q, regression, &mut out.td_errors, &mut out.q);
+        let head = self.quantile_rows(self.head(x.leaky_traced()));
+        let loss = if self.quantiles == 1 {
+            td_loss(head, regression, &mut out.td_errors, &mut out.q)
+        } else {
+            quantile_loss(head, self.quantiles, regression, &mut out.td_errors, &mut out.q)
+        };
         out.loss = values(&loss)[0];
         let grads = loss.backward();
         out.values.resize(self.parameters.len(), 0.0);
@@ -229,10 +323,33 @@ impl QNetwork {
     }
 }
 
+/// The inputs and outputs of the head of one quantile.
+fn head_size(shape: &NetworkShape) -> (usize, usize) {
+    (shape.hidden.last().copied().unwrap_or(shape.inputs), shape.actions + usize::from(shape.dueling))
+}
+
+/// The inputs and outputs of all layers; the last one has the heads of all quantiles.
+fn layers(shape: &NetworkShape, quantiles: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
+    let heads = move |i| if i == shape.hidden.len() { quantiles } else { 1 };
+    shape.layers().enumerate().map(move |(i, (inputs, outputs))| (inputs, outputs * heads(i)))
+}
+
+fn parameter_count(shape: &NetworkShape, quantiles: usize) -> usize {
+    let (inputs, outputs) = head_size(shape);
+    shape.parameter_count() + (inputs + 1) * outputs * (quantiles - 1)
+}
+
+/// The largest number of quantiles with which the network has at most [`MAX_PARAMETERS`] parameters.
+fn max_quantiles(shape: &NetworkShape) -> usize {
+    let (inputs, outputs) = head_size(shape);
+    let more = MAX_PARAMETERS.saturating_sub(shape.parameter_count()) / ((inputs + 1) * outputs);
+    (1 + more).min(MAX_QUANTILES)
+}
+
 impl PartialEq for QNetwork {
-    /// Equality of shape and parameters. The tensors are copies of the parameters.
+    /// Equality of shape, quantiles and parameters. The tensors are copies of the parameters.
     fn eq(&self, other: &Self) -> bool {
-        self.shape == other.shape && self.parameters == other.parameters
+        self.shape == other.shape && self.quantiles == other.quantiles && self.parameters == other.parameters
     }
 }
 

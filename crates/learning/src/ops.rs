@@ -9,6 +9,7 @@
 
 mod activation;
 mod layer_norm;
+mod quantiles;
 
 use dfdx::prelude::*;
 
@@ -17,6 +18,7 @@ use super::config::Loss;
 use super::matmul::{LeftMatrix, multiply, transposed};
 pub(crate) use activation::activate;
 pub(crate) use layer_norm::{LayerNorm, Units};
+pub(crate) use quantiles::{mean_of_quantiles, quantile_loss};
 
 /// A batch of rows, with or without a tape.
 pub(crate) type Rows<T = NoneTape> = Tensor<(usize, usize), f32, Cpu, T>;
@@ -166,7 +168,7 @@ pub(crate) fn dueling<T: Tape<f32, Cpu>>(head: Rows<T>) -> Rows<T> {
 pub(crate) struct Regression<'a> {
     /// The n indices of the actions taken.
     pub actions: &'a [u8],
-    /// The n TD targets y.
+    /// The n TD targets y; with N quantiles, N for each transition.
     pub targets: &'a [f32],
     /// The n importance weights.
     pub weights: &'a [f32],

@@ -1,7 +1,7 @@
 //! A restored learner continues exactly as the saved one would have. A damaged file is an error.
 
 use wayfield_learning::{
-    Activation, CheckpointError, Experience, Exploration, Learner, LearningConfig, Mirror, NetworkConfig,
+    Activation, CheckpointError, Experience, Exploration, Learner, LearningConfig, Loss, Mirror, NetworkConfig,
     Optimizer, QNetwork, ReplayConfig, Sampling, Schedule, TargetUpdate, epsilon_greedy,
 };
 use wayfield_random::{Stream, normal, stream, uniform_01};
@@ -235,6 +235,16 @@ fn a_learner_with_advantage_learning_continues_with_the_same_bits() {
     for plain in configs() {
         let config = LearningConfig { advantage_learning: 0.5, ..plain.clone() };
         let other = LearningConfig { advantage_learning: 0.25, ..plain.clone() };
+        assert_exact_and_rejected_by(&config, &[plain, other]);
+    }
+}
+
+#[test]
+fn a_learner_with_quantiles_continues_with_the_same_bits() {
+    for plain in configs() {
+        let plain = LearningConfig { loss: Loss::Huber { delta: 1.0 }, ..plain };
+        let config = LearningConfig { quantiles: 4, ..plain.clone() };
+        let other = LearningConfig { quantiles: 5, ..plain.clone() };
         assert_exact_and_rejected_by(&config, &[plain, other]);
     }
 }

@@ -78,6 +78,7 @@ fn config(case: &Value) -> LearningConfig {
         exploration: Exploration::PerEpisode { start: 1.0, decay: 0.99, end: 0.05 },
         mirror: false,
         advantage_learning: 0.0,
+        quantiles: 1,
     }
 }
 

@@ -172,6 +172,49 @@ fn advantage_learning_doubles_the_gap_to_the_best_action_and_keeps_its_value() {
     }
 }
 
+#[test]
+fn quantiles_of_a_chain_have_the_known_values() {
+    let loss = Loss::Huber { delta: 1.0 };
+    let config = LearningConfig { quantiles: 8, loss, ..config(0.9, PRIORITIZED) };
+    let q = learn(&config, 5, 2, 8000, |state, action, _| match (state, action) {
+        (4, 1) => (1.0, 4, true, false),
+        (_, 1) => (0.0, state + 1, false, false),
+        _ => (0.0, state.saturating_sub(1), false, false),
+    });
+    for (state, q) in q.iter().enumerate() {
+        close(q[1], 0.9_f32.powi(4 - state as i32), 0.05, &format!("right from {state}"));
+        close(q[0], 0.9 * 0.9_f32.powi(5 - state.max(1) as i32), 0.05, &format!("left from {state}"));
+    }
+}
+
+#[test]
+fn quantiles_show_the_distribution_of_a_stochastic_reward() {
+    // 2 with probability 0.3, otherwise 0: the quantiles below 0.7 are 0, the others are 2. With a small delta, the loss is that of
+    // quantiles; with a large one, they move towards the mean.
+    let loss = Loss::Huber { delta: 0.02 };
+    let config = LearningConfig { quantiles: 10, loss, ..config(0.9, Sampling::Uniform) };
+    let mut learner = Learner::new(&config, 1, 1, 1, 3).expect("a valid config");
+    let mut random = stream(3, "test", 0);
+    for _ in 0..8000 {
+        let reward = if uniform_01(&mut random) < 0.3 { 2.0 } else { 0.0 };
+        learner.store(&Experience {
+            env_index: 0,
+            observation: &[1.0],
+            action: 0,
+            reward,
+            next_observation: &[1.0],
+            terminated: true,
+            truncated: false,
+        });
+        learner.train().expect("no divergence");
+    }
+    let mut quantiles = Vec::new();
+    learner.network().quantile_values(&[1.0], 1, &mut quantiles);
+    for (i, quantile) in quantiles.iter().enumerate() {
+        close(*quantile, if i < 7 { 0.0 } else { 2.0 }, 0.1, &format!("quantile {i} of {quantiles:?}"));
+    }
+}
+
 /// The learned value of a reward that is 1 with probability 0.3, otherwise 0.
 fn coin(sampling: Sampling) -> f32 {
     learn(&config(0.9, sampling), 1, 1, 6000, |_, _, random| {

@@ -8,7 +8,8 @@ use wayfield_policy::Activation;
 use crate::config::{LearningConfig, NetworkConfig};
 use crate::framing::encode;
 
-/// What version 2 of the file adds. Version 3 adds mirror augmentation, version 4 advantage learning. A config is written in the
+/// What version 2 of the file adds. Version 3 adds mirror augmentation, version 4 advantage learning, version 5
+/// quantiles. A config is written in the
 /// lowest version that has all it uses.
 #[derive(Serialize, PartialEq)]
 struct Switches {
@@ -46,6 +47,7 @@ pub(super) fn encoded(config: &LearningConfig) -> io::Result<(u32, Vec<u8>)> {
         exploration,
         mirror,
         advantage_learning,
+        quantiles,
     } = config;
     let update = (double, gamma, n_step, reward_scale, loss, optimizer, learning_rate, batch_size);
     let version_1 = (hidden, dueling, update, replay, train_freq, gradient_steps, target_update, exploration);
@@ -55,7 +57,9 @@ pub(super) fn encoded(config: &LearningConfig) -> io::Result<(u32, Vec<u8>)> {
         max_gradient_norm: *max_gradient_norm,
         weight_decay: *weight_decay,
     };
-    if *advantage_learning != 0.0 {
+    if *quantiles != 1 {
+        Ok((5, encode(&(version_1, switches, mirror, advantage_learning, quantiles))?))
+    } else if *advantage_learning != 0.0 {
         Ok((4, encode(&(version_1, switches, mirror, advantage_learning))?))
     } else if *mirror {
         Ok((3, encode(&(version_1, switches, mirror))?))

@@ -41,6 +41,12 @@ impl LearningConfig {
                 ),
             });
         }
+        if self.quantiles > 1 && self.loss == Loss::MeanSquared {
+            problems.push(ConfigError {
+                field: "loss".into(),
+                problem: "is MeanSquared, but quantiles are learned with Huber; help: write loss: Huber(delta: 1.0)".into(),
+            });
+        }
         problems
     }
 
@@ -61,6 +67,7 @@ impl LearningConfig {
         }
         found.add(within("weight_decay", self.weight_decay, 0.0..=1.0));
         found.add(within("advantage_learning", self.advantage_learning, 0.0..1.0));
+        found.add(within("quantiles", self.quantiles, 1..=MAX_QUANTILES));
         found.add(within("batch_size", self.batch_size, 1..=MAX_BATCH_SIZE));
         self.replay.check(&mut found);
         found.add(within("train_freq", self.train_freq, 1..));

@@ -15,6 +15,7 @@ fn a_config_is_read_from_ron_as_it_was_written() {
         target_update: TargetUpdate::Soft { tau: 0.005 },
         mirror: true,
         advantage_learning: 0.5,
+        quantiles: 8,
         ..LearningConfig::default()
     };
     for config in [config, LearningConfig::default()] {
@@ -51,6 +52,9 @@ fn every_value_out_of_range_is_reported_with_its_field() {
         ("gamma", |c| c.gamma = f32::NAN),
         ("n_step", |c| c.n_step = 0),
         ("advantage_learning", |c| c.advantage_learning = 1.0),
+        ("quantiles", |c| c.quantiles = 0),
+        ("quantiles", |c| c.quantiles = 201),
+        ("loss", |c| c.quantiles = 8),
         ("reward_scale", |c| c.reward_scale = 0.0),
         ("loss.delta", |c| c.loss = Loss::Huber { delta: -1.0 }),
         ("optimizer.smoothing", |c| c.optimizer = Optimizer::RmsProp { smoothing: 1.0, epsilon: 1e-8 }),
@@ -114,6 +118,7 @@ fn every_value_out_of_range_is_reported_with_its_field() {
 fn a_config_without_the_switches_of_later_versions_has_them_off() {
     let text = ron::to_string(&LearningConfig::default()).expect("a config is RON");
     let older = [
+        ",quantiles:1",
         ",advantage_learning:0.0",
         ",mirror:false",
         "max_gradient_norm:None,",

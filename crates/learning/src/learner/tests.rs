@@ -30,6 +30,17 @@ fn a_double_dqn_target_uses_the_target_networks_value_of_the_online_networks_cho
 }
 
 #[test]
+fn with_quantiles_each_transition_has_a_target_for_each_quantile_of_the_best_action() {
+    // Two quantiles of three actions for each of two transitions.
+    let target_z = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    let (choosing_q, mut y) = ([0.0, 9.0, 1.0, 0.0, 0.0, 1.0], Vec::new());
+    td_targets(&batch(), &choosing_q, &target_z, &mut y);
+    assert_eq!(y, [1.0 + 0.9 * 2.0, 1.0 + 0.9 * 5.0, 2.0, 2.0]);
+    widen_gaps(&[0, 1], &[3.0, 5.0, 4.0, 3.0, 5.0, 4.0], 0.5, &mut y);
+    assert_eq!(y, [1.0 + 0.9 * 2.0 - 1.0, 1.0 + 0.9 * 5.0 - 1.0, 2.0, 2.0], "by the gap of the Q-values");
+}
+
+#[test]
 fn advantage_learning_lowers_the_targets_of_all_but_the_best_actions() {
     let mut targets = [1.0, 1.0, 1.0];
     widen_gaps(&[0, 1, 2], &[3.0, 5.0, 4.0, 3.0, 5.0, 4.0, 3.0, 5.0, 4.0], 0.5, &mut targets);

@@ -33,7 +33,9 @@ pub struct UpdateStats {
 pub(super) struct Scratch {
     batch: Batch,
     gradient: Gradient,
-    online_q: Vec<f32>,
+    /// Q(s', .) of the network that chooses the next action.
+    choosing_q: Vec<f32>,
+    /// The quantiles of Q(s', .) of the target network.
     target_q: Vec<f32>,
     /// Q(s, .) of the target network, for advantage learning.
     gap_q: Vec<f32>,
@@ -86,18 +88,20 @@ impl Learner {
     /// Samples a batch and computes its TD targets, loss and gradient.
     fn compute_gradient(&mut self) {
         let Self { config, online, target, replay, counters, mirror_stream, mirror, scratch, .. } = self;
-        let Scratch { batch, gradient, online_q, target_q, gap_q, targets } = scratch;
+        let Scratch { batch, gradient, choosing_q, target_q, gap_q, targets } = scratch;
         let n = config.batch_size;
         replay.sample(n, counters.env_steps, &mut counters.sampling, batch);
         if let Some(stream) = mirror_stream {
             mirror.as_ref().expect("a learner with mirror augmentation has a mirror").augment(batch, stream);
         }
-        target.q_values(&batch.next_states, n, target_q);
-        if config.double {
-            online.q_values(&batch.next_states, n, online_q);
+        target.quantile_values(&batch.next_states, n, target_q);
+        let chooser = if config.double { &*online } else { &*target };
+        if config.double || config.quantiles > 1 {
+            chooser.q_values(&batch.next_states, n, choosing_q);
+        } else {
+            choosing_q.clone_from(target_q);
         }
-        let chooser = if config.double { &*online_q } else { &*target_q };
-        td_targets(batch, chooser, target_q, targets);
+        td_targets(batch, choosing_q, target_q, targets);
         if config.advantage_learning > 0.0 {
             target.q_values(&batch.states, n, gap_q);
             widen_gaps(&batch.actions, gap_q, config.advantage_learning, targets);
@@ -155,22 +159,29 @@ impl Learner {
     }
 }
 
-/// Writes the TD targets y = R + discount Q_target(s', a*) into `targets`. `chooser` holds the Q-values of which a* is the
-/// argmax: Q(s', .) of the online network in double DQN, of the target network otherwise.
+/// Writes the TD targets y = R + discount Z_target(s', a*) into `targets`, one for each quantile of a transition. `chooser` holds
+/// the Q-values of which a* is the argmax: Q(s', .) of the online network in double DQN, of the target network otherwise.
+/// `target_q` holds the quantiles Z(s', .), or Q(s', .), of the target network (n x quantiles x actions).
 pub(super) fn td_targets(batch: &Batch, chooser: &[f32], target_q: &[f32], targets: &mut Vec<f32>) {
-    let actions = target_q.len() / batch.rewards.len();
-    let rows = chooser.chunks_exact(actions).zip(target_q.chunks_exact(actions));
+    let n = batch.rewards.len();
+    let actions = chooser.len() / n;
+    let rows = chooser.chunks_exact(actions).zip(target_q.chunks_exact(target_q.len() / n));
     let steps = batch.rewards.iter().zip(&batch.discounts);
     targets.clear();
-    targets
-        .extend(steps.zip(rows).map(|((r, discount), (choose, value))| r + discount * value[greedy(choose)]));
+    for ((r, discount), (choose, quantiles)) in steps.zip(rows) {
+        let best = greedy(choose);
+        targets.extend(quantiles.chunks_exact(actions).map(|value| r + discount * value[best]));
+    }
 }
 
-/// Subtracts `weight` times the gap max Q(s, .) - Q(s, a) from each target: advantage learning. `q` holds Q(s, .).
+/// Subtracts `weight` times the gap max Q(s, .) - Q(s, a) from the targets of each transition: advantage learning. `q` holds
+/// Q(s, .).
 pub(super) fn widen_gaps(actions: &[u8], q: &[f32], weight: f32, targets: &mut [f32]) {
-    let rows = q.chunks_exact(q.len() / actions.len());
-    for ((target, row), &action) in targets.iter_mut().zip(rows).zip(actions) {
-        *target -= weight * (row[greedy(row)] - row[usize::from(action)]);
+    let n = actions.len();
+    let (rows, each) = (q.chunks_exact(q.len() / n), targets.len() / n);
+    for ((targets, row), &action) in targets.chunks_exact_mut(each).zip(rows).zip(actions) {
+        let gap = weight * (row[greedy(row)] - row[usize::from(action)]);
+        targets.iter_mut().for_each(|target| *target -= gap);
     }
 }
 

@@ -26,6 +26,42 @@ fn the_gradient_is_right_with_every_activation_and_with_layer_normalization() {
     }
 }
 
+#[test]
+fn the_gradient_of_quantiles_is_the_derivative_of_their_loss() {
+    const QUANTILES: usize = 4;
+    for dueling in [false, true] {
+        let mut noise = stream(12, "test", u64::from(dueling));
+        let shape = network(dueling, false, Activation::Tanh).shape(5, 3).expect("a valid shape");
+        let mut network = QNetwork::with_quantiles(shape, QUANTILES, &mut noise).expect("a valid shape");
+        let observations: Vec<f32> = (0..BATCH * 5).map(|_| normal(&mut noise)).collect();
+        let targets: Vec<f32> = (0..BATCH * QUANTILES).map(|_| normal(&mut noise)).collect();
+        let weights: Vec<f32> = (0..BATCH).map(|i| 0.1 + 0.07 * i as f32).collect();
+        let actions: Vec<u8> = (0..BATCH).map(|i| (i % 3) as u8).collect();
+        let loss = Loss::Huber { delta: 0.8 };
+        let regression = Regression { actions: &actions, targets: &targets, weights: &weights, loss };
+        let (mut gradient, mut other) = (Gradient::default(), Gradient::default());
+        network.gradient(&observations, regression, &mut gradient);
+        let (mut q, mut nonzero) = (Vec::new(), 0);
+        network.q_values(&observations, BATCH, &mut q);
+        for (i, found) in gradient.q.iter().enumerate() {
+            assert!((found - q[i * 3 + i % 3]).abs() < 1e-5, "the Q-value is the mean of the quantiles");
+        }
+        let mut moved = |network: &mut QNetwork, i: usize, by: f32| {
+            network.update(|parameters| parameters[i] += by);
+            network.gradient(&observations, regression, &mut other);
+            other.loss
+        };
+        for (i, found) in gradient.values.iter().enumerate() {
+            let (above, below) = (moved(&mut network, i, 2e-3), moved(&mut network, i, -4e-3));
+            network.update(|parameters| parameters[i] += 2e-3);
+            let slope = (above - below) / 4e-3;
+            nonzero += usize::from(found.abs() > 1e-3);
+            assert!((slope - found).abs() < 2e-3 + 0.01 * slope.abs(), "parameter {i}: {found}, not {slope}");
+        }
+        assert!(nonzero > gradient.values.len() / 2, "most derivatives are not 0: {nonzero}");
+    }
+}
+
 fn network(dueling: bool, layer_norm: bool, activation: Activation) -> NetworkConfig {
     NetworkConfig { hidden: vec![7, 6], dueling, layer_norm, activation }
 }

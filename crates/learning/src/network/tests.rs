@@ -86,6 +86,55 @@ fn a_batch_in_chunks_gives_the_same_values_as_single_rows() {
 }
 
 #[test]
+fn the_policy_of_a_network_with_quantiles_has_their_mean_as_q_values() {
+    for dueling in [false, true] {
+        let mut noise = stream(3, "test", 0);
+        let mut network =
+            QNetwork::with_quantiles(shape(&[16, 8], 3, dueling), 5, &mut noise).expect("a valid shape");
+        let observations: Vec<f32> = (0..2 * 20).map(|_| uniform(&mut noise, -1.0, 1.0)).collect();
+        let (mut q, mut quantiles, mut of_policy) = (Vec::new(), Vec::new(), Vec::new());
+        network.q_values(&observations, 20, &mut q);
+        network.quantile_values(&observations, 20, &mut quantiles);
+        let policy = network.to_policy();
+        QNetwork::from_policy(&policy).expect("a valid shape").q_values(&observations, 20, &mut of_policy);
+        assert_eq!(quantiles.len(), 20 * 5 * 3);
+        for (row, quantiles) in quantiles.chunks(5 * 3).enumerate() {
+            for action in 0..3 {
+                let mean = quantiles[action..].iter().step_by(3).sum::<f32>() / 5.0;
+                for found in [q[row * 3 + action], of_policy[row * 3 + action]] {
+                    assert!((found - mean).abs() < 1e-5, "{found}, but the mean is {mean}");
+                }
+            }
+        }
+        // A policy that is loaded gives every quantile its values.
+        let other = QNetwork::new(shape(&[16, 8], 3, dueling), &mut noise).expect("a valid shape").to_policy();
+        network.load(&other);
+        QNetwork::from_policy(&other).expect("a valid shape").q_values(&observations, 20, &mut of_policy);
+        network.quantile_values(&observations, 20, &mut quantiles);
+        for (quantiles, q) in quantiles.chunks(5 * 3).zip(of_policy.chunks(3)) {
+            assert!(quantiles.iter().zip(q.iter().cycle()).all(|(z, q)| (z - q).abs() < 1e-5));
+        }
+    }
+}
+
+#[test]
+fn a_parameter_of_any_quantile_has_the_name_of_its_part_of_the_head() {
+    let network = QNetwork::with_quantiles(shape(&[4], 2, true), 3, &mut stream(1, "test", 0));
+    let network = network.expect("a valid shape");
+    // 2 x 4 + 4 of the hidden layer, then 3 x (1 + 2) x 4 weights, then 3 x (1 + 2) biases.
+    let names: Vec<_> = [0, 11, 12, 15, 16, 23, 24, 47, 48, 49, 51, 56].map(|at| network.parameter_name(at)).into();
+    let hidden = ["hidden.0.weight", "hidden.0.bias"];
+    let (value, advantage) = (["value.weight", "value.bias"], ["advantage.weight", "advantage.bias"]);
+    assert_eq!(
+        names,
+        [
+            hidden[0], hidden[1], value[0], value[0], advantage[0], advantage[0], value[0], advantage[0], value[1],
+            advantage[1], value[1], advantage[1]
+        ]
+    );
+}
+
+#[test]
 fn shapes_out_of_range_are_rejected() {
     for (hidden, inputs, actions) in
         [(vec![64], 0, 5), (vec![64], 28, 0), (vec![64], 28, 256), (vec![4096; 8], 28, 5)]
@@ -94,4 +143,7 @@ fn shapes_out_of_range_are_rejected() {
         assert!(config.shape(inputs, actions).is_err(), "{config:?} {inputs} {actions}");
     }
     assert!(QNetwork::from_parameters(shape(&[3], 2, true), vec![0.0; 3]).is_err(), "too few parameters");
+    let wide = shape(&[4096, 2000], 250, true);
+    let error = QNetwork::with_quantiles(wide, 100, &mut stream(1, "test", 0)).expect_err("too many parameters");
+    assert_eq!(error.field, "quantiles", "{error}");
 }
