@@ -62,8 +62,7 @@ pub use glam::{Vec2, vec2};
 #[cfg(not(target_arch = "wasm32"))]
 pub use input::{is_special_file, path_exists, read_bytes};
 pub use levels::{
-    Clutter, LevelError, LevelGenerator, Route, Traffic, TrafficShapes, WallLayout,
-    level_generator_diagnostics,
+    Clutter, LevelError, LevelGenerator, Route, Traffic, WallLayout, level_generator_diagnostics,
 };
 pub use limits::MAX_FILE_BYTES;
 pub use load::{

@@ -7,8 +7,7 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use wayfield_scenario::{
     Clutter, LevelGenerator, Obstacle, ObstacleMotion, RandomShape, Route, Scenario, Shape, Traffic,
-    TrafficShapes, WallLayout, clearance, diagnostics, level_generator_diagnostics, parse_ron, polygon,
-    to_ron, to_text,
+    WallLayout, clearance, diagnostics, level_generator_diagnostics, parse_ron, polygon, to_ron, to_text,
 };
 
 /// Number of seeds that are tested of each generator.
@@ -41,11 +40,7 @@ const TRAPS: &str = "(name: \"Traps\", wall_layouts: [Traps()])";
 const LANES: &str = "(name: \"Lanes\", traffic: [Lanes()])";
 const CIRCLE: &str = "(name: \"Circle\", traffic: [CircleCrossing()])";
 const CROSSING: &str = "(name: \"Crossing\", traffic: [RandomCrossing()])";
-const ORBITS: &str = "(name: \"Orbits\", traffic: [Orbits()])";
-const MIXED_SHAPES: &str = "(name: \"Mixed shapes\", traffic: [
-    Lanes(shapes: Mixed), CircleCrossing(shapes: Mixed), RandomCrossing(shapes: Mixed), Orbits(shapes: Mixed)])";
 const WALKS: &str = "(name: \"Walks\", traffic: [RandomWalks()])";
-const SIDES: &str = "(name: \"Sides\", clutter: [Automaton()], traffic: [RandomCrossing()], route: Sides())";
 const MIXED: &str =
     "(name: \"Mixed\", gap_m: 0.45, route: Random(clearance_m: 0.3), wall_layouts: [Cells(), Rooms(), Traps()],
     clutter: [Scatter(count: (2, 6), shapes: [Circle(radius_m: (0.05, 0.2))])],
@@ -58,7 +53,7 @@ const CROWD: &str =
     "(name: \"Crowd\", wall_layouts: [Traps()], traffic: [PedestrianCrowd(sees_robot: true)])";
 
 /// One generator of every layout.
-const ALL: [&str; 19] = [
+const ALL: [&str; 16] = [
     AUTOMATON,
     ACROSS,
     SCATTER,
@@ -72,9 +67,6 @@ const ALL: [&str; 19] = [
     CIRCLE,
     CROSSING,
     WALKS,
-    ORBITS,
-    MIXED_SHAPES,
-    SIDES,
     MIXED,
     PEDESTRIANS,
     CROWD,
@@ -265,9 +257,6 @@ fn an_invalid_generator_is_reported_with_line_and_fix() {
         ("(name: \"a\", width_m: (5.0, 4.0))", "`width_m` is (5, 4): write the smaller number first"),
         ("(name: \"a\", route: Random(clearance_m: 0.18))", "write at least 0.1925, 0.55 times gap_m"),
         ("(name: \"a\", route: Across(margin_m: 3.0))", "a third of the smallest height"),
-        ("(name: \"a\", route: Sides(margin_m: 3.0))", "a third of the smallest height"),
-        ("(name: \"a\", route: Sides(clearance_m: 0.18))", "write at least 0.1925, 0.55 times gap_m"),
-        ("(name: \"a\", route: Sides(margin_m: 1.0, clearance_m: 1.0))", "write more than clearance_m, 1 m"),
         ("(name: \"a\", clutter: [Automaton(cell_m: (0.03, 0.1))])", "more than 4000"),
         ("(name: \"a\", wall_layouts: [Rooms(door_m: (0.3, 0.5))])", "write more than gap_m, 0.35 m"),
         ("(name: \"a\", traffic: [Lanes(speed_m_s: (0.1, 4.0))])", "write a number from 0 to 2.5"),
@@ -326,71 +315,6 @@ fn pedestrians_start_apart_near_the_circle_and_cross_it() {
 }
 
 #[test]
-fn orbits_have_both_directions_and_stay_inside_the_enclosure_and_clear_of_obstacles() {
-    let generator = generator(
-        "(name: \"a\", clutter: [Scatter(count: (3, 6), shapes: [Circle(radius_m: (0.1, 0.3))])],
-        traffic: [Orbits(orbit_m: (0.3, 1.0), speed_m_s: (0.05, 0.2), radius_m: (0.1, 0.2))])",
-    );
-    let mut clockwise = Vec::new();
-    for seed in 0..SEEDS {
-        let level = level(&generator, seed);
-        let high = level.enclosure.bounds_m().1;
-        let mut still = level.clone();
-        still.obstacles.retain(|obstacle| obstacle.motion == ObstacleMotion::Static);
-        for obstacle in &level.obstacles {
-            let ObstacleMotion::Orbit { centre_m, speed_rad_s } = obstacle.motion else { continue };
-            let (orbit_m, radius_m) =
-                (obstacle.position_m.distance(centre_m), obstacle.shape.bounding_radius_m());
-            assert!((0.3 - 1e-4..1.0 + 1e-4).contains(&orbit_m), "{}: {orbit_m} m", level.name);
-            let speed_m_s = speed_rad_s.value().abs() * orbit_m;
-            assert!((0.05 - 1e-4..0.2 + 1e-4).contains(&speed_m_s), "{}: {speed_m_s} m/s", level.name);
-            assert!((centre_m.abs() + orbit_m + radius_m).cmple(high + 1e-4).all(), "{}", level.name);
-            assert!(clearance(&still, centre_m, 0) >= orbit_m + radius_m - 1e-4, "{}", level.name);
-            clockwise.push(speed_rad_s.value() < 0.0);
-        }
-    }
-    let fraction = clockwise.iter().filter(|clockwise| **clockwise).count() as f32 / clockwise.len() as f32;
-    assert!(clockwise.len() > 500 && (fraction - 0.5).abs() < 0.07, "{fraction} of {}", clockwise.len());
-}
-
-#[test]
-fn mixed_traffic_has_circles_capsules_and_rectangles_of_the_given_size() {
-    let generator =
-        generator("(name: \"a\", traffic: [RandomCrossing(radius_m: (0.1, 0.3), shapes: Mixed)])");
-    let mut counts = [0; 3];
-    for seed in 0..SEEDS {
-        for obstacle in &level(&generator, seed).obstacles {
-            let radius_m = obstacle.shape.bounding_radius_m();
-            assert!((0.1 - 1e-6..0.3 + 1e-6).contains(&radius_m), "{:?}", obstacle.shape);
-            let (kind, aspect) = match obstacle.shape {
-                Shape::Circle { .. } => (0, 1.0),
-                Shape::Capsule { radius_m, length_m } => (1, 2.0 * radius_m / (length_m + 2.0 * radius_m)),
-                Shape::Rectangle { width_m, height_m } => (2, height_m / width_m),
-                Shape::Polygon { .. } => panic!("no polygons"),
-            };
-            assert!((0.3 - 1e-5..=1.0 + 1e-5).contains(&aspect), "{:?}", obstacle.shape);
-            counts[kind] += 1;
-        }
-    }
-    let all: u32 = counts.iter().sum();
-    assert!(counts.iter().all(|&count| count * 4 > all), "about a third of each: {counts:?}");
-}
-
-#[test]
-fn a_route_between_sides_has_starts_below_and_goals_above() {
-    let generator = generator(SIDES);
-    for seed in 0..SEEDS {
-        let level = level(&generator, seed);
-        let high = level.enclosure.bounds_m().1;
-        let route = level.benchmark_route.expect("levels have one");
-        assert!(route.start_m.y <= 1.0 - high.y && route.goal_m.y >= high.y - 1.0, "{route:?}");
-        for obstacle in &level.obstacles {
-            assert!(obstacle.position_m.y.abs() <= high.y - 1.0 + 1e-4, "{}", level.name);
-        }
-    }
-}
-
-#[test]
 fn pedestrians_of_a_crowd_walk_on_paths_that_are_clear_of_walls() {
     let generator = generator(CROWD);
     let mut count = 0;
@@ -445,29 +369,19 @@ fn any_clutter() -> impl Strategy<Value = Clutter> {
 
 fn any_traffic() -> impl Strategy<Value = Traffic> {
     let (count, radius, speed) = (|| whole_range(20), || range(0.01, 1.0), || range(0.0, 2.5));
-    let shapes = || prop_oneof![Just(TrafficShapes::Circles), Just(TrafficShapes::Mixed)];
     prop_oneof![
-        (whole_range(10), count(), radius(), speed(), shapes()).prop_map(
-            |(pairs, count, radius_m, speed_m_s, shapes)| {
-                Traffic::Lanes { pairs, count, radius_m, speed_m_s, shapes }
-            }
-        ),
-        (count(), radius(), speed(), range(0.1, 5.0), shapes()).prop_map(
-            |(count, radius_m, speed_m_s, circle_m, shapes)| {
-                Traffic::CircleCrossing { count, radius_m, speed_m_s, circle_m, shapes }
-            }
-        ),
-        (count(), radius(), speed(), shapes()).prop_map(|(count, radius_m, speed_m_s, shapes)| {
-            Traffic::RandomCrossing { count, radius_m, speed_m_s, shapes }
+        (whole_range(10), count(), radius(), speed()).prop_map(|(pairs, count, radius_m, speed_m_s)| {
+            Traffic::Lanes { pairs, count, radius_m, speed_m_s }
+        }),
+        (count(), radius(), speed(), range(0.1, 5.0)).prop_map(|(count, radius_m, speed_m_s, circle_m)| {
+            Traffic::CircleCrossing { count, radius_m, speed_m_s, circle_m }
+        }),
+        (count(), radius(), speed()).prop_map(|(count, radius_m, speed_m_s)| {
+            Traffic::RandomCrossing { count, radius_m, speed_m_s }
         }),
         (count(), radius(), speed(), range(0.01, 2.0)).prop_map(|(count, radius_m, speed_m_s, reach_m)| {
             Traffic::RandomWalks { count, radius_m, speed_m_s, reach_m }
         }),
-        (count(), radius(), speed(), range(0.01, 2.0), shapes()).prop_map(
-            |(count, radius_m, speed_m_s, orbit_m, shapes)| {
-                Traffic::Orbits { count, radius_m, speed_m_s, orbit_m, shapes }
-            }
-        ),
         (count(), radius(), speed(), range(0.1, 5.0), 0.0_f32..2.0, any::<(bool, bool)>()).prop_map(
             |(count, radius_m, speed_m_s, circle_m, noise_m, (loops, sees_robot))| {
                 Traffic::PedestrianCircle { count, radius_m, speed_m_s, circle_m, noise_m, loops, sees_robot }
@@ -495,8 +409,6 @@ fn any_generator() -> impl Strategy<Value = LevelGenerator> {
     let route = prop_oneof![
         (0.56_f32..2.0).prop_map(|clearance_m| Route::Random { clearance_m }),
         (2.0_f32..4.0).prop_map(|margin_m| Route::Across { margin_m }),
-        (2.0_f32..4.0, 0.56_f32..1.9)
-            .prop_map(|(margin_m, clearance_m)| Route::Sides { margin_m, clearance_m }),
         (-4.0_f32..4.0, -4.0_f32..4.0, -4.0_f32..4.0).prop_map(|(x, y, heading_rad)| Route::Fixed {
             start_m: vec2(x, y),
             heading_rad,
@@ -511,9 +423,6 @@ fn any_generator() -> impl Strategy<Value = LevelGenerator> {
             let route = match route {
                 Route::Random { clearance_m } => Route::Random { clearance_m: clearance_m * gap_m },
                 Route::Across { margin_m } => Route::Across { margin_m: margin_m * gap_m },
-                Route::Sides { margin_m, clearance_m } => {
-                    Route::Sides { margin_m: margin_m * gap_m, clearance_m: clearance_m * gap_m }
-                }
                 fixed @ Route::Fixed { .. } => fixed,
             };
             let empty = generator("(name: \"Any\")");

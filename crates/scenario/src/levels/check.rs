@@ -60,12 +60,15 @@ fn check_sizes(generator: &LevelGenerator, diagnostics: &mut Diagnostics) {
     diagnostics.check_range(path, gap_m, LEVEL_GAP_M, METRES);
     diagnostics.check_gap(path, gap_m, &generator.robot, &generator.task);
     match generator.route {
-        Route::Random { clearance_m } => check_clearance(clearance_m, gap_m, diagnostics),
-        Route::Sides { margin_m, clearance_m } => {
-            check_clearance(clearance_m, gap_m, diagnostics);
-            check_margin(margin_m, generator, diagnostics);
-            let path = format_args!("route.margin_m");
-            diagnostics.check_above(path, margin_m, clearance_m, ("clearance_m", "clearance_m"));
+        Route::Random { clearance_m } => {
+            let path = format_args!("route.clearance_m");
+            diagnostics.check_range(path, clearance_m, LEVEL_CLEARANCE_M, METRES);
+            let least = MIN_CLEARANCE_GAPS * f64::from(gap_m);
+            if f64::from(clearance_m) < least {
+                let message =
+                    format!("is {clearance_m}: write at least {least:.4}, {MIN_CLEARANCE_GAPS} times gap_m");
+                diagnostics.push(path, message);
+            }
         }
         Route::Fixed { start_m, heading_rad, goal_m } => {
             diagnostics.check_range(format_args!("route.heading_rad"), heading_rad, ANGLE_RAD, RADIANS);
@@ -79,30 +82,17 @@ fn check_sizes(generator: &LevelGenerator, diagnostics: &mut Diagnostics) {
                 }
             }
         }
-        Route::Across { margin_m } => check_margin(margin_m, generator, diagnostics),
-    }
-}
-
-fn check_clearance(clearance_m: f32, gap_m: f32, diagnostics: &mut Diagnostics) {
-    let path = format_args!("route.clearance_m");
-    diagnostics.check_range(path, clearance_m, LEVEL_CLEARANCE_M, METRES);
-    let least = MIN_CLEARANCE_GAPS * f64::from(gap_m);
-    if f64::from(clearance_m) < least {
-        let message =
-            format!("is {clearance_m}: write at least {least:.4}, {MIN_CLEARANCE_GAPS} times gap_m");
-        diagnostics.push(path, message);
-    }
-}
-
-fn check_margin(margin_m: f32, generator: &LevelGenerator, diagnostics: &mut Diagnostics) {
-    let path = format_args!("route.margin_m");
-    diagnostics.check_range(path, margin_m, LEVEL_MARGIN_M, METRES);
-    let (least, most) = (2.0 * generator.gap_m, generator.height_m.0 / 3.0);
-    if !(least..=most).contains(&margin_m) {
-        let message = format!(
-            "is {margin_m}: write at least {least}, twice gap_m, and at most {most}, a third of the smallest height"
-        );
-        diagnostics.push(path, message);
+        Route::Across { margin_m } => {
+            let path = format_args!("route.margin_m");
+            diagnostics.check_range(path, margin_m, LEVEL_MARGIN_M, METRES);
+            let (least, most) = (2.0 * generator.gap_m, height_m.0 / 3.0);
+            if !(least..=most).contains(&margin_m) {
+                let message = format!(
+                    "is {margin_m}: write at least {least}, twice gap_m, and at most {most}, a third of the smallest height"
+                );
+                diagnostics.push(path, message);
+            }
+        }
     }
 }
 
@@ -195,8 +185,7 @@ fn check_traffic(
 ) {
     let (Traffic::Lanes { count, radius_m, speed_m_s, .. }
     | Traffic::CircleCrossing { count, radius_m, speed_m_s, .. }
-    | Traffic::RandomCrossing { count, radius_m, speed_m_s, .. }
-    | Traffic::Orbits { count, radius_m, speed_m_s, .. }
+    | Traffic::RandomCrossing { count, radius_m, speed_m_s }
     | Traffic::RandomWalks { count, radius_m, speed_m_s, .. }
     | Traffic::PedestrianCircle { count, radius_m, speed_m_s, .. }
     | Traffic::PedestrianCrowd { count, radius_m, speed_m_s, .. }) = *traffic;
@@ -219,9 +208,6 @@ fn check_traffic(
         }
         Traffic::PedestrianCrowd { goals, .. } => {
             diagnostics.check_pair(format_args!("{path}.goals"), goals, LEVEL_GOALS, "");
-        }
-        Traffic::Orbits { orbit_m, .. } => {
-            diagnostics.check_pair(format_args!("{path}.orbit_m"), orbit_m, TRAFFIC_SIZE_M, METRES);
         }
         Traffic::RandomWalks { reach_m, .. } => {
             diagnostics.check_pair(format_args!("{path}.reach_m"), reach_m, TRAFFIC_SIZE_M, METRES);

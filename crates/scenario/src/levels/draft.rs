@@ -53,10 +53,10 @@ impl Draft {
         let (width_m, height_m) = (number(stream, generator.width_m), number(stream, generator.height_m));
         let margin_m = match generator.route {
             Route::Random { .. } | Route::Fixed { .. } => 0.0,
-            Route::Across { margin_m } | Route::Sides { margin_m, .. } => margin_m,
+            Route::Across { margin_m } => margin_m,
         };
         let high = vec2(width_m / 2.0, height_m / 2.0 - margin_m);
-        let (starts, goals) = generator.route.rules(width_m, height_m);
+        let (starts, goals) = generator.route.rules(height_m);
         let scenario = Scenario {
             name: format!("{} {seed}", generator.name),
             about: generator.about.clone(),

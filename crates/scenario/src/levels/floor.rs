@@ -26,7 +26,7 @@ pub(super) fn cell_m(half_gap_m: f32, route: Route) -> f64 {
     let half_gap_m = f64::from(half_gap_m);
     let largest = half_gap_m * MAX_CELL_FRACTION;
     match route {
-        Route::Random { clearance_m } | Route::Sides { clearance_m, .. } => {
+        Route::Random { clearance_m } => {
             largest.min((f64::from(clearance_m) - half_gap_m) * (std::f64::consts::FRAC_1_SQRT_2 * 0.999))
         }
         Route::Across { .. } | Route::Fixed { .. } => largest,
@@ -74,7 +74,7 @@ impl<'a> Floor<'a> {
     /// The regions that contain positions of `rule`.
     fn sites(&self, rule: &PlacementRule) -> Vec<RegionSite> {
         let mut rule = rule.clone();
-        if let PlacementRule::Random { clearance_m } | PlacementRule::Within { clearance_m, .. } = &mut rule {
+        if let PlacementRule::Random { clearance_m } = &mut rule {
             // A position with the clearance may be this far from the centre of its cell.
             *clearance_m -= self.grid.half_diagonal_m() as f32;
         }

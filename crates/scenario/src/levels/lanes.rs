@@ -14,7 +14,7 @@ const TRIES: usize = 50;
 const MIN_SPACING_RADII: f32 = 4.0;
 
 /// Adds a pair of lanes across the whole field, along x or y, with up to `count` obstacles.
-pub(super) fn add(draft: &mut Draft, walker: &Walker, count: u32, stream: &mut Stream) {
+pub(super) fn add(draft: &mut Draft, walker: Walker, count: u32, stream: &mut Stream) {
     let mut loops = (0..TRIES).map(|_| random_loop(draft, walker.radius_m, stream));
     let is_free = |corners: &[Vec2; 4]| {
         (0..4).all(|k| draft.is_free(corners[k], corners[(k + 1) % 4], walker.radius_m))

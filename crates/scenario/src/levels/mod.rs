@@ -45,7 +45,7 @@ use crate::schema::Scenario;
 use draft::Draft;
 
 pub use check::level_generator_diagnostics;
-pub use schema::{Clutter, LevelGenerator, Route, Traffic, TrafficShapes, WallLayout};
+pub use schema::{Clutter, LevelGenerator, Route, Traffic, WallLayout};
 
 /// Attempts, each with its own random streams, to make a level that the robot can solve.
 const ATTEMPTS: u64 = 100;

@@ -51,7 +51,7 @@ pub(super) fn add_circle(
         if let Some(start) = free {
             let goal = 2.0 * middle - start;
             taken.extend([(start, walker.radius_m), (goal, walker.radius_m)]);
-            draft.add_moving(pedestrian(&walker, start, vec![goal], behavior));
+            draft.add_moving(pedestrian(walker, start, vec![goal], behavior));
         }
     }
 }
@@ -74,7 +74,7 @@ pub(super) fn add_crowd(
         let goals_m = random_goals(draft, start, walker.radius_m, whole(stream, goals), stream);
         if !goals_m.is_empty() {
             taken.push((start, walker.radius_m));
-            draft.add_moving(pedestrian(&walker, start, goals_m, behavior));
+            draft.add_moving(pedestrian(walker, start, goals_m, behavior));
         }
     }
 }
@@ -108,7 +108,7 @@ fn is_spaced(start: Vec2, radius_m: f32, taken: &[End]) -> bool {
     taken.iter().all(|end| gap_m(end) >= SPACING_M)
 }
 
-fn pedestrian(walker: &Walker, start: Vec2, goals_m: Vec<Vec2>, behavior: Behavior) -> Obstacle {
+fn pedestrian(walker: Walker, start: Vec2, goals_m: Vec<Vec2>, behavior: Behavior) -> Obstacle {
     let Behavior { loops, sees_robot } = behavior;
     let speed_m_s = walker.speed_m_s.into();
     walker.at(start, ObstacleMotion::Pedestrian { goals_m, speed_m_s, loops, sees_robot })

@@ -15,8 +15,8 @@ use crate::schema::{BenchmarkRoute, PlacementRule, Scenario};
 const ROUTES: usize = 4;
 
 impl Route {
-    /// The rules for starts and goals in an enclosure of this size.
-    pub(super) fn rules(self, width_m: f32, height_m: f32) -> (PlacementRule, PlacementRule) {
+    /// The rules for starts and goals in an enclosure of this height.
+    pub(super) fn rules(self, height_m: f32) -> (PlacementRule, PlacementRule) {
         match self {
             Self::Random { clearance_m } => {
                 (PlacementRule::Random { clearance_m }, PlacementRule::Random { clearance_m })
@@ -24,12 +24,6 @@ impl Route {
             Self::Across { margin_m } => {
                 let end = vec2(0.0, (height_m - margin_m) / 2.0);
                 fixed(-end, FRAC_PI_2, end)
-            }
-            Self::Sides { margin_m, clearance_m } => {
-                let (low, high) =
-                    (vec2(-width_m / 2.0, height_m / 2.0 - margin_m), vec2(width_m, height_m) / 2.0);
-                let within = |min_m, max_m| PlacementRule::Within { min_m, max_m, clearance_m };
-                (within(-high, vec2(high.x, -low.y)), within(low, high))
             }
             Self::Fixed { start_m, heading_rad, goal_m } => fixed(start_m, heading_rad, goal_m),
         }

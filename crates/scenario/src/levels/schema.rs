@@ -201,8 +201,8 @@ fn default_cell_m() -> (f32, f32) {
     (0.15, 0.15)
 }
 
-/// A layout of moving obstacles, whose paths are clear of walls and static obstacles. Only pedestrians give way. Fewer are placed
-/// if no free path is found.
+/// A layout of moving obstacles: circles whose paths are clear of walls and static obstacles. Only pedestrians give way. Fewer
+/// are placed if no free path is found.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Traffic {
@@ -220,9 +220,6 @@ pub enum Traffic {
         /// Speed, 0 to 5 m/s; the same for all obstacles on a pair.
         #[serde(default = "default_speed_m_s")]
         speed_m_s: (f32, f32),
-        /// Shapes.
-        #[serde(default)]
-        shapes: TrafficShapes,
     },
     /// Obstacles that start all around a circle and cross it to the opposite points and back, as in CrowdNav.
     CircleCrossing {
@@ -235,9 +232,6 @@ pub enum Traffic {
         /// Speed, 0 to 5 m/s.
         #[serde(default = "default_speed_m_s")]
         speed_m_s: (f32, f32),
-        /// Shapes.
-        #[serde(default)]
-        shapes: TrafficShapes,
         /// Radius of the circle, 0.1 to 50 m. It is decreased to fit into the enclosure.
         #[serde(default = "default_circle_m")]
         circle_m: (f32, f32),
@@ -253,9 +247,6 @@ pub enum Traffic {
         /// Speed, 0 to 5 m/s.
         #[serde(default = "default_speed_m_s")]
         speed_m_s: (f32, f32),
-        /// Shapes.
-        #[serde(default)]
-        shapes: TrafficShapes,
     },
     /// Obstacles that walk at random around random points.
     RandomWalks {
@@ -271,24 +262,6 @@ pub enum Traffic {
         /// Largest distance of a walk from its point, 0.01 to 10 m.
         #[serde(default = "default_reach_m")]
         reach_m: (f32, f32),
-    },
-    /// Obstacles that revolve about random points.
-    Orbits {
-        /// Number of obstacles, 0 to 200.
-        #[serde(default = "default_count")]
-        count: (u32, u32),
-        /// Radius of an obstacle, 0.01 to 10 m.
-        #[serde(default = "default_radius_m")]
-        radius_m: (f32, f32),
-        /// Speed, 0 to 5 m/s.
-        #[serde(default = "default_speed_m_s")]
-        speed_m_s: (f32, f32),
-        /// Radius of the revolution, 0.01 to 10 m.
-        #[serde(default = "default_reach_m")]
-        orbit_m: (f32, f32),
-        /// Shapes.
-        #[serde(default)]
-        shapes: TrafficShapes,
     },
     /// Pedestrians who start at random near a circle, walk to the opposite points and avoid each other by ORCA, as in CrowdNav.
     PedestrianCircle {
@@ -332,17 +305,6 @@ pub enum Traffic {
         #[serde(default)]
         sees_robot: bool,
     },
-}
-
-/// The shapes of moving obstacles.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub enum TrafficShapes {
-    /// Circles.
-    #[default]
-    Circles,
-    /// Circles, capsules and rectangles with equal probability; a capsule or rectangle has a random rotation, ends at the
-    /// circle of `radius_m`, and is 0.3 to 1 times as wide as long.
-    Mixed,
 }
 
 fn default_walk_loops() -> bool {
@@ -397,15 +359,6 @@ pub enum Route {
         /// Depth of the strips along both sides that are kept free of clutter and traffic, 0.1 to 50 m. Start and goal are in their middle.
         #[serde(default = "default_margin_m")]
         margin_m: f32,
-    },
-    /// Random starts with a random heading along the lower side, random goals along the upper side.
-    Sides {
-        /// Depth of the strips along both sides in which they are, and which are kept free of clutter and traffic, 0.1 to 50 m.
-        #[serde(default = "default_margin_m")]
-        margin_m: f32,
-        /// Smallest distance to any surface, 0.01 to 50 m. Must be at least 0.55 `gap_m`, and less than half of `margin_m`.
-        #[serde(default = "default_clearance_m")]
-        clearance_m: f32,
     },
     /// The same start and goal in all levels.
     Fixed {

@@ -1,4 +1,4 @@
-//! Moving obstacles on paths that are clear of everything static. Only pedestrians avoid each other or the robot.
+//! Moving obstacles: circles on paths that are clear of everything static. Only pedestrians avoid each other or the robot.
 
 use std::f32::consts::{PI, TAU};
 
@@ -7,121 +7,82 @@ use wayfield_random::{Stream, random_u64, uniform};
 
 use super::draft::Draft;
 use super::pedestrians::Behavior;
-use super::schema::{Traffic, TrafficShapes};
+use super::schema::Traffic;
 use super::{lanes, number, one_of, pedestrians, whole};
 use crate::geometry::length;
-use crate::limits::MAX_ANGULAR_SPEED_RAD_S;
 use crate::schema::{Obstacle, ObstacleMotion, Shape};
 
 /// Attempts to find a free path before an obstacle is omitted.
 const TRIES: usize = 50;
 /// Largest deviation of an obstacle from its evenly spaced position on the circle, as a fraction of their spacing.
 const JITTER: f32 = 0.3;
-/// Smallest width of a capsule or rectangle, as a fraction of its length.
-const MIN_ASPECT: f32 = 0.3;
 
 /// Adds one of `layouts`; nothing if there is none.
 pub(super) fn add(draft: &mut Draft, layouts: &[Traffic], stream: &mut Stream) {
     let Some(layout) = one_of(layouts, stream) else { return };
     match *layout {
-        Traffic::Lanes { pairs, count, radius_m, speed_m_s, shapes } => {
+        Traffic::Lanes { pairs, count, radius_m, speed_m_s } => {
             for _ in 0..whole(stream, pairs) {
-                let walker = Walkers { radius_m, speed_m_s, shapes }.draw(stream);
-                lanes::add(draft, &walker, whole(stream, count), stream);
+                let walker = Walkers { radius_m, speed_m_s }.draw(stream);
+                lanes::add(draft, walker, whole(stream, count), stream);
             }
         }
-        Traffic::CircleCrossing { count, radius_m, speed_m_s, circle_m, shapes } => {
-            let walkers = Walkers { radius_m, speed_m_s, shapes };
-            add_circle(draft, whole(stream, count), walkers, circle_m, stream);
+        Traffic::CircleCrossing { count, radius_m, speed_m_s, circle_m } => {
+            add_circle(draft, whole(stream, count), Walkers { radius_m, speed_m_s }, circle_m, stream);
         }
-        Traffic::RandomCrossing { count, radius_m, speed_m_s, shapes } => {
+        Traffic::RandomCrossing { count, radius_m, speed_m_s } => {
             for _ in 0..whole(stream, count) {
-                let walker = Walkers { radius_m, speed_m_s, shapes }.draw(stream);
-                add_crossing(draft, &walker, stream);
+                let walker = Walkers { radius_m, speed_m_s }.draw(stream);
+                add_crossing(draft, walker, stream);
             }
         }
         Traffic::RandomWalks { count, radius_m, speed_m_s, reach_m } => {
             for _ in 0..whole(stream, count) {
-                let walker = Walkers::circles(radius_m, speed_m_s).draw(stream);
+                let walker = Walkers { radius_m, speed_m_s }.draw(stream);
                 let reach_m = number(stream, reach_m);
-                add_walk(draft, &walker, reach_m, stream);
-            }
-        }
-        Traffic::Orbits { count, radius_m, speed_m_s, orbit_m, shapes } => {
-            for _ in 0..whole(stream, count) {
-                let walker = Walkers { radius_m, speed_m_s, shapes }.draw(stream);
-                let orbit_m = number(stream, orbit_m);
-                add_orbit(draft, &walker, orbit_m, stream);
+                add_walk(draft, walker, reach_m, stream);
             }
         }
         Traffic::PedestrianCircle { count, radius_m, speed_m_s, circle_m, noise_m, loops, sees_robot } => {
-            let behavior = Behavior { loops, sees_robot };
-            let who = (whole(stream, count), Walkers::circles(radius_m, speed_m_s), behavior);
+            let who = (whole(stream, count), Walkers { radius_m, speed_m_s }, Behavior { loops, sees_robot });
             pedestrians::add_circle(draft, who, (circle_m, noise_m), stream);
         }
         Traffic::PedestrianCrowd { count, radius_m, speed_m_s, goals, sees_robot } => {
             let behavior = Behavior { loops: true, sees_robot };
-            let who = (whole(stream, count), Walkers::circles(radius_m, speed_m_s), behavior);
+            let who = (whole(stream, count), Walkers { radius_m, speed_m_s }, behavior);
             pedestrians::add_crowd(draft, who, goals, stream);
         }
     }
 }
 
-/// The ranges of the sizes and speeds of moving obstacles, and their shapes.
+/// The ranges of the sizes and speeds of moving obstacles.
 #[derive(Clone, Copy)]
 pub(super) struct Walkers {
     radius_m: (f32, f32),
     speed_m_s: (f32, f32),
-    shapes: TrafficShapes,
 }
 
 impl Walkers {
-    fn circles(radius_m: (f32, f32), speed_m_s: (f32, f32)) -> Self {
-        Self { radius_m, speed_m_s, shapes: TrafficShapes::Circles }
-    }
-
     pub(super) fn draw(self, stream: &mut Stream) -> Walker {
-        let (radius_m, speed_m_s) = (number(stream, self.radius_m), number(stream, self.speed_m_s));
-        let (shape, rotation_rad) = match self.shapes {
-            TrafficShapes::Circles => (Shape::Circle { radius_m }, 0.0),
-            TrafficShapes::Mixed => mixed_shape(radius_m, stream),
-        };
-        Walker { radius_m, speed_m_s, shape, rotation_rad }
+        Walker { radius_m: number(stream, self.radius_m), speed_m_s: number(stream, self.speed_m_s) }
     }
 }
 
-/// A random shape that ends at a circle of `radius_m`, and its rotation.
-fn mixed_shape(radius_m: f32, stream: &mut Stream) -> (Shape, f32) {
-    let kind = uniform(stream, 0.0, 3.0);
-    let (aspect, rotation_rad) = (uniform(stream, MIN_ASPECT, 1.0), uniform(stream, -PI, PI));
-    if kind < 1.0 {
-        (Shape::Circle { radius_m }, 0.0)
-    } else if kind < 2.0 {
-        let half_width_m = aspect * radius_m;
-        (Shape::Capsule { length_m: 2.0 * (radius_m - half_width_m), radius_m: half_width_m }, rotation_rad)
-    } else {
-        let width_m = 2.0 * radius_m / length(1.0, aspect);
-        (Shape::Rectangle { width_m, height_m: aspect * width_m }, rotation_rad)
-    }
-}
-
-/// The size, the speed and the shape of a moving obstacle.
-#[derive(Clone)]
+/// The size and the speed of a moving obstacle.
+#[derive(Clone, Copy)]
 pub(super) struct Walker {
-    /// Radius of the circle around the shape.
     pub(super) radius_m: f32,
     pub(super) speed_m_s: f32,
-    shape: Shape,
-    rotation_rad: f32,
 }
 
 impl Walker {
     /// The moving obstacle at a position.
-    pub(super) fn at(&self, position_m: Vec2, motion: ObstacleMotion) -> Obstacle {
-        Obstacle { shape: self.shape.clone(), position_m, rotation_rad: self.rotation_rad, motion }
+    pub(super) fn at(self, position_m: Vec2, motion: ObstacleMotion) -> Obstacle {
+        let shape = Shape::Circle { radius_m: self.radius_m };
+        Obstacle { shape, position_m, rotation_rad: 0.0, motion }
     }
 
-    fn between(&self, from: Vec2, to: Vec2) -> Obstacle {
+    fn between(self, from: Vec2, to: Vec2) -> Obstacle {
         let waypoints_m = vec![to];
         self.at(from, ObstacleMotion::BackAndForth { waypoints_m, speed_m_s: self.speed_m_s.into() })
     }
@@ -144,7 +105,7 @@ fn add_circle(draft: &mut Draft, count: u32, walkers: Walkers, circle_m: (f32, f
 }
 
 /// Adds an obstacle that moves back and forth between two random points, at least half the shorter side of the field apart.
-fn add_crossing(draft: &mut Draft, walker: &Walker, stream: &mut Stream) {
+fn add_crossing(draft: &mut Draft, walker: Walker, stream: &mut Stream) {
     let far = (draft.field.max_m - draft.field.min_m).min_element() / 2.0;
     let mut ends = (0..TRIES).map(|_| (draft.random_point(stream), draft.random_point(stream)));
     let free = ends.find(|&(from, to)| {
@@ -156,26 +117,12 @@ fn add_crossing(draft: &mut Draft, walker: &Walker, stream: &mut Stream) {
 }
 
 /// Adds an obstacle that walks at random within `reach_m` of a random point.
-fn add_walk(draft: &mut Draft, walker: &Walker, reach_m: f32, stream: &mut Stream) {
+fn add_walk(draft: &mut Draft, walker: Walker, reach_m: f32, stream: &mut Stream) {
     let mut points = (0..TRIES).map(|_| draft.random_point(stream));
     if let Some(at) = points.find(|&at| draft.is_free(at, at, walker.radius_m + reach_m)) {
         let seed = random_u64(stream) as u32;
         let motion =
             ObstacleMotion::RandomWalk { radius_m: reach_m, speed_m_s: walker.speed_m_s.into(), seed };
         draft.add_moving(walker.at(at, motion));
-    }
-}
-
-/// Adds an obstacle that revolves about a random point, in either direction.
-fn add_orbit(draft: &mut Draft, walker: &Walker, orbit_m: f32, stream: &mut Stream) {
-    let mut points = (0..TRIES).map(|_| draft.random_point(stream));
-    if let Some(centre_m) = points.find(|&at| draft.is_free(at, at, walker.radius_m + orbit_m)) {
-        let angle = uniform(stream, -PI, PI);
-        let (sin, cos) = libm::sincosf(angle);
-        let clockwise = uniform(stream, 0.0, 1.0) < 0.5;
-        let speed_rad_s = (walker.speed_m_s / orbit_m).min(MAX_ANGULAR_SPEED_RAD_S);
-        let speed_rad_s = if clockwise { -speed_rad_s } else { speed_rad_s };
-        let motion = ObstacleMotion::Orbit { centre_m, speed_rad_s: speed_rad_s.into() };
-        draft.add_moving(walker.at(centre_m + orbit_m * vec2(cos, sin), motion));
     }
 }
