@@ -53,7 +53,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("with the plugin: {:.1} % success", 100.0 * result.success_rate);
     match Evaluator::new(&scenario, count).run(&policy, seed, count, EpisodeSetup::Random) {
         Err(error) => println!("without the plugin: {error}"),
-        Ok(_) => return Err("the evaluation must fail without the sensor of the training".into()),
+        Ok(_) => return Err("the evaluation must fail without the sensor used in training".into()),
     }
     Ok(())
 }

@@ -169,7 +169,7 @@ mod unix {
         assert!(workspace.path("").join(&out).join("summary.json").exists());
     }
 
-    /// The command in the last line of a training's summary, which has a program of another name in it.
+    /// The command in the last line of a training run's summary, which has a program of another name in it.
     fn printed_command(summary: &str) -> String {
         let line = summary
             .lines()

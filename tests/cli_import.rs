@@ -145,15 +145,15 @@ fn invalid_imports_are_rejected_and_nothing_is_written() {
             "--import zero.yaml --out new.ron",
             "zero.yaml:2:13: `resolution` is 0, not a number from 0.001 to 10; help: ",
         ),
-        ("--import missing.yaml --out new.ron", "missing.yaml:1:8: there is no picture `other.png`; help: "),
+        ("--import missing.yaml --out new.ron", "missing.yaml:1:8: there is no image `other.png`; help: "),
         (
             "--import nan.yaml --out new.ron",
             "nan.yaml:3:9: `origin` is [.nan, 0, 0], not three numbers; help: ",
         ),
-        ("--import cut.yaml --out new.ron", "cut.pgm: not a complete picture: it ends too early; help: "),
+        ("--import cut.yaml --out new.ron", "cut.pgm: not a complete image: it ends too early; help: "),
         ("--import huge.yaml --out new.ron", "huge.pgm: 100000 x 100000 pixels, more than 8388608; help: "),
         ("--import small.yaml --out new.ron", "small.yaml: the robot fits nowhere on this map: "),
-        ("--import room.pgm --out new.ron", "room.pgm: a picture has no scale; help: "),
+        ("--import room.pgm --out new.ron", "room.pgm: an image has no scale; help: "),
         (
             "--import meshes.world --out new.ron",
             "nothing in it can be imported: meshes are left out: m/c; help: ",

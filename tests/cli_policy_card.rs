@@ -408,5 +408,5 @@ fn the_python_program_refuses_a_card_whose_example_it_computes_differently() {
         .expect("python3 starts");
     assert!(String::from_utf8_lossy(&run.stderr).contains("AssertionError: the Q-values"), "{run:?}");
     let error = rejection(&workspace, "--eval damaged.safetensors");
-    assert!(error.contains("an example with other Q-values than the network"), "{error}");
+    assert!(error.contains("an example whose Q-values or action do not match the network"), "{error}");
 }

@@ -716,7 +716,7 @@ fn a_report_says_that_the_training_before_a_transfer_elsewhere_is_not_counted() 
     let note = "Each run of transferred started from a trained policy, whose training is not counted.";
     assert!(page.contains(note) && !page.contains("Each run of scratch"), "{page}");
     assert!(page.contains("in 1 round of 1 episode that"), "{page}");
-    assert!(page.contains("2: 4,000 env steps in "), "the trainings' env steps are counted:\n{page}");
+    assert!(page.contains("2: 4,000 env steps in "), "the training runs' env steps are counted:\n{page}");
 }
 
 #[test]

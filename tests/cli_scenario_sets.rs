@@ -1,4 +1,4 @@
-//! Tests of trainings over sets of scenarios on the command line: every episode draws a scenario, and runs are repeated and
+//! Tests of training over sets of scenarios on the command line: every episode draws a scenario, and runs are repeated and
 //! resumed to the bit.
 
 mod cli_support;
@@ -240,7 +240,7 @@ fn scenarios_that_need_different_policies_are_rejected_with_all_differing_fields
     workspace.write("other.ron", other);
     let set = "(\n    name: \"Bad\",\n    scenarios: [\n        (scenario: \"one.ron\"),\n        (scenario: \"other.ron\"),\n    ],\n)";
     let expected = [
-        "bad.ron:5:20: `scenarios[1].scenario` (`other`) needs another policy than `one`",
+        "bad.ron:5:20: `scenarios[1].scenario` (`other`) needs a different policy from `one`",
         "lidar.beams (36, not 24)",
         "robot.motions (2 motions, not 5)",
         "give all scenarios of a set the same LIDAR beams",

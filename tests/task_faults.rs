@@ -8,7 +8,7 @@ use wayfield::run::{shipped, training_setup};
 use wayfield::simulation::{Extensions, Simulation};
 use wayfield::task::{Arena, Goal};
 
-/// A training in three arenas of Scenario I, after ten steps.
+/// A training run in three arenas of Scenario I, after ten steps.
 fn three_arenas() -> Simulation {
     let mut config = wayfield::run::folder::RunConfig::resolve("scenario-1", "fast", 5).expect("shipped");
     config.preset.arenas = 3;

@@ -133,9 +133,9 @@ fn seeds(kind: &str) -> Vec<(String, Vec<u8>)> {
     }
 }
 
-/// The description and the picture of a map, whose files are neighbours, in the form that the reader takes.
+/// The description and the image of a map, whose files are neighbours, in the form that the reader takes.
 fn framed_map(files: &[(String, Vec<u8>)]) -> (String, Vec<u8>) {
-    let [(_, picture), (name, yaml)] = files else { panic!("a picture and a description") };
+    let [(_, picture), (name, yaml)] = files else { panic!("an image and a description") };
     (name.clone(), [&(yaml.len() as u16).to_le_bytes()[..], yaml, picture].concat())
 }
 

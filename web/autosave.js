@@ -172,7 +172,7 @@ export async function saveNow(app) {
 export function describe() {
     if (own.storedAt === undefined) return undefined;
     const seconds = Math.round((Date.now() - own.storedAt) / 1000);
-    return `The training was saved ${seconds} s ago.`;
+    return `The training run was saved ${seconds} s ago.`;
 }
 
 /// The policy in the autosave.

@@ -134,7 +134,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("others"), help="the folder of the trained policies")
     parser.add_argument("--only", default="", help="only the learners whose names contain this text")
     parser.add_argument("--scenario", choices=SCENARIOS, help="only this scenario")
-    parser.add_argument("--env-steps", type=int, help="the budget of each training; otherwise the learner's own")
+    parser.add_argument("--env-steps", type=int, help="the budget of each training run; otherwise the learner's own")
     options = parser.parse_args()
     torch.set_num_threads(1)
     options.out.mkdir(parents=True, exist_ok=True)

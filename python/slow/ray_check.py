@@ -102,7 +102,7 @@ def check_reproduction(nodes: Cluster) -> None:
     os.chdir("cluster")
     again = WatchedPool(None)
     cluster.reproduce("../own.ron", out="report", pool=again)
-    print(f"the same call again: {sum(again.where.values())} trainings")
+    print(f"the same call again: {sum(again.where.values())} training runs")
     assert not again.where
     os.chdir("..")
 
@@ -114,7 +114,7 @@ def check_sweep() -> None:
         alone = wayfield.train(out=f"alone-{index}", progress=False, **run)
         same = filecmp.cmp(result.folder / "policy-last.safetensors", alone.folder / "policy-last.safetensors", False)
         assert same, run
-    print(f"a sweep of {len(runs)} trainings: the policies of wayfield.train, to the bit")
+    print(f"a sweep of {len(runs)} training runs: the policies of wayfield.train, to the bit")
 
 
 def check_evaluations() -> None:

@@ -149,7 +149,7 @@ def evaluate(
         The results, for a suite by families; for a list, a list in the same order.
 
     Warns:
-        UserWarning: The scenario differs from that of the training.
+        UserWarning: The scenario differs from the one used in training.
 
     Raises:
         ValueError: A policy does not fit the scenario, or an option or a driver's parameter is out of range.

@@ -99,7 +99,7 @@ class Policy:
             set: Fields of the scenario with other values, as ``--set`` takes them: ``{"scenario.lidar.beams": 360}``.
 
         Warns:
-            UserWarning: The scenario differs from that of the training.
+            UserWarning: The scenario differs from the one used in training.
 
         Raises:
             ValueError: The policy does not fit the scenario, was trained with sensors of plugins, or a setting is invalid.

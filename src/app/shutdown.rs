@@ -14,7 +14,7 @@ use crate::run::progress::print_stderr;
 use crate::run::signals;
 
 /// What the first signal prints.
-const ANNOUNCEMENT: &str = "saving the training, then closing (a second Ctrl-C quits without saving)";
+const ANNOUNCEMENT: &str = "saving the training run, then closing (a second Ctrl-C quits without saving)";
 
 /// The plugin that saves the training run when a signal arrives or the GPU is lost.
 pub(super) struct ShutdownPlugin;

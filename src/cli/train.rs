@@ -52,7 +52,7 @@ pub struct TrainArgs {
     /// Write a checkpoint every S seconds; the interval does not change what is learned [default: 30].
     #[cfg_attr(
         feature = "gui",
-        doc = "In the app: save the training automatically every S seconds [default: 25]"
+        doc = "In the app: save the training run automatically every S seconds [default: 25]"
     )]
     #[arg(long, value_name = "S", value_parser = values::seconds, allow_negative_numbers = true)]
     pub checkpoint_every: Option<Duration>,

@@ -183,7 +183,7 @@ fn window_size((width, height): (u16, u16)) -> Result<(f32, f32), RunError> {
     if (800..=8000).contains(&width) && (500..=8000).contains(&height) {
         return Ok((width.into(), height.into()));
     }
-    let what = format!("--size {width}x{height} is no size for the window");
+    let what = format!("--size {width}x{height} is not a valid window size");
     Err(RunError::InvalidInput(format!(
         "{what}; help: give width and height in points, 800x500 to 8000x8000"
     )))

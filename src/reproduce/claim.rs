@@ -20,7 +20,7 @@ pub struct Claim {
     /// The other arm.
     pub than: String,
     /// The episodes or env steps after which the arms are compared, over all stages, such as `EnvSteps(20_000)`; 0 is before the
-    /// first step, and with `of_last_stage` right after a transfer. Without it, after the whole training.
+    /// first step, and with `of_last_stage` right after a transfer. Without it, after training.
     #[serde(default)]
     pub after: Option<Budget>,
     /// Whether `after` counts from the start of the last stage.

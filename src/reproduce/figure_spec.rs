@@ -60,13 +60,13 @@ pub enum FigureKind {
         /// The measures, one column each.
         measures: Vec<Measure>,
         /// The episodes or env steps, over all stages, after which the policies are tested; 0 is before the first step. Without
-        /// it, after the whole training.
+        /// it, after training.
         #[serde(default)]
         after: Option<Budget>,
     },
     /// A map of the benchmark route with the planner's path and each arm's trajectory (its first seed).
     BenchmarkRoute {
-        /// The episodes or env steps, over all stages, after which the policies drive the route. Without it, after the whole
+        /// The episodes or env steps, over all stages, after which the policies drive the route. Without it, after
         /// training.
         #[serde(default)]
         after: Option<Budget>,

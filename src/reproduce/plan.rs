@@ -1,9 +1,9 @@
-//! The plan: the trainings that the selected figures and tables need, each once.
+//! The plan: the training runs that the selected figures and tables need, each once.
 //!
-//! In: experiments, and which of their figures and tables are selected. Out: a [`RunPlan`]: the trainings, each listed
-//! before those that start from its weights, and the trainings of every arm, condition and seed.
+//! In: experiments, and which of their figures and tables are selected. Out: a [`RunPlan`]: the training runs, each listed
+//! before those that start from its weights, and the training runs of every arm, condition and seed.
 //!
-//! Arms of different experiments are often the same training, or one is the beginning of the other: figure 8's DQN is
+//! Arms of different experiments are often the same training run, or one is the beginning of the other: figure 8's DQN is
 //! the first 800 episodes of figure 9's. Schedules depend on the steps taken and not on the budget, so the longer
 //! training gives exactly the same results for both.
 
@@ -22,7 +22,7 @@ use crate::run::folder::{RunConfig, RunFolder, Transfer};
 use crate::run::preset::Budget;
 use crate::scenario::printable;
 
-/// A training and its tests.
+/// A training run and its tests.
 #[derive(Clone, Debug)]
 pub struct Training {
     /// The name of the run's folder. Equal configurations have equal names.
@@ -45,10 +45,10 @@ impl Training {
     }
 }
 
-/// All trainings to run.
+/// All training runs.
 #[derive(Debug, Default)]
 pub struct RunPlan {
-    /// Every training once, each before those that start from it.
+    /// Every training run once, each before those that start from it.
     pub trainings: Vec<Training>,
     /// The arm runs by experiment, condition and arm (indices) and seed.
     pub arm_runs: BTreeMap<(usize, usize, usize, u64), ArmRun>,
@@ -103,7 +103,7 @@ impl RunPlan {
         Ok(runs.map(|(config, run)| (config.seed, self.add_finished(config, run))).collect())
     }
 
-    /// The trainings of an arm; only the first `needed` episodes or env steps, if given.
+    /// The training runs of an arm; only the first `needed` episodes or env steps, if given.
     fn arm_run(
         &mut self,
         source: &ExperimentSource,

@@ -34,7 +34,7 @@ pub enum TableKind {
     Seeds {
         /// The measure.
         measure: Measure,
-        /// Episodes or env steps over all stages; without it, after the whole training.
+        /// Episodes or env steps over all stages; without it, after training.
         #[serde(default)]
         after: Option<Budget>,
         /// The paper's values, by arm.
@@ -44,7 +44,7 @@ pub enum TableKind {
     /// Success in percent, with a row for each arm and seed, a column for each round of the test, and rows for the
     /// paper's rounds.
     Rounds {
-        /// Episodes or env steps over all stages; without it, after the whole training.
+        /// Episodes or env steps over all stages; without it, after training.
         #[serde(default)]
         after: Option<Budget>,
         /// The paper's success rates in each round, in percent, by arm.
@@ -55,7 +55,7 @@ pub enum TableKind {
     Measures {
         /// The measures, one column each.
         measures: Vec<Measure>,
-        /// Episodes or env steps over all stages; without it, after the whole training.
+        /// Episodes or env steps over all stages; without it, after training.
         #[serde(default)]
         after: Option<Budget>,
     },
@@ -67,7 +67,7 @@ pub enum TableKind {
         better: String,
         /// The other arm.
         than: String,
-        /// Episodes or env steps over all stages, a row each; without them, after the whole training.
+        /// Episodes or env steps over all stages, a row each; without them, after training.
         #[serde(default)]
         after: Vec<Budget>,
         /// Whether `after` counts from the start of the last stage.

@@ -19,13 +19,13 @@ impl TestPoint {
         Self { after, of_last_stage: false }
     }
 
-    /// The point in words: "1,000 episodes", or "the whole training".
+    /// The point in words: "1,000 episodes", or "the whole training run".
     #[must_use]
     pub fn words(self) -> String {
         match self.after {
             Some(length) if self.of_last_stage => format!("{} of the last stage", length_words(length)),
             Some(length) => length_words(length),
-            None => "the whole training".into(),
+            None => "the whole training run".into(),
         }
     }
 }

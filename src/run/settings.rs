@@ -157,7 +157,7 @@ impl Setting {
         check_name(&self.path, "a preset", fields)?;
         let Some(preset) = preset else {
             return Err(
-                "there is no preset here, only a scenario; help: a field of the scenario starts with `scenario.`".into(),
+                "there is no preset here, only a scenario; help: the path of a scenario field starts with `scenario.`".into(),
             );
         };
         *preset = with_setting(preset, &self.path, &self.value)?;

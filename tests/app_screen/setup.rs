@@ -1,4 +1,4 @@
-//! The setup panel: choices wait for a button, and discarding a training needs a confirmation.
+//! The setup panel: choices wait for a button, and discarding a training run needs a confirmation.
 
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;

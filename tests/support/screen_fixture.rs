@@ -69,7 +69,7 @@ impl Default for ScreenFixture {
 }
 
 impl ScreenFixture {
-    /// A training before its first step.
+    /// A training run before its first step.
     pub fn untrained() -> Self {
         let mut screen_fixture = Self { history: History::new(), ..Self::default() };
         let s = &mut screen_fixture.status;

@@ -125,7 +125,7 @@ fn check_round_trip(scenario: &Scenario, like: &str) {
     }
 }
 
-/// Imports a map: two bytes with the length of its description, the description, the picture.
+/// Imports a map: two bytes with the length of its description, the description, the image.
 pub fn map(bytes: &[u8]) -> bool {
     let [low, high, rest @ ..] = bytes else { return false };
     let length = usize::from(u16::from_le_bytes([*low, *high])).min(rest.len());

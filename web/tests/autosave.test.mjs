@@ -111,7 +111,7 @@ for (const [what, prepare] of [
     });
 }
 
-test('a damaged autosave is reported, and the new training goes on', async () => {
+test('a damaged autosave is reported, and the new training run goes on', async () => {
     const page = await open(app.browser, `${app.address}?pace=full&seed=3`);
     await trainAndSave(page);
     await page.goto('about:blank');

@@ -163,7 +163,7 @@ test('a classical driver is compared with the current policy in the levels of a 
     await closeWithoutErrors(page);
 });
 
-test('an invalid scenario is reported with line and column; a valid one starts a training that can be shared by link', async () => {
+test('an invalid scenario is reported with line and column; a valid one starts a training run that can be shared by link', async () => {
     const page = await open(app.browser, app.address, { options: TALL });
     const before = await until(page, (now) => now.env_steps > 0);
     const valid = await ownScenario('Mine');

@@ -202,7 +202,7 @@ pub struct OrcaParameters {
     pub time_horizon_s: f32,
     /// The same for walls and static obstacles, 0.1 to 60 s.
     pub static_horizon_s: f32,
-    /// Share of the avoidance that the robot takes on itself, 0 to 1: 0.5 if the others avoid it in the same way, 1 if they
+    /// Fraction of the avoidance that the robot takes on itself, 0 to 1: 0.5 if the others avoid it in the same way, 1 if they
     /// do nothing.
     pub responsibility: f32,
     /// Distance to keep in addition, 0 to 10 keep-out distances.

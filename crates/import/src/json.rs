@@ -69,8 +69,9 @@ fn chosen<T>(
     worlds.retain(|number, _| options.world.is_none_or(|world| world == *number));
     if worlds.is_empty() {
         let (least, most) = (numbers.0.unwrap_or(0), numbers.1.unwrap_or(0));
-        let message =
-            format!("it has no such world; help: --world takes {least} to {most}, as far as they are there");
+        let message = format!(
+            "it has no such world; help: --world takes a number from {least} to {most} that the file contains"
+        );
         return Err(FileError::for_file(path, message));
     }
     Ok(worlds)

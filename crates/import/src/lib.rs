@@ -1,4 +1,4 @@
-//! Scenarios from other people's worlds: maps of ROS's `map_server`, plain pictures, Gazebo's SDF worlds, BARN, and
+//! Scenarios from other people's worlds: maps of ROS's `map_server`, plain images, Gazebo's SDF worlds, BARN, and
 //! the stages of turtlebot3_drlnav.
 //!
 //! In: a file. Out: a valid scenario that can be edited, trained in and drawn over its source, and a list of what could not be
@@ -7,8 +7,8 @@
 //! | file | duty |
 //! |---|---|
 //! | `options.rs` | the choices of an import |
-//! | `map_file.rs`, `picture.rs`, `pnm.rs` | the description of a map; the pixels of its picture |
-//! | `map.rs` | the import of a map or a picture |
+//! | `map_file.rs`, `picture.rs`, `pnm.rs` | the description of a map; the pixels of its image |
+//! | `map.rs` | the import of a map or an image |
 //! | `sdf/` | the solids of an SDF world |
 //! | `world.rs`, `solid.rs` | the import of a world of solids |
 //! | `json.rs` | files with many BARN worlds or stages |
@@ -85,7 +85,7 @@ impl Imported {
     }
 }
 
-/// The scenario in the file at `path`: a map (`.yaml`), a picture (`.png`, `.pgm`, `.pnm`, `.ppm`, `.pbm`), a Gazebo world
+/// The scenario in the file at `path`: a map (`.yaml`), an image (`.png`, `.pgm`, `.pnm`, `.ppm`, `.pbm`), a Gazebo world
 /// or model (`.world`, `.sdf`), or one BARN world or stage in a `.json` file.
 ///
 /// # Errors
@@ -105,13 +105,13 @@ pub fn import(path: &Path, options: &ImportOptions) -> Result<Imported, FileErro
         Some(Kind::Worlds) => Ok(json::import_file(path, options)?.swap_remove(0).1),
         None => Err(FileError::for_file(
             path,
-            "not a kind of file that can be imported; help: give a map (.yaml), a picture (.png, .pgm), a world (.world, .sdf) \
+            "not a kind of file that can be imported; help: give a map (.yaml), an image (.png, .pgm), a world (.world, .sdf) \
              or BARN worlds or stages (.json)",
         )),
     }
 }
 
-/// The scenario in `bytes`: a picture, an SDF world, or a file of worlds, as the extension of `path` says. Messages name `path`.
+/// The scenario in `bytes`: an image, an SDF world, or a file of worlds, as the extension of `path` says. Messages name `path`.
 /// Models that a world includes are read from files.
 ///
 /// # Errors
@@ -129,7 +129,7 @@ pub fn import_bytes(path: &Path, bytes: &[u8], options: &ImportOptions) -> Resul
     }
 }
 
-/// The scenario of a `map_server` map, from the text of its YAML file and the bytes of its picture. Errors name `path`.
+/// The scenario of a `map_server` map, from the text of its YAML file and the bytes of its image. Errors name `path`.
 ///
 /// # Errors
 /// As for [`import`].
@@ -159,7 +159,7 @@ pub fn import_worlds(path: &Path, options: &ImportOptions) -> Result<Vec<(String
     json::import_file(path, options)
 }
 
-/// The backdrop over which to draw a scenario that was imported from the map or picture at `path`.
+/// The backdrop over which to draw a scenario that was imported from the map or image at `path`.
 ///
 /// # Errors
 /// As for [`import`].
@@ -167,7 +167,7 @@ pub fn backdrop(path: &Path, options: &ImportOptions) -> Result<Backdrop, FileEr
     match kind(path) {
         Some(Kind::Map) => Ok(map::Map::read_yaml(path)?.backdrop()),
         Some(Kind::Picture) => Ok(map::Map::read_picture(path, options.resolution_m)?.backdrop()),
-        _ => Err(FileError::for_file(path, "not a map; help: give a map (.yaml) or a picture (.png, .pgm)")),
+        _ => Err(FileError::for_file(path, "not a map; help: give a map (.yaml) or an image (.png, .pgm)")),
     }
 }
 

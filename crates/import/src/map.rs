@@ -49,7 +49,7 @@ impl Map {
         let picture = if picture.is_absolute() { picture } else { PathBuf::from(".").join(picture) };
         if !picture.is_file() && !is_special_file(&picture) {
             let message = format!(
-                "there is no picture `{}`; help: put it there, or name another file in `image`",
+                "there is no image `{}`; help: put it there, or name another file in `image`",
                 printable(&file.image)
             );
             return Err(FileError::at_offset(path, &text, file.image_at, message));
@@ -184,8 +184,7 @@ impl Map {
 /// The side of a pixel of the image at `path`, in m: `resolution_m`, which must be given.
 fn scale(path: &Path, resolution_m: Option<f64>) -> Result<f64, FileError> {
     resolution_m.filter(|side| RESOLUTION_M.contains(side)).ok_or_else(|| {
-        let message =
-            "a picture has no scale; help: give the side of a pixel in m, such as --resolution 0.05";
+        let message = "an image has no scale; help: give the side of a pixel in m, such as --resolution 0.05";
         FileError::for_file(path, message)
     })
 }

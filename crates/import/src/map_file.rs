@@ -72,9 +72,9 @@ impl MapFile {
     /// A key is missing, or has a value that `map_server` or the limits do not allow.
     pub fn parse(text: &str, path: &Path) -> Result<Self, FileError> {
         let keys = Keys { text, path, entries: entries(text) };
-        let image = keys.required("image", "name the picture, such as `image: map.pgm`")?;
+        let image = keys.required("image", "name the image, such as `image: map.pgm`")?;
         if image.text.is_empty() {
-            return Err(keys.error(&image, "names no picture; help: name it, such as `image: map.pgm`"));
+            return Err(keys.error(&image, "names no image; help: name it, such as `image: map.pgm`"));
         }
         let resolution_m = keys.number(
             "resolution",
@@ -82,7 +82,7 @@ impl MapFile {
             RESOLUTION_M,
         )?;
         let fraction = |key: &str, usual: f64| {
-            let help = format!("write a share of 0 to 1, such as `{key}: {usual}`");
+            let help = format!("write a fraction from 0 to 1, such as `{key}: {usual}`");
             keys.number(key, &help, 0.0..=1.0)
         };
         let (occupied, free) = (fraction("occupied_thresh", 0.65)?, fraction("free_thresh", 0.196)?);
@@ -143,7 +143,7 @@ impl Keys<'_> {
 
     fn origin(&self) -> Result<[f64; 3], FileError> {
         const HELP: &str =
-            "write x, y and yaw of the picture's lower left corner, such as `origin: [-10.0, -10.0, 0.0]`";
+            "write x, y and yaw of the image's lower left corner, such as `origin: [-10.0, -10.0, 0.0]`";
         let entry = self.required("origin", HELP)?;
         let inner = entry.text.trim_start_matches('[').trim_end_matches(']');
         let parts: Option<Vec<f64>> = inner.split(',').map(|part| number(part.trim())).collect();
@@ -279,7 +279,7 @@ mod tests {
             ("[-10, 2.5, 0.1]", "[0, 0]", "map.yaml:3:9: `origin` is [0, 0], not three numbers"),
             ("negate: 0", "negate: maybe", "map.yaml:4:9: `negate` is maybe, not 0 or 1"),
             ("free_thresh: 0.196", "free_thresh: 0.9", "map.yaml:6:14: `free_thresh` is 0.9, more than"),
-            ("image: map.pgm", "image: ''", "map.yaml:1:8: `image` names no picture"),
+            ("image: map.pgm", "image: ''", "map.yaml:1:8: `image` names no image"),
             (
                 "negate: 0",
                 "negate: 0\nmode: fancy",

@@ -33,7 +33,7 @@ pub fn read(path: &Path) -> Result<Pixels, FileError> {
         _ => fail(format!("can't be read: {error}")),
     })?;
     if bytes.len() as u64 > MAX_PICTURE_BYTES {
-        return Err(fail(format!("larger than {} MiB, the limit for pictures", MAX_PICTURE_BYTES >> 20)));
+        return Err(fail(format!("larger than {} MiB, the limit for images", MAX_PICTURE_BYTES >> 20)));
     }
     decode(&bytes).map_err(fail)
 }
@@ -48,9 +48,9 @@ pub fn decode(bytes: &[u8]) -> Result<Pixels, String> {
         return Ok(upright(picture.width, &picture.brightness, |&brightness| Some(brightness)));
     }
     if !matches!(image::guess_format(bytes), Ok(ImageFormat::Png)) {
-        return Err(format!("not a picture that can be read; help: {FORMATS}"));
+        return Err(format!("not an image that can be read; help: {FORMATS}"));
     }
-    let broken = |error: image::ImageError| format!("not a complete picture: {error}; help: save it again");
+    let broken = |error: image::ImageError| format!("not a complete image: {error}; help: save it again");
     let mut reader = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png);
     let mut limits = Limits::default();
     limits.max_alloc = Some(16 * MAX_CELLS as u64);
@@ -79,20 +79,20 @@ mod tests {
 
     #[test]
     fn rows_are_flipped_and_levels_scaled() {
-        let pixels = decode(b"P2\n# CREATOR: by hand\n2 2\n100\n0 50\n100 100\n").expect("a valid picture");
+        let pixels = decode(b"P2\n# CREATOR: by hand\n2 2\n100\n0 50\n100 100\n").expect("a valid image");
         assert_eq!(pixels.values, [Some(255), Some(255), Some(0), Some(128)]);
-        let bits = decode(b"P1\n2 1\n1 0\n").expect("a valid picture");
+        let bits = decode(b"P1\n2 1\n1 0\n").expect("a valid image");
         assert_eq!(bits.values, [Some(0), Some(255)]);
     }
 
     #[test]
     fn incomplete_and_foreign_files_are_errors_and_huge_ones_are_not_decoded() {
         for (bytes, expected) in [
-            (&b"P5\n4 4\n255\n\0\0\0"[..], "not a complete picture: "),
+            (&b"P5\n4 4\n255\n\0\0\0"[..], "not a complete image: "),
             (b"P5\n400000 400000\n255\n", "400000 x 400000 pixels, more than 8388608; help: "),
-            (b"P5\n4 4\n", "not a complete picture: "),
-            (b"GIF89a......", "not a picture that can be read; help: give a PGM, PPM, PBM or PNG file"),
-            (b"", "not a picture that can be read; help: "),
+            (b"P5\n4 4\n", "not a complete image: "),
+            (b"GIF89a......", "not an image that can be read; help: give a PGM, PPM, PBM or PNG file"),
+            (b"", "not an image that can be read; help: "),
         ] {
             let error = decode(bytes).expect_err("invalid");
             assert!(error.starts_with(expected), "{error}");

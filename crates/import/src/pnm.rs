@@ -34,7 +34,7 @@ pub fn decode(bytes: &[u8]) -> Result<PnmPicture, String> {
     let is_bitmap = matches!(format, b'1' | b'4');
     let white = if is_bitmap { 1 } else { reader.number("the brightness of white")? };
     if !(1..=65_535).contains(&white) {
-        return Err(format!("not a picture: white is {white}; help: save it again"));
+        return Err(format!("not an image: white is {white}; help: save it again"));
     }
     let samples = width * height * if matches!(format, b'3' | b'6') { 3 } else { 1 };
     let values = match format {
@@ -68,7 +68,7 @@ fn luma([red, green, blue]: [u8; 3]) -> u8 {
 }
 
 fn incomplete() -> String {
-    "not a complete picture: it ends too early; help: save it again".into()
+    "not a complete image: it ends too early; help: save it again".into()
 }
 
 /// The part of a file that is still to be read.
@@ -87,7 +87,7 @@ impl Reader<'_> {
         if number.is_none() && rest.is_empty() {
             return Err(incomplete());
         }
-        number.ok_or_else(|| format!("not a complete picture: {what} is no number; help: save it again"))
+        number.ok_or_else(|| format!("not a complete image: {what} is no number; help: save it again"))
     }
 
     fn skip_spaces(&mut self) {
@@ -144,7 +144,7 @@ mod tests {
             (b"P5\n2 2\n1000\n\x00\x00\x01\xf4\x03\xe8\x00\x04", [0, 128, 255, 1]),
             (b"P6\n2 2\n255\n\0\0\0\xff\xff\xff\xff\0\0\0\0\xff", [0, 255, 54, 18]),
         ] {
-            let picture = decode(bytes).expect("a valid picture");
+            let picture = decode(bytes).expect("a valid image");
             assert_eq!((picture.width, picture.height), (2, 2));
             assert_eq!(picture.brightness, expected, "{}", String::from_utf8_lossy(bytes));
         }

@@ -223,7 +223,7 @@ fn a_plain_picture_needs_a_scale() {
     let error = folder.import("plan.pgm").expect_err("no scale");
     assert_eq!(
         error,
-        "plan.pgm: a picture has no scale; help: give the side of a pixel in m, such as --resolution 0.05"
+        "plan.pgm: an image has no scale; help: give the side of a pixel in m, such as --resolution 0.05"
     );
     let options = ImportOptions { resolution_m: Some(0.1), ..ImportOptions::default() };
     let (low, high) = folder.import_with("plan.pgm", &options).expect("a plan").scenario.enclosure.bounds_m();
@@ -373,10 +373,10 @@ fn invalid_maps_are_rejected_with_the_file_and_the_problem() {
         (
             YAML.replace("map.pgm", "other.png"),
             &whole[..],
-            "map.yaml:1:8: there is no picture `other.png`; help: ",
+            "map.yaml:1:8: there is no image `other.png`; help: ",
         ),
         (YAML.replace("0.05", "0"), &whole, "map.yaml:2:13: `resolution` is 0"),
-        (YAML.into(), &whole[..5000], "map.pgm: not a complete picture: "),
+        (YAML.into(), &whole[..5000], "map.pgm: not a complete image: "),
         (
             YAML.into(),
             &black,
@@ -549,7 +549,7 @@ fn an_enclosed_court_that_the_robot_cannot_enter_is_filled() {
 fn a_device_or_a_folder_is_not_read_as_an_image() {
     let folder = Folder::new(&[("map.yaml", YAML.as_bytes()), ("map.pgm/x", b"")]);
     let error = folder.import("map.yaml").expect_err("a folder");
-    assert!(error.starts_with("map.yaml:1:8: there is no picture `map.pgm`"), "{error}");
+    assert!(error.starts_with("map.yaml:1:8: there is no image `map.pgm`"), "{error}");
     if Path::new("/dev/zero").exists() {
         folder.write("map.yaml", YAML.replace("map.pgm", "/dev/zero").as_bytes());
         let error = folder.import("map.yaml").expect_err("a device");

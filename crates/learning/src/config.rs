@@ -213,9 +213,9 @@ pub enum TargetUpdate {
         #[serde(default = "defaults::copy_interval")]
         every: u64,
     },
-    /// Moves by the share `tau` towards the online network after each gradient step.
+    /// Moves by the fraction `tau` towards the online network after each gradient step.
     Soft {
-        /// The share, above 0 and at most 1.
+        /// The fraction, above 0 and at most 1.
         tau: f32,
     },
 }

@@ -20,10 +20,10 @@ pub enum ActionSet {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RelativeMotion {
-    /// Speed as a share of the highest speed, -1 to 1. Below 0: of the highest speed backwards, 0 for a robot that only drives
-    /// forwards.
+    /// Speed as a fraction of the highest speed, -1 to 1. Below 0: of the highest speed backwards, 0 for a robot that only
+    /// drives forwards.
     pub speed: f32,
-    /// Turning rate as a share of the highest turning rate, -1 (right) to 1 (left).
+    /// Turning rate as a fraction of the highest turning rate, -1 (right) to 1 (left).
     pub turn: f32,
 }
 
@@ -64,7 +64,7 @@ impl ActionSet {
         let outside = motions.iter().position(|motion| !is_valid(motion.speed) || !is_valid(motion.turn));
         match outside {
             Some(k) => {
-                Err(format!("has a motion {k} that is beyond the limits; help: give shares from -1 to 1"))
+                Err(format!("has a motion {k} that is beyond the limits; help: give fractions from -1 to 1"))
             }
             None => Ok(()),
         }

@@ -83,7 +83,7 @@ impl ObstacleMotion {
                 let speed = Ranged(speed_m_s, Quantity::Speed);
                 vec![
                     field(&["radius_m"], "Walk radius", "Largest distance from its position", reach),
-                    field(&["speed_m_s"], "Speed", "Largest speed", speed),
+                    field(&["speed_m_s"], "Speed", "Highest speed", speed),
                     field(&["seed"], "Seed", "Obstacles with the same seed walk alike", Seed(seed)),
                 ]
             }

@@ -247,8 +247,8 @@ pub enum ObstacleMotion {
         sees_robot: bool,
     },
     /// Recorded positions, each with its time, and straight lines between them, without rotation. At time 0 it is at its
-    /// position; don't repeat that as a frame. The clock of an arena's obstacles runs on from episode to episode of a training,
-    /// and episodes of an evaluation begin at a random time: a motion that stops is mostly seen at rest.
+    /// position; don't repeat that as a frame. The clock of an arena's obstacles runs on from episode to episode of a training
+    /// run, and episodes of an evaluation begin at a random time: a motion that stops is mostly seen at rest.
     KeyFrames {
         /// The 1 to 10,000 frames, in the order of their times; at most 10,000 for all obstacles together.
         frames: Vec<KeyFrame>,
@@ -258,11 +258,11 @@ pub enum ObstacleMotion {
     },
 }
 
-/// A position at a time. The obstacle moves there from the position before at constant speed, at most 5 m/s.
+/// A position at a time. The obstacle moves there from the previous position at constant speed, at most 5 m/s.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct KeyFrame {
-    /// Time, 0.001 to 100,000 s, later than that of the frame before.
+    /// Time, 0.001 to 100,000 s, later than that of the previous frame.
     pub time_s: f32,
     /// Position of the obstacle's origin.
     pub position_m: Vec2,
@@ -409,7 +409,7 @@ impl Default for Slip {
     }
 }
 
-/// Odometry that drifts. The policy observes the direction and the distance of the goal from the pose that the robot believes in.
+/// Odometry that drifts. The policy observes the direction and the distance of the goal from the pose that odometry reports.
 /// When an episode begins, or the robot is placed anew, this is its true pose. Then the robot adds up the motion of its wheels
 /// with the errors below, and does not notice slip. A new goal in the same episode corrects nothing. Rewards, collisions and
 /// reached goals are decided by the true pose.

@@ -37,7 +37,7 @@ pub struct ScenarioSetFile {
 pub struct SetEntry {
     /// A scenario: its file, relative to the folder of the set's file, or the name of a shipped one.
     pub scenario: Option<String>,
-    /// In place of a scenario, a level generator: its file, relative to the folder of the set's file. Each episode has a level.
+    /// A level generator instead of a scenario: its file, relative to the folder of the set's file. Each episode has a level.
     pub generator: Option<String>,
     /// Number of levels of the generator that episodes draw from, 1 to 1,000,000: those with the seeds 0, 1, and so on.
     /// Evaluations use other levels [default: 1,000].
@@ -45,7 +45,7 @@ pub struct SetEntry {
     /// Name of the entry in files, tables and curves, different from all others [default: the file's name without folder and
     /// extension].
     pub name: Option<String>,
-    /// Share of the episodes, relative to those of the other entries, 0.001 to 1,000 [default: 1].
+    /// Weight of the entry: its share of the episodes, relative to the other entries, 0.001 to 1,000 [default: 1].
     pub share: Option<f32>,
 }
 
@@ -92,7 +92,7 @@ impl SetEntry {
         }
     }
 
-    /// The share of the episodes, relative to those of the other entries.
+    /// The weight of the entry: its share of the episodes, relative to the other entries.
     #[must_use]
     pub fn share(&self) -> f32 {
         self.share.unwrap_or(1.0)
@@ -140,7 +140,7 @@ pub struct ScenarioSet {
 pub struct SetMember {
     /// Name in files, tables and curves.
     pub name: String,
-    /// Share of the episodes, relative to those of the other members.
+    /// Weight of the member: its share of the episodes, relative to the other members.
     pub share: f32,
     /// The scenario, or the levels.
     pub source: SetSource,
@@ -235,8 +235,8 @@ impl ScenarioSet {
             return None;
         }
         Some(format!(
-            "(`{name}`) needs another policy than `{}`, because of its {}: give all scenarios of a set the same LIDAR beams and \
-             field of view, motions and control period, or use a preset for all of them, such as `general`",
+            "(`{name}`) needs a different policy from `{}`, because of its {}: give all scenarios of a set the same LIDAR beams \
+             and field of view, motions and control period, or use a preset for all of them, such as `general`",
             first.name,
             fields.join(" and "),
         ))

@@ -43,13 +43,13 @@ pub struct SuiteFamily {
     /// The scenarios, at most 10,000: files, folders of files, both relative to the folder of the suite's file, or shipped names.
     #[serde(default)]
     pub scenarios: Vec<String>,
-    /// In place of scenarios, a level generator: its file, relative to the folder of the suite's file, or a shipped name.
+    /// A level generator instead of scenarios: its file, relative to the folder of the suite's file, or a shipped name.
     #[serde(default)]
     pub generator: Option<String>,
     /// Number of levels of the generator, 1 to 10,000 [default: 100].
     #[serde(default)]
     pub levels: Option<u32>,
-    /// The seed of the first level; the others have the next ones [default: 1,000,000, above those of trainings].
+    /// The seed of the first level; the others have the next ones [default: 1,000,000, above those that training uses].
     #[serde(default)]
     pub first_level: Option<u64>,
     /// Number of episodes in each scenario or level, 1 to 10,000 [default: 100 in a scenario, 1 in a level].
@@ -58,10 +58,10 @@ pub struct SuiteFamily {
     /// Whether episodes drive the scenario's benchmark route, instead of drawn starts and goals.
     #[serde(default)]
     pub benchmark_route: bool,
-    /// The time limit of an episode in place of that of the scenarios, 0.1 to 100,000 s.
+    /// The time limit of an episode instead of the scenarios' own, 0.1 to 100,000 s.
     #[serde(default)]
     pub time_limit_s: Option<f32>,
-    /// The collision range in place of that of the scenarios, 0.01 to 100 m. Must be more than the robot's radius.
+    /// The collision range instead of the scenarios' own, 0.01 to 100 m. Must be more than the robot's radius.
     #[serde(default)]
     pub collision_range_m: Option<f32>,
     /// A score besides success, collisions and times.

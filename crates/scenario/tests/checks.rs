@@ -368,8 +368,8 @@ fn a_robot_without_space_to_turn_round_is_noted() {
     assert_eq!(
         with(&[(0.5, 0.0), (-0.5, 0.0)], 4.0),
         [
-            "warning: `robot.motions` never turn the robot, so it misses every goal beside its line: write a w_rad_s other \
-          than 0"
+            "warning: `robot.motions` never turn the robot, so it misses every goal that is not on its straight line: \
+          write a w_rad_s other than 0"
         ]
     );
 }
@@ -423,7 +423,7 @@ fn key_frames_have_increasing_times_and_no_jumps() {
         (
             &[(3.0, 0.0, 0.5), (3.0, 0.1, 0.5)],
             KeyFrameEnd::Stop,
-            "frames[1].time_s` is 3: write more than the time of the frame before, 3 s",
+            "frames[1].time_s` is 3: write more than the time of the previous frame, 3 s",
         ),
         (
             &[(0.0, 0.0, 0.5)],
@@ -435,7 +435,7 @@ fn key_frames_have_increasing_times_and_no_jumps() {
             KeyFrameEnd::Stop,
             "frames[0].position_m[0]` is 501: write a number from -500 to 500 (metres)",
         ),
-        (&there, loop_of(20.0), "end.period_s` is 20: write more than the time of the frame before, 20 s"),
+        (&there, loop_of(20.0), "end.period_s` is 20: write more than the time of the previous frame, 20 s"),
         (
             &there,
             loop_of(20.25),

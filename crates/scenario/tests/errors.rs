@@ -165,7 +165,7 @@ fn syntax_errors_have_a_position_and_a_fix() {
             "1:25: this closes no open bracket, or a value is missing before it",
         ),
         (r#"(name: "a", lidar = ())"#, "1:19: write `:` between a field's name and its value, not `=`"),
-        (r#"(name: "a", lidar: (3))"#, "1:21: `3` is no field's name: write `name: value`"),
+        (r#"(name: "a", lidar: (3))"#, "1:21: `3` is not a valid field name: write `name: value`"),
         (r#"(name: "a") x"#, "1:13: the file's value ends before this: remove what follows"),
         (r#"(name: "a", "#, "1:13: the file ends too early: a closing bracket is missing"),
         ("", " the file is empty"),

@@ -167,7 +167,7 @@ fn other_formats_and_their_syntax_are_named() {
         &[
             (
                 "{\"name\": \"Mine\"}",
-                "1:1: this looks like JSON: RON has parentheses for braces, and field names without quotes: (name: ...)",
+                "1:1: this looks like JSON: RON has parentheses instead of braces, and field names without quotes: (name: ...)",
             ),
             ("(\"name\": \"Mine\")", "1:2: a field's name has no quotes: write `name: value`"),
             ("name: Mine\nrobot:\n  radius_m: 0.1\n", parentheses),

@@ -211,7 +211,7 @@ fn parameters_without_space_give_one_clear_error() {
         error.starts_with("no level of \"Full\" for seed 3 in 100 attempts: in the last one, "),
         "{error}"
     );
-    assert!(error.contains("help: write less fill"), "{error}");
+    assert!(error.contains("help: write a smaller fill"), "{error}");
 }
 
 #[test]

@@ -117,7 +117,8 @@ fn a_goal_is_out_of_reach_only_if_no_heading_fits_through_the_gap() {
     };
     assert_eq!(found(&behind(0.4)), Vec::<String>::new(), "lengthwise it fits");
     let messages = found(&behind(0.2));
-    let reason = "the robot needs a gap of more than 0.30 m, the width of its shape";
+    let reason =
+        "the robot needs a gap of more than 0.30 m, twice the distance from its origin to its nearest edge";
     assert!(messages.len() == 1 && messages[0].contains(reason), "{messages:?}");
 }
 

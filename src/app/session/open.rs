@@ -70,7 +70,7 @@ fn confirm_by_repeating(world: &mut World, path: &Path) -> Result<(), RunError> 
     }
     *requested_once = Some(path.into());
     Err(RunError::InvalidInput(format!(
-        "The unsaved training of {episodes} episodes would be lost\nhelp: save the {} first, or open {} again",
+        "The unsaved training run of {episodes} episodes would be lost\nhelp: save the {} first, or open {} again",
         if cfg!(target_arch = "wasm32") { "policy" } else { "run" },
         path.display()
     )))

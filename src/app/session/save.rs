@@ -101,7 +101,7 @@ fn save_run(world: &mut World, path: &Path) -> Result<(), RunError> {
         return Err(RunError::invalid_input(path, "this already exists\nhelp: choose another name"));
     }
     if world.resource::<TrainingRun>().has_failed {
-        let why = "This training has failed and cannot continue\n\
+        let why = "This training run has failed and cannot continue\n\
                    help: save its best policy, its episodes or its curves instead";
         return Err(RunError::InvalidInput(why.into()));
     }

@@ -64,7 +64,7 @@ fn measure_notes(experiment: &Experiment, measures: &[Measure]) -> Vec<String> {
     let mut notes = Vec::new();
     if measures.contains(&Measure::Success) {
         notes.push(format!(
-            "Success: the share of successful episodes. Each seed's policy is tested in {} of {} that it was not \
+            "Success: the fraction of successful episodes. Each seed's policy is tested in {} of {} that it was not \
              trained on.",
             counted(experiment.test.rounds as f64, "round"),
             counted(experiment.test.episodes as f64, "episode")

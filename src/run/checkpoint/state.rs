@@ -87,7 +87,7 @@ impl ArenaExtension {
 /// hundred episodes, a difference within the tolerance is noise; of two such policies, the one trained longer is kept.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BestPolicy {
-    /// Share of episodes that succeeded, 0 to 1.
+    /// Fraction of episodes that succeeded, 0 to 1.
     pub success_rate: f64,
     /// Mean simulated time of the successful episodes, in s.
     pub mean_time_s: Option<f64>,

@@ -121,11 +121,11 @@ fn worst_tenth(of_scenarios: &[SuiteEpisodes]) -> f64 {
 
 /// The score of the BARN Challenge: D. Perille et al., *Benchmarking metric ground navigation*, SSRR 2020, as in its `run.py`.
 fn barn_score(scenario: &Scenario, episode: &EpisodeResult, shortest_m: f64) -> f64 {
-    let top_speed_m_s = scenario.robot.motions.iter().map(|motion| motion.v_m_s).fold(0.0, f32::max);
+    let top_speed_m_s = scenario.robot.motions.iter().map(|motion| motion.v_m_s.abs()).fold(0.0, f32::max);
     let length_m = stated_path_length_m(&scenario.about).unwrap_or(shortest_m);
     let optimal_s = length_m / f64::from(top_speed_m_s);
     let time_s = f64::from(episode.steps) * period_s(scenario.task.control_period_s);
-    // Not finite if the path has no length or the robot cannot drive forwards.
+    // Not finite if the path has no length or the robot can only turn.
     let score = optimal_s / time_s.clamp(2.0 * optimal_s, 8.0 * optimal_s);
     if episode.succeeded() && score.is_finite() { score } else { 0.0 }
 }

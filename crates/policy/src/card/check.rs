@@ -76,7 +76,7 @@ impl Card {
         let is_finite = |k: usize| self.actions[k].v_m_s.is_finite() && self.actions[k].w_rad_s.is_finite();
         ensure(
             self.relative_actions.as_ref().is_none_or(|motions| motions.len() == self.actions.len()),
-            || "has other numbers of actions and of relative actions".into(),
+            || "lists different numbers of actions and relative actions".into(),
         )?;
         self.action_set()
             .check()
@@ -108,7 +108,7 @@ impl Card {
         if encoding.sectors().is_some() {
             // The observation depends on the robot, whose scenario is not read here.
             ensure(example.observation.len() == shape.inputs, || {
-                "has an example with another number of inputs".into()
+                "has an example whose observation has the wrong length".into()
             })?;
             return self.check_q_values(&example.observation, shape, parameters);
         }
@@ -119,7 +119,7 @@ impl Card {
         let readings = self.inputs.len() - observation::width(beams);
         ensure(example.sensor_readings.len() == readings, || {
             format!(
-                "has an example with {} sensor readings, but {readings} inputs",
+                "has an example with {} sensor readings, but {readings} sensor inputs",
                 example.sensor_readings.len()
             )
         })?;
@@ -147,7 +147,9 @@ impl Card {
         let same =
             example.q_values.len() == shape.actions && example.q_values.iter().zip(computed).all(is_near);
         ensure(same && example.action == greedy(&example.q_values), || {
-            format!("has an example with other Q-values than the network, which gives {computed:?}")
+            format!(
+                "has an example whose Q-values or action do not match the network, which gives {computed:?}"
+            )
         })
     }
 }

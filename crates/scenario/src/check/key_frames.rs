@@ -26,7 +26,7 @@ pub(super) fn check(path: Arguments<'_>, motion: &ObstacleMotion, diagnostics: &
 fn check_time(path: Arguments<'_>, time_s: f32, before_s: f32, diagnostics: &mut Diagnostics) {
     diagnostics.check_range(path, time_s, KEY_FRAME_TIME_S, SECONDS);
     if KEY_FRAME_TIME_S.contains(&time_s) && time_s <= before_s {
-        let message = format!("is {time_s}: write more than the time of the frame before, {before_s} s");
+        let message = format!("is {time_s}: write more than the time of the previous frame, {before_s} s");
         diagnostics.push(path, message);
     }
 }

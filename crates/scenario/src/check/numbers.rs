@@ -123,9 +123,9 @@ fn check_robot(robot: &Robot, diagnostics: &mut Diagnostics) {
 
 fn check_slip_and_odometry(robot: &Robot, diagnostics: &mut Diagnostics) {
     if let Some(Slip { forward, turning, std }) = robot.slip {
-        diagnostics.check_ranged(format_args!("robot.slip.forward"), forward, SLIP, " (a share)");
-        diagnostics.check_ranged(format_args!("robot.slip.turning"), turning, SLIP, " (a share)");
-        diagnostics.check_ranged(format_args!("robot.slip.std"), std, SLIP_STD, " (a share)");
+        diagnostics.check_ranged(format_args!("robot.slip.forward"), forward, SLIP, " (a fraction)");
+        diagnostics.check_ranged(format_args!("robot.slip.turning"), turning, SLIP, " (a fraction)");
+        diagnostics.check_ranged(format_args!("robot.slip.std"), std, SLIP_STD, " (a fraction)");
     }
     let Some(OdometryDrift { distance_error, rotation_error, heading_drift_rad_m }) = robot.odometry_drift
     else {

@@ -83,7 +83,11 @@ fn check_rules(
 fn required_gap(scenario: &Scenario) -> String {
     let gap_m = 2.0 * scenario.sure_collision_m();
     let is_range = scenario.sure_collision_m() <= scenario.task.collision_range_m;
-    let what = if is_range { "twice the collision range" } else { "the width of its shape" };
+    let what = if is_range {
+        "twice the collision range"
+    } else {
+        "twice the distance from its origin to its nearest edge"
+    };
     format!("the robot needs a gap of more than {gap_m:.2} m, {what}")
 }
 

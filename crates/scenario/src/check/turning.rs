@@ -18,7 +18,7 @@ pub(super) fn check(scenario: &Scenario, notes: &mut Vec<Note>) {
     let mut warn = |message: String| notes.push(Note::new(NoteLevel::Warning, "robot.motions", message));
     if radius_m.is_infinite() {
         return warn(
-            "never turn the robot, so it misses every goal beside its line: write a w_rad_s other than 0"
+            "never turn the robot, so it misses every goal that is not on its straight line: write a w_rad_s other than 0"
                 .into(),
         );
     }

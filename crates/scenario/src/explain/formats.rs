@@ -54,8 +54,7 @@ impl Place<'_> {
 }
 
 const HASH: &str = "a comment starts with `//`, not with `#`";
-const JSON: &str =
-    "this looks like JSON: RON has parentheses for braces, and field names without quotes: (name: ...)";
+const JSON: &str = "this looks like JSON: RON has parentheses instead of braces, and field names without quotes: (name: ...)";
 const NO_PARENTHESES: &str = "the file must be written in parentheses: (name: ..., ...)";
 
 /// The text after the string in double quotes at the start of `text`.

@@ -48,7 +48,7 @@ impl Place<'_> {
                 self.problem(end, format!("{} is not closed: a `)` is missing before this", self.field(end)))
             }
             E::SuggestRawIdentifier(word) | E::InvalidIdentifier(word) => {
-                self.problem(end, format!("`{word}` is no field's name: write `name: value`"))
+                self.problem(end, format!("`{word}` is not a valid field name: write `name: value`"))
             }
             E::ExpectedIdentifier => self.problem(end, "a field's name is missing here: write `name: value`"),
             E::TrailingCharacters => {

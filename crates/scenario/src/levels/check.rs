@@ -108,7 +108,7 @@ fn check_walls(
     match walls {
         WallLayout::Cells { cell_m, fill } => {
             pair("cell_m", *cell_m, LEVEL_CELL_M, METRES);
-            pair("fill", *fill, SOLID_FILL, " (a share)");
+            pair("fill", *fill, SOLID_FILL, " (a fraction)");
             check_cells(format_args!("{path}.cell_m"), cell_m.0, MAX_LEVEL_CELLS, generator, diagnostics);
         }
         WallLayout::Grid { rows } => {
@@ -124,7 +124,7 @@ fn check_walls(
         WallLayout::Maze { passage_m, wall_m, loops } => {
             pair("passage_m", *passage_m, LEVEL_GAP_M, METRES);
             pair("wall_m", *wall_m, LEVEL_CELL_M, METRES);
-            pair("loops", *loops, 0.0..=1.0, " (a share)");
+            pair("loops", *loops, 0.0..=1.0, " (a probability)");
             check_passage(format_args!("{path}.passage_m"), passage_m.0, generator, diagnostics);
             check_cells(
                 format_args!("{path}.passage_m"),
@@ -161,7 +161,7 @@ fn check_clutter(
 ) {
     match clutter {
         Clutter::Automaton { fill, smoothings, cell_m } => {
-            diagnostics.check_pair(format_args!("{path}.fill"), *fill, AUTOMATON_FILL, " (a share)");
+            diagnostics.check_pair(format_args!("{path}.fill"), *fill, AUTOMATON_FILL, " (a fraction)");
             diagnostics.check_pair(format_args!("{path}.smoothings"), *smoothings, SMOOTHINGS, "");
             let path = format_args!("{path}.cell_m");
             diagnostics.check_pair(path, *cell_m, LEVEL_CELL_M, METRES);

@@ -53,8 +53,8 @@ const ATTEMPTS: u64 = 100;
 /// The error when a generator has no level for a seed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "no level of {generator:?} for seed {seed} in {ATTEMPTS} attempts: in the last one, {reason}; help: write less fill, fewer \
-     or smaller obstacles, a smaller gap_m, or a larger enclosure"
+    "no level of {generator:?} for seed {seed} in {ATTEMPTS} attempts: in the last one, {reason}; help: write a smaller fill, \
+     fewer or smaller obstacles, a smaller gap_m, or a larger enclosure"
 )]
 pub struct LevelError {
     /// Name of the generator.

@@ -71,7 +71,7 @@ pub enum WallLayout {
         /// Side of a cell, 0.02 to 10 m. It is increased so that the cells cover the enclosure.
         #[serde(default = "default_solid_m")]
         cell_m: (f32, f32),
-        /// Share of solid cells, 0 to 0.8.
+        /// Fraction of the cells that are solid, 0 to 0.8.
         #[serde(default = "default_solid")]
         fill: (f32, f32),
     },
@@ -103,11 +103,11 @@ pub enum WallLayout {
         /// Thickness of the walls, 0.02 to 10 m.
         #[serde(default = "default_wall_m")]
         wall_m: (f32, f32),
-        /// Share of the dead ends that get a second exit, 0 to 1.
+        /// Probability that a dead end gets a second exit, 0 to 1.
         #[serde(default = "default_loops")]
         loops: (f32, f32),
     },
-    /// U-shaped traps at random places, at least `gap_m` from each other and from the enclosure.
+    /// U-shaped traps at random positions, at least `gap_m` from each other and from the enclosure.
     Traps {
         /// Number of traps, 0 to 200. Fewer are placed if space runs out.
         #[serde(default = "default_traps")]
@@ -165,7 +165,7 @@ pub enum Clutter {
     /// in each smoothing, a cell with at least 5 filled neighbours of 8 is filled, and one with at most 1 is emptied. Space
     /// that the robot can't reach is filled, too.
     Automaton {
-        /// Share of the cells that are filled at first, 0 to 0.5.
+        /// Fraction of the cells that are filled at first, 0 to 0.5.
         #[serde(default = "default_fill")]
         fill: (f32, f32),
         /// Number of smoothings, 0 to 10.

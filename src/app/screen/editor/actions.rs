@@ -78,7 +78,7 @@ fn continue_button_ui(ui: &mut Ui, size: Vec2, asking: bool, blocker: Option<&st
 }
 
 fn restart_button_ui(ui: &mut Ui, size: Vec2, asking: bool, blocker: Option<&str>) -> Response {
-    let tip = "Start training from scratch in the edited scenario. The current training is discarded";
+    let tip = "Start training from scratch in the edited scenario. The current training run is discarded";
     let button = Button::new("Restart here");
     let response = ui.add_enabled_ui(blocker.is_none() && !asking, |ui| ui.add_sized(size, button)).inner;
     response.on_hover_text(tip).on_disabled_hover_text(blocker.unwrap_or(tip))
@@ -90,7 +90,7 @@ pub fn continue_blocker(input: &ScreenInput<'_>, editor: &Editor) -> Option<Stri
         return Some(reason.into());
     }
     if input.status.is_set {
-        return Some("The training is over a set of scenarios. Restart to train in this one.".into());
+        return Some("Training uses a set of scenarios. Restart to train in this one.".into());
     }
     let (edited, running) = (&**editor.scenario(), &*input.scene.scenario);
     let needs = |scenario: &Scenario| {
@@ -149,9 +149,9 @@ fn confirm_restart_ui(
         let text = format!("Discard this training ({})?", numbers::format_episodes(input.status.episodes));
         ui.label(RichText::new(text).color(palette.text));
         let buttons = [
-            ("Save first", "Save the current training, then start a new one", true),
+            ("Save first", "Save the current training run, then start a new one", true),
             ("Discard", "Start a new training run", true),
-            ("Cancel", "Keep the current training", true),
+            ("Cancel", "Keep the current training run", true),
         ];
         ui.spacing_mut().button_padding.x = 2.0;
         button_row_ui(ui, &buttons)

@@ -31,7 +31,7 @@ pub(super) fn seed_ui(ui: &mut Ui, form: &mut SetupForm) {
         };
         let field = DragValue::new(&mut form.seed).speed(1.0).custom_formatter(format).custom_parser(parse);
         let field = ui.add_sized(vec2(width, side), field).labelled_by(label.id);
-        let field = field.on_hover_text("The same seed gives the same training; drag, or click to type");
+        let field = field.on_hover_text("The same seed gives the same training run; drag, or click to type");
         match typed.into_inner() {
             Some(Ok(seed)) => (form.seed, form.seed_problem) = (seed, None),
             Some(Err(problem)) => form.seed_problem = Some(problem),

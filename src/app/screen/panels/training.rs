@@ -63,9 +63,9 @@ fn restart_ui(ui: &mut Ui, status: &AppSnapshot, form: &mut SetupForm, commands:
     }
     let about = if status.scenario_modified {
         "Train from scratch with these settings, in the scenario as it is in its file, without your changes. The current \
-         training is discarded"
+         training run is discarded"
     } else {
-        "Train from scratch with these settings. The current training is discarded"
+        "Train from scratch with these settings. The current training run is discarded"
     };
     // In the accent colour only if the settings differ from the running ones.
     let button = if form.differs_from_running() {
@@ -109,9 +109,9 @@ fn opened_policy_ui(
     ui.add(Label::new(weak_text(name)).truncate()).on_hover_text(name);
     let (text, about) = if form.differs_from_running() {
         let text = format!("Continue this policy{}", choice_in_words(status, form));
-        (text, "Start training with these settings from this policy. The current training is discarded")
+        (text, "Start training with these settings from this policy. The current training run is discarded")
     } else {
-        let about = "Start training the same learner in the same scenario from this policy. The current training is \
+        let about = "Start training the same learner in the same scenario from this policy. The current training run is \
                      discarded";
         ("Continue training this policy".into(), about)
     };

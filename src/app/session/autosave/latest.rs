@@ -32,6 +32,6 @@ pub fn describe() -> Option<String> {
     };
     let path = path.display();
     Some(format!(
-        "the training is in {path}{age}; help: start wayfield again, or continue it with `wayfield --resume '{path}'`"
+        "the training run is in {path}{age}; help: start wayfield again, or continue it with `wayfield --resume '{path}'`"
     ))
 }
