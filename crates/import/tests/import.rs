@@ -420,7 +420,7 @@ fn barn_worlds_have_their_start_goal_and_path_length() {
     assert!(
         one(4)
             .expect_err("no such world")
-            .starts_with("barn.json: it has no such world; help: --world takes 3 to 7")
+            .starts_with("barn.json: it has no such world; help: --world takes a number from 3 to 7")
     );
     let all = import_worlds(&folder.path("barn.json"), &ImportOptions::default()).expect("all worlds");
     assert_eq!(all.iter().map(|(name, _)| &**name).collect::<Vec<_>>(), ["barn-003", "barn-007"]);
@@ -465,7 +465,11 @@ fn moving_discs_of_a_stage_get_key_frames() {
     folder.write("stages.json", STAGES.replace("[[0, -1, 1], [10, -1, 0], [15, -1, 0]]", &there).as_bytes());
     assert_eq!(one(2).expect("valid").scenario.benchmark_route, None, "something stands at its start");
     folder.write("stages.json", STAGES.as_bytes());
-    assert!(one(3).expect_err("no such stage").contains("it has no such world; help: --world takes 2 to 5"));
+    assert!(
+        one(3)
+            .expect_err("no such stage")
+            .contains("it has no such world; help: --world takes a number from 2 to 5")
+    );
     for (from, to, expected) in [
         ("\"circle\"", "\"cone\"", "stages.json:3:"),
         ("0.15]", "0]", "stages.json: stage 2: a size is not above 0; help: "),

@@ -157,7 +157,10 @@ fn an_example_with_other_q_values_than_the_network_is_refused() {
     let card = policy.card.as_mut().expect("a card");
     card.example.q_values[1] += 0.1;
     let error = policy.to_bytes().expect_err("refused when it is written, too");
-    assert!(matches!(error, PolicyError::Card(_)) && error.to_string().contains("other Q-values"), "{error}");
+    assert!(
+        matches!(error, PolicyError::Card(_)) && error.to_string().contains("do not match the network"),
+        "{error}"
+    );
 }
 
 #[test]
