@@ -100,7 +100,7 @@ impl QNetwork {
     ) -> Result<Self, ConfigError> {
         shape.check()?;
         within("quantiles", quantiles, 1..=max_quantiles(&shape))?;
-        let mut parameters = Vec::with_capacity(parameter_count(&shape, quantiles));
+        let mut parameters = Vec::with_capacity(shape.parameter_count());
         for (i, (inputs, outputs)) in layers(&shape, quantiles).enumerate() {
             let bound = 1.0 / (inputs as f32).sqrt();
             parameters.extend((0..(inputs + 1) * outputs).map(|_| uniform(stream, -bound, bound)));
@@ -332,11 +332,6 @@ fn head_size(shape: &NetworkShape) -> (usize, usize) {
 fn layers(shape: &NetworkShape, quantiles: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
     let heads = move |i| if i == shape.hidden.len() { quantiles } else { 1 };
     shape.layers().enumerate().map(move |(i, (inputs, outputs))| (inputs, outputs * heads(i)))
-}
-
-fn parameter_count(shape: &NetworkShape, quantiles: usize) -> usize {
-    let (inputs, outputs) = head_size(shape);
-    shape.parameter_count() + (inputs + 1) * outputs * (quantiles - 1)
 }
 
 /// The largest number of quantiles with which the network has at most [`MAX_PARAMETERS`] parameters.

@@ -184,7 +184,7 @@ pub(crate) fn td_loss<T: Tape<f32, Cpu>>(
     errors: &mut Vec<f32>,
     chosen: &mut Vec<f32>,
 ) -> Tensor<Rank0, f32, Cpu, T> {
-    let (q, mut tape) = q.split_tape();
+    let (q, tape) = q.split_tape();
     let (n, actions) = *q.shape();
     let all = values(&q);
     errors.clear();
@@ -194,24 +194,39 @@ pub(crate) fn td_loss<T: Tape<f32, Cpu>>(
     for i in 0..n {
         let at = i * actions + usize::from(regression.actions[i]);
         let error = all[at] - regression.targets[i];
-        let (loss, slope) = match regression.loss {
-            Loss::MeanSquared => (error * error, 2.0 * error),
-            Loss::Huber { delta } if error.abs() > delta => {
-                (delta * (error.abs() - 0.5 * delta), delta.copysign(error))
-            }
-            Loss::Huber { .. } => (0.5 * error * error, error),
-        };
+        let (loss, slope) = loss_and_slope(regression.loss, error);
         total += regression.weights[i] * loss;
         q_gradient[at] = regression.weights[i] * slope / n as f32;
         errors.push(error);
         chosen.push(all[at]);
     }
-    let loss = q.device().tensor(total / n as f32);
+    scalar(total / n as f32, q, q_gradient, tape)
+}
+
+/// The loss of a TD error, and its derivative.
+fn loss_and_slope(loss: Loss, error: f32) -> (f32, f32) {
+    match loss {
+        Loss::MeanSquared => (error * error, 2.0 * error),
+        Loss::Huber { delta } if error.abs() > delta => {
+            (delta * (error.abs() - 0.5 * delta), delta.copysign(error))
+        }
+        Loss::Huber { .. } => (0.5 * error * error, error),
+    }
+}
+
+/// The scalar `value`, a function of `x` with this `gradient`, on the tape of `x`.
+fn scalar<T: Tape<f32, Cpu>>(
+    value: f32,
+    x: Rows,
+    gradient: Vec<f32>,
+    mut tape: T,
+) -> Tensor<Rank0, f32, Cpu, T> {
+    let scalar = x.device().tensor(value);
     tape.add_backward_op(move |grads| {
-        add(grads.get_or_alloc_mut(&q)?, &q_gradient);
+        add(grads.get_or_alloc_mut(&x)?, &gradient);
         Ok(())
     });
-    loss.put_tape(tape)
+    scalar.put_tape(tape)
 }
 
 fn add(to: &mut [f32], from: &[f32]) {

@@ -2,8 +2,7 @@
 
 use dfdx::prelude::*;
 
-use super::{Regression, Rows, add, rows, values};
-use crate::config::Loss;
+use super::{Regression, Rows, loss_and_slope, rows, scalar, values};
 
 /// The quantile regression loss (Dabney et al. 2018, equations 9 and 10, times 2 so that a single quantile has the loss of
 /// [`td_loss`]): the mean over the batch of weight x sum over i of mean over j of 2 |tau_i - (u < 0)| Huber(u), where u = y_j - Z_i
@@ -16,11 +15,9 @@ pub(crate) fn quantile_loss<T: Tape<f32, Cpu>>(
     errors: &mut Vec<f32>,
     chosen: &mut Vec<f32>,
 ) -> Tensor<Rank0, f32, Cpu, T> {
-    let (quantiles, mut tape) = quantiles.split_tape();
+    let (quantiles, tape) = quantiles.split_tape();
     let (rows, actions) = *quantiles.shape();
     let (n, fraction) = (rows / count, 1.0 / count as f32);
-    // The config allows no other loss with quantiles.
-    let delta = if let Loss::Huber { delta } = regression.loss { delta } else { 1.0 };
     let all = values(&quantiles);
     errors.clear();
     chosen.clear();
@@ -33,27 +30,22 @@ pub(crate) fn quantile_loss<T: Tape<f32, Cpu>>(
             let at = (transition * count + i) * actions + usize::from(regression.actions[transition]);
             let (quantile, tau) = (all[at], (i as f32 + 0.5) * fraction);
             sum += quantile;
-            let (mut loss, mut slope) = (0.0, 0.0);
+            let (mut total_loss, mut total_slope) = (0.0, 0.0);
             for y in targets {
                 let u = y - quantile;
                 let side = if u < 0.0 { 1.0 - tau } else { tau };
-                let huber = if u.abs() > delta { delta * (u.abs() - 0.5 * delta) } else { 0.5 * u * u };
-                loss += side * huber;
-                slope -= side * u.clamp(-delta, delta);
+                let (loss, slope) = loss_and_slope(regression.loss, u);
+                total_loss += side * loss;
+                total_slope -= side * slope;
             }
-            total += weight * loss * fraction * 2.0;
-            gradient[at] = weight * slope * fraction * 2.0 / n as f32;
+            total += weight * total_loss * fraction * 2.0;
+            gradient[at] = weight * total_slope * fraction * 2.0 / n as f32;
         }
         let mean_target = targets.iter().sum::<f32>() * fraction;
         chosen.push(sum * fraction);
         errors.push(sum * fraction - mean_target);
     }
-    let loss = quantiles.device().tensor(total / n as f32);
-    tape.add_backward_op(move |grads| {
-        add(grads.get_or_alloc_mut(&quantiles)?, &gradient);
-        Ok(())
-    });
-    loss.put_tape(tape)
+    scalar(total / n as f32, quantiles, gradient, tape)
 }
 
 /// The mean over the quantiles of rows of (head of quantile 1, head of quantile 2, ...).
@@ -74,6 +66,7 @@ pub(crate) fn mean_of_quantiles(heads: Rows, count: usize) -> Rows {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::Loss;
 
     /// Loss and gradient of two quantiles, of returns of one action, for one transition.
     fn loss(quantiles: [f32; 2], targets: [f32; 2], weight: f32) -> (f32, Vec<f32>, f32) {
