@@ -96,6 +96,13 @@ fn a_file_of_barn_worlds_fills_a_folder_or_gives_one_world() {
     let workspace = workspace();
     let done = workspace.run_ok("--import barn.json --out worlds");
     assert_eq!(done.stdout, "worlds/barn-003.ron\nworlds/barn-007.ron\n");
+    let json = workspace.run_ok("--import barn.json --out worlds --json").stdout;
+    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    assert_eq!(
+        (&json[0]["scenario"], &json[0]["path_length_m"]),
+        (&"worlds/barn-003.ron".into(), &10.5.into())
+    );
+    assert_eq!(json.as_array().map(Vec::len), Some(2));
     workspace.run_ok("--import barn.json --world 3 --out three.ron");
     assert_eq!(workspace.text("three.ron"), workspace.text("worlds/barn-003.ron"));
     assert!(workspace.text("three.ron").contains("Shortest path: 10.5000 m."));

@@ -1,13 +1,11 @@
 //! Environments: steps and resets that return numpy arrays.
 
-use std::f32::consts::PI;
-
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyIndexError, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use wayfield::env::{Autoreset, Step, VecEnv, VecEnvError};
-use wayfield::policy::{Encoding, observation};
+use wayfield::policy::Encoding;
 use wayfield::report::raster;
 use wayfield::run::scenario_image;
 use wayfield::scenario::Scenario;
@@ -17,6 +15,7 @@ use crate::arrays::rows;
 use crate::commands;
 use crate::env_options::{EnvOptions, is_continuous, scenario_or_set};
 use crate::errors::{detached, env_error};
+use crate::observation_bounds::ObservationBounds;
 use crate::step_details::StepDetails;
 
 /// Observations (envs x width), rewards, terminated, truncated, and the details for `info`.
@@ -39,6 +38,7 @@ pub struct NativeEnv {
     /// The scenario, or the first one of the set.
     scenario: Scenario,
     encoding: Encoding,
+    bounds: ObservationBounds,
     autoreset: Autoreset,
     is_continuous: bool,
     results: Results,
@@ -68,10 +68,18 @@ impl NativeEnv {
     fn new(py: Python<'_>, wanted: &str, options: EnvOptions) -> PyResult<Self> {
         let (mut scenario, set) = scenario_or_set(wanted)?;
         let is_continuous = is_continuous(&options.actions)?;
-        let config = options.config(&mut scenario, set)?;
+        let (config, bounds) = options.config(&mut scenario, set)?;
         let (encoding, autoreset) = (config.encoding, config.autoreset);
         let env = detached(py, || VecEnv::new(&scenario, config).map(Box::new).map_err(env_error))?;
-        Ok(Self { env: Some(env), scenario, encoding, autoreset, is_continuous, results: Results::default() })
+        Ok(Self {
+            env: Some(env),
+            scenario,
+            encoding,
+            bounds,
+            autoreset,
+            is_continuous,
+            results: Results::default(),
+        })
     }
 
     /// Starts new episodes in all environments, or in those of `mask`. Returns all observations (envs x width).
@@ -154,29 +162,8 @@ impl NativeEnv {
 
     /// The smallest and the largest value of every number of an observation; infinite for observations by sectors.
     #[getter]
-    fn observation_bounds(&self) -> (Vec<f32>, Vec<f32>) {
-        if self.encoding.sectors().is_some() {
-            let bound = |value| vec![value; self.observation_width()];
-            return (bound(f32::NEG_INFINITY), bound(f32::INFINITY));
-        }
-        let lidar = &self.scenario.lidar;
-        let corners = self.scenario.enclosure.corners_m();
-        let distances = corners.iter().flat_map(|a| corners.iter().map(|b| a.distance(*b)));
-        // The tolerance is for rounding.
-        let farthest_m = 1.001 * distances.fold(0.0, f32::max);
-        let encode = |ranges_m: &[f32], bearing_rad, distance_m| {
-            let mut row = vec![0.0; self.observation_width()];
-            observation::encode(self.encoding, ranges_m, bearing_rad, distance_m, &mut row);
-            row
-        };
-        let mut ranges_m = vec![lidar.max_range_m; lidar.beams];
-        let mut high = encode(&ranges_m, PI, farthest_m);
-        // The index of the nearest beam is largest if the nearest beam is the last one.
-        if let (Some(range), Some(index)) = (ranges_m.last_mut(), high.last_mut()) {
-            *range = 0.0;
-            *index = encode(&ranges_m, PI, farthest_m).pop().unwrap_or_default();
-        }
-        (encode(&vec![0.0; lidar.beams], -PI, 0.0), high)
+    fn observation_bounds(&self) -> (&[f32], &[f32]) {
+        (&self.bounds.low, &self.bounds.high)
     }
 
     /// The smallest and the largest motion that can be commanded, as speeds in m/s and turning rates in rad/s.

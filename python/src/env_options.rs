@@ -15,6 +15,7 @@ use wayfield::simulation::Extensions;
 use wayfield::task::{ObservationLayout, ScenarioPool, TaskMode};
 
 use crate::errors::{file_error, run_error, setting_errors};
+use crate::observation_bounds::ObservationBounds;
 
 /// What messages call a file that was given as text.
 pub const TEXT: &str = "<text>";
@@ -81,8 +82,13 @@ pub struct EnvOptions {
 }
 
 impl EnvOptions {
-    /// The configuration of environments of `scenario` or, if given, of `set`. Applies the settings to both.
-    pub fn config(self, scenario: &mut Scenario, mut set: Option<ScenarioSet>) -> PyResult<VecEnvConfig> {
+    /// The configuration of environments of `scenario` or, if given, of `set`, and the bounds of their observations. Applies the
+    /// settings to both.
+    pub fn config(
+        self,
+        scenario: &mut Scenario,
+        mut set: Option<ScenarioSet>,
+    ) -> PyResult<(VecEnvConfig, ObservationBounds)> {
         let num_envs = self.num_envs;
         if !(1..=MAX_ARENAS).contains(&num_envs) {
             return Err(PyValueError::new_err(format!(
@@ -100,9 +106,11 @@ impl EnvOptions {
         preset
             .check_memory(scenario, &ObservationLayout::default())
             .map_err(|error| PyValueError::new_err(format!("num_envs={num_envs}: {error}")))?;
-        Ok(VecEnvConfig {
+        let encoding = encoding.unwrap_or(preset.observation);
+        let bounds = ObservationBounds::of(encoding, scenario, set.as_ref());
+        let config = VecEnvConfig {
             num_envs,
-            encoding: encoding.unwrap_or(preset.observation),
+            encoding,
             reward: preset.reward,
             mode: choice(
                 "task",
@@ -113,7 +121,8 @@ impl EnvOptions {
             extensions: set.map_or_else(Extensions::default, |set| {
                 Extensions::default().plugin(ScenarioPool::new(&set))
             }),
-        })
+        };
+        Ok((config, bounds))
     }
 }
 

@@ -36,6 +36,7 @@ mod errors;
 mod evaluate;
 mod files;
 mod import;
+mod observation_bounds;
 mod policy;
 mod step_details;
 mod suite;

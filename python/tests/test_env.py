@@ -12,6 +12,7 @@ from gymnasium.vector import AutoresetMode
 import wayfield
 
 ENV = "wayfield/Navigation-v0"
+SETS = ["clutter", '(name: "Two", scenarios: [(scenario: "empty"), (scenario: "slalom")])']
 SMALL = '(name: "small", enclosure: Rectangle(width_m: 2.0, height_m: 2.0), task: (max_episode_steps: 30))'
 
 
@@ -37,7 +38,7 @@ def test_gymnasiums_checker_accepts_the_environment(actions, options):
     check_env(gymnasium.make(ENV, actions=actions, **options).unwrapped)
 
 
-@pytest.mark.parametrize("scenario", list(wayfield.scenarios()))
+@pytest.mark.parametrize("scenario", [*wayfield.scenarios(), *SETS])
 @pytest.mark.parametrize("observation", ["scaled", "raw"])
 def test_observations_lie_in_their_space_in_every_scenario(scenario, observation):
     envs = gymnasium.make_vec(ENV, num_envs=8, scenario=scenario, observation=observation)

@@ -5,7 +5,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::output::{print_json, print_stdout};
 use super::shared::SharedArgs;
@@ -65,7 +65,7 @@ pub fn run(file: &Path, args: &ImportArgs, shared: &SharedArgs) -> Result<(), Ru
     };
     let is_file = is_stream(out) || out.extension() == Some("ron".as_ref());
     if !is_file && file.extension() == Some("json".as_ref()) && args.world.is_none() {
-        return all_worlds(file, &options(args, shared)?, out);
+        return all_worlds(file, &options(args, shared)?, out, shared.json);
     }
     if !is_file {
         return Err(RunError::invalid_input(out, "not a scenario file; help: give a name that ends in .ron"));
@@ -73,32 +73,40 @@ pub fn run(file: &Path, args: &ImportArgs, shared: &SharedArgs) -> Result<(), Ru
     check_writable(out)?;
     let imported = import(file, &options(args, shared)?)?;
     write(out, &imported)?;
-    for finding in &imported.findings {
-        print_stderr(&format!("note: {}: {finding}", printable_path(file)));
-    }
+    print_findings(file, &imported);
     if shared.json {
-        return print_json(&json!({
-            "scenario": out,
-            "deviation_m": imported.deviation_m,
-            "path_length_m": imported.path_length_m,
-            "findings": imported.findings,
-        }));
+        return print_json(&summary(out, &imported));
     }
     if is_stream(out) { Ok(()) } else { print_stdout(&format!("{}\n", out.display())) }
 }
 
-/// Imports all worlds in `file` into `folder`, and prints the paths.
-fn all_worlds(file: &Path, options: &ImportOptions, folder: &Path) -> Result<(), RunError> {
+/// Imports all worlds in `file` into `folder`. Prints the paths, and on stderr what was not imported.
+fn all_worlds(file: &Path, options: &ImportOptions, folder: &Path, as_json: bool) -> Result<(), RunError> {
     let worlds = import_worlds(file, options)?;
     fs::create_dir_all(folder)
         .map_err(|error| RunError::not_writable(folder, format!("{error}; help: choose another folder")))?;
-    let mut printed = String::new();
+    let (mut paths, mut summaries) = (String::new(), Vec::new());
     for (name, imported) in worlds {
         let path = folder.join(format!("{name}.ron"));
         write(&path, &imported)?;
-        printed += &format!("{}\n", path.display());
+        print_findings(&path, &imported);
+        paths += &format!("{}\n", path.display());
+        summaries.push(summary(&path, &imported));
     }
-    print_stdout(&printed)
+    if as_json { print_json(&summaries) } else { print_stdout(&paths) }
+}
+
+/// Prints on stderr what was not imported from `from`, or changed.
+fn print_findings(from: &Path, imported: &Imported) {
+    for finding in &imported.findings {
+        print_stderr(&format!("note: {}: {finding}", printable_path(from)));
+    }
+}
+
+/// The result of an import for `--json`.
+fn summary(scenario: &Path, imported: &Imported) -> Value {
+    let Imported { deviation_m, path_length_m, findings, .. } = imported;
+    json!({ "scenario": scenario, "deviation_m": deviation_m, "path_length_m": path_length_m, "findings": findings })
 }
 
 fn write(path: &Path, imported: &Imported) -> Result<(), RunError> {

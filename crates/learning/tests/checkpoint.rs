@@ -272,24 +272,26 @@ fn a_checkpoint_of_another_config_is_rejected() {
 #[test]
 fn pending_updates_are_saved_and_restored() {
     for config in configs() {
-        let mut learner = Learner::new(&config, INPUTS, ACTIONS, NUM_ENVS, 5).expect("a valid config");
-        for step in 0..90 {
-            learner.store(&Experience {
-                env_index: 0,
-                observation: &[step as f32; INPUTS],
-                action: 0,
-                reward: 1.0,
-                next_observation: &[step as f32 + 1.0; INPUTS],
-                terminated: step % 9 == 8,
-                truncated: false,
-            });
+        // Two gradient steps after each of the env steps 52, 56, and so on. 1000 env steps are several buffers full.
+        for (env_steps, pending) in [(90, 20), (1000, 476)] {
+            let mut learner = Learner::new(&config, INPUTS, ACTIONS, NUM_ENVS, 5).expect("a valid config");
+            for step in 0..env_steps {
+                learner.store(&Experience {
+                    env_index: 0,
+                    observation: &[step as f32; INPUTS],
+                    action: 0,
+                    reward: 1.0,
+                    next_observation: &[step as f32 + 1.0; INPUTS],
+                    terminated: step % 9 == 8,
+                    truncated: false,
+                });
+            }
+            assert_eq!(learner.pending_updates(), pending);
+            let mut bytes = Vec::new();
+            learner.save(&mut bytes).expect("memory can be written");
+            let mut again =
+                Learner::restore(&config, INPUTS, ACTIONS, NUM_ENVS, &bytes[..]).expect("a valid checkpoint");
+            assert_eq!(again.train().expect("no divergence"), learner.train().expect("no divergence"));
         }
-        // Two gradient steps after each of the env steps 52, 56, ..., 88: ten times two.
-        assert_eq!(learner.pending_updates(), 20);
-        let mut bytes = Vec::new();
-        learner.save(&mut bytes).expect("memory can be written");
-        let mut again =
-            Learner::restore(&config, INPUTS, ACTIONS, NUM_ENVS, &bytes[..]).expect("a valid checkpoint");
-        assert_eq!(again.train().expect("no divergence"), learner.train().expect("no divergence"));
     }
 }

@@ -105,11 +105,11 @@ fn everyday_number_notations_get_the_number_to_write() {
             ),
             (
                 "(name: \"Mine\", robot: (radius_m: 10cm))",
-                "1:34: `robot.radius_m` must be a number only: write 10, without `cm`",
+                "1:34: `robot.radius_m` must be a number only: write 0.1 for 10 cm",
             ),
             (
                 "(name: \"Mine\", lidar: (field_of_view_rad: 270°))",
-                "1:43: `lidar.field_of_view_rad` must be a number only: write 270, without `°`",
+                "1:43: `lidar.field_of_view_rad` must be a number only: write 4.712389 for 270 °",
             ),
             (
                 "(name: \"Mine\", robot: (radius_m: \"0.1\"))",

@@ -117,14 +117,13 @@ impl Header {
         Some(stored).filter(|&n| n <= learner.replay.capacity() as u64)
     }
 
-    /// Whether the number of pending updates is plausible. Each env step adds at most `gradient_steps` updates, at most as many
-    /// env steps wait as there are stored transitions or environments, and an update needs a transition to sample.
+    /// Whether the number of pending updates is plausible: each env step adds at most `gradient_steps` updates, and an update needs
+    /// a transition to sample.
     fn has_valid_pending_updates(&self, learner: &Learner) -> bool {
-        let stored = self.stored_transitions(learner);
-        let env_steps = stored.unwrap_or_default().max(learner.trajectories.len() as u64);
-        let max_pending = env_steps * u64::from(learner.config.gradient_steps);
-        let pending = self.counters.pending_updates;
-        u64::from(pending) <= max_pending && (pending == 0 || stored.is_some_and(|n| n > 0))
+        let Counters { env_steps, pending_updates, .. } = self.counters;
+        let max_pending = env_steps.saturating_mul(u64::from(learner.config.gradient_steps));
+        let has_transitions = self.stored_transitions(learner).is_some_and(|n| n > 0);
+        u64::from(pending_updates) <= max_pending && (pending_updates == 0 || has_transitions)
     }
 
     fn is_valid_trajectory(&self, trajectory: &Trajectory, learner: &Learner) -> bool {

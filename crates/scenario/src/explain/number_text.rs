@@ -1,5 +1,6 @@
 //! Numbers as people write them: `6e5` and `600k` for a whole number, `0.1 m`, `0,1`, `1,000.5`.
 
+use std::f64::consts::PI;
 use std::ops::Range;
 
 use wayfield_ron_patch::tokens;
@@ -63,9 +64,18 @@ pub fn with_plain_numbers(text: &str) -> String {
     plain + &text[end..]
 }
 
-/// The problem of a `number` with a unit, as the rest of a sentence.
+/// The problem of a `number` with a unit, as the rest of a sentence. The number to write is in the unit of the format.
 pub(super) fn with_unit(number: &str, unit: &str) -> String {
-    format!("must be a number only: write {number}, without `{unit}`")
+    let factor = match unit {
+        "cm" | "%" => 0.01,
+        "mm" | "ms" => 0.001,
+        "deg" | "\u{b0}" => PI / 180.0,
+        _ => return format!("must be a number only: write {number}, without `{unit}`"),
+    };
+    match number.parse::<f64>() {
+        Ok(value) => format!("must be a number only: write {} for {number} {unit}", (value * factor) as f32),
+        Err(_) => format!("must be a number only, without `{unit}`"),
+    }
 }
 
 /// `value` as a whole number, if it is one and f64 represents it exactly.
