@@ -1,7 +1,7 @@
 //! The time that a driver takes to choose an action: policies (observation and network), with and without a map, and DWA.
 //!
-//! `cargo bench --bench act`; items are decisions of one robot. It drives on a circle in a room of 6 m x 6 m in which six
-//! discs move.
+//! `cargo bench --bench act`; items are decisions of one robot. The robot drives on a circle in an arena of 6 m x 6 m in which
+//! six discs move.
 
 #[path = "support/allocator.rs"]
 mod allocator;
@@ -79,13 +79,15 @@ fn act(bencher: Bencher, beams: usize, driver: impl Fn(&Scenario) -> Box<dyn Dri
     });
 }
 
-/// The robot's pose after `step` control steps (x in m, y in m, heading in rad): on a circle of 1 m around the origin.
+/// The robot's pose after `step` control steps (x in m, y in m, heading in rad): on a circle with a radius of 1 m around the
+/// origin.
 fn pose(step: usize) -> (f32, f32, f32) {
     let angle = TAU * (step % STEPS) as f32 / STEPS as f32;
     (angle.sin(), -angle.cos(), angle)
 }
 
-/// The scan at that pose: of the room, and of discs with a radius of 0.2 m that move the other way on a circle of 2 m.
+/// The scan at that pose: of the arena's walls, and of discs with a radius of 0.2 m that move the other way on a circle with a
+/// radius of 2 m.
 fn scan(lidar: &Lidar, step: usize) -> Vec<f32> {
     let (x, y, heading) = pose(step);
     let at = vec2(x, y);

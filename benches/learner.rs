@@ -48,7 +48,7 @@ fn config(dueling: bool, batch_size: usize) -> LearningConfig {
     }
 }
 
-/// A learner with a filled replay buffer, and random observations for further experiences.
+/// A learner with `learning_starts` experiences in its replay buffer, and random observations for further experiences.
 struct Bench {
     learner: Learner,
     observations: Vec<Vec<f32>>,

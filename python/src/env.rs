@@ -63,7 +63,8 @@ impl Results {
 
 #[pymethods]
 impl NativeEnv {
-    /// Environments of the scenario or set `wanted` (a shipped name, path or RON text). They must be reset before the first step.
+    /// Environments of the scenario or set `wanted` (a shipped name, a path or RON text). They must be reset before the first
+    /// step.
     #[new]
     fn new(py: Python<'_>, wanted: &str, options: EnvOptions) -> PyResult<Self> {
         let (mut scenario, set) = scenario_or_set(wanted)?;
@@ -134,7 +135,7 @@ impl NativeEnv {
         Ok((image.height, image.width, PyBytes::new(py, &image.bytes)))
     }
 
-    /// The state of one environment, in m and rad.
+    /// The state of one environment, in m, rad, m/s and rad/s.
     fn state<'py>(&mut self, py: Python<'py>, index: usize) -> PyResult<Bound<'py, PyDict>> {
         let states = self.run(py, |env, _| Ok(sim::snapshot(env.simulation_mut().world_mut())))?;
         let state = states.into_iter().nth(index).ok_or_else(|| no_such_env(index))?;

@@ -21,12 +21,12 @@ pub struct ImportArguments {
     world: Option<u32>,
     /// The scenario whose robot, LIDAR and rules are used: a shipped name, a path or RON text.
     robot: Option<String>,
-    /// Settings of that scenario: pairs of a field's path and its value as RON.
+    /// Settings of that scenario (the default scenario if `robot` is `None`): pairs of a field's path and its value as RON.
     settings: Vec<(String, String)>,
 }
 
-/// Imports the file `path`. Returns the scenario's RON text, the largest deviation of a wall in m, the length of a shortest path
-/// in m if it is known, and what was not imported.
+/// Imports the file `path`. Returns the scenario's RON text, the largest deviation of a wall in m, the length of a shortest
+/// path in m if it is known, and what was not imported.
 #[pyfunction]
 pub fn import_scenario(
     py: Python<'_>,
@@ -49,7 +49,8 @@ pub fn import_scenario(
     })
 }
 
-/// The scenario whose robot, LIDAR and rules the user has chosen, by name or by single fields; `None` for the importer's default.
+/// The scenario whose robot, LIDAR and rules are used: the one that the user has named (or the default scenario), with the
+/// user's settings. `None` for the importer's default, if the user has given neither.
 fn robot_from(robot: Option<&str>, pairs: Vec<(String, String)>) -> PyResult<Option<Scenario>> {
     if robot.is_none() && pairs.is_empty() {
         return Ok(None);

@@ -108,7 +108,7 @@ fn run(
 ) -> PyResult<(PathBuf, String)> {
     let every = Duration::try_from_secs_f64(checkpoint_every_s).map_err(|_| {
         PyValueError::new_err(format!(
-            "checkpoint_every_s is {checkpoint_every_s}; help: give a number of seconds"
+            "checkpoint_every_s is {checkpoint_every_s}; help: give a number of seconds, at least 0"
         ))
     })?;
     let (stop, raised) = (Arc::new(AtomicBool::new(false)), Arc::new(Mutex::new(None)));
@@ -130,8 +130,8 @@ fn run(
     Ok((folder, summary))
 }
 
-/// A listener that passes the progress to `callback` and checks for Ctrl-C, every 0.1 s. It stores an exception in `raised`, and
-/// sets `stop`.
+/// A listener that passes the progress to `callback` and checks for Ctrl-C, every 0.1 s. It stores an exception in `raised`,
+/// and sets `stop`.
 pub fn listener(
     callback: Option<Py<PyAny>>,
     stop: Arc<AtomicBool>,

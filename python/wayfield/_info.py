@@ -8,7 +8,7 @@ from . import _native
 
 class StepInfo(dict[str, Any]):
     """A dict that gets its contents from ``details`` at the first access: most loops use none of the arrays, and making them
-    takes longer than the rest of a vector call. The caller sets ``details`` right after construction (an ``__init__`` would
+    takes longer than the rest of a vectorized step. The caller sets ``details`` right after construction (an ``__init__`` would
     take time).
 
     Copies, also by pickle, are plain dicts.

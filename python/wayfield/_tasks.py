@@ -41,7 +41,11 @@ class Pool(Protocol):
         """Starts a task, or puts it into a queue. Returns a handle."""
 
     def wait(self, handles: Sequence[Hashable]) -> tuple[Hashable, Any, str]:
-        """Waits for one of the tasks. Returns its handle, its result, and where it was done."""
+        """Waits until one of the tasks has finished. Returns its handle, its result, and where it ran.
+
+        Raises:
+            RuntimeError: The task failed.
+        """
 
     def cancel(self, handles: Sequence[Hashable]) -> None:
         """Stops tasks whose results are not needed any more."""

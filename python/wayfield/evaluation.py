@@ -31,7 +31,8 @@ class Evaluation:
         mean_time_s: The mean simulated time of the successful episodes in s; None without one.
         spl: The mean success weighted by path length, 0 to 1.
         mean_cost_s: The mean time of all episodes in s, where a failed one counts as the whole time limit.
-        optimum_mean_time_s, time_ratio: With ``optimum=True``, the planner's mean time in s, and the policy's divided by it.
+        optimum_mean_time_s, time_ratio: With ``optimum=True``, the planner's mean time in s, and the policy's divided by it,
+            over the successful episodes in which the planner found a path; None without one.
         seed: The seed of starts and goals.
         rounds: The success rate of each round.
         episodes: The columns of ``wayfield --eval --csv`` (docs/command-line.md), one value per episode; NaN if unknown.
@@ -70,7 +71,7 @@ class Evaluation:
 
 
 class EvaluationOptions(TypedDict, total=False):
-    """The options of ``evaluate``, which describes them."""
+    """The options of ``evaluate`` in one scenario. Its docstring describes them."""
 
     set: Mapping[str, Any] | None
     episodes: int
@@ -124,13 +125,13 @@ def evaluate(
     optimum: bool = False,
     trace: str | os.PathLike[str] | None = None,
 ) -> Evaluation | list[Evaluation] | SuiteEvaluation | list[SuiteEvaluation]:
-    """Tests a policy or a classical driver over ``rounds * episodes`` episodes, like ``wayfield --eval``, or several of them in
-    the same episodes.
+    """Tests a policy or a classical driver over ``rounds * episodes`` episodes, like ``wayfield --eval``. Several of them are
+    tested in the same episodes.
 
     Args:
-        policy: A policy, its file, or the name of a shipped one; with ``+map`` after file or name, the policy builds a map as it
-            drives. Or a classical driver: its name, such as ``"dwa"``, its RON file or its RON text. Or a list of these. See
-            docs/drivers.md.
+        policy: A policy, its file, or the name of a shipped one; with ``+map`` after file or name, the policy builds a map as
+            it drives. Or a classical driver: its name, such as ``"dwa"``, its RON file or its RON text. Or a list of these.
+            See docs/drivers.md.
         scenario: A shipped name, a path or RON text; None for the scenario that the policies were trained in, or Scenario I if
             there are none.
         suite: In place of ``scenario``, many scenarios with results by family: the file of a suite or ``"shipped"`` or
@@ -265,8 +266,8 @@ def _options(
 
 
 def evaluation_from(report: dict[str, Any]) -> Evaluation:
-    """The results in the native module's report on a policy. Its warning, if any, points to the line where the user called the
-    function that calls this one."""
+    """The results in the native module's report on a policy. The report's warning, if any, is shown for the line where the user
+    called the caller of this function."""
     warning = report.pop("warning")
     if warning is not None:
         warnings.warn(warning, stacklevel=3)

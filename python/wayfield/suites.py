@@ -23,8 +23,8 @@ class FamilyEvaluation:
         spl: The mean success weighted by path length, 0 to 1.
         worst_tenth: The mean success rate in the tenth of the scenarios where it is lowest, 0 to 1.
         barn_score: The mean score of the BARN Challenge, 0 to 0.5; None if the family has none.
-        optimum_episodes, time_ratio: With ``optimum=True``, the number of successful episodes in which the planner found a path,
-            and their time divided by the planner's; else 0 and None.
+        optimum_episodes, time_ratio: With ``optimum=True``, the number of successful episodes in which the planner found a
+            path, and their time divided by the planner's; else 0 and None.
     """
 
     scenarios: int

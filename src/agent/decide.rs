@@ -1,7 +1,7 @@
 //! Action selection (`Decide`): one forward pass turns the batch of observations into a batch of actions.
 //!
-//! In: [`Observations`], epsilon, and the learner's network, a fixed policy or a source per arena. Out: [`Actions`]; for display,
-//! the Q-values and which actions were random ([`Decisions`]).
+//! In: [`Observations`], epsilon, and the learner's network, a fixed policy or a source per arena. Out: [`Actions`]; for
+//! display, the Q-values and which actions were random ([`Decisions`]).
 
 use bevy::prelude::*;
 

@@ -99,23 +99,25 @@ pub enum Command {
     },
     /// Moves an object.
     Move(MoveRequest),
-    /// While testing, driving or comparing: gives all robots the goal at the requested position, and restarts their time limits.
+    /// While testing, driving or comparing: gives all robots the goal at the requested position, and restarts their time
+    /// limits.
     SetGoal(MoveRequest),
     /// Sets the motion of the robot that the user drives, an index into the robot's motions.
     Steer(usize),
-    /// Opens a dialog for a policy, a checkpoint, a scenario or a preset.
+    /// Opens a dialog for a file that [`Command::Open`] opens.
     OpenDialog,
     /// Opens a shipped policy that can drive here, to compare with.
     OpenExpert,
-    /// Lets the classical driver of this name drive next to the current policy.
+    /// Lets the classical driver of this name drive next to the current or the best policy.
     OpenDriver(&'static str),
     /// Lets the current or the best policy drive with a map, next to the same policy without one.
     OpenWithMap,
-    /// Lets a shipped policy with a map drive next to the current policy.
+    /// Lets a shipped policy with a map drive next to the current or the best policy.
     OpenExpertWithMap,
     /// Opens the best policy of the training run so far, to compare with.
     OpenBest,
-    /// Opens a policy file, a run folder, a checkpoint, a scenario or a preset.
+    /// Opens a policy, a run folder, a checkpoint, a scenario, a set of scenarios, a preset, a classical driver, a map or a
+    /// Gazebo world.
     Open(PathBuf),
     /// Opens a dialog for the file to save to.
     SaveDialog(SaveKind),
@@ -180,7 +182,7 @@ pub enum SaveKind {
     Policy,
     /// The best policy so far, as safetensors.
     BestPolicy,
-    /// The whole run, as a folder that `wayfield --train --resume` can continue.
+    /// The whole run, as a folder that `wayfield --resume` can continue.
     Run,
     /// The episodes, as CSV.
     Csv,

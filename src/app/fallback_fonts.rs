@@ -15,7 +15,7 @@ use egui::{FontData, FontFamily, FontId, Shape};
 
 use search::FontSearch;
 
-/// The characters that were checked, those that still need a font, and the search in progress.
+/// The characters that were checked, those that the app's fonts lack, and the search in progress.
 #[derive(Resource, Default)]
 pub struct FallbackFonts {
     checked: HashSet<char>,
@@ -31,7 +31,7 @@ impl FallbackFonts {
     }
 }
 
-/// Searches in the background for fonts with the drawn characters that no font of the app has, and adds those it finds.
+/// Searches in the background for fonts with the drawn characters that the app's fonts lack, and adds the fonts it finds.
 pub fn add_fallback_fonts(
     mut contexts: Query<(&mut EguiContext, &EguiFullOutput)>,
     mut fallback: ResMut<FallbackFonts>,

@@ -87,8 +87,8 @@ impl Purpose {
     }
 }
 
-/// Opens the dialogs that commands need, and answers with commands for the chosen paths. (Some systems allow dialogs only on
-/// the main thread, hence the marker.)
+/// Opens the dialogs that commands need, one at a time, and sends commands with the chosen paths. A command that needs a dialog
+/// while another one is open is ignored. (Some systems allow dialogs only on the main thread, hence the marker.)
 pub(super) fn run_file_dialogs(
     _main_thread: NonSendMarker,
     mut messages: ResMut<Messages<Command>>,

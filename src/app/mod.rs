@@ -6,7 +6,7 @@
 //!
 //! | file | duty |
 //! |---|---|
-//! | `session/` | the training session: commands, time, records, replay |
+//! | `session/` | the training session: commands, time, the journal of interventions, saving |
 //! | `commands.rs` | the commands that the user can give |
 //! | `interaction.rs`, `setup_form.rs` | unfinished actions of the user: a drag, choices on the setup panel |
 //! | `moves.rs` | which objects can be moved by hand, and where to |

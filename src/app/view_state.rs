@@ -29,7 +29,7 @@ pub enum ThemeChoice {
 pub struct Overlays {
     /// LIDAR beams.
     pub beams: bool,
-    /// Path towards the current goal.
+    /// The path since the last goal, and the planned path of a driver that plans one.
     pub path: bool,
     /// Earlier paths, coloured by outcome.
     pub trails: bool,

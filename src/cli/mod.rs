@@ -160,8 +160,8 @@ pub fn main(began: Instant, extensions: Extensions) -> ExitCode {
     ExitCode::from(run_words(std::env::args_os(), began, extensions))
 }
 
-/// Runs the command line with the arguments `words` and returns the exit status. The first word is the program's name. `--help`,
-/// `--version` and invalid options end the process. See [`main`] for the other arguments.
+/// Runs the command line with the arguments `words` and returns the exit status. The first word is the program's name.
+/// `--help`, `--version` and invalid options end the process. See [`main`] for the other arguments.
 pub fn run_words(words: impl IntoIterator<Item = OsString>, began: Instant, extensions: Extensions) -> u8 {
     signals::survive_limits();
     let words: Vec<OsString> = words.into_iter().collect();
@@ -178,7 +178,7 @@ pub fn run_words(words: impl IntoIterator<Item = OsString>, began: Instant, exte
     }
 }
 
-/// The fix for an error at a limit on the process, which can occur wherever files are opened or written.
+/// The fix for an error at the limit on open files or on file sizes, which any code that opens or writes files can hit.
 fn limit_help(error: &str) -> &'static str {
     let is_system_error = |number: u32| cfg!(unix) && error.contains(&format!("(os error {number})"));
     if error.contains("help:") {
@@ -192,8 +192,8 @@ fn limit_help(error: &str) -> &'static str {
     }
 }
 
-/// Prints clap's message and exits. A message with an argument that a terminal would act on is printed without colours, so
-/// that it can be escaped.
+/// Prints clap's message and exits. If an argument in it has unprintable characters, such as terminal control codes, they are
+/// escaped, and the message has no colours.
 fn exit(error: &clap::Error) -> ! {
     let text = error.to_string();
     if text.contains(|c| is_unprintable(c) && c != '\n' && c != '\t') {

@@ -405,7 +405,7 @@ const CHECKPOINTS: &[Limit] = &[
 ];
 
 impl Value {
-    /// The limit with its unit, such as "at most 4,096" or "0.001 to 10 s".
+    /// The limit with its unit, such as "10,000 characters", "at least 0.55" or "0.001 to 10 s". A maximum is just the number.
     fn with_unit(&self, unit: &str) -> String {
         let value = match *self {
             Self::Max(max) => whole(max),

@@ -244,13 +244,13 @@ mod tests {
 
     #[test]
     fn the_sentence_has_the_numbers_behind_the_outcome() {
-        // {98, 99, 100}: 99, sd 1, half width 4.3027 / sqrt 3 = 2.48; so have the differences 8, 9 and 10.
+        // {98, 99, 100}: 99, sd 1, half width 4.3027 / sqrt 3 = 2.48. The differences 8, 9 and 10 have the same half width.
         let (better, than) = (values(&[98.0, 99.0, 100.0]), values(&[90.0, 90.0, 90.0]));
         let result = claim_result(&claim(Measure::Success, 1000), &better, &than, None, "here");
         assert_eq!(
             result.sentence,
-            "Success after 1,000 episodes: A 99.0\u{a0}% (96.5 to 100.0\u{a0}%, n = 3), B 90.0 ± 0.0\u{a0}%; difference +9.0 ± 2.5\u{a0}% (paired \
-             by seed). The claim held. With n = 3, more seeds need to confirm it."
+            "Success after 1,000 episodes: A 99.0\u{a0}% (96.5 to 100.0\u{a0}%, n = 3), B 90.0 ± 0.0\u{a0}%; difference \
+             +9.0 ± 2.5\u{a0}% (paired by seed). The claim held. With n = 3, more seeds need to confirm it."
         );
         let result = claim_result(&claim(Measure::Goals, 1000), &better, &than, Some(20), "here");
         assert!(

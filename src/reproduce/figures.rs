@@ -46,6 +46,9 @@ pub fn draw(results: &Results<'_>, index: usize, figure: &FigureSpec) -> Result<
 }
 
 /// The caption of a figure: its title, the author's words, and how to read it.
+///
+/// # Errors
+/// Results are missing.
 pub fn caption(results: &Results<'_>, index: usize, figure: &FigureSpec) -> Result<String, RunError> {
     let mut parts = vec![format!("{}.", figure.title), figure.caption.clone()];
     match &figure.draw {

@@ -86,11 +86,11 @@ pub struct Reproduction {
     pub claims: Vec<ClaimResult>,
     /// The number of training runs that the report is based on, or that the shard contains.
     pub runs: usize,
-    /// Wall time of all processes that worked on it, in s.
+    /// Total wall time of all processes that worked on it, in s.
     pub wall_s: f64,
 }
 
-/// Trains, tests and writes the report; with a shard, only trains and tests its part. Runs that exist already are not
+/// Trains, tests and writes the report; with a shard, only trains and tests its part. Runs that already exist are not
 /// repeated.
 ///
 /// # Errors

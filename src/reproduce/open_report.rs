@@ -56,15 +56,16 @@ impl OpenReport {
         self.folder.join("runs")
     }
 
-    /// The training runs of the plan, each before those that start from it, without those that were done elsewhere.
+    /// The training runs of the plan, each before those that start from it, except those that were trained elsewhere.
     #[must_use]
     pub fn tasks(&self) -> Vec<TrainingTask> {
         let own = self.plan.trainings.iter().filter(|training| training.elsewhere.is_none());
         own.map(TrainingTask::from).collect()
     }
 
-    /// Does the missing training runs and writes the report; with a shard, only does the training runs in it. `parallel` is how
-    /// many runs other machines did in parallel, for the report; `None` if this machine does all.
+    /// Executes the missing training runs and writes the report; with a shard, only executes the training runs in it.
+    /// `parallel` is the number of runs that other machines executed in parallel, for the report; `None` if this machine
+    /// executes all.
     ///
     /// # Errors
     /// As for [`reproduce`](super::reproduce).

@@ -1,7 +1,7 @@
 //! The test of a trained policy: rounds of random episodes, and the benchmark route.
 //!
 //! In: a policy's file, a scenario and a [`TestRule`]. Out: a [`PolicyTestResult`]. Results are kept in `trials.json` in
-//! the run's folder below the report's, so that no test is repeated.
+//! the run's folder inside the report's folder, so that no test is repeated.
 
 use std::io::Write;
 use std::path::Path;
@@ -30,7 +30,7 @@ const RESULTS: &str = "trials.json";
 pub struct PolicyTestResult {
     /// The policy's file in the run's folder.
     pub policy: String,
-    /// The test.
+    /// The test's rounds, episodes and seed.
     pub rule: TestRule,
     /// The control steps of each episode; null for a failure.
     pub steps: Vec<Option<u32>>,
@@ -74,7 +74,7 @@ pub fn read_policy(path: &Path) -> Result<Policy, RunError> {
 /// Tests a policy of the run in `folder`.
 ///
 /// # Errors
-/// The policy's file cannot be read, or no free start was found.
+/// The policy's file cannot be read, the policy does not fit the scenario, or no free start was found.
 pub fn run(
     folder: &Path,
     scenario: &Scenario,

@@ -137,8 +137,8 @@ impl Records {
         self.evaluations.iter().filter(is_before).map(point).collect()
     }
 
-    /// The success rate in the evaluations, in percent, when `policy` was saved: the value at that point of the curve that
-    /// ends at `end`. Before the first step, it is the success rate of the initial policy.
+    /// The success rate in the evaluations, in percent, when `policy` was saved: the value of the curve up to `end` at that
+    /// point, interpolated between evaluations. At 0 env steps, it is the success rate of the initial policy.
     pub fn success_rate(&self, policy: PolicyId, end: PolicyId) -> MeasuredValue {
         let axis = match policy {
             // On the axis of episodes, all evaluations before the end of the first episode are at 0.
@@ -148,12 +148,12 @@ impl Records {
         MeasuredValue::exact(value_at(&self.success_rates(end, axis), self.length(policy, axis)))
     }
 
-    /// The mean return of the last `window` episodes (or of all, if there are fewer).
+    /// The mean return of the last `window` episodes until `policy` was saved (or of all, if there are fewer).
     pub fn last_return(&self, policy: PolicyId, window: usize) -> MeasuredValue {
         mean_of_last(&self.returns[..self.episodes(policy)], window)
     }
 
-    /// The mean number of goals of the last `window` episodes (or of all, if there are fewer).
+    /// The mean number of goals of the last `window` episodes until `policy` was saved (or of all, if there are fewer).
     pub fn last_goals(&self, policy: PolicyId, window: usize) -> MeasuredValue {
         mean_of_last(&self.goals[..self.episodes(policy)], window)
     }
@@ -184,7 +184,7 @@ impl Records {
 
 fn mean_of_last(values: &[f64], window: usize) -> MeasuredValue {
     let last = &values[values.len().saturating_sub(window)..];
-    // Without episodes there is no value.
+    // Without episodes, the mean is NaN: there is no value.
     MeasuredValue::exact(last.iter().sum::<f64>() / last.len() as f64)
 }
 

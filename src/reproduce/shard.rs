@@ -1,8 +1,8 @@
-//! Shards: the parts of a plan that several machines execute without knowing of each other.
+//! Shards: the parts of a plan that several machines execute independently of each other.
 //!
-//! In: a plan, and which part of how many. Out: the plan of that part. Training runs that start from each other's weights
-//! stay together, and the parts take about equally long. The division depends on the plan alone, so every machine makes the same
-//! one.
+//! In: a plan, the number of a part, and the number of parts. Out: the plan of that part. Training runs that start from each
+//! other's weights stay together, and the parts take about equally long. The division depends only on the plan and the number
+//! of parts, so every machine makes the same one.
 
 use std::collections::BTreeMap;
 use std::fmt;

@@ -80,7 +80,7 @@ impl Experiment {
     }
 }
 
-/// What was found in the training runs so far.
+/// The notes and problems found in the training runs so far.
 struct Findings<'a> {
     from: &'a str,
     /// The paths of values that could not be read.

@@ -1,7 +1,7 @@
 //! A training run as a task for another machine: all that it needs, in one text.
 //!
-//! In: a training run of a plan, or the configuration of a single one. Out: a [`TrainingTask`] as RON, which another process with
-//! the same version of wayfield carries out. It needs no other file, except the policy that the run starts from.
+//! In: a training run of a plan, or the configuration of a single one. Out: a [`TrainingTask`] as RON, which another process
+//! with the same version of wayfield executes. It needs no other file, except the policy that the run starts from.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -105,7 +105,7 @@ impl TrainingTask {
         is_done(&self.training(), runs)
     }
 
-    /// Trains and tests in the folder `runs`. `listener` makes the listener to the progress of training. What is done already is
+    /// Trains and tests in the folder `runs`. `listener` creates the listener for the progress of training. Finished work is
     /// not repeated.
     ///
     /// # Errors

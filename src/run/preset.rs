@@ -1,4 +1,4 @@
-//! Training presets: all settings of a training run except the scenario, of which a preset may name a default, and the seed.
+//! Training presets: all settings of a training run except the seed. A preset may also name a default scenario.
 //!
 //! In: a RON file, shipped in `assets/presets/` or written by the user. Out: a checked [`Preset`].
 
@@ -16,7 +16,7 @@ use crate::policy::range::{ConfigError, within};
 use crate::scenario::{Diagnostic, FileError, LocatedDiagnostic, Scenario, SetFit, read_text};
 use crate::task::{Encoding, LevelSampling, RewardConfig};
 
-/// A training preset: all settings of a training run except the scenario, of which it may name a default, and the seed.
+/// A training preset: all settings of a training run except the seed. It may also name a default scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Preset {
@@ -36,8 +36,8 @@ pub struct Preset {
     /// The observation: the paper's, eq. (8), `Scaled` to the order of one or `Raw` in m and rad (the paper doesn't say which);
     /// or `Sectors`, for any LIDAR and any robot.
     pub observation: Encoding,
-    /// The motions to choose among: those of the scenario's `Robot`, as in the paper, or `Relative` ones, in units of any robot's
-    /// limits.
+    /// The motions to choose among: those of the scenario's `Robot`, as in the paper, or `Relative` ones, in units of any
+    /// robot's limits.
     pub actions: ActionSet,
     /// The reward of a step, eqs. (3) to (7).
     pub reward: RewardConfig,
@@ -45,8 +45,8 @@ pub struct Preset {
     pub learning: LearningConfig,
     /// How levels are drawn in training over a level generator or a set with generators.
     pub levels: LevelSampling,
-    /// The scenario, level generator or set of scenarios to train in, unless `--scenario` names another: a file, relative to this
-    /// one, or a shipped name, such as `"clutter"`.
+    /// The scenario, level generator or set of scenarios to train in, unless `--scenario` names another: a file, relative to
+    /// this one, or a shipped name, such as `"clutter"`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scenario: Option<String>,
 }
@@ -108,8 +108,8 @@ impl Preset {
         SetFit { lidar: self.observation.sectors().is_none(), motions: self.actions == ActionSet::Robot }
     }
 
-    /// Why a network that was built for `here` does not fit `there`: the number of inputs or outputs differs. `None` if it fits.
-    /// Plugin sensors are not considered.
+    /// Why a network that was built for `here` does not fit `there`: the number of inputs or outputs differs. `None` if it
+    /// fits. Plugin sensors are not considered.
     #[must_use]
     pub fn network_misfit(&self, here: &Scenario, there: &Scenario) -> Option<String> {
         let count = |scenario: &Scenario| {

@@ -3,11 +3,11 @@
 //! In: the step that rapier has just made, and where the robot was to go in it. Out: the fraction of the step before the
 //! first contact, and whether the robot may rest where rapier stopped it.
 //!
-//! Rapier alone does not detect every contact. It predicts contacts with obstacles only within 2 mm, and looks one second
-//! ahead. An obstacle that moves or turns fast can pass over a small robot, and in a step of ten seconds a robot slides
-//! along a wall and off its end. Rapier also stops a body at the plane in front of an obstacle, even if the body would
-//! pass beside the obstacle. So this file checks the motion of robot and obstacles through the step by conservative
-//! advancement: two bodies cannot touch before they have covered the distance between them.
+//! Rapier alone does not detect every contact. It takes an obstacle's motion into account only near the robot (its prediction
+//! distance is 20 mm), and looks one second ahead. An obstacle that moves or turns fast can pass over a small robot, and in a
+//! step of ten seconds a robot slides along a wall and off its end. Rapier also stops a body at the plane in front of an
+//! obstacle, even if the body would pass beside the obstacle. So this file checks the motion of robot and obstacles through the
+//! step by conservative advancement: two bodies cannot touch before they have covered the distance between them.
 
 use bevy::prelude::*;
 use bevy_rapier2d::rapier::math::Pose as BodyPose;

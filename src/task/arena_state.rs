@@ -40,7 +40,7 @@ pub struct ArenaState {
     pub pedestrians: Pedestrians,
     /// The seed of the generated obstacles and of the numbers drawn from ranges ([`ArenaLayout`](super::ArenaLayout)).
     pub layout_seed: u64,
-    /// The scenario of the pool, if there is a pool. Checkpoints store it separately.
+    /// The scenario drawn from the [`ScenarioPool`](super::ScenarioPool), if there is one. Checkpoints store it separately.
     #[serde(skip)]
     pub scenario: Option<ArenaScenario>,
     /// The current episode.

@@ -50,7 +50,7 @@ impl SensorReadings {
     /// The readings of one sensor.
     ///
     /// # Panics
-    /// If the slice was reserved in another app.
+    /// If the slice is out of range, because it was reserved in another app.
     pub fn slice_mut(&mut self, slice: &SensorSlice) -> &mut [f32] {
         &mut self.0[slice.0.clone()]
     }
@@ -71,7 +71,7 @@ impl SensorReadings {
 }
 
 impl ObservationLayout {
-    /// The paper's numbers in `encoding`, followed by `slices`.
+    /// The numbers of `encoding`, followed by `slices`.
     #[must_use]
     pub(crate) fn new(encoding: Encoding, slices: Vec<ObservationSlice>) -> Self {
         Self { encoding, slices }
@@ -143,7 +143,7 @@ impl ObservationLayout {
     }
 }
 
-/// What an arena's robot remembers for its observation by sectors; nothing for the paper's observation.
+/// The scans that an arena's robot remembers for its observation by sectors; none for the paper's observation.
 #[derive(Component, Clone, Debug, Default, PartialEq)]
 pub struct ScanMemory {
     sectors: Option<Box<SectorObserver>>,
@@ -152,8 +152,8 @@ pub struct ScanMemory {
 }
 
 impl ScanMemory {
-    /// Forgets all scans, and takes in the first one after the robot was placed in `scenario`. `pose` is the robot's estimate of
-    /// its pose ([`EstimatedPose`]).
+    /// Forgets all scans, and takes in the first one after the robot was placed in `scenario`. `pose` is the robot's estimate
+    /// of its pose ([`EstimatedPose`]).
     pub fn begin(
         &mut self,
         encoding: Encoding,
@@ -219,8 +219,8 @@ impl ScanMemory {
 
 /// Writes the observation of one arena into `row`. `pose` is the robot's estimate of its pose ([`EstimatedPose`]).
 ///
-/// A row whose length differs from the layout's is filled with zeros, and so are the sectors of an arena that has not
-/// [begun](ScanMemory::begin) an episode with this `encoding`.
+/// A row whose length differs from the layout's is filled with zeros, and so are the numbers of an `encoding` by sectors in an
+/// arena that has not [begun](ScanMemory::begin) an episode with it.
 pub fn encode(
     encoding: Encoding,
     memory: &ScanMemory,
@@ -231,7 +231,8 @@ pub fn encode(
 ) {
     let width = encoding.width(scan.ranges_m.len());
     if width + readings.0.len() != row.len() {
-        // Happens with the paper's encoding in sets with different LIDARs, where only classical drivers drive. They read no rows.
+        // Happens with the paper's encoding in scenario sets with different LIDARs. Only classical drivers, which read no rows,
+        // drive there.
         row.fill(0.0);
         return;
     }
@@ -325,7 +326,7 @@ type Observed = (
     (&'static mut PathLengths, &'static mut Episode),
 );
 
-/// Schedule `Reset`: encodes the observations and potentials of arenas with a new goal or start.
+/// Schedule `Reset`: encodes the observations and computes the potentials of arenas with a pending reset.
 pub(super) fn observe_first(
     layout: Res<ObservationLayout>,
     mut observations: ResMut<Observations>,

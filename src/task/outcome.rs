@@ -1,7 +1,7 @@
 //! The outcome of a control step: reward, termination and truncation.
 //!
-//! In: poses, scans and goals after the step. Out: one [`StepOutcome`] per arena, the pending reset in its [`Episode`],
-//! and an [`EpisodeEnded`] message for every episode that has ended.
+//! In: poses, scans and goals after the step. Out: one [`StepOutcome`] per arena; in its [`Episode`] the pending reset, or
+//! that the arena is now inactive; and an [`EpisodeEnded`] message for every episode that has ended.
 
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -152,7 +152,7 @@ pub(super) fn compute_outcomes(
     }
 }
 
-/// `Reset`: publishes ended episodes and sets the pending resets.
+/// `Reset`: publishes ended episodes, and sets the pending resets. An arena that is not to be reset becomes inactive instead.
 pub(super) fn close_episodes(
     (mode, defer_resets): (Res<TaskMode>, Res<DeferResets>),
     outcomes: Res<StepOutcomes>,

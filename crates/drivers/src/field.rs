@@ -11,7 +11,7 @@ use crate::config::FieldParameters;
 use crate::percept::Percept;
 use crate::robot::Robot;
 
-/// Surfaces closer to the keep-out circle than this, in keep-out distances, repel as if they were at this distance.
+/// Surfaces closer to the keep-out circle than this, in units of its radius, repel as if they were at this distance.
 const LEAST_DISTANCE: f32 = 0.05;
 
 /// A robot in a potential field.
@@ -25,8 +25,8 @@ impl Driver for Field {
         let force = self.attraction(percept) + self.repulsion(percept.ranges_m);
         let nearest_m = percept.ranges_m.iter().copied().fold(self.robot.max_range_m, f32::min);
         let slow_m = self.parameters.slow_distance * self.robot.keep_out_m;
-        let slowness = ((nearest_m - self.robot.keep_out_m) / slow_m).clamp(0.1, 1.0);
-        let velocity = force.normalize_or_zero() * (self.robot.max_speed_m_s() * slowness);
+        let speed_fraction = ((nearest_m - self.robot.keep_out_m) / slow_m).clamp(0.1, 1.0);
+        let velocity = force.normalize_or_zero() * (self.robot.max_speed_m_s() * speed_fraction);
         self.robot.motion_towards(velocity, self.parameters.turn_time_s)
     }
 }

@@ -10,7 +10,7 @@ use glam::Vec2;
 use crate::percept::{Odometry, Percept};
 use crate::robot::Robot;
 
-/// How long a scan is remembered, in s: what a driver of class A may know.
+/// How long a scan is remembered, in s: a driver of class A (docs/drivers.md) may know no more.
 const MEMORY_S: f32 = 1.0;
 
 /// The scans of the last second.
@@ -40,8 +40,8 @@ impl FreeSpace {
         self.scans.push_back(EarlierScan { ranges_m, since: Odometry::default() });
     }
 
-    /// Whether, in one of the scans, all beams next to `point_m` (in the robot's present frame) ended at least `margin_m` behind
-    /// it.
+    /// Whether, in one of the scans, all beams within one beam spacing of `point_m` (in the robot's present frame) ended at
+    /// least `margin_m` beyond it.
     pub(crate) fn contains(&self, robot: &Robot, point_m: Vec2, margin_m: f32) -> bool {
         self.scans.iter().any(|scan| scan.passed(robot, point_m, margin_m))
     }

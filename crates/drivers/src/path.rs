@@ -7,8 +7,8 @@ use glam::Vec2;
 
 use crate::robot::Robot;
 
-/// The point of `path` to steer for. Of the points up to `lookahead_m` along the path after the one nearest to `at_m`, it is the
-/// last that the robot `sees`; if there is none, the first after the nearest.
+/// The point of `path` to steer for: of the points within `lookahead_m` along the path after the one nearest to `at_m`, the
+/// last that the robot `sees`. If it sees none, the point after the nearest, or the end of the path.
 pub(crate) fn point_ahead(
     path: &[Vec2],
     at_m: Vec2,

@@ -3,7 +3,7 @@
 use glam::{Vec2, vec2};
 use wayfield_scenario::{IndexedScenario, Motion};
 
-/// What a driver perceives before a control step. A driver of class A or B gets no [`Truth`].
+/// What a driver perceives before a control step. A driver of class A or B (docs/drivers.md) gets no [`Truth`].
 #[derive(Clone, Copy, Debug)]
 pub struct Percept<'a> {
     /// The reported ranges, in m, one per beam. A beam that hits nothing reports the maximum range.

@@ -25,7 +25,8 @@ pub struct Robot {
     pub beams: Vec<Vec2>,
     /// The maximum range of the LIDAR, in m.
     pub max_range_m: f32,
-    /// The angle between neighbouring beams, in rad.
+    /// The field of view divided by the number of beams, in rad: the angle between neighbouring beams of a LIDAR that sees all
+    /// around, and slightly less than that angle for a narrower view.
     pub beam_spacing_rad: f32,
 }
 
@@ -72,11 +73,11 @@ impl Robot {
         Odometry { translation_m: vec2(cos, sin) * (motion.v_m_s * seconds * sinc), rotation_rad: 2.0 * half }
     }
 
-    /// The index of the motion that is closest to turning towards `velocity` (in the robot's frame, in m/s) within `turn_time_s`
-    /// and driving at its magnitude.
+    /// The index of the motion that best brings the robot to `velocity` (in the robot's frame, in m/s) within `turn_time_s`.
     ///
-    /// The wanted turning rate is the angle to `velocity` divided by the time; the wanted speed is the part of `velocity` along
-    /// the heading, but not backwards. They are compared as in [`Robot::closest_motion`].
+    /// The desired turning rate is the angle to `velocity` divided by the time, at most the robot's highest. The desired speed
+    /// is the component of `velocity` along the heading, or 0 if that is backwards. [`Robot::closest_motion`] compares the
+    /// motions with both.
     pub(crate) fn motion_towards(&self, velocity: Vec2, turn_time_s: f32) -> usize {
         let speed = velocity.length();
         let angle = if speed > 0.0 { libm::atan2f(velocity.y, velocity.x) } else { 0.0 };

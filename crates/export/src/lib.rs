@@ -1,7 +1,7 @@
-//! A trained policy for programs that know nothing of wayfield: an ONNX file, and a Hugging Face model card.
+//! Exports of a trained policy for programs without wayfield: an ONNX file, and a Hugging Face model card.
 //!
-//! The ONNX file takes measurements in metres and radians, and gives Q-values, the greedy action and its velocities. All
-//! that lies between is in its graph: the encoding of the observation, the network, and the choice of the action.
+//! The ONNX file takes measurements in metres and radians, and gives Q-values, the greedy action and its velocities.
+//! Everything in between is part of its graph: the encoding of the observation, the network, and the choice of the action.
 //!
 //! | module | contents |
 //! |---|---|
@@ -42,8 +42,8 @@ pub enum ExportError {
     NoCard,
     /// The policy observes by sectors.
     #[error(
-        "observes by sectors, with what the robot has seen before, which an ONNX file cannot hold; help: drive with wayfield itself \
-         (wayfield-drivers in Rust, wayfield.evaluate in Python), or export a policy with the paper's observation"
+        "observes by sectors, with what the robot has seen before, which an ONNX file cannot hold; help: drive with wayfield \
+         itself (wayfield-drivers in Rust, wayfield.evaluate in Python), or export a policy with the paper's observation"
     )]
     Sectors,
     /// The scenario on the card lacks a field that is needed.
@@ -54,8 +54,8 @@ pub enum ExportError {
     Results(String),
     /// The results are those of another policy.
     #[error(
-        "the results are those of another policy: its weights have the checksum {tested}, not {exported}; help: test the policy \
-         that is exported"
+        "the results are those of another policy: its weights have the checksum {tested}, not {exported}; help: test the \
+         policy that is exported"
     )]
     OtherPolicy {
         /// The checksum of the weights of the policy that was tested.
@@ -80,7 +80,7 @@ struct TrainedLidar {
     max_range_m: f32,
 }
 
-/// The card of `policy`, and its scenario.
+/// The card of `policy`, and the scenario on it.
 fn described(policy: &Policy) -> Result<(&Card, TrainedScenario), ExportError> {
     let card = policy.card.as_deref().ok_or(ExportError::NoCard)?;
     let scenario = serde_json::from_str(card.scenario.text());

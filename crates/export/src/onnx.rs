@@ -1,8 +1,8 @@
 //! The ONNX file of a policy: measurements in, Q-values, action and velocities out.
 //!
-//! The index of a smallest or largest element is found by `Equal -> Where -> ReduceMin`, which gives the first of equal elements
-//! in every runtime. ArgMin and ArgMax do not: some runtimes take the last one. Equal elements are common, because all beams that
-//! hit nothing have exactly the maximum range.
+//! The index of a smallest or largest element is found by `Equal -> Where -> ReduceMin`, which gives the first of equal
+//! elements in every runtime. ArgMin and ArgMax do not: some runtimes take the last one. Equal elements are common, because all
+//! beams that hit nothing have exactly the maximum range.
 
 use wayfield_policy::card::Quantity;
 use wayfield_policy::{Activation, Card, NetworkShape, Policy};
@@ -11,7 +11,7 @@ use wayfield_protobuf::Message;
 use crate::graph::{Attribute, Element, Graph};
 use crate::{ExportError, described};
 
-/// The version of the ONNX operator set. It is old enough for robots and browsers, and the first one with
+/// The version of the ONNX operator set. It is old enough for the runtimes on robots and in browsers, and the first one with
 /// LayerNormalization.
 pub const OPSET: u64 = 17;
 /// The version of the ONNX file format that belongs to [`OPSET`].
@@ -44,7 +44,7 @@ const TO_VECTOR: &Attributes = &[("axes", Attribute::Ints(&[1])), ("keepdims", A
 /// equal bytes.
 ///
 /// # Errors
-/// The policy has no card, contradicts it, or observes by sectors.
+/// The policy has non-finite weights, has no readable card, contradicts its card, or observes by sectors.
 pub fn to_onnx(policy: &Policy) -> Result<Vec<u8>, ExportError> {
     policy.check_finite()?;
     let header = policy.header()?;
@@ -148,7 +148,7 @@ fn add_head(graph: &mut Graph, shape: &NetworkShape, units: &str) {
         add_dense(graph, "output", units, "q_values");
         return;
     }
-    // Q = V + A - mean(A): eq. (2) of the dueling network.
+    // Q = V + A - mean(A): the dueling head of Wang et al. 2016.
     add_dense(graph, "value", units, "value");
     add_dense(graph, "advantage", units, "advantage");
     graph.node("ReduceMean", &["advantage"], "mean_advantage", TO_COLUMN);

@@ -2,7 +2,8 @@
 //! *Benchmarking Metric Ground Navigation*, 2020).
 //!
 //! In: a world's file `world_N.world` with `path_files/path_N.npy` beside it, as in the repository of the BARN Challenge; or a
-//! JSON file with many worlds. Out: a scenario with BARN's start, goal, time limit and robot.
+//! JSON file with many worlds. Out: a scenario with BARN's start, goal and time limit, and with its robot unless another one is
+//! chosen.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -30,7 +31,7 @@ use crate::solid::{Outline, Solid, bounds};
 const RADIUS_M: f64 = 0.075;
 /// Space around the world, in m.
 const MARGIN_M: f64 = 1.0;
-/// What stands before the length of a shortest path in the `about` of an imported world.
+/// The text before the length of a shortest path in the `about` of an imported world.
 const SHORTEST_PATH: &str = "Shortest path: ";
 /// Largest path file, in bytes.
 const MAX_PATH_BYTES: u64 = 1 << 20;
@@ -115,9 +116,9 @@ pub fn path_length_m(bytes: &[u8], path_file: &Path) -> Result<f64, FileError> {
     let task = Task::usual(None);
     // BARN counts cells of its grid from a corner of the field.
     let corner = dvec2(-RADIUS_M - 60.0 * RADIUS_M, RADIUS_M + 5.0);
-    let way = cells.into_iter().map(|cell| corner + cell * 2.0 * RADIUS_M);
-    let way: Vec<DVec2> = [task.start_m].into_iter().chain(way).chain([task.goal_m]).collect();
-    Ok(way.windows(2).map(|ends| ends[0].distance(ends[1])).sum())
+    let path = cells.into_iter().map(|cell| corner + cell * 2.0 * RADIUS_M);
+    let path: Vec<DVec2> = [task.start_m].into_iter().chain(path).chain([task.goal_m]).collect();
+    Ok(path.windows(2).map(|ends| ends[0].distance(ends[1])).sum())
 }
 
 /// Reads a JSON file of worlds.
@@ -138,7 +139,7 @@ impl BarnFile {
 /// The scenario of a `world` of `file`.
 ///
 /// # Errors
-/// The scenario would be invalid.
+/// A coordinate is out of range, or the scenario would be invalid.
 pub fn import_one(
     path: &Path,
     file: &BarnFile,

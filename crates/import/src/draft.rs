@@ -15,8 +15,9 @@ use crate::grid::Cell;
 use crate::round::{metres, point};
 use crate::trace::{Scale, Surroundings};
 
-/// The time limit suffices for this many times the longest way along the sides of cells: the robot is still learning.
-const WAY_FACTOR: f64 = 1.5;
+/// The time limit suffices for this many times the path between the ends of the floor, because a robot that is still learning
+/// takes detours. The path's length is counted in steps between cells that share a side.
+const PATH_FACTOR: f64 = 1.5;
 
 /// Where a scenario comes from.
 #[derive(Clone, Debug)]
@@ -89,14 +90,14 @@ fn route(floor: &Floor, scale: Scale) -> BenchmarkRoute {
     BenchmarkRoute { start_m, heading_rad: (libm::atan2f(way.y, way.x) * 100.0).round() / 100.0, goal_m }
 }
 
-/// The time limit, in control steps: that of `base`, or more if the longest way, `way_m`, needs it.
-fn steps(base: &Scenario, way_m: f64) -> u32 {
+/// The time limit, in control steps: that of `base`, or more if a path with a length of `path_m` needs it.
+fn steps(base: &Scenario, path_m: f64) -> u32 {
     let fastest = base.robot.motions.iter().map(|motion| motion.v_m_s.abs()).fold(0.0, f32::max);
     let step_m = f64::from(fastest) * f64::from(base.task.control_period_s);
     if step_m <= 0.0 {
         return base.task.max_episode_steps;
     }
-    let hundreds = (WAY_FACTOR * way_m / step_m / 100.0).ceil();
+    let hundreds = (PATH_FACTOR * path_m / step_m / 100.0).ceil();
     let needed = (100.0 * hundreds).min(f64::from(*EPISODE_STEPS.end())) as u32;
     base.task.max_episode_steps.max(needed)
 }

@@ -1,4 +1,4 @@
-//! What a file contains that a scenario cannot represent.
+//! Findings: the parts of a file that a scenario cannot represent.
 
 use wayfield_scenario::printable;
 

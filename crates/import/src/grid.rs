@@ -1,4 +1,4 @@
-//! A rectangular array of cells, its connected parts, and the distance of every cell to the nearest cell of a set.
+//! A rectangular array of cells. For a set of cells: its connected components, and the distance of every cell to the set.
 
 /// A rectangular array. Row 0 is the lowest, column 0 the leftmost: x points right, y up.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -74,7 +74,7 @@ impl Grid<bool> {
         self.cells().filter(|&cell| self.at(cell))
     }
 
-    /// Lower left and upper right corner of the set in cells, the latter exclusive. `None` if it is empty.
+    /// Lower left and upper right corner of the set in cells, the latter exclusive. `None` if the set is empty.
     pub fn bounds(&self) -> Option<(Cell, Cell)> {
         self.members().fold(None, |bounds, (column, row)| {
             let ((left, low), (right, high)) = bounds.unwrap_or(((column, row), (0, 0)));
@@ -82,8 +82,8 @@ impl Grid<bool> {
         })
     }
 
-    /// The connected components of the set, whose cells share sides: the label of each cell (`u32::MAX` outside of the set), and
-    /// the number of cells by label.
+    /// The connected components of the set: the label of each cell (`u32::MAX` outside the set), and the number of cells by
+    /// label. Cells are connected if they share a side.
     pub fn components(&self) -> (Grid<u32>, Vec<usize>) {
         const NONE: u32 = u32::MAX;
         let mut labels = Grid::filled(self.columns, self.rows, NONE);

@@ -149,9 +149,10 @@ impl Keys<'_> {
         let parts: Option<Vec<f64>> = inner.split(',').map(|part| number(part.trim())).collect();
         let valid = parts.filter(|parts| parts.iter().all(|part| COORDINATE_M.contains(part)));
         let Some([x, y, yaw]) = valid.as_deref() else {
-            return Err(
-                self.error(&entry, format!("is {}, not three numbers; help: {HELP}", shown(&entry.text)))
-            );
+            let (low, high) = (COORDINATE_M.start(), COORDINATE_M.end());
+            let message =
+                format!("is {}, not three numbers from {low} to {high}; help: {HELP}", shown(&entry.text));
+            return Err(self.error(&entry, message));
         };
         Ok([*x, *y, *yaw])
     }

@@ -283,7 +283,7 @@ fn included_models_are_found_and_their_pose_is_replaced() {
     folder.write("lib/table/model.sdf", itself.as_bytes());
     folder.write("w.world", world(include).as_bytes());
     let error = folder.import_with("w.world", &options).expect_err("it includes itself");
-    assert!(error.contains("or 8 within each other; help: flatten them"), "{error}");
+    assert!(error.contains("models and includes are nested more than 8 deep; help: flatten them"), "{error}");
 }
 
 #[test]
@@ -309,8 +309,8 @@ fn what_a_scenario_cannot_represent_is_listed() {
         "actors are left out: walker",
         "meshes are left out: statue/c",
         "rolled or pitched shapes are left out: leaning/c",
-        "shapes above the LIDAR, which is 0.18 m high, are left out: lamp/c",
-        "shapes below the LIDAR, which is 0.18 m high, are left out: step/c",
+        "shapes above the LIDAR, which is at a height of 0.18 m, are left out: lamp/c",
+        "shapes below the LIDAR, which is at a height of 0.18 m, are left out: step/c",
         "models that could be pushed stand still: crate",
         "models with joints, such as robots, are left out: robot",
         "poses relative to other frames are not understood, so these are left out: relative",
@@ -345,14 +345,11 @@ fn invalid_worlds_are_rejected_with_the_file_and_a_fix() {
         ),
         (world(""), "w.world: nothing in it can be imported: it has no collision shapes; help: "),
         (world(&deep), "w.world:3:"),
-        (
-            "<sdf>\n<world>".into(),
-            "w.world:1:1: not XML that can be read: the root node was opened but never closed",
-        ),
+        ("<sdf>\n<world>".into(), "w.world:1:1: not readable XML: the root node was opened but never closed"),
         ("<html/>".into(), "w.world:1:1: not an SDF file"),
         (
             "<!DOCTYPE a [<!ENTITY b 'bb'>]><sdf>&b;</sdf>".into(),
-            "w.world:1:1: not XML that can be read: XML with DTD detected",
+            "w.world:1:1: not readable XML: XML with DTD detected",
         ),
         (
             world(&model("m", "", "<box><size>900 900 1</size></box>")),

@@ -7,8 +7,8 @@ const POINTS: usize = 500;
 
 /// The mean of several curves with its 95 % interval, as (x, estimate), where all curves have values.
 ///
-/// Each curve is sorted by x. If all have the same x up to the end of the shortest, so has the mean; otherwise the curves are
-/// interpolated linearly at evenly spaced x.
+/// Each curve must be sorted by x. If all have the same x up to the end of the shortest, the mean has these x, too; otherwise
+/// the curves are interpolated linearly at evenly spaced x.
 #[must_use]
 pub fn mean_curve(curves: &[Vec<(f64, f64)>]) -> Vec<(f64, Estimate)> {
     let xs = common_xs(curves);
@@ -36,8 +36,8 @@ fn common_xs(curves: &[Vec<(f64, f64)>]) -> Vec<f64> {
     (0..POINTS).map(|i| low + (high - low) * i as f64 / (POINTS - 1) as f64).collect()
 }
 
-/// The value at `x` of `curve`, whose points are sorted by x, interpolated linearly between two points. Of several points at the
-/// same x the last counts; outside the curve, the nearest end does. NaN for a curve without points.
+/// The value at `x` of `curve`, whose points are sorted by x, interpolated linearly between two points. Of several points at
+/// the same x, the last counts. Outside the curve, it is the value at the nearest end. NaN for a curve without points.
 #[must_use]
 pub fn value_at(curve: &[(f64, f64)], x: f64) -> f64 {
     let next = curve.partition_point(|point| point.0 <= x);

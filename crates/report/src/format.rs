@@ -29,8 +29,8 @@ pub fn number(value: f64, decimals: usize) -> String {
     text
 }
 
-/// The text of a 95 % interval, to follow its mean: ` ± 0.8`, or ` (0.0 to 100.0)` if an end is cut at the `limits` of what is
-/// possible. Empty without a finite interval.
+/// The text of a 95 % interval, to follow its mean: ` ± 0.8`, or ` (0.0 to 100.0)` if an end is cut at `limits`, the range of
+/// possible values. Empty without a finite interval.
 ///
 /// ```
 /// use wayfield_report::format::interval;

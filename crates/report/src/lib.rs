@@ -2,7 +2,7 @@
 //!
 //! No function writes a file: figures, tables and pages are returned as text (SVG, HTML, Markdown, CSV) or as PNG or PDF
 //! bytes. The same numbers give the same bytes on every machine, except for PNG and PDF figures with characters that the
-//! embedded font lacks: they are drawn with an installed font.
+//! embedded font lacks: those are drawn with an installed font.
 //!
 //! | module | contents |
 //! |---|---|

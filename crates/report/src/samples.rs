@@ -8,8 +8,8 @@ fn column(heading: &str, unit: &str, kind: ColumnKind) -> Column {
     Column { heading: heading.into(), unit: unit.into(), kind }
 }
 
-/// A table with a cell of each kind but `Empty`, and with markup in its text. The second row lacks its last cell, which is shown as
-/// empty.
+/// A table with a cell of each kind but `Empty`, and with markup in its text. The second row lacks its last cell, which is
+/// shown as empty.
 pub(crate) fn table() -> Table {
     Table {
         name: "table2".into(),

@@ -72,7 +72,7 @@ pub fn paired_difference(a: &[f64], b: &[f64]) -> Option<Estimate> {
 /// With fewer seeds than this, [`small_sample_note`] warns.
 pub const SMALL_SAMPLE: usize = 5;
 
-/// A note that `n` seeds are too few, such as "n = 2 says little: ..."; `None` for enough seeds, and for none.
+/// A note that `n` seeds are too few, such as "n = 2 says little: ...". `None` if `n` is 0, or at least [`SMALL_SAMPLE`].
 #[must_use]
 pub fn small_sample_note(n: usize) -> Option<String> {
     let advice = format!("Use at least {SMALL_SAMPLE} seeds");

@@ -82,7 +82,7 @@ fn steps(path: &str) -> Result<Vec<Step<'_>>, PathError> {
     Ok(steps)
 }
 
-/// The edits that set what `steps` lead to, starting at `entry`, to `value`; in the order of the text.
+/// The edits that set the value at the path `steps`, relative to `entry`, to `value`; in the order of the text.
 fn edits(map: &SourceMap, entry: usize, steps: &[Step], value: &str) -> Result<Vec<Edit>, PathError> {
     let Some((&step, rest)) = steps.split_first() else {
         return Ok(vec![Edit { range: map.value_of(entry), new: value.to_owned(), is_added: false }]);

@@ -11,7 +11,7 @@ use crate::value::{Record, Value};
 pub struct Style {
     /// The structs and variants with optional fields. Each record holds those fields with their defaults.
     optional: Vec<Record>,
-    /// The neighbouring top-level fields without a blank line between them; `None` if there are no blank lines at all.
+    /// The pairs of neighbouring top-level fields without a blank line between them; `None` if there are no blank lines at all.
     joined: Option<&'static [(&'static str, &'static str)]>,
 }
 

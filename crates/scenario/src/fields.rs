@@ -1,4 +1,4 @@
-//! Descriptions of the fields of shapes and motions. The range checks and the app's editor are made from them.
+//! Descriptions of the fields of shapes and motions. The range checks and the app's editor are built from them.
 //!
 //! In: a shape or a motion ([`Shape::fields_mut`](super::Shape::fields_mut),
 //! [`ObstacleMotion::fields_mut`](super::ObstacleMotion::fields_mut)). Out: its fields, with names, texts, units, ranges and
@@ -14,7 +14,8 @@ use glam::Vec2;
 /// A field of a shape or a motion, or two fields that are shown together.
 #[derive(Debug)]
 pub struct Field<'a> {
-    /// Names in scenario files, such as `radius_m`: both for a [`FieldValue::Pair`], else its own and then those of fields in it.
+    /// Names in scenario files, such as `radius_m`: both names of a [`FieldValue::Pair`], otherwise the field's own name,
+    /// followed by those of the fields in it.
     pub names: &'static [&'static str],
     /// Name on the screen.
     pub label: &'static str,

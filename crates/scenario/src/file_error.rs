@@ -16,7 +16,7 @@ use super::text::{printable_path, without_mark};
 pub struct Diagnostic {
     /// Path of the field, such as `obstacles[2].shape.radius_m`; empty for the whole file.
     pub path: String,
-    /// The problem and its fix, as the rest of a sentence that starts with the path, or a whole sentence if it is empty.
+    /// The problem and its fix, as the rest of a sentence that starts with the path; a whole sentence if the path is empty.
     pub message: String,
 }
 
@@ -30,7 +30,7 @@ impl fmt::Display for Diagnostic {
     }
 }
 
-/// Whether one of two fields, given by their paths, is the other one or in it.
+/// Whether two fields, given by their paths, are the same, or one contains the other.
 #[must_use]
 pub fn overlap(a: &str, b: &str) -> bool {
     let (short, long) = if a.len() <= b.len() { (a, b) } else { (b, a) };
@@ -100,7 +100,7 @@ impl FileError {
         Self { path: path.into(), problems }
     }
 
-    /// The error for located problems of which there is at least one. Only the first [`MAX_PROBLEMS`] are kept.
+    /// The error for at least one located problem. Only the first [`MAX_PROBLEMS`] are kept.
     #[must_use]
     pub fn from_located(path: &Path, mut problems: Vec<LocatedDiagnostic>) -> Self {
         let count = problems.len();

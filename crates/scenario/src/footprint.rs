@@ -29,8 +29,8 @@ impl Robot {
 }
 
 impl Scenario {
-    /// The distance from surfaces, in m, beyond which the robot's origin can be at any heading without a collision: the collision
-    /// range, or the reach of the robot's shape if that is more.
+    /// The distance from surfaces, in m, beyond which the robot's origin can be at any heading without a collision: the
+    /// collision range, or the reach of the robot's shape if that is more.
     #[must_use]
     pub fn keep_out_m(&self) -> f32 {
         let range_m = self.task.collision_range_m;

@@ -1,6 +1,6 @@
-//! Signed distances from a point to walls and obstacles, and the extent of the enclosure.
+//! Signed distances from a point to walls and obstacles, the extent of the enclosure, and the directions of the LIDAR's beams.
 //!
-//! In: a [`Scenario`], a point, a step. Out: distances in m, positive in free space. The arithmetic is f32 with `libm`, so
+//! In: a [`Scenario`], a point, a step. Out: distances in m, positive in free space. Their arithmetic is f32 with `libm`, so
 //! that random placement gives the same result on every platform.
 
 use super::polygon;
@@ -257,7 +257,7 @@ mod tests {
         assert!(near(clearance(&scenario, vec2(0.0, 0.5), 0), 1.25_f32.sqrt() - 0.2));
         assert!(
             near(clearance(&scenario, vec2(0.0, 0.5), 1), 0.3),
-            "after a quarter turn it is straight ahead"
+            "after a quarter turn the obstacle is at (0, 1)"
         );
         for (point, step, expected) in [
             (vec2(0.0, 0.5), 1, Solid::Obstacle(0)),
@@ -304,7 +304,7 @@ mod tests {
             (vec2(1.0, 1.0), 0.9),
             (vec2(1.0, -0.5), 0.4),
             (vec2(2.05, 2.0), -0.05),
-            // Past the corner the two pieces make a square end: the nearest point is (2.1, -0.1).
+            // Past the corner the two segments make a square end: the nearest point is (2.1, -0.1).
             (vec2(2.4, -0.5), 0.5),
             (vec2(2.0, 3.5), 0.4),
         ] {

@@ -62,8 +62,8 @@ impl Scenario {
 }
 
 /// Parses a `T` from RON text and checks it with `check`. If ron finds problems, `check_known` looks for more in what could be
-/// read. It also gets the paths of the fields that could not be read and have arbitrary values; what it finds about these is left
-/// out. Errors name `path`.
+/// read. It also gets the paths of the fields that could not be read and have arbitrary values; problems at these paths are
+/// left out. Errors name `path`.
 ///
 /// # Errors
 /// [`FileError`] with all problems.

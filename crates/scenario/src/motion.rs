@@ -23,8 +23,8 @@ use wayfield_random::Stream;
 /// random points of the disc about it, at constant speed on each leg; every leg takes the time of the longest possible leg. Key
 /// frames: it is at each frame's position at the frame's time, and moves in straight lines between them.
 ///
-/// Pedestrian: its position at the start of an episode. [`IndexedScenario::pose_at`](super::IndexedScenario::pose_at) knows where
-/// it is now.
+/// Pedestrian: its position at the start of an episode. [`IndexedScenario::pose_at`](super::IndexedScenario::pose_at) gives its
+/// current position.
 ///
 /// Numbers that [`diagnostics`](super::diagnostics) would reject may give NaN but never a panic.
 #[must_use]
@@ -104,8 +104,8 @@ fn back_and_forth(start: DVec2, waypoints: &[Vec2], distance: f64) -> DVec2 {
     corners().last().unwrap_or(start)
 }
 
-/// The point of a random walk about `middle` after the time that `distance` takes at its highest speed. Every leg takes the time
-/// of the longest possible leg, twice the `reach`.
+/// The point of a random walk about `middle` after the time that `distance` takes at its highest speed. Every leg takes the
+/// time of the longest possible leg, which is twice the `reach`.
 fn random_walk(middle: DVec2, reach: f64, seed: u32, distance: f64) -> DVec2 {
     let legs = distance.abs() / (2.0 * reach);
     if !legs.is_finite() {

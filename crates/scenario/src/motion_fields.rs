@@ -17,7 +17,7 @@ pub enum MotionKind {
     BackAndForth,
     /// Between random points.
     RandomWalk,
-    /// To goals, avoiding others.
+    /// To goals, avoiding other pedestrians, walls and static obstacles.
     Pedestrian,
     /// Along recorded positions.
     KeyFrames,
@@ -27,12 +27,12 @@ impl MotionKind {
     /// All kinds, each with its name and a description for the screen.
     pub const ALL: [(Self, &'static str, &'static str); 7] = [
         (Self::Static, "Static", "Does not move"),
-        (Self::Orbit, "Orbit", "Around a point, rotating with it"),
+        (Self::Orbit, "Orbit", "Around a point, as if fixed to a turntable"),
         (Self::Patrol, "Patrol", "Along a closed path"),
         (Self::BackAndForth, "Back and forth", "Along a path and back"),
         (Self::RandomWalk, "Random walk", "Between random points near its position"),
         (Self::Pedestrian, "Pedestrian", "To its goals, avoiding other pedestrians"),
-        (Self::KeyFrames, "Key frames", "At recorded positions at their times"),
+        (Self::KeyFrames, "Key frames", "Through recorded positions at recorded times"),
     ];
 }
 
@@ -113,7 +113,7 @@ impl ObstacleMotion {
         })
     }
 
-    /// The centre of the revolution, in m, if the motion is one.
+    /// The centre of the orbit, in m, if the motion is an orbit.
     #[must_use]
     pub fn centre_mut(&mut self) -> Option<&mut Vec2> {
         self.fields_mut().into_iter().find_map(|field| match field.value {
@@ -122,8 +122,8 @@ impl ObstacleMotion {
         })
     }
 
-    /// The points that move with the obstacle, in m: the centre of a revolution, the waypoints of a path or
-    /// the positions of key frames.
+    /// The points that move with the obstacle when it is edited, in m: the centre of an orbit, the waypoints of a path, the
+    /// goals of a pedestrian or the positions of key frames.
     #[must_use]
     pub fn points_mut(&mut self) -> Vec<&mut Vec2> {
         let mut points = Vec::new();

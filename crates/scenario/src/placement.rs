@@ -13,7 +13,7 @@ use wayfield_random::{Stream, uniform, uniform_01, uniform_index};
 
 /// Random attempts before the grid is searched.
 const TRIES: u32 = 1_000;
-/// Grid points along each side of the enclosure.
+/// Grid points along each side of the enclosure, or of the rule's region.
 const GRID: usize = 64;
 /// Attempts to find a start with a goal that is far enough away.
 const START_TRIES: u32 = 50;

@@ -347,8 +347,8 @@ pub struct Robot {
     /// `Capsule`. The origin must be at least 0.01 m inside, and no point farther than 10 m from it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shape: Option<Shape>,
-    /// Minimum turning radius of a robot that steers like a car, 0.001 to 100 m: for each motion, |v / w| must be at least this.
-    /// None by default: the robot turns on the spot, too.
+    /// Minimum turning radius of a robot that steers like a car, 0.001 to 100 m: for each motion, |v / w| must be at least
+    /// this. None by default: the robot can also turn on the spot.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub min_turning_radius_m: Option<f32>,
     /// The 1 to 64 motions; action k of the policy selects motion k.
@@ -388,8 +388,8 @@ impl Default for Robot {
 }
 
 /// Slip of the wheels. In each control step, the robot moves with (1 - s) v and (1 - s') w, where (v, w) is the motion of its
-/// wheels, s = `forward` + n, s' = `turning` + n', and n and n' are normally distributed with the standard deviation `std`. Each
-/// factor is kept between 0 and 1: slip never makes the robot faster than its wheels.
+/// wheels, s = `forward` + n, s' = `turning` + n', and n and n' are normally distributed with the standard deviation `std`.
+/// Each factor is kept between 0 and 1: slip never makes the robot faster than its wheels.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Slip {
@@ -410,9 +410,9 @@ impl Default for Slip {
 }
 
 /// Odometry that drifts. The policy observes the direction and the distance of the goal from the pose that odometry reports.
-/// When an episode begins, or the robot is placed anew, this is its true pose. Then the robot adds up the motion of its wheels
-/// with the errors below, and does not notice slip. A new goal in the same episode corrects nothing. Rewards, collisions and
-/// reached goals are decided by the true pose.
+/// This pose is exact when an episode begins or the robot is put somewhere else. Then the robot adds up the motion of its
+/// wheels with the errors below, and does not notice slip. A new goal in the same episode corrects nothing. Rewards, collisions
+/// and reached goals are decided by the true pose.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OdometryDrift {

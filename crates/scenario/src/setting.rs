@@ -21,10 +21,10 @@ pub fn with_setting<T: Serialize + DeserializeOwned>(old: &T, path: &str, text: 
         return Err(format!("`{value}` has brackets that do not match; help: close each that is open"));
     }
     let before = to_ron(old).map_err(|error| error.to_string())?;
-    // The line break ends a comment.
+    // The line break ends a comment at the end of the value.
     let line = format!("{value}\n");
     let after = set_field(&before, path, &line).map_err(|error| error.to_string())?;
-    // Further problems follow from the first.
+    // Only the first problem is reported; any others are its consequences.
     let set = parse_ron(&after, path).map_err(|error| error.problems()[0].message.clone())?;
     match RawValue::from_ron(&line) {
         Ok(_) => Ok(set),

@@ -25,7 +25,7 @@ pub enum MotionSpeed {
     },
 }
 
-/// The places of an obstacle's origin on its way. A pedestrian leaves it to avoid others.
+/// The positions of an obstacle's origin over all times. A pedestrian leaves its track to avoid others.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Track {
     /// Its position only.
@@ -124,7 +124,8 @@ impl Obstacle {
         }
     }
 
-    /// Speed of the obstacle's origin, in m/s; of random walks, pedestrians and key frames, the highest.
+    /// Speed of the obstacle's origin, in m/s; of random walks, pedestrians and key frames, the highest. Of a range of speeds,
+    /// the middle counts.
     #[must_use]
     pub fn origin_speed_m_s(&self) -> f32 {
         self.origin_speed_at(self.motion.speed())
@@ -142,7 +143,8 @@ impl Obstacle {
         }
     }
 
-    /// Upper bound on the speed of any point of the obstacle, in m/s. It is negative if the motion's speed is.
+    /// Upper bound on the speed of any point of the obstacle, in m/s. It is negative if the motion's speed is. Of a range of
+    /// speeds, the middle counts, so the bound holds only for a scenario without ranges, such as that of an episode.
     #[must_use]
     pub fn max_speed_m_s(&self) -> f32 {
         self.max_speed_at(self.motion.speed())
@@ -155,7 +157,7 @@ impl Obstacle {
             MotionSpeed::Translation(speed_m_s) => speed_m_s,
             MotionSpeed::Variable => self.origin_speed_m_s(),
             MotionSpeed::Revolution { centre_m, speed_rad_s } => {
-                // The rotation of a circle moves none of its surface towards anything.
+                // A circle that rotates about its own centre approaches nothing.
                 let turning_m =
                     if self.shape.has_orientation() { self.shape.bounding_radius_m() } else { 0.0 };
                 speed_rad_s * (self.distance_to(centre_m) + turning_m)

@@ -42,7 +42,8 @@ impl CellBlock {
     }
 }
 
-/// The rectangles of a [`WallCells`], computed when first needed. Always equal, because they follow from its other fields.
+/// The rectangles of a [`WallCells`], computed when first needed. Any two compare as equal, because they follow from the other
+/// fields of the [`WallCells`], which are compared.
 #[derive(Clone, Debug, Default)]
 pub(super) struct CellBlocks(OnceLock<Arc<[CellBlock]>>);
 

@@ -44,7 +44,8 @@ impl Editor {
         Self::with_changes(scenario, from, in_file)
     }
 
-    /// An editor of `scenario`, which may differ from `in_file`, the scenario as saved in its file; `None` if it was never saved.
+    /// An editor of `scenario`, which may differ from `in_file`, the scenario as saved in its file; `None` if it was never
+    /// saved.
     #[must_use]
     pub fn with_changes(scenario: Arc<Scenario>, from: String, in_file: Option<Arc<Scenario>>) -> Self {
         Self {
@@ -81,7 +82,7 @@ impl Editor {
         &self.diagnostics
     }
 
-    /// What is doubtful about the scenario.
+    /// Notes on values of the scenario that are valid but doubtful.
     #[must_use]
     pub fn notes(&self) -> &[Note] {
         &self.notes

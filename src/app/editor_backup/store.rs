@@ -60,7 +60,7 @@ impl Store {
     /// Replaces the backup.
     ///
     /// # Errors
-    /// The file cannot be written; an earlier backup stays.
+    /// No file can be locked, or the file cannot be written; an earlier backup stays.
     pub(super) fn write(&mut self, text: &str) -> Result<(), RunError> {
         let file = match self.file.take() {
             Some(file) => file,
@@ -107,7 +107,7 @@ impl FoundBackup {
     }
 }
 
-/// The newest backup in `folder` that no process is using. Deletes old ones.
+/// The newest backup in `folder` that no process is using. Of the others, [`keep_newest`] keeps a few and deletes the rest.
 pub(super) fn find(folder: &Path) -> Option<FoundBackup> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten().take(2 * MAX_BACKUPS);
     let read = |path: PathBuf| {

@@ -11,8 +11,8 @@ pub enum BottomPanel {
     Plots,
 }
 
-/// The panel shown below the arena, if one is open. If both are open, the plots are shown, except that the editor's panel takes
-/// precedence over them.
+/// The panel shown below the arena, if one is open. If both are open, the plots take precedence over the setup panel, and the
+/// editor's panel takes precedence over the plots.
 pub fn visible_bottom_panel(view_state: &ViewState) -> Option<BottomPanel> {
     let editor_panel_open = view_state.editor.is_some() && view_state.setup_open;
     if view_state.plots_open && !editor_panel_open {

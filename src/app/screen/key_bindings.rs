@@ -66,7 +66,7 @@ pub struct KeyBinding {
     pub description: &'static str,
     /// Whether Ctrl (Command on a Mac) must be held.
     pub ctrl: bool,
-    /// The keys that trigger it; empty if it is handled elsewhere (digits, arrows).
+    /// The keys that trigger it; empty if they are handled elsewhere (digits, arrows, scale).
     pub codes: &'static [Key],
 }
 
@@ -108,7 +108,7 @@ pub const KEY_BINDINGS: [KeyBinding; 19] = [
     plain(Shortcut::Help, &[Key::H, Key::Questionmark], "H or ?", "Help and shortcuts"),
     with_ctrl(Shortcut::Open, &[Key::O], "Ctrl+O", "Open a policy or a run"),
     with_ctrl(Shortcut::Save, &[Key::S], "Ctrl+S", "Save the current policy"),
-    with_ctrl(Shortcut::Scale, &[], "Ctrl + −", "Larger or smaller text and controls"),
+    with_ctrl(Shortcut::Scale, &[], "Ctrl +/−", "Larger or smaller text and controls"),
 ];
 
 /// The label of the key for `shortcut`.

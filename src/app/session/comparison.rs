@@ -1,5 +1,5 @@
-//! The second driver, which drives next to the current policy: an expert (a shipped policy), the best policy so far, a policy
-//! that the user opens, a policy with a map, or a classical driver.
+//! The second driver of a comparison, next to the tested policy (the current or the best one): an expert (a shipped policy),
+//! the best policy so far, a policy that the user opens, a policy with a map, or a classical driver.
 //!
 //! In: a command. Out: [`OpenedFiles::policy`] or [`OpenedFiles::driver`], and the mode Compare.
 
@@ -23,7 +23,7 @@ use crate::run::{RunError, policy_card, shipped};
 /// What the user can do while a robot drives.
 const GOAL_HINT: &str = "Click on the floor to set the goal";
 
-/// Lets a shipped policy drive next to the current one.
+/// Lets a shipped policy drive next to the tested one.
 ///
 /// # Errors
 /// No shipped policy can drive here.
@@ -40,7 +40,7 @@ pub(super) fn open_expert(world: &mut World) -> Result<(), RunError> {
     compare_with(world, (capitalized(&name), expert.policy.clone()))
 }
 
-/// Lets the classical driver `name`, with its default parameters, drive next to the current policy. Returns a confirmation.
+/// Lets the classical driver `name`, with its default parameters, drive next to the tested policy. Returns a confirmation.
 ///
 /// # Errors
 /// There is no such driver.
@@ -50,10 +50,10 @@ pub(super) fn open_driver(world: &mut World, name: &str) -> Result<String, RunEr
     compare_with_driver(world, driver.title().into(), DriverKind::Classical(driver))
 }
 
-/// Lets `driver` drive next to the current policy. Returns a confirmation.
+/// Lets `driver` drive next to the tested policy. Returns a confirmation.
 ///
 /// # Errors
-/// The current policy cannot drive.
+/// The driver or the tested policy cannot drive here.
 pub(super) fn compare_with_driver(
     world: &mut World,
     name: String,
@@ -81,7 +81,7 @@ pub(super) fn open_with_map(world: &mut World) -> Result<String, RunError> {
     compare_with_map(world, name, policy)
 }
 
-/// Lets a shipped policy, with a map that it builds, drive next to the current policy. Returns a confirmation.
+/// Lets a shipped policy, with a map that it builds, drive next to the tested policy. Returns a confirmation.
 ///
 /// # Errors
 /// No shipped policy can drive here.
@@ -91,7 +91,7 @@ pub(super) fn open_expert_with_map(world: &mut World) -> Result<String, RunError
     compare_with_map(world, &format!("{name} with a map"), expert.policy.clone())
 }
 
-/// Lets `policy`, called `name` and with a map that it builds, drive next to the current policy. Returns a confirmation.
+/// Lets `policy`, called `name` and with a map that it builds, drive next to the tested policy. Returns a confirmation.
 ///
 /// # Errors
 /// It cannot drive here.
@@ -101,7 +101,7 @@ pub(super) fn compare_with_map(world: &mut World, name: &str, policy: Policy) ->
     compare_with_driver(world, name.into(), driver)
 }
 
-/// Lets the best policy of the training so far drive next to the current one.
+/// Lets the best policy of the training so far drive next to the current one, which becomes the tested policy.
 ///
 /// # Errors
 /// No policy has been evaluated yet.
@@ -173,7 +173,7 @@ pub(super) fn warn_in_comparison(world: &mut World, mode: SessionMode) {
     }
 }
 
-/// Lets `policy` drive next to the current policy.
+/// Lets `policy` drive next to the tested policy.
 pub(super) fn compare_with(world: &mut World, policy: (String, Policy)) -> Result<(), RunError> {
     let opened = &mut *world.resource_mut::<OpenedFiles>();
     (opened.policy, opened.driver) = (Some(policy), None);

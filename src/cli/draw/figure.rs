@@ -90,8 +90,8 @@ impl ScenarioFigure<'_> {
         scenario_image::contact_sheet(&generator.name, &levels).map_err(|error| RunError::failed(path, error))
     }
 
-    /// The occupied areas of `map` in m, in the frame of `scenario`, which was imported from it: those that overlap the bounds of
-    /// its enclosure.
+    /// The occupied areas of `map` that overlap the bounds of the enclosure of `scenario`, which was imported from it. They are
+    /// in m, in the scenario's frame.
     fn occupied_areas(&self, map: &Path, scenario: &Scenario) -> Result<Vec<Vec<(f64, f64)>>, RunError> {
         let frame = Frame::find(&scenario.about).ok_or_else(|| {
             let why =
@@ -102,7 +102,7 @@ impl ScenarioFigure<'_> {
         let backdrop = backdrop(map, &ImportOptions { resolution_m, ..ImportOptions::default() })?;
         let (low, high) = scenario.enclosure.bounds_m();
         let overlaps = |corners: &Vec<(f64, f64)>| {
-            let any = |is_beyond: &dyn Fn(&(f64, f64)) -> bool| corners.iter().any(is_beyond);
+            let any = |is_inside: &dyn Fn(&(f64, f64)) -> bool| corners.iter().any(is_inside);
             any(&|at| at.0 > f64::from(low.x))
                 && any(&|at| at.0 < f64::from(high.x))
                 && any(&|at| at.1 > f64::from(low.y))

@@ -91,8 +91,8 @@ impl FailedEpisode<'_> {
     }
 }
 
-/// `scenario` with the start, the goal and the generated obstacles of `episode`. The app derives what else is random in the
-/// episode from its seed and number: where moving obstacles begin, and noise.
+/// `scenario` with the start, the goal, the generated obstacles and the drawn numbers of `episode`. The app derives the rest,
+/// noise and where moving obstacles begin, from the seed and the number of the episode.
 fn repeatable(scenario: &Scenario, episode: &EpisodeResult, text: &str) -> Scenario {
     let EpisodeResult { start, goal, layout_seed, .. } = episode;
     let fixed = |x_m, y_m, heading_rad| PlacementRule::Fixed { position_m: vec2(x_m, y_m), heading_rad };
@@ -104,7 +104,7 @@ fn repeatable(scenario: &Scenario, episode: &EpisodeResult, text: &str) -> Scena
     }
 }
 
-/// The command that repeats in the app a failure of the test with `seed`.
+/// The command with which the app repeats `failure`, an episode of the test with `seed`.
 pub fn command(report: &Path, failure: &Failure, seed: u64, driver: &Path) -> String {
     let scenario: PathBuf = report.join(FOLDER).join(format!("{}.ron", failure.file));
     let (scenario, episode, driver) = (scenario.display(), failure.episode, driver.display());

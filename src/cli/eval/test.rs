@@ -1,4 +1,4 @@
-//! The test in one scenario. All policies and drivers drive the same episodes.
+//! A test in one scenario, in which all policies and drivers drive the same episodes.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -23,7 +23,7 @@ const PLANNED_AT_ONCE: usize = 64;
 /// A policy or driver under test, with its file or shipped name.
 pub type Named = (String, TestDriver);
 
-/// A test in one scenario, in which all policies and drivers drive the same episodes.
+/// A test in one scenario.
 pub struct Test<'a> {
     pub scenario: Arc<Scenario>,
     /// The number of episodes.
@@ -114,11 +114,11 @@ impl Test<'_> {
         let has_bounds = has_csv && self.args.optimum;
         let mut references = References { shortest_paths_m: Vec::new(), bounds: has_bounds.then(Vec::new) };
         // Some plans take seconds, so signals are checked between chunks.
-        for some in episodes.chunks(PLANNED_AT_ONCE) {
+        for chunk in episodes.chunks(PLANNED_AT_ONCE) {
             self.check_signals()?;
-            references.shortest_paths_m.extend(evaluate::shortest_paths_m(&self.scenario, some, 0));
+            references.shortest_paths_m.extend(evaluate::shortest_paths_m(&self.scenario, chunk, 0));
             if let Some(bounds) = &mut references.bounds {
-                bounds.extend(evaluate::bounds(&self.scenario, some, 0));
+                bounds.extend(evaluate::bounds(&self.scenario, chunk, 0));
             }
         }
         Ok(references)

@@ -24,8 +24,8 @@ use crate::limits::MAX_EVALUATION_EPISODES;
 use crate::limits::experiment::{MAX_ROUNDS, MAX_SEEDS, MAX_SMOOTHING, MAX_TEST_EPISODES, MAX_TRAININGS};
 use crate::scenario::{Diagnostic, closest_name, overlap};
 
-/// All diagnostics of `experiment`. The values at the paths `unknown` could not be read. If a list is too long, only what is too
-/// large is reported.
+/// All diagnostics of `experiment`. The values at the paths `unknown` could not be read. If a list is too long, only what is
+/// too large is reported.
 pub(super) fn diagnostics(experiment: &Experiment, unknown: &[String]) -> Vec<Diagnostic> {
     let names_are_known = !unknown.iter().any(|path| overlap(path, "arms"));
     let mut check = Check { arms: &experiment.arms, names_are_known, found: Collector::default() };
@@ -40,7 +40,7 @@ pub(super) fn diagnostics(experiment: &Experiment, unknown: &[String]) -> Vec<Di
     check.found.diagnostics
 }
 
-/// Whether the lists of `experiment` are short enough, and its training runs with one seed few enough, to be checked one by one.
+/// Whether the lists of `experiment` are short enough, and its training runs per seed few enough, to be checked one by one.
 pub(super) fn is_small(experiment: &Experiment) -> bool {
     let mut found = Collector::default();
     sizes::check(&mut found, experiment);

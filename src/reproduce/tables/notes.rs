@@ -16,7 +16,7 @@ use crate::run::RunError;
 /// The notes of a table: the test, the intervals, the data, the policies and the measures.
 ///
 /// # Errors
-/// An arm is too short, which does not occur in a plan.
+/// An arm's training is too short for the point of the table. Planning rules this out.
 pub(super) fn notes(results: &Results<'_>, index: usize, spec: &TableSpec) -> Result<Vec<String>, RunError> {
     let experiment = results.experiment(index);
     let (measures, point): (&[Measure], _) = match &spec.show {
@@ -72,8 +72,8 @@ fn measure_notes(experiment: &Experiment, measures: &[Measure]) -> Vec<String> {
     }
     if measures.contains(&Measure::SuccessRate) {
         notes.push(
-            "Success in evaluations during training: of the policy at that time, in the same episodes each time; between two \
-             evaluations, the value on the line from one to the other."
+            "Success in evaluations during training: that of the policy at that time, in the same episodes each time; between \
+             two evaluations, interpolated linearly."
                 .into(),
         );
     }
@@ -107,8 +107,9 @@ fn measure_notes(experiment: &Experiment, measures: &[Measure]) -> Vec<String> {
     }
     if measures.iter().any(|m| matches!(m, Measure::EpisodesTo(_) | Measure::StepsTo(_))) {
         notes.push(
-            "Episodes (env steps) to a number of goals: those of the last stage until the moving mean over 50 training \
-             episodes reaches it. \"> n\": some seeds never reached it and count with the length of their run."
+            "Episodes (env steps) to a number of goals per episode: those of the last stage until the moving mean of goals \
+             over 50 training episodes reaches that number. \"> n\": some seeds never reached it and count with the length of \
+             their run."
                 .into(),
         );
     }

@@ -10,15 +10,15 @@ use crate::scenario::{Obstacle, ObstacleMotion, Scenario, Shape, Solid};
 /// obstacles. The field names are the columns of the file; an empty field is unknown or does not apply.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EpisodeRecord {
-    /// The policy's file or shipped name, as given by the user.
+    /// The file or shipped name of the policy or driver, as given by the user.
     pub policy: String,
-    /// Number of the episode, from 1. Episodes with the same number, seed and scenario have the same start, goal and obstacles,
-    /// whatever the policy.
+    /// Number of the episode, from 1. Episodes with the same number, seed and scenario have the same start, goal and obstacles
+    /// for every policy.
     pub episode: usize,
     /// `success`, `collision` or `timeout`.
     pub outcome: &'static str,
-    /// What the robot collided with: `enclosure`, `wall`, `static obstacle` or `moving obstacle`. That is what was nearest when
-    /// the episode ended.
+    /// What the robot collided with: `enclosure`, `wall`, `static obstacle` or `moving obstacle`. Of several, the one that was
+    /// nearest when the episode ended.
     pub hit: Option<&'static str>,
     /// The index of that wall or obstacle in the scenario's list, from 0. Generated obstacles follow those of the file.
     pub hit_index: Option<usize>,
@@ -54,7 +54,7 @@ pub struct EpisodeRecord {
     pub goal_y_m: f32,
     /// The obstacles' clock at the start, in control steps.
     pub clock_steps: u64,
-    /// The seed of the generated obstacles and of the drawn numbers, if the scenario has generators or ranges.
+    /// The seed of the generated obstacles and of the numbers drawn from ranges, if the scenario has generators or ranges.
     pub layout_seed: Option<u64>,
 }
 

@@ -52,7 +52,7 @@ pub struct RunConfig {
     /// The set from which each episode draws its scenario; `None` if all episodes have the same one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scenario_set: Option<ScenarioSet>,
-    /// The scenario; of a set, the first.
+    /// The scenario, including overrides from the command line; of a set, the first.
     pub scenario: Scenario,
     /// The preset, including overrides from the command line.
     pub preset: Preset,
@@ -63,7 +63,8 @@ impl RunConfig {
     /// shipped names.
     ///
     /// # Errors
-    /// A file cannot be read or is invalid. The message gives line, column and a fix.
+    /// A file cannot be read or is invalid, or no policy can drive in all scenarios of a set. The message gives a fix and,
+    /// where there is one, the line and column.
     pub fn resolve(scenario_from: &str, preset_from: &str, seed: u64) -> Result<Self, FileError> {
         let (scenario, scenario_set) = shipped::scenario_or_set(scenario_from)?;
         let preset = shipped::preset(preset_from)?;
@@ -284,7 +285,7 @@ impl RunConfig {
         self.preset.check_memory(&self.scenario, &layout)
     }
 
-    /// Checks that the results in all levels can be kept, if the preset draws levels by them.
+    /// Checks that the set has few enough levels to keep the results of each, if the preset draws levels by their results.
     fn check_levels(&self) -> Result<(), String> {
         let levels = |member: &SetMember| match member.source {
             SetSource::Scenario(_) => 0,
@@ -295,8 +296,8 @@ impl RunConfig {
             return Ok(());
         }
         Err(format!(
-            "`levels` draws by progress, but the set has {levels} levels, more than {MAX_LEVELS_BY_PROGRESS}; help: give its \
-             generators fewer `levels`, or use `levels: Uniform`"
+            "`levels: ByProgress` keeps the results of every level, but the set has {levels} levels, more than \
+             {MAX_LEVELS_BY_PROGRESS}; help: give its generators fewer `levels`, or use `levels: Uniform`"
         ))
     }
 

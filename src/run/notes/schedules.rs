@@ -43,7 +43,8 @@ pub(super) fn check(preset: &Preset, length: RunLength, notes: &mut Vec<Note>) {
     let every = preset.evaluation.every_env_steps;
     if let Some(most) = length.most.filter(|most| every > *most) {
         let message = format!(
-            "is {every}, but the budget is {most} env steps, so only the first and the last policy are evaluated; help: give a smaller number"
+            "is {every}, but the budget is {most} env steps, so only the first and the last policy are evaluated; help: give a \
+             smaller number"
         );
         add("evaluation.every_env_steps", message);
     }
@@ -85,7 +86,7 @@ fn too_slow(schedule: &Schedule, most: u64) -> Option<String> {
     (env_steps / 2 > most).then(|| {
         let end = rounded(schedule.at(most));
         format!(
-            "ends at env step {env_steps}, but the budget is {most}, at which it has come from {from} to {end} instead of \
+            "ends at env step {env_steps}, but the budget is {most}, where it has only gone from {from} to {end} instead of \
              {to}; help: end it at {most}, or give a larger budget"
         )
     })
@@ -97,7 +98,7 @@ fn too_fast(learning_rate: &Schedule, least: u64) -> Option<String> {
         let half = learning_rate.at(least / 2);
         return (from >= LOW_LEARNING_RATE && half < LOW_LEARNING_RATE).then(|| {
             format!(
-                "has fallen from {from} to {half:e} when half of the budget of {least} is over, so nothing more is learned; \
+                "has fallen from {from} to {half:e} halfway through the budget of {least}, so nothing more is learned; \
                  help: give a `factor` nearer to 1, or a larger `every_env_steps`"
             )
         });
@@ -111,7 +112,7 @@ fn too_fast(learning_rate: &Schedule, least: u64) -> Option<String> {
     })
 }
 
-/// What is doubtful about the values of epsilon.
+/// The problem with the values of epsilon, if they are doubtful.
 fn exploration(exploration: &Exploration, budget: Budget) -> Option<String> {
     let (Exploration::PerEpisode { start, end, .. } | Exploration::Linear { start, end, .. }) = *exploration;
     if start <= 0.0 && end <= 0.0 {

@@ -131,8 +131,8 @@ fn schedules_that_end_long_before_or_after_the_budget_are_noted() {
     );
     assert!(
         short[0].starts_with(
-            "note: `learning.learning_rate` ends at env step 600000, but the budget is 6000, at which it has come from 0.0015 \
-             to 0.001485"
+            "note: `learning.learning_rate` ends at env step 600000, but the budget is 6000, where it has only gone from \
+             0.0015 to 0.001485"
         ),
         "{short:?}"
     );
@@ -251,9 +251,9 @@ fn a_transferred_run_is_noted_with_its_own_epsilon() {
         let lines: Vec<String> = run_notes(config).iter().map(ToString::to_string).collect();
         lines.into_iter().find(|line| line.contains("`learning.exploration`")).expect("a note")
     };
-    assert!(exploration(&config).contains("has come from 1 to "), "{}", exploration(&config));
+    assert!(exploration(&config).contains("has only gone from 1 to "), "{}", exploration(&config));
     config.transfer = Some(Transfer { policy: "p.safetensors".into(), epsilon: None });
-    assert!(exploration(&config).contains("has come from 1 to "), "without --epsilon, the preset's");
+    assert!(exploration(&config).contains("has only gone from 1 to "), "without --epsilon, the preset's");
     config.transfer = Some(Transfer { policy: "p.safetensors".into(), epsilon: Some(0.5) });
-    assert!(exploration(&config).contains("has come from 0.5 to "), "{}", exploration(&config));
+    assert!(exploration(&config).contains("has only gone from 0.5 to "), "{}", exploration(&config));
 }

@@ -12,7 +12,7 @@ use super::temporary::PREFIX;
 use crate::run::RunError;
 use crate::run::write_points::write_point;
 
-/// The writer that [`write_atomic`] passes on.
+/// The writer that [`write_atomic`] passes to its callback.
 pub type Sink<'a> = BufWriter<&'a mut File>;
 
 /// Writes the file `path`, which the user chose, with `write`. An old file is replaced only when the new one is complete.
@@ -38,7 +38,8 @@ pub fn replace(path: &Path, write: impl FnOnce(&mut Sink) -> io::Result<()>) -> 
     StagedFile::write(path, write)?.persist()
 }
 
-/// Checks that `path` can be written with [`write_atomic`], before work that would be lost otherwise. Changes nothing.
+/// Checks that `path` can be written with [`write_atomic`], before work that would be lost otherwise. The file itself stays
+/// as it is; a temporary file in its folder is created and deleted.
 ///
 /// # Errors
 /// It cannot be written. The message names a fix.
@@ -60,7 +61,7 @@ fn write_directly(path: &Path, write: impl FnOnce(&mut Sink) -> io::Result<()>) 
     let mut file = File::options().append(true).open(path)?;
     let mut writer = BufWriter::new(&mut file);
     let written = write(&mut writer).and_then(|()| writer.flush());
-    // What could not be written must not be tried again on drop.
+    // Discards the unwritten rest, which dropping the writer would try to write again.
     let _ = writer.into_parts();
     match written {
         // A reader that closes the pipe early (`| head`) has read enough.

@@ -32,7 +32,7 @@ pub fn attach(
         gradient_steps,
         success_rate,
     };
-    // A scenario can always be written as JSON: it has only structs, lists, strings and numbers.
+    // A scenario can always be written as JSON: it has no maps, whose keys might not be strings.
     policy.card = card(policy, config, training).ok().map(Box::new);
 }
 

@@ -50,7 +50,7 @@ pub struct Progress {
     pub epsilon: f32,
 }
 
-/// A callback that receives the progress every 0.1 s, in place of a bar.
+/// A callback that receives the progress in place of a bar: at most every 0.1 s, and at the end.
 pub type ProgressListener = Box<dyn FnMut(&Progress)>;
 
 /// A display of a run's progress.
@@ -178,7 +178,7 @@ pub fn bar(total: u64) -> Option<ProgressBar> {
     Some(bar.with_style(style).with_finish(ProgressFinish::Abandon))
 }
 
-/// Two lines of at most 80 columns: the bar, and the state of learning.
+/// Two lines as wide as the terminal: the bar, and the state of learning. Their texts fit into 80 columns.
 const TEMPLATE: &str = "{wide_bar:.cyan/dim} {prefix}\n{wide_msg}";
 
 impl ProgressTotal {

@@ -6,10 +6,10 @@ use std::sync::atomic::Ordering;
 use super::{FIRST, STOP};
 use crate::run::progress::print_stderr;
 
-/// The number of SIGINT, from which the exit status after a Ctrl-C is computed.
+/// The number of the signal SIGINT on Unix, from which the exit status after a Ctrl-C is computed here too.
 const SIGINT: usize = 2;
 
-/// Does nothing: only Unix has such limits.
+/// Does nothing: only on Unix do the limits of a process cause signals.
 pub fn survive_limits() {}
 
 /// Does nothing: without a handler, a Ctrl-C ends the process anyway.

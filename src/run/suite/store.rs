@@ -1,7 +1,8 @@
 //! The finished tests of a suite, in a file, so that an interrupted suite continues where it stopped.
 //!
-//! Each line is one test, as RON. A line that is incomplete because the process was killed is dropped, and its test is repeated.
-//! The key of a test contains everything that its result depends on, so any later suite with the same folder can use the result.
+//! Each line is one test, as RON. A line that is incomplete because the process was killed is dropped, and its test is
+//! repeated. The key of a test contains everything that its result depends on, so any later suite with the same folder can use
+//! the result.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -43,14 +44,16 @@ impl TestStore {
     /// The file cannot be read or written.
     pub fn open(path: &Path) -> Result<Self, RunError> {
         let unwritable = |error: std::io::Error| RunError::not_written(path, error);
-        let bytes = if path.exists() { fs::read(path).map_err(unwritable)? } else { Vec::new() };
+        let unreadable =
+            |error: std::io::Error| RunError::failed(path, format_args!("can't be read: {error}"));
+        let bytes = if path.exists() { fs::read(path).map_err(unreadable)? } else { Vec::new() };
         let text = String::from_utf8_lossy(&bytes);
-        let whole: Vec<(&str, (String, StoredTest))> =
+        let complete: Vec<(&str, (String, StoredTest))> =
             text.lines().filter_map(|line| Some((line, ron::from_str(line).ok()?))).collect();
-        replace(path, |file| whole.iter().try_for_each(|(line, _)| writeln!(file, "{line}")))
+        replace(path, |file| complete.iter().try_for_each(|(line, _)| writeln!(file, "{line}")))
             .map_err(unwritable)?;
         let file = File::options().append(true).open(path).map_err(unwritable)?;
-        let finished = whole.into_iter().map(|(_, test)| test).collect();
+        let finished = complete.into_iter().map(|(_, test)| test).collect();
         Ok(Self { path: path.into(), finished, file: Mutex::new(file) })
     }
 

@@ -41,9 +41,9 @@ pub struct EventWriter {
 }
 
 impl EventWriter {
-    /// Creates `events.out.tfevents.<seconds since 1970>.wayfield` in the existing folder `dir`. The name comes after those
-    /// of the other event files there, and no event is earlier than `earliest_s`, in s since 1970, even if the clock was set
-    /// back.
+    /// Creates `events.out.tfevents.<seconds since 1970>.wayfield` in the existing folder `dir`. The name sorts after those of
+    /// this program's other event files there, and no event is earlier than `earliest_s`, in s since 1970, even if the clock
+    /// was set back.
     ///
     /// # Errors
     /// The file cannot be created or written. The message names it.

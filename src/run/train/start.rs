@@ -138,14 +138,14 @@ impl Run {
     }
 }
 
-/// Whether the run in `folder` has its final summary. A run that was killed between its last checkpoint and its summary has none,
-/// or an earlier process's.
+/// Whether the run in `folder` has its final summary. A run that was killed between its last checkpoint and its summary has
+/// none, or that of an earlier process.
 fn is_complete(folder: &Path, learner: &Learner) -> bool {
     Summary::read(folder).is_some_and(|s| s.finished && s.env_steps == learner.env_steps())
 }
 
 /// Whether `episodes.csv` in `folder` has a row.
 fn has_rows(folder: &Path) -> bool {
-    let header = || header::<EpisodeRow>(&[]).map_or(0, |line| line.len() as u64);
-    std::fs::metadata(folder.join("episodes.csv")).is_ok_and(|file| file.len() > header())
+    let header_bytes = || header::<EpisodeRow>(&[]).map_or(0, |line| line.len() as u64);
+    std::fs::metadata(folder.join("episodes.csv")).is_ok_and(|file| file.len() > header_bytes())
 }

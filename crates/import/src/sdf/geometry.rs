@@ -18,7 +18,7 @@ const SIZE_M: RangeInclusive<f64> = 0.001..=1000.0;
 pub enum Section {
     /// A solid.
     Solid(Solid),
-    /// Nothing: it is the ground.
+    /// Nothing: it is the ground, is below the ground, or is empty.
     Floor,
     /// Nothing: it is left out, for this reason.
     LeftOut(String),
@@ -68,13 +68,13 @@ pub fn section(
         }
         let side = if above_m > 0.0 { "below" } else { "above" };
         return Ok(Section::LeftOut(format!(
-            "shapes {side} the LIDAR, which is {height_m} m high, are left out"
+            "shapes {side} the LIDAR, which is at a height of {height_m} m, are left out"
         )));
     }
     Ok(Section::Solid(Solid { outline, centre_m: pose.position_m, yaw_rad: pose.yaw_rad }))
 }
 
-/// Radius of a sphere's section at a distance from its centre. (At least the smallest size of a shape.)
+/// Radius of a sphere's section at a distance from its centre, in m; at least the smallest size of a shape.
 fn slice(radius_m: f64, distance_m: f64) -> f64 {
     (radius_m * radius_m - distance_m * distance_m).max(0.0).sqrt().max(*SIZE_M.start())
 }

@@ -1,6 +1,6 @@
 //! Gazebo worlds and models, in SDF.
 //!
-//! In: an SDF file, and folders with models. Out: the solids at the height of the LIDAR, and what had to be left out.
+//! In: an SDF file, and folders with models. Out: the solids at the height of the LIDAR, and what is left out or changed.
 //! Boxes, upright cylinders and capsules, and spheres are understood, in nested models and with nested poses that turn about
 //! the vertical axis.
 
@@ -24,12 +24,12 @@ use geometry::Section;
 use pose::Pose;
 use xml::{XmlFile, children, name};
 
-/// The solids of a world, and what was left out.
+/// The solids of a world, and what was left out or changed.
 #[derive(Debug, Default)]
 pub struct SdfWorld {
     /// The solids at the height of the LIDAR.
     pub solids: Vec<Solid>,
-    /// What was left out.
+    /// What was left out, or is not as in the file.
     pub findings: Findings,
     bytes_read: u64,
     includes: usize,
@@ -53,7 +53,8 @@ impl SdfWorld {
     /// The world or model in the file at `path`.
     ///
     /// # Errors
-    /// The file is missing, is not SDF, or is too large; or a number in it, or in a model that it includes, is invalid.
+    /// The file is missing, is not SDF, is too large or has no shape that can be imported; or a number in it, or in a model
+    /// that it includes, is invalid.
     pub fn read(path: &Path, options: &ImportOptions) -> Result<Self, FileError> {
         let text = read_text_with_limit(path, MAX_WORLD_BYTES)?;
         Self::parse(&text, path, options)
@@ -231,7 +232,8 @@ impl SdfWorld {
         self.bytes_read += text.len() as u64;
         if self.includes > MAX_INCLUDES || at.depth >= MAX_MODEL_NESTING {
             let message = format!(
-                "more than {MAX_INCLUDES} models are included, or {MAX_MODEL_NESTING} within each other; help: flatten them"
+                "more than {MAX_INCLUDES} models are included, or models and includes are nested more than \
+                 {MAX_MODEL_NESTING} deep; help: flatten them"
             );
             return Err(file.error(include, message));
         }

@@ -35,7 +35,7 @@ pub fn parse<'a>(text: &'a str, path: &Path) -> Result<Document<'a>, FileError> 
         let start: usize = text.split_inclusive('\n').take(place.row.max(1) as usize - 1).map(str::len).sum();
         let line = text.get(start..).unwrap_or_default();
         let inside: usize = line.chars().take(place.col.max(1) as usize - 1).map(char::len_utf8).sum();
-        let message = format!("not XML that can be read: {error}; help: give a world or a model of Gazebo");
+        let message = format!("not readable XML: {error}; help: give a Gazebo world or model");
         FileError::at_offset(path, text, start + inside, message)
     })
 }

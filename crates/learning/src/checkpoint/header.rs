@@ -117,8 +117,8 @@ impl Header {
         Some(stored).filter(|&n| n <= learner.replay.capacity() as u64)
     }
 
-    /// Whether the number of pending updates is plausible: each env step adds at most `gradient_steps` updates, and an update needs
-    /// a transition to sample.
+    /// Whether the number of pending updates is plausible: each env step adds at most `gradient_steps` updates, and an update
+    /// needs a transition to sample.
     fn has_valid_pending_updates(&self, learner: &Learner) -> bool {
         let Counters { env_steps, pending_updates, .. } = self.counters;
         let max_pending = env_steps.saturating_mul(u64::from(learner.config.gradient_steps));

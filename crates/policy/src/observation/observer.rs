@@ -41,7 +41,7 @@ struct Hit {
     distance: f32,
     /// Nearness.
     nearness: f32,
-    /// The index of the compact thing that it belongs to.
+    /// The index in [`EarlierScan::things`] of the compact thing that it belongs to.
     thing: Option<u16>,
 }
 
@@ -99,7 +99,7 @@ pub struct SectorObserver {
     predicted: Vec<f32>,
     /// The nearness of a collision if the robot waits.
     waiting: f32,
-    /// The things of the newest scan that move.
+    /// For each compact thing of the newest scan, its motion; `None` if it is still.
     moving: Vec<Option<MovingThing>>,
     /// The frames of the scans before the newest one, the newest first.
     frames: Vec<Frame>,
@@ -329,7 +329,7 @@ impl SectorObserver {
         let count = i32::from(layout.count);
         let per_sector = TAU / f32::from(layout.count);
         let frame = Frame::between(before.pose, now.pose, body.unit_m);
-        let turned = before.pose.2 - now.pose.2;
+        let rotation_rad = before.pose.2 - now.pose.2;
         for (sector, hit) in before.seen(is_seen) {
             let mut mark = |first: i32, last: i32, nearness: f32| {
                 for sector in first..=last.min(first + count - 1) {
@@ -338,14 +338,14 @@ impl SectorObserver {
                 }
             };
             if hit.distance >= MOTION_RANGE {
-                // Nothing near: it stays in the same direction, however far the robot has driven.
-                let sector = (sector as f32 + turned / per_sector).round() as i32;
+                // The point is far away: it stays in the same direction, however far the robot has driven.
+                let sector = (sector as f32 + rotation_rad / per_sector).round() as i32;
                 mark(sector, sector, hit.nearness);
                 continue;
             }
             let (x, y) = frame.to_present((hit.x, hit.y));
             let distance = (x * x + y * y).sqrt();
-            // It is as wide as its sector was, so that the points of a wall leave no gaps.
+            // The point is taken to be as wide as its sector was, so that the points of a wall leave no gaps.
             let half_width = 0.5 * hit.distance / distance.max(0.25 * hit.distance);
             let centre = libm::atan2f(y, x) / per_sector;
             // The extent of the body is taken as in the direction in which the point was seen.
@@ -355,8 +355,8 @@ impl SectorObserver {
         }
     }
 
-    /// Writes the observation for a goal at the bearing `goal.0`, relative to the heading, counterclockwise positive, in rad,
-    /// and at the distance `goal.1`, in m.
+    /// Writes the observation for a goal, given by its bearing (relative to the heading, counterclockwise positive, in rad) and
+    /// its distance (in m), to `row`.
     ///
     /// Before the first scan, it is all zeros.
     ///
@@ -398,8 +398,9 @@ impl SectorObserver {
     }
 }
 
-/// Writes into `distances` how far a disc with a radius of one unit can drive in each of `directions`, unit vectors, before it
-/// collides with one of the hits that count, in units of the robot. The inner loop has no branches, so that it is vectorized.
+/// Writes into `distances` how far, in units of the robot, a disc with a radius of one unit can drive in each of `directions`
+/// (unit vectors) before it collides with a hit for which `counts` is true; infinity if it never does. The inner loop has no
+/// branches, so that it is vectorized.
 fn free_distances(
     hits: &[Hit],
     directions: &[(f32, f32)],
@@ -410,9 +411,10 @@ fn free_distances(
     for hit in hits.iter().filter(|hit| hit.nearness > 0.0 && counts(hit)) {
         for (distance, (cos, sin)) in distances.iter_mut().zip(directions) {
             let (along, across) = (hit.x * cos + hit.y * sin, hit.x * sin - hit.y * cos);
-            let beside = 1.0 - across * across;
-            let free = along - beside.max(0.0).sqrt();
-            *distance = if (along > 0.0) & (beside > 0.0) & (free < *distance) { free } else { *distance };
+            // The square of half the chord that the path cuts from the unit disc about the hit.
+            let half_2 = 1.0 - across * across;
+            let free = along - half_2.max(0.0).sqrt();
+            *distance = if (along > 0.0) & (half_2 > 0.0) & (free < *distance) { free } else { *distance };
         }
     }
 }

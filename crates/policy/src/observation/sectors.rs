@@ -6,13 +6,13 @@
 //! | columns | meaning |
 //! |---|---|
 //! | 0 .. S-1 | nearness of the nearest thing in each of S sectors, 0 (nothing in sight) to 1 (contact); sector 0 is centred straight ahead, then counterclockwise |
-//! | S .. 2S-1 | what has moved: the nearness now minus that of the earlier scan, moved into the present frame by odometry, times 4; -1 to 1, positive for what approaches. Absent without an earlier scan |
+//! | S .. 2S-1 | what has moved: the nearness now minus that of the earlier scan, moved into the present frame by odometry, times 4; -1 to 1, positive for what approaches, 0 where unknown or far away. Absent without an earlier scan |
 //! | then S | nearness of what the robot would collide with if it drove straight on in the direction of a sector's centre, whatever its heading; 0 if that path is free. Absent without free paths |
-//! | then S | the same, at the robot's highest speed and if what moves goes on moving as it has. Absent without predicted paths |
-//! | then 4 | direction of the goal (cosine and sine of its bearing), its nearness, and the logarithm of its distance |
+//! | then S | the same for a robot at its highest speed, if moving things keep their velocities. Absent without predicted paths |
+//! | then 4 | direction of the goal (cosine and sine of its bearing), the nearness of its edge, and a quarter of ln(1 + the distance to its edge) |
 //! | then 2 | the robot's speed and turning rate, in units of its highest |
 //! | then 2 | the longest distance that the robot drives in a control step, in units of the robot, and its largest turn in a control step, in rad |
-//! | then 1 | nearness of a collision if the robot waits: that of the distance that it would drive until then at its highest speed. Absent without predicted paths |
+//! | then 1 | nearness of a collision if the robot waits, at the distance that it would drive until then at its highest speed; 0 if nothing hits it. Absent without predicted paths |
 //!
 //! The nearness of a thing x units away from the body is 1 / (1 + x / 2).
 
@@ -39,8 +39,8 @@ pub struct SectorLayout {
     pub earlier_steps: u8,
     /// Whether there is a column for each sector's free path.
     pub free_paths: bool,
-    /// Whether there is a column for each sector's free path among things that move on, and one for waiting. They need an earlier
-    /// scan.
+    /// Whether there is a column for each sector's free path if moving things keep their velocities, and one for waiting. They
+    /// need an earlier scan.
     pub predicted_paths: bool,
 }
 
@@ -190,8 +190,8 @@ pub(super) fn sectors_of_beams(layout: SectorLayout, lidar: &LidarBeams) -> Vec<
     sectors.iter().for_each(|sectors| has_beam[sectors[0]] = true);
     for sector in (0..count).filter(|&sector| !has_beam[sector]) {
         let away = |angle: f32| {
-            let turned = (angle - layout.angle_rad(sector)).rem_euclid(TAU);
-            turned.min(TAU - turned)
+            let difference = (angle - layout.angle_rad(sector)).rem_euclid(TAU);
+            difference.min(TAU - difference)
         };
         let beams = lidar.angles_rad.iter().map(|&angle| away(angle)).enumerate();
         let nearest = beams.min_by(|a, b| a.1.total_cmp(&b.1));

@@ -100,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn wide_intervals_show_no_impossible_values_and_are_said_to_be_cut_off() {
+    fn wide_intervals_show_no_impossible_values_and_are_labelled_as_cut_off() {
         let wide = |mean: f64| BandPoint { x: mean, mean, low: mean - 40.0, high: mean + 40.0 };
         let lines = vec![CurveLine { points: [0.0, 1.0, 2.0].map(wide).to_vec(), ..CurveLine::default() }];
         let svg = |limits| {

@@ -18,7 +18,7 @@ impl Axis {
         Self::within_limits(values, None, count)
     }
 
-    /// Like [`within`](Self::within), but not beyond `limits`, the range of possible values.
+    /// Like [`within`](Self::within), but not beyond `limits`, the range of possible values, unless all values lie beyond them.
     pub(crate) fn within_limits(
         values: impl Iterator<Item = f64>,
         limits: Option<(f64, f64)>,

@@ -1,4 +1,4 @@
-//! The drawing surface: an SVG of whole drawn pixels, with lines, areas and text.
+//! The drawing surface of figures: an SVG at twice the displayed size, with lines, areas and text.
 
 use std::error::Error;
 
@@ -17,12 +17,13 @@ impl DrawError {
     }
 }
 
-/// Drawn pixels per pixel of the shown SVG. plotters draws at whole pixels only, so figures are drawn at twice their
+/// Drawn pixels per pixel of the displayed SVG. plotters draws at whole pixels only, so figures are drawn at twice their
 /// size.
 const SCALE: u32 = 2;
+// Line widths, in drawn pixels.
 pub(crate) const HAIRLINE: u32 = 2;
 pub(crate) const STROKE: u32 = 4;
-/// The height of a line of text, with its spacing.
+/// The height of a line of text with its spacing, in drawn pixels.
 pub(crate) const LINE_HEIGHT: i32 = 34;
 
 // Text sizes: title, headings, everything else. plotters' SVG backend divides sizes by 1.24.

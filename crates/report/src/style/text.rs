@@ -2,7 +2,7 @@
 //!
 //! Widths follow Arial's metrics, rounded up slightly, because a viewer may use another font of the stack.
 
-/// The width of a line of text in drawn pixels.
+/// The width of a line of text in drawn pixels. `size` is plotters' size, 1.24 times the font size (see `canvas.rs`).
 pub(crate) fn text_width(text: &str, size: f64) -> i32 {
     let ems: f64 = text.chars().map(advance).sum();
     (ems * size / 1.24 * 1.02).ceil() as i32

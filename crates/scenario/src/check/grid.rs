@@ -123,7 +123,8 @@ impl<'a> BlockedCells<'a> {
         for point in &points {
             (low, high) = (low.min(point.y), high.max(point.y));
         }
-        // This area is bounded by arcs about the points and by the sides, shifted outwards: left or right, so both are used.
+        // This area is bounded by arcs about the points and by the sides, shifted outwards. Whether that is to the left or to
+        // the right depends on the order of the points, so both shifts are used; a side shifted inwards stays within the area.
         let mut moved = Vec::with_capacity(2 * points.len());
         for (a, b) in sides(&points) {
             let long = a.distance(b);
@@ -241,18 +242,18 @@ impl ConnectedRegions {
                 runs.push((from, to, regions.parents.len() as u32));
                 regions.parents.push(regions.parents.len() as u32);
             }
-            let above = regions.runs.last().cloned().unwrap_or_default();
+            let previous = regions.runs.last().cloned().unwrap_or_default();
             let (mut a, mut b) = (0, 0);
-            while a < above.len() && b < runs.len() {
-                if above[a].0 < runs[b].1 && runs[b].0 < above[a].1 {
-                    let (one, other) = (regions.root(above[a].2), regions.root(runs[b].2));
+            while a < previous.len() && b < runs.len() {
+                if previous[a].0 < runs[b].1 && runs[b].0 < previous[a].1 {
+                    let (one, other) = (regions.root(previous[a].2), regions.root(runs[b].2));
                     regions.parents[one.max(other) as usize] = one.min(other);
                 }
-                if above[a].1 < runs[b].1 { a += 1 } else { b += 1 }
+                if previous[a].1 < runs[b].1 { a += 1 } else { b += 1 }
             }
             regions.runs.push(runs);
         }
-        // A parent has a lower number than its run, so its region is already known.
+        // The parent of a run that is not a root has a lower number, so its region is already known.
         for run in 0..regions.parents.len() {
             regions.parents[run] = regions.parents[regions.parents[run] as usize];
         }

@@ -1,10 +1,10 @@
-//! The checks of the robot's motions that need no map: it moves, and the time limit allows for the nearest goals.
+//! The checks of the robot's motions that need no map: the robot can move, and reach the nearest goals within the time limit.
 
 use super::{Diagnostics, ValidPart};
 use crate::limits::EPISODE_STEPS;
 use crate::schema::{Robot, Scenario, TaskRules};
 
-/// Factor of tolerance for rounding.
+/// Factor that allows for rounding errors.
 const SLACK: f64 = 1.0 - 1e-6;
 
 pub(super) fn check(valid: &ValidPart, diagnostics: &mut Diagnostics) {
@@ -45,8 +45,8 @@ pub(super) fn step_m(scenario: &Scenario) -> f64 {
 
 /// The least number of control steps, rounded up, in which the robot gets to a goal that is `distance_m` away.
 pub(super) fn steps_to(scenario: &Scenario, distance_m: f32) -> f64 {
-    let way_m = f64::from(distance_m) - f64::from(scenario.task.goal_radius_m);
-    (way_m / step_m(scenario) * SLACK).ceil()
+    let travel_m = f64::from(distance_m) - f64::from(scenario.task.goal_radius_m);
+    (travel_m / step_m(scenario) * SLACK).ceil()
 }
 
 /// The fix for a time limit that should be at least `steps`.

@@ -3,7 +3,7 @@
 //! In: the part of a scenario with valid numbers. The robot's centre must keep the collision range from everything, or
 //! the robot's inner radius if that is more; the space that remains is divided into a fine grid. A cell counts as free if it
 //! could contain a free point, so that only goals that are certainly out of reach are reported. Moving and generated
-//! obstacles are ignored: the former don't block a passage for ever, the latter leave gaps.
+//! obstacles are ignored: the former don't block a passage forever, the latter leave gaps.
 
 use super::grid::{BlockedCells, CellGrid, ConnectedRegions};
 use super::{Diagnostics, ValidPart};
@@ -26,11 +26,11 @@ pub(super) fn check(valid: &ValidPart, diagnostics: &mut Diagnostics) {
     if !valid.has("enclosure") || !valid.has_keep_out() {
         return;
     }
-    let room = f64::from(scenario.sure_collision_m());
+    let collision_m = f64::from(scenario.sure_collision_m());
     let (low, high) = scenario.enclosure.bounds_m();
-    let Some(grid) = CellGrid::over(low.as_dvec2(), high.as_dvec2(), room) else { return };
+    let Some(grid) = CellGrid::over(low.as_dvec2(), high.as_dvec2(), collision_m) else { return };
     let half = grid.half_diagonal_m();
-    let regions = ConnectedRegions::of(&blocked(scenario, &grid, (room - half) * (1.0 - 1e-6)));
+    let regions = ConnectedRegions::of(&blocked(scenario, &grid, (collision_m - half) * (1.0 - 1e-6)));
     if valid.has("starts") && valid.has("goals") {
         check_rules(scenario, &grid, &regions, diagnostics);
     }
@@ -57,12 +57,12 @@ fn check_rules(
 ) {
     let starts = sites(scenario, &scenario.starts, grid, regions);
     let goals = sites(scenario, &scenario.goals, grid, regions);
-    // The largest region is taken for the intended one.
+    // The region with the most cells that a rule allows is taken for the intended one.
     let Some(main) = starts.iter().chain(&goals).max_by_key(|site| site.cells) else { return };
     let odd = |sites: &[RegionSite]| sites.iter().position(|site| site.part != main.part);
     let (odd_start, odd_goal) = (odd(&starts), odd(&goals));
     let all_starts_odd = starts.iter().all(|site| site.part != main.part);
-    let (name, there, message) = match (odd_start, odd_goal) {
+    let (name, odd_site, message) = match (odd_start, odd_goal) {
         (Some(start), _) if all_starts_odd => ("starts", &starts[start], "from which the robot can't reach"),
         (_, Some(goal)) => ("goals", &goals[goal], "which the robot can't reach from"),
         (Some(start), None) => ("starts", &starts[start], "from which the robot can't reach"),
@@ -73,7 +73,7 @@ fn check_rules(
     let point = |place: DVec2| format!("({:.2}, {:.2})", round(place.x), round(place.y));
     let message = format!(
         "includes {}, {message} {}: {}; widen a gap, block that area, or exclude it from the rule",
-        point(there.place),
+        point(odd_site.place),
         point(main.place),
         required_gap(scenario)
     );

@@ -8,7 +8,7 @@ use crate::limits::*;
 use crate::schema::*;
 use crate::track::MotionSpeed;
 
-/// Factor of tolerance for the rounding of a speed at the limit.
+/// Tolerance factor: by rounding, a speed at the limit may exceed it a little.
 pub(super) const SLACK: f32 = 1.0 + 1e-5;
 
 pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
@@ -44,10 +44,10 @@ fn check_obstacle(k: usize, obstacle: &Obstacle, period: f32, diagnostics: &mut 
         }
         MotionSpeed::Variable => key_frames::check_speeds(k, obstacle, period, diagnostics),
         MotionSpeed::Translation(speed_m_s) => {
-            let gone = speed_m_s * period;
-            if gone > MAX_STEP_M * SLACK && speed_m_s <= MAX_SPEED_M_S {
+            let moved = speed_m_s * period;
+            if moved > MAX_STEP_M * SLACK && speed_m_s <= MAX_SPEED_M_S {
                 let most = rounded_down(MAX_STEP_M / period);
-                diagnostics.push(format_args!("{path}.speed_m_s"), too_far(gone, "obstacle", &most));
+                diagnostics.push(format_args!("{path}.speed_m_s"), too_far(moved, "obstacle", &most));
             }
         }
     }
@@ -56,12 +56,12 @@ fn check_obstacle(k: usize, obstacle: &Obstacle, period: f32, diagnostics: &mut 
 fn check_robot(scenario: &Scenario, period: f32, diagnostics: &mut Diagnostics) {
     let goal = scenario.task.goal_radius_m;
     for (k, motion) in scenario.robot.motions.iter().enumerate().take(*MOTIONS.end()) {
-        let gone = motion.v_m_s.abs() * period;
-        if gone > 2.0 * goal * SLACK && motion.v_m_s.abs() <= MAX_SPEED_M_S && goal >= *GOAL_RADIUS_M.start()
+        let moved = motion.v_m_s.abs() * period;
+        if moved > 2.0 * goal * SLACK && motion.v_m_s.abs() <= MAX_SPEED_M_S && goal >= *GOAL_RADIUS_M.start()
         {
             let most = rounded_down(2.0 * goal / period);
             let message = format!(
-                "moves the robot {gone:.3} m in one control step, more than the goal's diameter of {:.3} m: write at most \
+                "moves the robot {moved:.3} m in one control step, more than the goal's diameter of {:.3} m: write at most \
                  {most}, or a smaller task.control_period_s",
                 2.0 * goal
             );
@@ -99,9 +99,9 @@ pub(super) fn too_fast(speed_m_s: f32) -> String {
     format!("moves the obstacle at {speed_m_s:.3} m/s, above the limit of {MAX_SPEED_M_S} m/s")
 }
 
-fn too_far(gone: f32, what: &str, most: &str) -> String {
+fn too_far(moved: f32, what: &str, most: &str) -> String {
     format!(
-        "moves the {what} {gone:.3} m in one control step, above the limit of {MAX_STEP_M} m: write at most {most}, or a \
+        "moves the {what} {moved:.3} m in one control step, above the limit of {MAX_STEP_M} m: write at most {most}, or a \
          smaller task.control_period_s"
     )
 }

@@ -8,7 +8,7 @@ use glam::Vec2;
 
 /// Width of the rim that may overlap, in m: obstacles placed against a wall do not count as overlapping.
 const RIM_M: f32 = 0.0025;
-/// Number of intervals into which a leg is divided to locate an overlap.
+/// Number of intervals into which a leg, or a whole circle, is divided to locate an overlap.
 const SAMPLES: u16 = 64;
 
 /// A solid that does not move: a static obstacle, or a segment of a wall.
@@ -62,7 +62,7 @@ impl<'a> SweptPath<'a> {
         }
     }
 
-    /// Whether the circles around both are apart, so that they can't overlap.
+    /// Whether the circle around this area and the one around `solid` are apart, so that the two can't overlap.
     fn is_far_from(&self, solid: &StaticSolid) -> bool {
         let reach_m = self.reach_m + solid.obstacle.shape.bounding_radius_m();
         solid.obstacle.position_m.distance(self.middle_m) > reach_m
@@ -79,7 +79,7 @@ impl<'a> SweptPath<'a> {
         }
     }
 
-    /// Whether the obstacle overlaps `solid` somewhere on its path. A random walk may take long to get there.
+    /// Whether the obstacle overlaps `solid` somewhere on its path. A random walk may take a long time to get there.
     pub(super) fn overlaps(&self, solid: &StaticSolid) -> bool {
         if self.is_far_from(solid) {
             return false;
@@ -100,11 +100,11 @@ impl<'a> SweptPath<'a> {
         let at = self.obstacle.position_m;
         let points: Vec<Vec2> = match self.obstacle.actual_track() {
             Track::Circle { centre_m } => {
-                let turned = |fraction: f32| {
+                let rotated = |fraction: f32| {
                     let (sin, cos) = libm::sincosf(fraction * std::f32::consts::TAU);
                     centre_m + Vec2::new(cos, sin).rotate(at - centre_m)
                 };
-                samples().map(turned).collect()
+                samples().map(rotated).collect()
             }
             Track::Lines { corners_m, closed } => {
                 let stops = stops(corners_m, closed);
@@ -118,11 +118,11 @@ impl<'a> SweptPath<'a> {
                 samples().map(|fraction| at.lerp(nearest, fraction)).collect()
             }
         };
-        // The depth in both; for a moving obstacle, that of its origin in the solid.
+        // The signed distance to the overlap, least at the deepest point; for a moving obstacle, that to the solid.
         let is_moving = self.obstacle.motion.is_moving();
         let own = |point| if is_moving { f32::NEG_INFINITY } else { distance(self.obstacle, point) };
-        let depth = |point: &Vec2| distance(&solid.obstacle, *point).max(own(*point));
-        points.into_iter().min_by(|a, b| depth(a).total_cmp(&depth(b))).unwrap_or(at)
+        let from_overlap = |point: &Vec2| distance(&solid.obstacle, *point).max(own(*point));
+        points.into_iter().min_by(|a, b| from_overlap(a).total_cmp(&from_overlap(b))).unwrap_or(at)
     }
 }
 

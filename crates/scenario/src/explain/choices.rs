@@ -1,4 +1,4 @@
-//! The choices of an enum, found by trial: ron's errors do not say that a choice was expected.
+//! The choices of an enum (its variants), found by trial: ron's errors do not say that a choice was expected.
 
 use std::ops::Range;
 

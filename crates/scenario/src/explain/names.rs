@@ -37,7 +37,7 @@ impl Place<'_> {
         })
     }
 
-    /// The replacement of the name `found` at `start` by the one of the `expected` names that is meant, if there is one.
+    /// The repair that replaces the name `found` at `start` by the `expected` name that was probably meant, if there is one.
     fn renaming(&self, found: &str, expected: &'static [&'static str]) -> Option<Repair> {
         let near = match synonym(found, expected) {
             Some(path) => expected.iter().copied().find(|name| *name == path)?,
@@ -64,8 +64,8 @@ pub(super) fn missing_fields(owner: &str, fields: &[&str]) -> String {
     }
 }
 
-/// The text "did you mean `x`? the fields are `x`, `y`": first the one of the `known` names that `word` means or is most similar
-/// to, if any; then `lead` ("the fields are") and all of them.
+/// The text "did you mean `x`? the fields are `x`, `y`": first the `known` name that is a synonym of `word` or similar to it,
+/// if any; then `lead` ("the fields are") and all known names. Without known names, "there are none here".
 #[must_use]
 pub fn choose(word: &str, known: &[&str], lead: &str) -> String {
     let hint = synonym(word, known)
@@ -76,7 +76,7 @@ pub fn choose(word: &str, known: &[&str], lead: &str) -> String {
     if all.is_empty() { "there are none here".into() } else { format!("{hint}{lead} {}", all.join(", ")) }
 }
 
-/// The name in `known` that is most similar to `word`, if any is similar; for "did you mean" hints.
+/// The name in `known` that is most similar to `word`, if one is similar enough for a "did you mean" hint.
 #[must_use]
 pub fn closest_name<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let word = word.to_lowercase();

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use wayfield_ron_patch::tokens;
 
-/// The word around `offset` if it starts like a number and `offset` lies inside it: ron has read only a part of it.
+/// The word around `offset` if it starts like a number and `offset` lies inside it, so that ron has read only a part of it.
 pub(super) fn cut_number(text: &str, offset: usize) -> Option<Range<usize>> {
     let is_word = |c: char| c.is_alphanumeric() || "_.+-".contains(c);
     let before = text[..offset].len() - text[..offset].trim_end_matches(is_word).len();

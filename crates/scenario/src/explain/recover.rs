@@ -14,7 +14,7 @@ use super::{Problem, Repair, explain};
 const MAX_BYTES: usize = 1 << 15;
 /// The number of repairs after which reading stops.
 const MAX_REPAIRS: usize = 64;
-/// Values to try in place of any value, of one type after another. The choices of an enum are tried after them.
+/// Values of different types, tried in this order in place of an unreadable value. The choices of an enum are tried after them.
 const VALUES: [&str; 6] = ["0", "0.0", "\"\"", "true", "[]", "(0, 0)"];
 
 /// The problems of a text, by byte offset, and what could be read without them.

@@ -1,15 +1,16 @@
 //! The floor of a level: its free space, as connected regions on a grid.
 //!
-//! In: the static parts of a level. Out: whether every goal can be reached from every start through passages of the least
-//! width. A yes is proven: around the centre of a free cell, half the width plus half a cell's diagonal is clear, so a path from
-//! centre to centre has the width. Random starts and goals have enough clearance for the centres of their cells to be free.
+//! In: the static parts of a level. Out: whether every goal can be reached from every start through passages of at least the
+//! minimum width. If the answer is yes, it is proven: the centres of free cells are at least half the width plus half a cell's
+//! diagonal away from all surfaces, so a path from centre to centre has the width. Random starts and goals have enough
+//! clearance for the centres of their cells to be free.
 
 use super::schema::Route;
 use crate::check::{CellGrid, ConnectedRegions, RegionSite, blocked, sites};
 use crate::schema::{Obstacle, PlacementRule, Scenario};
 
-/// Largest side of a cell, as a fraction of half the least width of the passages. Larger cells close more of the passages that
-/// are only a little wider than that.
+/// Largest side of a cell, as a fraction of half the minimum width of the passages. Larger cells close more of the passages
+/// that are only a little wider than the minimum.
 const MAX_CELL_FRACTION: f64 = 0.25;
 
 /// The free space of a level, as connected regions on a grid.
@@ -21,7 +22,7 @@ pub(super) struct Floor<'a> {
     room_m: f64,
 }
 
-/// The side of the cells, in m, for passages whose least width is twice `half_gap_m`.
+/// The side of the cells, in m, for passages whose minimum width is twice `half_gap_m`.
 pub(super) fn cell_m(half_gap_m: f32, route: Route) -> f64 {
     let half_gap_m = f64::from(half_gap_m);
     let largest = half_gap_m * MAX_CELL_FRACTION;
@@ -34,7 +35,7 @@ pub(super) fn cell_m(half_gap_m: f32, route: Route) -> f64 {
 }
 
 impl<'a> Floor<'a> {
-    /// The floor of `scenario` for passages whose least width is twice `half_gap_m`.
+    /// The floor of `scenario` for passages whose minimum width is twice `half_gap_m`.
     pub(super) fn new(scenario: &'a Scenario, half_gap_m: f32, route: Route) -> Self {
         let (low, high) = scenario.enclosure.bounds_m();
         let grid = CellGrid::with_cells(low.as_dvec2(), high.as_dvec2(), cell_m(half_gap_m, route));

@@ -10,10 +10,10 @@ use crate::schema::ObstacleMotion;
 
 /// Attempts to find free lanes before a pair is omitted.
 const TRIES: usize = 50;
-/// Smallest distance between two obstacles on a loop, centre to centre, in radii.
+/// Smallest distance along a loop between consecutive obstacles, centre to centre, in radii.
 const MIN_SPACING_RADII: f32 = 4.0;
 
-/// Adds a pair of lanes across the whole field, along x or y, with up to `count` obstacles.
+/// Adds a pair of lanes across the whole field, along x or y, with up to `count` obstacles; nothing if no free lanes are found.
 pub(super) fn add(draft: &mut Draft, walker: Walker, count: u32, stream: &mut Stream) {
     let mut loops = (0..TRIES).map(|_| random_loop(draft, walker.radius_m, stream));
     let is_free = |corners: &[Vec2; 4]| {
@@ -59,7 +59,7 @@ fn random_loop(draft: &Draft, radius_m: f32, stream: &mut Stream) -> [Vec2; 4] {
     corners
 }
 
-/// Whether two pairs of lanes along the same axis overlap, so that their obstacles would run into each other all the time.
+/// Whether two pairs of lanes along the same axis overlap, so that their obstacles would overlap again and again.
 fn overlap(one: &[Vec2; 4], other: &[Vec2; 4]) -> bool {
     let is_upright = |corners: &[Vec2; 4]| {
         let (low, high) = bounds(corners);

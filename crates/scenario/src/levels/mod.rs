@@ -47,7 +47,7 @@ use draft::Draft;
 pub use check::level_generator_diagnostics;
 pub use schema::{Clutter, LevelGenerator, Route, Traffic, WallLayout};
 
-/// Attempts, each with its own random streams, to make a level that the robot can solve.
+/// The number of attempts to make a level that the robot can solve. Each has its own random streams.
 const ATTEMPTS: u64 = 100;
 
 /// The error when a generator has no level for a seed.

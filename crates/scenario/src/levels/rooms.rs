@@ -1,4 +1,4 @@
-//! Rooms: the enclosure is divided by walls with doors, again and again (binary space partitioning).
+//! Rooms: walls with doors divide the enclosure recursively (binary space partitioning).
 
 use glam::{Vec2, vec2};
 use wayfield_random::{Stream, uniform, uniform_01};
@@ -54,8 +54,8 @@ pub(super) fn add(draft: &mut Draft, rooms: Rooms, stream: &mut Stream) {
 }
 
 impl Rooms {
-    /// A wall that divides the longer side of the room with the corners `low` and `high`; `None` if the room is too small, or if
-    /// no position is found that leaves all doors open.
+    /// A wall that divides the longer side of the room with the corners `low` and `high`; `None` if the room is too small, or
+    /// if no position is found that leaves all doors open.
     fn divide(
         self,
         low: Vec2,
@@ -103,8 +103,8 @@ impl Partition {
         self.upright == upright || !touches || !self.doors_m.iter().any(blocks)
     }
 
-    /// The pieces of this wall, which runs from one coordinate to another, between its doors. A piece extends half its thickness
-    /// beyond its ends.
+    /// The pieces of this wall between its doors, if the wall runs from coordinate `from` to coordinate `to`. A piece extends
+    /// half its thickness beyond its ends.
     fn walls(&self, from: f32, to: f32) -> Vec<Wall> {
         let point = |along: f32| if self.upright { vec2(self.at_m, along) } else { vec2(along, self.at_m) };
         let rim = THICKNESS_M / 2.0;

@@ -27,8 +27,8 @@ pub struct LevelGenerator {
     #[serde(default = "default_side_m")]
     pub height_m: (f32, f32),
     /// The passages that connect all starts and goals are at least this wide, and scattered obstacles are at least this far
-    /// apart, 0.02 to 50 m. Must be more than twice the collision range and twice the reach of the robot's `shape`, so that the robot
-    /// fits through.
+    /// apart, 0.02 to 50 m. Must be more than twice the collision range and twice the reach of the robot's `shape`, so that
+    /// the robot fits through.
     #[serde(default = "default_gap_m")]
     pub gap_m: f32,
     /// Layouts of inner walls, at most 16.
@@ -75,11 +75,11 @@ pub enum WallLayout {
         #[serde(default = "default_solid")]
         fill: (f32, f32),
     },
-    /// A grid of cells as text, such as `["#.#", "...", "#.#"]`. The cells cover the enclosure, which stretches them. Free cells
-    /// that are cut off from the largest free area become solid.
+    /// A grid of cells as text, such as `["#.#", "...", "#.#"]`. The cells cover the enclosure, which stretches them. Free
+    /// cells that are cut off from the largest free area become solid.
     Grid {
-        /// The rows, the upper one first, all of the same length: `#` is solid, `.` and a space are free. At most 4,000 cells in
-        /// total, each at least 0.02 m wide and high.
+        /// The rows, the upper one first, all of the same length: `#` is solid, `.` and a space are free. At most 4,000 cells
+        /// in total, each at least 0.02 m wide and high.
         rows: Vec<String>,
     },
     /// Rooms: a wall with a door divides the enclosure, then each part, until they are too small.
@@ -356,7 +356,8 @@ pub enum Route {
     },
     /// From the middle of the lower side, heading along +y, to the middle of the upper side, as in the BARN dataset.
     Across {
-        /// Depth of the strips along both sides that are kept free of clutter and traffic, 0.1 to 50 m. Start and goal are in their middle.
+        /// Depth of the strips along both sides that are kept free of clutter and traffic, 0.1 to 50 m. Start and goal are in
+        /// their middle.
         #[serde(default = "default_margin_m")]
         margin_m: f32,
     },

@@ -43,7 +43,7 @@ pub fn triangles(corners: &[Vec2]) -> Vec<[usize; 3]> {
 }
 
 /// The triangles by ear clipping, and whether there was an ear in every step. In a polygon that crosses
-/// itself there may be none; then any corner is cut off.
+/// itself there may be none; then the first remaining corner is cut off.
 fn clip_ears(corners: &[Vec2]) -> (Vec<[usize; 3]>, bool) {
     let mut valid = true;
     let mut remaining: Vec<usize> = (0..corners.len()).collect();
@@ -66,7 +66,7 @@ fn clip_ears(corners: &[Vec2]) -> (Vec<[usize; 3]>, bool) {
     (found, valid)
 }
 
-/// Whether the triangle is convex and contains none of the other `remaining` corners.
+/// Whether the corner b is convex, and the triangle a, b, c contains none of the other `remaining` corners.
 fn is_ear(corners: &[Vec2], remaining: &[usize], [a, b, c]: [usize; 3]) -> bool {
     let [pa, pb, pc] = [a, b, c].map(|k| corners[k]);
     if turn(pa, pb, pc) <= 0.0 {

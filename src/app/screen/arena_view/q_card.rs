@@ -1,5 +1,6 @@
-//! The card of Q-values next to the robot: for each motion, from left to right, its advantage (Q-value minus
-//! the mean) as a bar and its Q-value as a number, with the chosen motion highlighted.
+//! The card of Q-values next to the robot: a row for each motion, from the sharpest left turn to the sharpest right turn, with
+//! its advantage (Q-value minus the mean) as a bar and its Q-value as a number. The chosen motion is highlighted. Of many
+//! motions, only the chosen and the best one have a row.
 //!
 //! In: the Q-values of an [`ArenaScene`]. Out: a card near the robot that avoids covering it or the goal, and a line from the
 //! robot to the card.
@@ -49,8 +50,8 @@ fn rows(motions: &[Motion], q: &[f32], chosen: usize) -> Vec<usize> {
     order
 }
 
-/// Draws the card if there are finite Q-values. It avoids the rectangles in `avoid`, and its side of the robot is kept under
-/// `id`.
+/// Draws the card if all Q-values are finite, the robot is in view, and the view is large enough. The card avoids the
+/// rectangles in `avoid`, and the side of the robot that it is on is kept under `id`.
 pub fn draw(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene, avoid: &[Rect], id: Id) {
     let (motions, q) = (&arena.motions, &arena.q_values);
     if q.is_empty() || !q.iter().all(|value| value.is_finite()) {

@@ -125,7 +125,8 @@ impl ViewTransform {
         ViewCamera { centre_m: self.bounds.clamp([x - by.x, y + by.y]), ..camera }
     }
 
-    /// The camera zoomed in by `factor`; the point under the screen position `about` stays there.
+    /// The camera zoomed in by `factor`. The point under the screen position `about` stays there, unless the centre of the view
+    /// would leave the bounds.
     #[must_use]
     pub fn zoomed(&self, camera: ViewCamera, about: Pos2, factor: f32) -> ViewCamera {
         let zoom = (camera.zoom * factor).clamp(ZOOM.0, ZOOM.1);

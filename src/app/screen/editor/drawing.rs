@@ -72,7 +72,7 @@ fn draw_paths(canvas: &Canvas, scenario: &Scenario, selected: Selection) {
     }
 }
 
-/// Draws later positions of a moving obstacle, each fainter than the last. A pedestrian has none: its motion depends on others.
+/// Draws later positions of a moving obstacle, fainter and fainter. A pedestrian has none: its motion depends on others.
 fn draw_ghosts(canvas: &Canvas, scenario: &Scenario, obstacle: &Obstacle) {
     // Far enough apart that the ghosts do not overlap.
     let spacing_m = 1.3 * Silhouette::from_obstacle(obstacle).reach_m();

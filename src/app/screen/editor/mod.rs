@@ -1,4 +1,4 @@
-//! The editor on the screen: a canvas in place of the running scenario, and a panel of fields next to it.
+//! The editor on the screen: a canvas in place of the arena view, and a panel of fields next to it.
 //!
 //! In: the [`Editor`](crate::app::editor::Editor) of the [`ViewState`]. Out: its changes, and commands that save, open or
 //! apply the scenario.

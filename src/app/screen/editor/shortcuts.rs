@@ -69,7 +69,7 @@ fn with_command(
         Key::Z if held.shift => editor.redo(),
         Key::Z => editor.undo(),
         Key::Y => editor.redo(),
-        // Of the keys held down, only undo and redo repeat.
+        // Of the keys with Ctrl, only undo and redo repeat while they are held down.
         _ if repeat || held.shift => {}
         Key::C => editor.copy(),
         Key::X => editor.cut(),

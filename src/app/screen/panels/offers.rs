@@ -13,16 +13,16 @@ use crate::app::screen::widgets::text::weak_text;
 const WIDTH: f32 = 300.0;
 const BUTTON_HEIGHT: f32 = 28.0;
 
-/// An offer that the user takes or dismisses.
+/// An offer that the user accepts or dismisses.
 struct Offer {
     question: &'static str,
     details: String,
-    take: (&'static str, Command),
+    accept: (&'static str, Command),
     dismiss: Command,
 }
 
-/// Draws an offer over the top of `arena`, until the user has decided. Unsaved changes are offered first, but not while the
-/// `editor` has unsaved changes itself.
+/// Draws an offer over the top of `arena`, until the user has decided. Unsaved changes are offered first, but not while an open
+/// `editor` has unsaved changes itself. The last session is offered only while no editor is open.
 pub fn offers_ui(
     ui: &Ui,
     arena: Rect,
@@ -36,7 +36,7 @@ pub fn offers_ui(
         let offer = Offer {
             question: "Restore the unsaved scenario?",
             details: format!("{scenario} · {}", age(*age_s)),
-            take: ("Restore", Command::RestoreEdits),
+            accept: ("Restore", Command::RestoreEdits),
             dismiss: Command::DismissEdits,
         };
         offer_ui(ui, arena, offer, commands);
@@ -44,7 +44,7 @@ pub fn offers_ui(
         let offer = Offer {
             question: "Continue where you left off?",
             details: describe(session),
-            take: ("Continue", Command::ContinueLastSession),
+            accept: ("Continue", Command::ContinueLastSession),
             dismiss: Command::DismissLastSession,
         };
         offer_ui(ui, arena, offer, commands);
@@ -68,8 +68,8 @@ fn offer_ui(ui: &Ui, arena: Rect, offer: Offer, commands: &mut Vec<Command>) {
             ui.add_space(GAP);
             ui.horizontal(|ui| {
                 let size = vec2((ui.available_width() - ui.spacing().item_spacing.x) / 2.0, BUTTON_HEIGHT);
-                if primary_button_ui(ui, offer.take.0, BODY, size).clicked() {
-                    commands.push(offer.take.1);
+                if primary_button_ui(ui, offer.accept.0, BODY, size).clicked() {
+                    commands.push(offer.accept.1);
                 }
                 if ui.add_sized(size, Button::new("Not now")).clicked() {
                     commands.push(offer.dismiss);

@@ -1,7 +1,7 @@
-//! The setup panel on the left: training (`training.rs`), overlays, view and files (`files.rs`).
+//! The setup panel on the left: steering help in Drive mode, the tested policy (`tested_policy.rs`), training
+//! (`training.rs`), overlays (`overlays.rs`), view and files (`files.rs`).
 //!
-//! In: the session state and the view state. Out: commands. Choices wait in [`SetupForm`] until a button is
-//! clicked.
+//! In: the session state and the view state. Out: commands. [`SetupForm`] keeps the choices until a button is clicked.
 
 use egui::{Frame, Margin, ScrollArea, Ui};
 

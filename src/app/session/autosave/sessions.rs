@@ -20,7 +20,7 @@ use crate::scenario::read_ron;
 /// The file with the metadata of an autosave. Other run folders do not have it.
 pub(super) const METADATA_FILE: &str = "autosave.ron";
 
-/// The prefix of autosaves that are being written.
+/// The prefix of the names of folders in which an autosave is being written.
 pub(super) const TEMPORARY: &str = ".saving-";
 
 /// Maximum number of folder entries that are read.

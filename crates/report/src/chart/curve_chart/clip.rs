@@ -5,7 +5,7 @@ use std::ops::Range;
 /// A point (x, y), in units of the axes.
 type Point = (f64, f64);
 
-/// One side of a band: the points of a line with y clamped to `range`. Where the line crosses an end of it, a point is added.
+/// One side of a band: the points of a line with y clamped to `range`, and a point wherever the line crosses an end of `range`.
 pub(super) fn clamped(points: impl Iterator<Item = Point>, range: &Range<f64>) -> Vec<Point> {
     with_crossings(points, range).into_iter().map(|(x, y)| (x, y.clamp(range.start, range.end))).collect()
 }

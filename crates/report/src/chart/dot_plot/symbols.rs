@@ -16,8 +16,8 @@ pub(super) fn draw_seed(root: &Canvas, at: Pixel) -> DrawResult {
     Ok(())
 }
 
-/// Draws a mean with its interval. `ends` gives the x of each of its two ends, and whether the interval really ends there instead
-/// of being cut off.
+/// Draws a mean with its interval. `ends` gives the x of both ends, and whether the interval ends there; otherwise it is cut
+/// off there, without an end mark.
 pub(super) fn draw_mean(root: &Canvas, (x, y): Pixel, ends: [(i32, bool); 2]) -> DrawResult {
     let [(low, _), (high, _)] = ends;
     line(root, vec![(low, y), (high, y)], BLUE.stroke_width(STROKE))?;
