@@ -74,8 +74,8 @@ class EvaluationOptions(TypedDict, total=False):
     """The options of ``evaluate`` in one scenario. Its docstring describes them."""
 
     set: Mapping[str, Any] | None
-    episodes: int
-    rounds: int
+    episodes: int | None
+    rounds: int | None
     seed: int
     benchmark_route: bool
     optimum: bool

@@ -326,7 +326,7 @@ const IMPORTS: &[Limit] = &[
         "",
         "memory",
     ),
-    Limit("elements, attributes and texts of an SDF file", Max(import::MAX_XML_NODES as u64), "", "memory"),
+    Limit("elements, texts and comments of an SDF file", Max(import::MAX_XML_NODES as u64), "", "memory"),
     Limit("nesting of models", count(import::MAX_MODEL_NESTING), "levels", "the reader is recursive"),
     Limit("included models", count(import::MAX_INCLUDES), "", "time of the import"),
     Limit("side of a map's cell", reals64(&import::RESOLUTION_M), "m", "mistyped values"),

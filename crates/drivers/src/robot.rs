@@ -25,8 +25,7 @@ pub struct Robot {
     pub beams: Vec<Vec2>,
     /// The maximum range of the LIDAR, in m.
     pub max_range_m: f32,
-    /// The field of view divided by the number of beams, in rad: the angle between neighbouring beams of a LIDAR that sees all
-    /// around, and slightly less than that angle for a narrower view.
+    /// The angle between neighbouring beams, in rad.
     pub beam_spacing_rad: f32,
 }
 
@@ -39,11 +38,11 @@ impl Robot {
             motions: robot.motions.clone(),
             drive: robot.drive(task.control_period_s),
             control_period_s: task.control_period_s,
-            keep_out_m: scenario.keep_out_m().max(robot.radius_m),
+            keep_out_m: scenario.robot_unit_m(),
             goal_radius_m: task.goal_radius_m,
             beams: lidar.beam_directions(),
             max_range_m: lidar.max_range_m,
-            beam_spacing_rad: lidar.field_of_view_rad / lidar.beams.max(1) as f32,
+            beam_spacing_rad: lidar.beam_spacing_rad(),
         }
     }
 

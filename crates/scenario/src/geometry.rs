@@ -198,6 +198,13 @@ impl Lidar {
         let view = f64::from(self.field_of_view_rad);
         view * (beam as f64 / (self.beams - 1) as f64 - 0.5)
     }
+
+    /// Angle between neighbouring beams, in rad; of a single beam, the field of view.
+    #[must_use]
+    pub fn beam_spacing_rad(&self) -> f32 {
+        let gaps = if self.is_all_around() { self.beams } else { self.beams.saturating_sub(1) };
+        self.field_of_view_rad / gaps.max(1) as f32
+    }
 }
 
 /// sqrt(x^2 + y^2), with operations that IEEE 754 rounds the same way on every platform.

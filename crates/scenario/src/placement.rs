@@ -22,7 +22,8 @@ const START_TRIES: u32 = 50;
 /// other steps that the checks test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "no free space for a {what} at step {step}: use fewer or smaller obstacles, or a smaller clearance_m"
+    "no free space for a {what} at step {step}: use fewer or smaller obstacles, or a smaller clearance_m{}",
+    if *what == "goal" { " or min_goal_distance_m" } else { "" }
 )]
 pub struct NoFreeSpace {
     /// "start" or "goal".

@@ -31,7 +31,7 @@ pub(super) fn open_expert(world: &mut World) -> Result<(), RunError> {
     let config = &world.resource::<TrainingRun>().config;
     let expert = expert_here(config)?;
     let (name, here) = (expert_name(expert), config.scenario_title());
-    let mut text = format!("The {name} drives next to the current policy.");
+    let mut text = format!("The {name} drives next to the tested policy.");
     if expert.trained_in != here {
         text += &format!(" It was not trained in {here}.");
     }
@@ -59,7 +59,7 @@ pub(super) fn compare_with_driver(
     name: String,
     driver: DriverKind,
 ) -> Result<String, RunError> {
-    let text = format!("{name} drives next to the current policy. {}", driver.class().about());
+    let text = format!("{name} drives next to the tested policy. {}", driver.class().about());
     world.resource_mut::<OpenedFiles>().driver = Some((name, driver));
     compare(world)?;
     Ok(text)

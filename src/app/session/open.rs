@@ -102,7 +102,7 @@ fn open(world: &mut World, path: &Path) -> Result<String, RunError> {
             let policy = policy_card::read(path)?;
             let config = &world.resource::<TrainingRun>().config;
             check_can_drive(config, &path.display().to_string(), &policy)?;
-            let text = format!("{name} drives next to the current policy");
+            let text = format!("{name} drives next to the tested policy");
             compare_with(world, (name, policy))?;
             Ok(text)
         }
