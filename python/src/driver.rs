@@ -95,6 +95,12 @@ impl NativeDriver {
         Ok((motion.v_m_s, motion.w_rad_s, action))
     }
 
+    /// The observation of the last decision: the inputs of the network, zeros at the start of an episode.
+    #[getter]
+    fn observation<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
+        PyArray1::from_slice(py, self.driver.observation().unwrap_or_default())
+    }
+
     /// The directions of the LIDAR's beams relative to the heading, in rad.
     #[getter]
     fn beam_angles_rad<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {

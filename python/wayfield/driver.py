@@ -78,3 +78,9 @@ class Driver:
         """
         ranges = np.asarray(ranges_m, np.float32).ravel()
         return Motion(*self._native.act(ranges, tuple(goal), tuple(pose), tuple(twist)))
+
+    @property
+    def observation(self) -> np.ndarray:
+        """The policy's observation in the last call of ``act``: float32, (width,). An exported network takes it as its input. At
+        the start of an episode all zeros."""
+        return self._native.observation

@@ -87,6 +87,11 @@ pub trait Driver: Send + Sync {
         None
     }
 
+    /// The inputs of its network at the last decision; `None` if it has no network.
+    fn observation(&self) -> Option<&[f32]> {
+        None
+    }
+
     /// The path that it has planned, and the map that it has built; `None` if it plans no path.
     ///
     /// `pose` is the robot's pose at the last decision, in the frame of the result (x in m, y in m, heading in rad).

@@ -116,6 +116,10 @@ impl Driver for PolicyDriver {
     fn motions(&self) -> Option<&[Motion]> {
         self.motions.as_deref()
     }
+
+    fn observation(&self) -> Option<&[f32]> {
+        Some(&self.observation)
+    }
 }
 
 /// A policy with a map, in one episode: class B.
@@ -142,6 +146,10 @@ impl Driver for MapDriver {
 
     fn motions(&self) -> Option<&[Motion]> {
         self.driver.motions()
+    }
+
+    fn observation(&self) -> Option<&[f32]> {
+        self.driver.observation()
     }
 
     fn plan(&self, pose: (f32, f32, f32)) -> Option<DriverPlan> {

@@ -1,7 +1,8 @@
 //! Exports of a trained policy for programs without wayfield: an ONNX file, and a Hugging Face model card.
 //!
 //! The ONNX file takes measurements in metres and radians, and gives Q-values, the greedy action and its velocities.
-//! Everything in between is part of its graph: the encoding of the observation, the network, and the choice of the action.
+//! Everything in between is part of its graph: the encoding of the observation, the network, and the choice of the action. An
+//! observation by sectors is encoded outside: it contains what the robot has seen before, and a graph has no memory.
 //!
 //! | module | contents |
 //! |---|---|
@@ -40,12 +41,6 @@ pub enum ExportError {
         "has no card (wayfield 0.1.0 wrote none), so its inputs and actions are unknown; help: train the policy again"
     )]
     NoCard,
-    /// The policy observes by sectors.
-    #[error(
-        "observes by sectors, with what the robot has seen before, which an ONNX file cannot hold; help: drive with wayfield \
-         itself (wayfield-drivers in Rust, wayfield.evaluate in Python), or export a policy with the paper's observation"
-    )]
-    Sectors,
     /// The scenario on the card lacks a field that is needed.
     #[error("the policy's card has an unreadable scenario: {0}; help: use the file as wayfield wrote it")]
     Scenario(String),
@@ -80,9 +75,13 @@ struct TrainedLidar {
     max_range_m: f32,
 }
 
-/// The card of `policy`, and the scenario on it.
+/// The card of `policy`, and the scenario on it, with the name of the set of scenarios if it was trained in one.
 fn described(policy: &Policy) -> Result<(&Card, TrainedScenario), ExportError> {
     let card = policy.card.as_deref().ok_or(ExportError::NoCard)?;
-    let scenario = serde_json::from_str(card.scenario.text());
-    Ok((card, scenario.map_err(|error| ExportError::Scenario(error.to_string()))?))
+    let mut scenario: TrainedScenario = serde_json::from_str(card.scenario.text())
+        .map_err(|error| ExportError::Scenario(error.to_string()))?;
+    if let Some(set) = &card.training.scenario_set {
+        scenario.name.clone_from(&set.name);
+    }
+    Ok((card, scenario))
 }

@@ -116,24 +116,7 @@ fn write_page(
     write_actions(page, card)?;
     write_results(page, results)?;
     write_training(page, card, &scenario_name)?;
-    writeln!(page, "## Use\n\n```python\nimport numpy as np\nimport onnxruntime\n")?;
-    writeln!(page, "session = onnxruntime.InferenceSession({})", json!(onnx_file))?;
-    writeln!(
-        page,
-        "ranges = np.full((1, {}), {:?}, np.float32)  # m",
-        beams(card),
-        scenario.lidar.max_range_m / 2.0
-    )?;
-    writeln!(page, "goal = np.array([[0.5, 2.0]], np.float32)  # bearing in rad, distance in m")?;
-    let readings = card.count(Quantity::Sensor);
-    let more = if readings == 0 {
-        String::new()
-    } else {
-        format!(", \"sensor_readings\": np.zeros((1, {readings}), np.float32)")
-    };
-    writeln!(page, "inputs = {{\"ranges\": ranges, \"goal\": goal{more}}}")?;
-    writeln!(page, "q_values, action, velocity = session.run(None, inputs)")?;
-    writeln!(page, "print(velocity)  # m/s, rad/s\n```\n")?;
+    write_use(page, card, scenario, onnx_file)?;
     writeln!(
         page,
         "The metadata of `{file}` contains the complete policy card as JSON under the key `wayfield`: every input and \
@@ -141,11 +124,79 @@ fn write_page(
     )
 }
 
+fn write_use(
+    page: &mut String,
+    card: &Card,
+    scenario: &TrainedScenario,
+    onnx_file: &str,
+) -> std::fmt::Result {
+    writeln!(page, "## Use\n\n```python")?;
+    if card.observation.is_some() {
+        writeln!(page, "import json")?;
+    }
+    writeln!(page, "import numpy as np\nimport onnxruntime\n")?;
+    writeln!(page, "session = onnxruntime.InferenceSession({})", json!(onnx_file))?;
+    let mut inputs = Vec::new();
+    if card.observation.is_some() {
+        writeln!(page, "metadata = session.get_modelmeta().custom_metadata_map[\"wayfield\"]")?;
+        writeln!(page, "example = json.loads(metadata)[\"card\"][\"example\"]")?;
+        inputs.push(("observation", "np.array([example[\"observation\"]], np.float32)".to_owned()));
+    } else {
+        let (beams, range_m) = (beams(card), scenario.lidar.max_range_m / 2.0);
+        writeln!(page, "ranges = np.full((1, {beams}), {range_m:?}, np.float32)  # m")?;
+        writeln!(page, "goal = np.array([[0.5, 2.0]], np.float32)  # bearing in rad, distance in m")?;
+        inputs.extend([("ranges", "ranges".to_owned()), ("goal", "goal".to_owned())]);
+        let readings = card.count(Quantity::Sensor);
+        if readings > 0 {
+            inputs.push(("sensor_readings", format!("np.zeros((1, {readings}), np.float32)")));
+        }
+    }
+    if card.relative_actions.is_some() {
+        writeln!(page, "# The limits of your robot: speed in m/s, turning rate in rad/s.")?;
+        writeln!(page, "highest, lowest = np.array([[[0.5, 1.0]], [[0.0, -1.0]]], np.float32)")?;
+        inputs.extend([("highest_motion", "highest".to_owned()), ("lowest_motion", "lowest".to_owned())]);
+    }
+    let inputs: Vec<String> = inputs.iter().map(|(name, value)| format!("\"{name}\": {value}")).collect();
+    writeln!(page, "inputs = {{{}}}", inputs.join(", "))?;
+    writeln!(page, "q_values, action, velocity = session.run(None, inputs)")?;
+    writeln!(page, "print(velocity)  # m/s, rad/s\n```\n")
+}
+
 fn write_tensors(page: &mut String, card: &Card, scenario: &TrainedScenario) -> std::fmt::Result {
+    writeln!(page, "## Inputs and outputs\n\n| tensor | shape | meaning |\n|---|---|---|")?;
+    if card.observation.is_some() {
+        writeln!(
+            page,
+            "| `observation` | n x {}, f32 | what the robot senses and has sensed before, by sectors around it; computed by \
+             wayfield: `Driver.observation` in Python, `SectorObserver` in Rust |",
+            card.inputs.len()
+        )?;
+    } else {
+        write_measurements(page, card, scenario)?;
+    }
+    if card.relative_actions.is_some() {
+        for limit in ["highest", "lowest"] {
+            writeln!(
+                page,
+                "| `{limit}_motion` | n x 2, f32 | the robot's {limit} speed in m/s and turning rate in rad/s |"
+            )?;
+        }
+    }
+    let actions = card.actions.len();
+    writeln!(page, "| `q_values` | n x {actions}, f32 | the Q-value of each action |")?;
+    writeln!(page, "| `action` | n, i64 | the best action |")?;
+    writeln!(
+        page,
+        "| `velocity` | n x 2, f32 | the best action's speed in m/s and turn rate in rad/s, left positive; hold it for {} s |\n",
+        card.control_period_s
+    )
+}
+
+/// Writes the rows of the inputs of a policy with the paper's observation.
+fn write_measurements(page: &mut String, card: &Card, scenario: &TrainedScenario) -> std::fmt::Result {
     let beams = beams(card);
     let angles: Vec<f32> = card.angles_rad();
     let (first, last) = (angles.first().copied().unwrap_or(0.0), angles.last().copied().unwrap_or(0.0));
-    writeln!(page, "## Inputs and outputs\n\n| tensor | shape | meaning |\n|---|---|---|")?;
     let max_range_m = scenario.lidar.max_range_m;
     writeln!(
         page,
@@ -163,17 +214,20 @@ fn write_tensors(page: &mut String, card: &Card, scenario: &TrainedScenario) -> 
             escaped(name)
         )?;
     }
-    let actions = card.actions.len();
-    writeln!(page, "| `q_values` | n x {actions}, f32 | the Q-value of each action |")?;
-    writeln!(page, "| `action` | n, i64 | the best action |")?;
-    writeln!(
-        page,
-        "| `velocity` | n x 2, f32 | the best action's speed in m/s and turn rate in rad/s, left positive; hold it for {} s |\n",
-        card.control_period_s
-    )
+    Ok(())
 }
 
 fn write_actions(page: &mut String, card: &Card) -> std::fmt::Result {
+    if let Some(motions) = &card.relative_actions {
+        writeln!(
+            page,
+            "| action | share of the highest speed | share of the highest turning rate |\n|---|---|---|"
+        )?;
+        for (number, motion) in motions.iter().enumerate() {
+            writeln!(page, "| {number} | {} | {} |", motion.speed, motion.turn)?;
+        }
+        return writeln!(page);
+    }
     writeln!(page, "| action | m/s | rad/s |\n|---|---|---|")?;
     for (number, action) in card.actions.iter().enumerate() {
         writeln!(page, "| {number} | {} | {} |", action.v_m_s, action.w_rad_s)?;

@@ -1,4 +1,4 @@
-//! The ONNX file of a policy: measurements in, Q-values, action and velocities out.
+//! The ONNX file of a policy: measurements, or an observation by sectors, in; Q-values, action and velocities out.
 //!
 //! The index of a smallest or largest element is found by `Equal -> Where -> ReduceMin`, which gives the first of equal
 //! elements in every runtime. ArgMin and ArgMax do not: some runtimes take the last one. Equal elements are common, because all
@@ -44,17 +44,19 @@ const TO_VECTOR: &Attributes = &[("axes", Attribute::Ints(&[1])), ("keepdims", A
 /// equal bytes.
 ///
 /// # Errors
-/// The policy has non-finite weights, has no readable card, contradicts its card, or observes by sectors.
+/// The policy has non-finite weights, has no readable card, or contradicts its card.
 pub fn to_onnx(policy: &Policy) -> Result<Vec<u8>, ExportError> {
     policy.check_finite()?;
     let header = policy.header()?;
     let (card, scenario) = described(policy)?;
-    if card.observation.is_some() {
-        return Err(ExportError::Sectors);
-    }
     let mut graph = Graph::new("policy");
-    add_inputs(&mut graph, card);
-    let observation = add_observation(&mut graph, card, scenario.lidar.max_range_m);
+    let observation = if card.observation.is_some() {
+        graph.input("observation", card.inputs.len(), "the inputs on the card");
+        "observation"
+    } else {
+        add_measurements(&mut graph, card);
+        add_observation(&mut graph, card, scenario.lidar.max_range_m)
+    };
     add_network(&mut graph, policy, observation);
     add_decision(&mut graph, card);
 
@@ -69,7 +71,7 @@ pub fn to_onnx(policy: &Policy) -> Result<Vec<u8>, ExportError> {
     Ok(model.into_bytes())
 }
 
-fn add_inputs(graph: &mut Graph, card: &Card) {
+fn add_measurements(graph: &mut Graph, card: &Card) {
     let (beams, readings) = (card.count(Quantity::Range), card.count(Quantity::Sensor));
     graph.input("ranges", beams, "LIDAR ranges in m, in the order of the beams on the card");
     graph.input(
@@ -82,7 +84,7 @@ fn add_inputs(graph: &mut Graph, card: &Card) {
     }
 }
 
-/// Adds the encoding of the observation, and returns its name. The order is that of the card's inputs.
+/// Adds the encoding of the paper's observation, and returns its name. The order is that of the card's inputs.
 fn add_observation(graph: &mut Graph, card: &Card, max_range_m: f32) -> &'static str {
     let beams = card.count(Quantity::Range);
     graph.constant("max_range", &[1], &[max_range_m]);
@@ -163,6 +165,9 @@ fn add_dense(graph: &mut Graph, layer: &str, units: &str, output: &str) {
 }
 
 /// Adds the greedy action and its velocities.
+///
+/// Relative motions become velocities by the robot's limits, which are inputs: fraction * highest, or -fraction * lowest if the
+/// fraction is negative, as [`RelativeMotion::of`](wayfield_policy::RelativeMotion::of) computes them.
 fn add_decision(graph: &mut Graph, card: &Card) {
     let actions = card.actions.len();
     graph.output("q_values", Element::F32, Some(actions), "the Q-value of each action");
@@ -170,12 +175,37 @@ fn add_decision(graph: &mut Graph, card: &Card) {
     add_first_index(graph, ["q_values", "largest_q_value", "best_action"], actions, TO_VECTOR);
     graph.node("Cast", &["best_action"], "action", &[("to", Attribute::Int(Element::I64 as i64))]);
     graph.output("action", Element::I64, None, "the greedy action: the first with the largest Q-value");
-    let motions: Vec<f32> = card.actions.iter().flat_map(|action| [action.v_m_s, action.w_rad_s]).collect();
-    graph.constant("motions", &[actions, 2], &motions);
-    graph.node("Gather", &["motions", "action"], "velocity", &[("axis", Attribute::Int(0))]);
+    match &card.relative_actions {
+        None => {
+            let motions = card.actions.iter().map(|action| [action.v_m_s, action.w_rad_s]);
+            add_choice(graph, "motions", motions, "velocity");
+        }
+        Some(motions) => {
+            let fractions = motions.iter().map(|motion| [motion.speed, motion.turn]);
+            for (limit, sign) in [("highest", 1.0), ("lowest", -1.0)] {
+                let input = format!("{limit}_motion");
+                graph.input(
+                    &input,
+                    2,
+                    &format!("the robot's {limit} speed in m/s and turning rate in rad/s"),
+                );
+                let of_this_sign = fractions.clone().map(|motion| motion.map(|f| (sign * f).max(0.0)));
+                add_choice(graph, &format!("{limit}.fractions"), of_this_sign, &format!("{limit}.fraction"));
+                graph.node("Mul", &[&format!("{limit}.fraction"), &input], &format!("{limit}.part"), &[]);
+            }
+            graph.node("Add", &["highest.part", "lowest.part"], "velocity", &[]);
+        }
+    }
     let doc =
         "the action's linear speed along the heading in m/s, and its angular speed in rad/s, left positive";
     graph.output("velocity", Element::F32, Some(2), doc);
+}
+
+/// Adds `output`: the element of the constant `name`, a list of `pairs`, that belongs to the action.
+fn add_choice(graph: &mut Graph, name: &str, pairs: impl Iterator<Item = [f32; 2]>, output: &str) {
+    let values: Vec<f32> = pairs.flatten().collect();
+    graph.constant(name, &[values.len() / 2, 2], &values);
+    graph.node("Gather", &[name, "action"], output, &[("axis", Attribute::Int(0))]);
 }
 
 /// Adds `output`: in each row of `values`, which has `count` elements, the index of the first one that equals the row's

@@ -69,9 +69,24 @@ fn assert_parity(name: &str, policy: &Policy, max_range_m: f32) {
 }
 
 #[test]
-fn a_policy_that_observes_by_sectors_is_refused_with_the_reason() {
-    let error = to_onnx(&shipped("general.safetensors")).expect_err("it remembers scans").to_string();
-    assert!(error.starts_with("observes by sectors, with what the robot has seen before"), "{error}");
+fn onnx_runtime_decides_as_the_general_policy_does_for_a_robot_with_any_limits() {
+    let policy = shipped("general.safetensors");
+    let page = model_card(&policy, "policy.onnx", &[]).expect("a page");
+    assert!(page.starts_with("---\n") && page.contains("# LIDAR navigation in General\n"), "{page}");
+    assert!(
+        page.contains("| `highest_motion` | n x 2, f32 |") && page.contains("| 7 | 0.5 | -1 |"),
+        "{page}"
+    );
+    let Some(python) = python::python() else { return };
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    fs::write(folder.path().join("policy.onnx"), to_onnx(&policy).expect("an ONNX file")).expect("written");
+    println!("{}", Measurements::random_observations(&policy).assert_parity(&python, folder.path()));
+    // The example on the page runs as it is.
+    let (_, example) = page.split_once("```python\n").expect("an example");
+    let (example, _) = example.split_once("```").expect("its end");
+    fs::write(folder.path().join("example.py"), example).expect("written");
+    let printed = python::run(&python, folder.path(), Path::new("example.py"));
+    assert!(printed.starts_with("[["), "{printed}");
 }
 
 #[test]

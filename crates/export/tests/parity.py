@@ -1,7 +1,7 @@
 """Compares an exported policy with wayfield's own decisions.
 
-In the working directory are `policy.onnx` and, as rows of little-endian f32, those of `ranges.f32`, `goal.f32` and
-`sensor_readings.f32` that are inputs of the policy, and `q_values.f32`, the Q-values that wayfield computes for them.
+In the working directory are `policy.onnx` and, as rows of little-endian f32, a file for each input of the policy, such as
+`ranges.f32`, and `q_values.f32`, the Q-values that wayfield computes for them.
 """
 
 import json
@@ -37,24 +37,31 @@ assert (action == q_values.argmax(axis=1)).all(), "not the first of the best act
 ordered = np.sort(expected, axis=1)
 is_clear = ordered[:, -1] - ordered[:, -2] > 1e-4 if expected.shape[1] > 1 else np.ones(len(action), bool)
 assert (action == expected.argmax(axis=1))[is_clear].all(), "another action where the best one is clear"
-motions = np.array([[a["v_m_s"], a["w_rad_s"]] for a in card["actions"]], np.float32)
-assert (velocity == motions[action]).all(), "not the velocities of the action"
+if "highest_motion" in inputs:
+    fractions = np.array([[a["speed"], a["turn"]] for a in card["relative_actions"]], np.float32)[action]
+    limits = np.where(fractions < 0, -inputs["lowest_motion"], inputs["highest_motion"])
+    assert (velocity == fractions * limits).all(), "not the fractions of the robot's limits"
+    assert (velocity < 0).any() and (velocity > 0).any(), "not all kinds of motions"
+else:
+    motions = np.array([[a["v_m_s"], a["w_rad_s"]] for a in card["actions"]], np.float32)
+    assert (velocity == motions[action]).all(), "not the velocities of the action"
 
 # One observation alone, in which a beam hits nothing: at the maximum range, and infinite, as a real LIDAR reports it.
-scenario = card["scenario"]
 one = {name: rows[:1].copy() for name, rows in inputs.items()}
-one["ranges"][0, 0] = scenario["lidar"]["max_range_m"]
-limited = session.run(["q_values"], one)[0]
-one["ranges"][0, 0] = np.inf
-assert (session.run(["q_values"], one)[0] == limited).all(), "an infinite range is not the LIDAR's range"
+if "ranges" in one:
+    one["ranges"][0, 0] = card["scenario"]["lidar"]["max_range_m"]
+    limited = session.run(["q_values"], one)[0]
+    one["ranges"][0, 0] = np.inf
+    assert (session.run(["q_values"], one)[0] == limited).all(), "an infinite range is not the LIDAR's range"
 
 example = card["example"]
 given = {
     "ranges": example["ranges_m"],
     "goal": [example["goal_bearing_rad"], example["goal_distance_m"]],
     "sensor_readings": example["sensor_readings"],
+    "observation": example["observation"],
 }
-row = {name: np.array([given[name]], np.float32) for name in inputs}
+row = {name: np.array([given[name]], np.float32) if name in given else one[name] for name in inputs}
 assert np.allclose(session.run(["q_values"], row)[0], [example["q_values"]], atol=1e-3), "the card's example"
 
 print(json.dumps({"observations": len(action), "clear": int(is_clear.sum()), "difference": float(difference)}))

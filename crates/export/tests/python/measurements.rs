@@ -16,6 +16,10 @@ pub struct Measurements {
     ranges: Vec<f32>,
     goal: Vec<f32>,
     sensor_readings: Vec<f32>,
+    /// Observations by sectors, and the limits of the robots that make them.
+    observation: Vec<f32>,
+    highest_motion: Vec<f32>,
+    lowest_motion: Vec<f32>,
     /// The Q-values that the policy computes for them.
     q_values: Vec<f32>,
 }
@@ -48,12 +52,29 @@ impl Measurements {
         all
     }
 
+    /// Random observations for `policy`, which observes by sectors and whose motions are relative.
+    pub fn random_observations(policy: &Policy) -> Self {
+        let mut random = wayfield_random::stream(1, "test: observations", 0);
+        let (mut all, mut scratch) = (Self::default(), Scratch::default());
+        for _ in 0..OBSERVATIONS {
+            let row: Vec<f32> = (0..policy.shape().inputs).map(|_| uniform(&mut random, -1.0, 1.0)).collect();
+            all.q_values.extend(policy.q_values(&row, &mut scratch));
+            all.observation.extend(row);
+            all.highest_motion.extend([uniform(&mut random, 0.1, 2.0), uniform(&mut random, 0.5, 4.0)]);
+            all.lowest_motion.extend([uniform(&mut random, -1.0, 0.0), uniform(&mut random, -4.0, -0.5)]);
+        }
+        all
+    }
+
     /// Asserts that ONNX Runtime with `policy.onnx` in `folder` gives wayfield's results. Returns the summary of `parity.py`.
     pub fn assert_parity(&self, python: &Path, folder: &Path) -> String {
         for (name, values) in [
             ("ranges", &self.ranges),
             ("goal", &self.goal),
             ("sensor_readings", &self.sensor_readings),
+            ("observation", &self.observation),
+            ("highest_motion", &self.highest_motion),
+            ("lowest_motion", &self.lowest_motion),
             ("q_values", &self.q_values),
         ] {
             let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
