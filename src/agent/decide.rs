@@ -3,13 +3,18 @@
 //! In: [`Observations`], epsilon, and the learner's network, a fixed policy or a source per arena. Out: [`Actions`]; for
 //! display, the Q-values and which actions were random ([`Decisions`]).
 
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
 use super::ActiveLearner;
 use super::drive::DriverSource;
+use crate::drivers::motion_limits;
 use crate::learning::{QNetwork, epsilon_greedy, greedy};
+use crate::policy::{ActionSet, Decider};
 use crate::random::{self, Stream};
-use crate::task::{Actions, Observations};
+use crate::task::{
+    Actions, ActiveActionSet, Arena, ArenaLayout, Episode, ObservationLayout, Observations, Twist,
+};
 
 /// The method that selects actions.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,6 +59,8 @@ pub struct Decisions {
     pub explored: Vec<bool>,
     /// The exploration stream of each arena.
     pub streams: Vec<Stream>,
+    /// The memory of each arena's policy; empty during training.
+    deciders: Vec<Decider>,
 }
 
 impl Decisions {
@@ -64,6 +71,50 @@ impl Decisions {
             q_values: Vec::new(),
             explored: vec![false; arenas],
             streams: (0..arenas as u64).map(|k| random::stream(seed, "exploration", k)).collect(),
+            deciders: Vec::new(),
+        }
+    }
+}
+
+/// What a [`Decider`] takes in.
+#[derive(SystemParam)]
+pub(super) struct Robots<'w, 's> {
+    action_set: Res<'w, ActiveActionSet>,
+    layout: Res<'w, ObservationLayout>,
+    arenas: Query<'w, 's, (&'static Arena, &'static Episode, &'static Twist, &'static ArenaLayout)>,
+}
+
+impl Robots<'_, '_> {
+    /// Chooses among relative actions, in the arenas for which `is_policy` is true, as [`Decider::choose`] does.
+    fn choose(
+        &self,
+        observations: &Observations,
+        decisions: &mut Decisions,
+        is_policy: impl Fn(usize) -> bool,
+        actions: &mut Actions,
+    ) {
+        if self.action_set.0 == ActionSet::Robot {
+            return;
+        }
+        let num_arenas = actions.0.len();
+        let Decisions { q_values, deciders, .. } = decisions;
+        let width = q_values.len() / num_arenas;
+        deciders.resize(num_arenas, Decider::default());
+        for (arena, episode, twist, layout) in &self.arenas {
+            let (Some(decider), Some(action)) = (deciders.get_mut(arena.0), actions.0.get_mut(arena.0))
+            else {
+                continue;
+            };
+            if !is_policy(arena.0) {
+                continue;
+            }
+            if episode.steps == 0 {
+                *decider = Decider::default();
+            }
+            decider.sense((twist.v_m_s, twist.w_rad_s), &motion_limits(&layout.scenario.robot));
+            let sectors = self.layout.encoding.sectors();
+            let moves = sectors.is_none_or(|sectors| sectors.shows_motion(observations.row(arena.0)));
+            *action = decider.choose(&self.action_set.0, &q_values[arena.0 * width..][..width], moves);
         }
     }
 }
@@ -75,6 +126,7 @@ pub(super) fn decide(
     policy: Option<Res<GreedyPolicy>>,
     sources: Option<Res<ActionSources>>,
     observations: Res<Observations>,
+    robots: Robots,
     mut decisions: ResMut<Decisions>,
     mut actions: ResMut<Actions>,
 ) {
@@ -96,6 +148,7 @@ pub(super) fn decide(
             for (action, row) in actions.0.iter_mut().zip(decisions.q_values.chunks_exact(width)) {
                 *action = greedy(row);
             }
+            robots.choose(&observations, decisions, |_| true, &mut actions);
             decisions.explored.fill(false);
         }
         (ActionSelection::PerArena, _, _, Some(sources)) => {
@@ -118,6 +171,8 @@ pub(super) fn decide(
                 }
                 decisions.q_values.extend_from_slice(&row);
             }
+            let is_policy = |arena: usize| matches!(sources.arenas.get(arena), Some(ActionSource::Policy(_)));
+            robots.choose(&observations, decisions, is_policy, &mut actions);
         }
         // Without the resource that the method needs, the last actions are repeated.
         _ => {}

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use wayfield_policy::observation::{self, SectorObserver, Sensed};
-use wayfield_policy::{ActionSet, Encoding, Policy, Scratch};
+use wayfield_policy::{ActionSet, Decider, Encoding, MotionLimits, Policy, Scratch};
 use wayfield_scenario::{Motion, Scenario};
 
-use crate::actions::action_motions;
+use crate::actions::{action_motions, motion_limits};
 use crate::observer::sector_observer;
 use crate::percept::{Odometry, Percept};
 use crate::robot::Robot;
@@ -62,8 +62,12 @@ enum Observer {
 struct PolicyDriver {
     policy: Arc<Policy>,
     observer: Observer,
+    actions: ActionSet,
     /// The motions of its actions; `None` for those of the robot.
     motions: Option<Vec<Motion>>,
+    /// The limits of the robot's motions.
+    limits: MotionLimits,
+    decider: Decider,
     /// The length of an observation.
     width: usize,
     observation: Vec<f32>,
@@ -84,7 +88,17 @@ impl PolicyDriver {
         let width = encoding.width(scenario.lidar.beams);
         // A policy that does not fit one of the scenarios of a set drives badly there, but it drives.
         let observation = vec![0.0; width.max(policy.shape().inputs)];
-        Self { policy: policy.clone(), observer, motions, width, observation, scratch: Scratch::default() }
+        Self {
+            policy: policy.clone(),
+            observer,
+            actions: actions.clone(),
+            motions,
+            limits: motion_limits(&scenario.robot),
+            decider: Decider::default(),
+            width,
+            observation,
+            scratch: Scratch::default(),
+        }
     }
 
     /// The action towards a goal at the bearing `goal.0`, in rad, and at the distance `goal.1`, in m.
@@ -104,7 +118,13 @@ impl PolicyDriver {
                 observer.encode(goal, row);
             }
         }
-        self.policy.act(&self.observation, &mut self.scratch)
+        let moves = match &self.observer {
+            Observer::Paper(_) => true,
+            Observer::Sectors { observer, .. } => observer.layout().shows_motion(&self.observation),
+        };
+        self.decider.sense((percept.twist.v_m_s, percept.twist.w_rad_s), &self.limits);
+        let q_values = self.policy.q_values(&self.observation, &mut self.scratch);
+        self.decider.choose(&self.actions, q_values, moves)
     }
 }
 

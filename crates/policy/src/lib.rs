@@ -8,6 +8,7 @@
 //! |---|---|
 //! | [`observation`] | the network's inputs, from LIDAR scans and a goal |
 //! | [`actions`] | the motions that a policy chooses among |
+//! | [`decision`] | the choice of an action by its Q-value |
 //! | [`network`] | the shape of a Q-network, and its forward pass |
 //! | [`activation`] | the activation functions of the hidden layers |
 //! | [`card`] | the policy card: what the inputs and actions mean, and what the policy was trained with |
@@ -45,6 +46,7 @@
 pub mod actions;
 pub mod activation;
 pub mod card;
+pub mod decision;
 pub mod file;
 pub mod limits;
 pub mod network;
@@ -54,6 +56,7 @@ pub mod range;
 pub use actions::{ActionSet, MotionLimits, RelativeMotion};
 pub use activation::Activation;
 pub use card::Card;
+pub use decision::Decider;
 pub use file::{Policy, PolicyError};
 pub use network::{NetworkShape, ParameterView, Scratch, greedy};
 pub use observation::Encoding;

@@ -67,6 +67,18 @@ impl SectorLayout {
         if self.earlier_steps > 0 { usize::from(self.count) } else { 0 }
     }
 
+    /// Whether the observation `row` shows something that moves: whether its predicted paths differ from its free paths. Without
+    /// either of them it is unknown, and the result is true.
+    #[must_use]
+    pub fn shows_motion(self, row: &[f32]) -> bool {
+        if !(self.free_paths && self.predicted_paths) {
+            return true;
+        }
+        let count = usize::from(self.count);
+        let paths = &row[count + self.changes()..][..2 * count];
+        paths[..count] != paths[count..]
+    }
+
     /// The direction of the centre of a sector relative to the heading, counterclockwise positive, in rad, in (-pi, pi].
     #[must_use]
     pub fn angle_rad(self, sector: usize) -> f32 {

@@ -1,0 +1,101 @@
+//! The choice of an action by its Q-value, such that a robot does not stay in one place for ever.
+//!
+//! In a place where nothing moves, a greedy robot that stands still can stay for ever: it needs only small errors of the
+//! Q-values that make waiting the best action, or turning to the left in one heading and to the right in the next. So a robot
+//! with relative actions
+//!
+//! - turns on the spot to one side only, until it drives again;
+//! - goes on waiting only if something moves.
+
+use crate::{ActionSet, MotionLimits, RelativeMotion, greedy};
+
+/// The memory of one robot's decisions. It is empty at the start of an episode.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Decider {
+    /// The direction in which it has turned on the spot since it last drove: positive to the left, negative to the right, 0 if it
+    /// has not.
+    turned: f32,
+    is_still: bool,
+}
+
+impl Decider {
+    /// Takes in how the robot moves: its `twist` (in m/s and rad/s). Up to a tenth of its limits counts as no motion.
+    pub fn sense(&mut self, (v_m_s, w_rad_s): (f32, f32), limits: &MotionLimits) {
+        let is_still = |value: f32, (low, high): (f32, f32)| value.abs() <= 0.1 * high.max(-low);
+        let turns = !is_still(w_rad_s, limits.w_rad_s);
+        if !is_still(v_m_s, limits.v_m_s) {
+            *self = Self::default();
+            return;
+        }
+        self.is_still = !turns;
+        if turns {
+            self.turned = w_rad_s;
+        }
+    }
+
+    /// The action of `set` with the largest Q-value in `q_row` that does not hold the robot in its place: of the robot's own
+    /// actions, the [`greedy`] one. `moves` says whether the robot sees something that moves.
+    #[must_use]
+    pub fn choose(&self, set: &ActionSet, q_row: &[f32], moves: bool) -> usize {
+        let ActionSet::Relative(motions) = set else { return greedy(q_row) };
+        let holds = |motion: &RelativeMotion| {
+            let undoes = motion.turn * self.turned < 0.0;
+            let waits_on = motion.turn == 0.0 && self.is_still && !moves;
+            motion.speed == 0.0 && (undoes || waits_on)
+        };
+        let allowed = (0..q_row.len()).filter(|&action| !motions.get(action).is_some_and(holds));
+        let best = allowed.reduce(|best, action| if q_row[action] > q_row[best] { action } else { best });
+        best.unwrap_or_else(|| greedy(q_row))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LIMITS: MotionLimits = MotionLimits { v_m_s: (0.0, 0.5), w_rad_s: (-1.0, 1.0) };
+    const STILL: (f32, f32) = (0.0, 0.0);
+    const LEFT: (f32, f32) = (0.0, 1.0);
+    const AHEAD: (f32, f32) = (0.5, 0.0);
+
+    /// A bend to the right, then on the spot: a turn to the left, waiting, a turn to the right.
+    fn actions() -> ActionSet {
+        let motions = [(1.0, -1.0), (0.0, 1.0), (0.0, 0.0), (0.0, -1.0)];
+        ActionSet::Relative(motions.map(|(speed, turn)| RelativeMotion { speed, turn }).to_vec())
+    }
+
+    /// The action for Q-values after these twists.
+    fn chosen(twists: &[(f32, f32)], q_row: [f32; 4], moves: bool) -> usize {
+        let mut decider = Decider::default();
+        for twist in twists {
+            decider.sense(*twist, &LIMITS);
+        }
+        decider.choose(&actions(), &q_row, moves)
+    }
+
+    #[test]
+    fn a_turn_on_the_spot_is_not_undone_until_the_robot_drives() {
+        let right_is_best = [1.0, 0.0, 2.0, 3.0];
+        assert_eq!(chosen(&[STILL], right_is_best, true), 3);
+        assert_eq!(chosen(&[LEFT], right_is_best, true), 2, "the second-best action");
+        assert_eq!(chosen(&[LEFT, STILL], right_is_best, true), 2, "also after a pause");
+        assert_eq!(chosen(&[LEFT, AHEAD, STILL], right_is_best, true), 3);
+        assert_eq!(chosen(&[LEFT], [4.0, 0.0, 2.0, 3.0], true), 0, "a bend is not a turn on the spot");
+    }
+
+    #[test]
+    fn a_robot_goes_on_waiting_only_if_something_moves() {
+        let waiting_is_best = [1.0, 2.0, 3.0, 0.0];
+        assert_eq!(chosen(&[AHEAD], waiting_is_best, false), 2, "it may stop");
+        assert_eq!(chosen(&[AHEAD, STILL], waiting_is_best, false), 1);
+        assert_eq!(chosen(&[AHEAD, STILL], waiting_is_best, true), 2);
+    }
+
+    #[test]
+    fn the_robots_own_actions_are_greedy_and_so_is_the_only_action() {
+        let decider = Decider { turned: 1.0, is_still: true };
+        assert_eq!(decider.choose(&ActionSet::Robot, &[0.0, 1.0, 0.5], false), 1);
+        let only = ActionSet::Relative(vec![RelativeMotion { speed: 0.0, turn: 0.0 }]);
+        assert_eq!(decider.choose(&only, &[0.0], false), 0);
+    }
+}
