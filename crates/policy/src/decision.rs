@@ -15,6 +15,7 @@ pub struct Decider {
     /// The direction in which it has turned on the spot since it last drove: positive to the left, negative to the right, 0 if it
     /// has not.
     turned: f32,
+    /// Whether it neither drives nor turns.
     is_still: bool,
 }
 

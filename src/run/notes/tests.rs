@@ -159,7 +159,7 @@ fn schedules_of_every_kind_are_compared_with_the_budget() {
     for schedule in [Schedule::Exponential { from, to, env_steps }, Schedule::Cosine { from, to, env_steps }]
     {
         let short = rate(schedule, 60_000);
-        assert!(short.len() == 1 && short[0].contains("the budget is 60000, at which"), "{short:?}");
+        assert!(short.len() == 1 && short[0].contains("the budget is 60000, where"), "{short:?}");
         let long = rate(schedule, 6_000_000);
         assert!(long.len() == 1 && long[0].contains("most of which has a learning rate of"), "{long:?}");
         assert_eq!(rate(schedule, 600_000), [""; 0]);
