@@ -76,9 +76,10 @@ impl Decisions {
     }
 }
 
-/// What a [`Decider`] takes in.
+/// What decisions depend on besides the source of the actions.
 #[derive(SystemParam)]
 pub(super) struct Robots<'w, 's> {
+    observations: Res<'w, Observations>,
     action_set: Res<'w, ActiveActionSet>,
     layout: Res<'w, ObservationLayout>,
     arenas: Query<'w, 's, (&'static Arena, &'static Episode, &'static Twist, &'static ArenaLayout)>,
@@ -86,35 +87,24 @@ pub(super) struct Robots<'w, 's> {
 
 impl Robots<'_, '_> {
     /// Chooses among relative actions, in the arenas for which `is_policy` is true, as [`Decider::choose`] does.
-    fn choose(
-        &self,
-        observations: &Observations,
-        decisions: &mut Decisions,
-        is_policy: impl Fn(usize) -> bool,
-        actions: &mut Actions,
-    ) {
-        if self.action_set.0 == ActionSet::Robot {
-            return;
-        }
-        let num_arenas = actions.0.len();
+    fn choose(&self, decisions: &mut Decisions, is_policy: impl Fn(usize) -> bool, actions: &mut Actions) {
+        let ActionSet::Relative(motions) = &self.action_set.0 else { return };
         let Decisions { q_values, deciders, .. } = decisions;
-        let width = q_values.len() / num_arenas;
-        deciders.resize(num_arenas, Decider::default());
+        deciders.resize(actions.0.len(), Decider::default());
+        let width = motions.len();
         for (arena, episode, twist, layout) in &self.arenas {
-            let (Some(decider), Some(action)) = (deciders.get_mut(arena.0), actions.0.get_mut(arena.0))
+            let row = q_values.get(arena.0 * width..(arena.0 + 1) * width);
+            let (Some(row), Some(decider), true) = (row, deciders.get_mut(arena.0), is_policy(arena.0))
             else {
                 continue;
             };
-            if !is_policy(arena.0) {
-                continue;
-            }
             if episode.steps == 0 {
                 *decider = Decider::default();
             }
             decider.sense((twist.v_m_s, twist.w_rad_s), &motion_limits(&layout.scenario.robot));
             let sectors = self.layout.encoding.sectors();
-            let moves = sectors.is_none_or(|sectors| sectors.shows_motion(observations.row(arena.0)));
-            *action = decider.choose(&self.action_set.0, &q_values[arena.0 * width..][..width], moves);
+            let moves = sectors.is_none_or(|sectors| sectors.shows_motion(self.observations.row(arena.0)));
+            actions.0[arena.0] = decider.choose(&self.action_set.0, row, moves);
         }
     }
 }
@@ -125,12 +115,11 @@ pub(super) fn decide(
     learner: Option<Res<ActiveLearner>>,
     policy: Option<Res<GreedyPolicy>>,
     sources: Option<Res<ActionSources>>,
-    observations: Res<Observations>,
     robots: Robots,
     mut decisions: ResMut<Decisions>,
     mut actions: ResMut<Actions>,
 ) {
-    let decisions = &mut *decisions;
+    let (observations, decisions) = (&robots.observations, &mut *decisions);
     let arenas = actions.0.len();
     match (*action_selection, learner, policy, sources) {
         (ActionSelection::EpsilonGreedy, Some(learner), ..) => {
@@ -148,7 +137,7 @@ pub(super) fn decide(
             for (action, row) in actions.0.iter_mut().zip(decisions.q_values.chunks_exact(width)) {
                 *action = greedy(row);
             }
-            robots.choose(&observations, decisions, |_| true, &mut actions);
+            robots.choose(decisions, |_| true, &mut actions);
             decisions.explored.fill(false);
         }
         (ActionSelection::PerArena, _, _, Some(sources)) => {
@@ -172,7 +161,7 @@ pub(super) fn decide(
                 decisions.q_values.extend_from_slice(&row);
             }
             let is_policy = |arena: usize| matches!(sources.arenas.get(arena), Some(ActionSource::Policy(_)));
-            robots.choose(&observations, decisions, is_policy, &mut actions);
+            robots.choose(decisions, is_policy, &mut actions);
         }
         // Without the resource that the method needs, the last actions are repeated.
         _ => {}
