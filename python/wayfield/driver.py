@@ -81,6 +81,6 @@ class Driver:
 
     @property
     def observation(self) -> np.ndarray:
-        """The policy's observation in the last call of ``act``: float32, (width,). An exported network takes it as its input. At
-        the start of an episode all zeros."""
+        """The policy's observation in the last call of ``act``: float32, (width,). The input ``observation`` of the ONNX file of a
+        policy that observes by sectors. All zeros before the first call of an episode."""
         return self._native.observation

@@ -8,10 +8,11 @@ use bevy::prelude::*;
 
 use super::ActiveLearner;
 use super::drive::DriverSource;
-use crate::drivers::motion_limits;
+use crate::drivers::{action_motion, motion_limits};
 use crate::learning::{QNetwork, epsilon_greedy, greedy};
 use crate::policy::{ActionSet, Decider};
 use crate::random::{self, Stream};
+use crate::scenario::Motion;
 use crate::task::{
     Actions, ActiveActionSet, Arena, ArenaLayout, Episode, ObservationLayout, Observations, Twist,
 };
@@ -94,17 +95,22 @@ impl Robots<'_, '_> {
         let width = motions.len();
         for (arena, episode, twist, layout) in &self.arenas {
             let row = q_values.get(arena.0 * width..(arena.0 + 1) * width);
-            let (Some(row), Some(decider), true) = (row, deciders.get_mut(arena.0), is_policy(arena.0))
-            else {
-                continue;
-            };
+            let (Some(row), Some(decider)) = (row, deciders.get_mut(arena.0)) else { continue };
+            let robot = &layout.scenario.robot;
             if episode.steps == 0 {
                 *decider = Decider::default();
             }
-            decider.sense((twist.v_m_s, twist.w_rad_s), &motion_limits(&layout.scenario.robot));
+            decider.sense((twist.v_m_s, twist.w_rad_s), &motion_limits(robot));
+            if !is_policy(arena.0) {
+                continue;
+            }
             let sectors = self.layout.encoding.sectors();
             let moves = sectors.is_none_or(|sectors| sectors.shows_motion(self.observations.row(arena.0)));
-            actions.0[arena.0] = decider.choose(&self.action_set.0, row, moves);
+            let motion = |action: usize| {
+                let Motion { v_m_s, w_rad_s } = action_motion(&self.action_set.0, action, robot);
+                (v_m_s, w_rad_s)
+            };
+            actions.0[arena.0] = decider.choose(row, motion, moves);
         }
     }
 }

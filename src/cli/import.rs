@@ -96,10 +96,11 @@ fn all_worlds(file: &Path, options: &ImportOptions, folder: &Path, as_json: bool
     if as_json { print_json(&summaries) } else { print_stdout(&paths) }
 }
 
-/// Prints on stderr what was not imported from `from`, or changed.
-fn print_findings(from: &Path, imported: &Imported) {
+/// Prints on stderr what the import left out or changed, with the name of `file`: the imported file, or of several worlds in one
+/// file the written scenario.
+fn print_findings(file: &Path, imported: &Imported) {
     for finding in &imported.findings {
-        print_stderr(&format!("note: {}: {finding}", printable_path(from)));
+        print_stderr(&format!("note: {}: {finding}", printable_path(file)));
     }
 }
 

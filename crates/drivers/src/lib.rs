@@ -87,7 +87,7 @@ pub trait Driver: Send + Sync {
         None
     }
 
-    /// The inputs of its network at the last decision; `None` if it has no network.
+    /// The inputs of its network at the last decision, zeros before the first; `None` if it has no network.
     fn observation(&self) -> Option<&[f32]> {
         None
     }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use wayfield_policy::observation::{self, SectorObserver, Sensed};
-use wayfield_policy::{ActionSet, Decider, Encoding, MotionLimits, Policy, Scratch};
+use wayfield_policy::{ActionSet, Decider, Encoding, MotionLimits, Policy, Scratch, greedy};
 use wayfield_scenario::{Motion, Scenario};
 
 use crate::actions::{action_motions, motion_limits};
@@ -62,7 +62,6 @@ enum Observer {
 struct PolicyDriver {
     policy: Arc<Policy>,
     observer: Observer,
-    actions: ActionSet,
     /// The motions of its actions; `None` for those of the robot.
     motions: Option<Vec<Motion>>,
     /// The limits of the robot's motions.
@@ -91,7 +90,6 @@ impl PolicyDriver {
         Self {
             policy: policy.clone(),
             observer,
-            actions: actions.clone(),
             motions,
             limits: motion_limits(&scenario.robot),
             decider: Decider::default(),
@@ -124,7 +122,9 @@ impl PolicyDriver {
         };
         self.decider.sense((percept.twist.v_m_s, percept.twist.w_rad_s), &self.limits);
         let q_values = self.policy.q_values(&self.observation, &mut self.scratch);
-        self.decider.choose(&self.actions, q_values, moves)
+        let Some(motions) = &self.motions else { return greedy(q_values) };
+        let motion = |action: usize| (motions[action].v_m_s, motions[action].w_rad_s);
+        self.decider.choose(q_values, motion, moves)
     }
 }
 

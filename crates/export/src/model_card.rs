@@ -114,7 +114,7 @@ fn write_page(
     )?;
     write_tensors(page, card, scenario)?;
     write_actions(page, card)?;
-    write_results(page, results)?;
+    write_results(page, results, card.relative_actions.is_some())?;
     write_training(page, card, &scenario_name)?;
     write_use(page, card, scenario, onnx_file)?;
     writeln!(
@@ -235,11 +235,15 @@ fn write_actions(page: &mut String, card: &Card) -> std::fmt::Result {
     writeln!(page)
 }
 
-fn write_results(page: &mut String, results: &[EvalResults]) -> std::fmt::Result {
+fn write_results(page: &mut String, results: &[EvalResults], has_relative_actions: bool) -> std::fmt::Result {
     if results.is_empty() {
         return Ok(());
     }
-    writeln!(page, "## Evaluation\n\nMeasured by `wayfield --eval`, in simulation.\n")?;
+    writeln!(page, "## Evaluation\n\nMeasured by `wayfield --eval`, in simulation.")?;
+    if has_relative_actions {
+        writeln!(page, "It also keeps the robot from staying in one place, which this file does not do.")?;
+    }
+    writeln!(page)?;
     writeln!(page, "| scenario | success (95 %) | collisions | timeouts | mean time | episodes | seed |")?;
     writeln!(page, "|---|---:|---:|---:|---:|---:|---:|")?;
     for test in results {

@@ -7,9 +7,10 @@
 //! - turns on the spot to one side only, until it drives again;
 //! - goes on waiting only if something moves.
 
-use crate::{ActionSet, MotionLimits, RelativeMotion, greedy};
+use crate::{MotionLimits, greedy};
 
-/// The memory of one robot's decisions. It is empty at the start of an episode.
+/// The memory of one robot's decisions. Use a new one in each episode, and call [`sense`](Self::sense) before each
+/// [`choose`](Self::choose).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Decider {
     /// The direction in which it has turned on the spot since it last drove: positive to the left, negative to the right, 0 if it
@@ -20,7 +21,7 @@ pub struct Decider {
 }
 
 impl Decider {
-    /// Takes in how the robot moves: its `twist` (in m/s and rad/s). Up to a tenth of its limits counts as no motion.
+    /// Takes in the robot's actual speed in m/s and turning rate in rad/s. Up to a tenth of the larger of its limits counts as 0.
     pub fn sense(&mut self, (v_m_s, w_rad_s): (f32, f32), limits: &MotionLimits) {
         let is_still = |value: f32, (low, high): (f32, f32)| value.abs() <= 0.1 * high.max(-low);
         let turns = !is_still(w_rad_s, limits.w_rad_s);
@@ -34,17 +35,20 @@ impl Decider {
         }
     }
 
-    /// The action of `set` with the largest Q-value in `q_row` that does not hold the robot in its place: of the robot's own
-    /// actions, the [`greedy`] one. `moves` says whether the robot sees something that moves.
+    /// The action with the largest Q-value in `q_row` that does not hold the robot in its place; if every action does, the
+    /// [`greedy`] one.
+    ///
+    /// `motion` gives the speed in m/s and the turning rate in rad/s that an action means for the robot; `moves` says whether the
+    /// robot sees something that moves.
     #[must_use]
-    pub fn choose(&self, set: &ActionSet, q_row: &[f32], moves: bool) -> usize {
-        let ActionSet::Relative(motions) = set else { return greedy(q_row) };
-        let holds = |motion: &RelativeMotion| {
-            let undoes = motion.turn * self.turned < 0.0;
-            let waits_on = motion.turn == 0.0 && self.is_still && !moves;
-            motion.speed == 0.0 && (undoes || waits_on)
+    pub fn choose(&self, q_row: &[f32], motion: impl Fn(usize) -> (f32, f32), moves: bool) -> usize {
+        let holds = |action: usize| {
+            let (v_m_s, w_rad_s) = motion(action);
+            let undoes = w_rad_s * self.turned < 0.0;
+            let waits_on = w_rad_s == 0.0 && self.is_still && !moves;
+            v_m_s == 0.0 && (undoes || waits_on)
         };
-        let allowed = (0..q_row.len()).filter(|&action| !motions.get(action).is_some_and(holds));
+        let allowed = (0..q_row.len()).filter(|&action| !holds(action));
         let best = allowed.reduce(|best, action| if q_row[action] > q_row[best] { action } else { best });
         best.unwrap_or_else(|| greedy(q_row))
     }
@@ -60,18 +64,15 @@ mod tests {
     const AHEAD: (f32, f32) = (0.5, 0.0);
 
     /// A bend to the right, then on the spot: a turn to the left, waiting, a turn to the right.
-    fn actions() -> ActionSet {
-        let motions = [(1.0, -1.0), (0.0, 1.0), (0.0, 0.0), (0.0, -1.0)];
-        ActionSet::Relative(motions.map(|(speed, turn)| RelativeMotion { speed, turn }).to_vec())
-    }
+    const MOTIONS: [(f32, f32); 4] = [(0.5, -1.0), (0.0, 1.0), (0.0, 0.0), (0.0, -1.0)];
 
-    /// The action for Q-values after these twists.
-    fn chosen(twists: &[(f32, f32)], q_row: [f32; 4], moves: bool) -> usize {
+    /// The action for Q-values after the robot has moved like this.
+    fn chosen(moved: &[(f32, f32)], q_row: [f32; 4], moves: bool) -> usize {
         let mut decider = Decider::default();
-        for twist in twists {
-            decider.sense(*twist, &LIMITS);
+        for motion in moved {
+            decider.sense(*motion, &LIMITS);
         }
-        decider.choose(&actions(), &q_row, moves)
+        decider.choose(&q_row, |action| MOTIONS[action], moves)
     }
 
     #[test]
@@ -93,10 +94,16 @@ mod tests {
     }
 
     #[test]
-    fn the_robots_own_actions_are_greedy_and_so_is_the_only_action() {
-        let decider = Decider { turned: 1.0, is_still: true };
-        assert_eq!(decider.choose(&ActionSet::Robot, &[0.0, 1.0, 0.5], false), 1);
-        let only = ActionSet::Relative(vec![RelativeMotion { speed: 0.0, turn: 0.0 }]);
-        assert_eq!(decider.choose(&only, &[0.0], false), 0);
+    fn a_robot_that_cannot_turn_on_the_spot_does_not_wait_by_trying() {
+        let mut decider = Decider::default();
+        decider.sense(STILL, &LIMITS);
+        let motions = [(0.5, -1.0), (0.0, 0.0), (0.0, 0.0), (0.0, 0.0)];
+        assert_eq!(decider.choose(&[1.0, 2.0, 3.0, 0.0], |action| motions[action], false), 0);
+    }
+
+    #[test]
+    fn if_every_action_holds_the_robot_the_greedy_one_is_chosen() {
+        let decider = Decider { turned: 0.0, is_still: true };
+        assert_eq!(decider.choose(&[0.0, 1.0], |_| (0.0, 0.0), false), 1);
     }
 }

@@ -1,8 +1,8 @@
 //! The policy core: everything needed to drive a robot with a trained wayfield policy, and nothing else.
 //!
 //! The crate depends on neither Bevy nor dfdx, and with a reused [`Scratch`] a decision allocates no memory. The Python
-//! package, the ONNX export, the ROS 2 node and the browser build use it; the app and the learner share its file format and
-//! observation encoding.
+//! package, the ONNX export and the browser build use it; the app and the learner share its file format and observation
+//! encoding.
 //!
 //! | module | duty |
 //! |---|---|

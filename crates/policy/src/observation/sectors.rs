@@ -67,8 +67,11 @@ impl SectorLayout {
         if self.earlier_steps > 0 { usize::from(self.count) } else { 0 }
     }
 
-    /// Whether the observation `row` shows something that moves: whether its predicted paths differ from its free paths. Without
-    /// either of them it is unknown, and the result is true.
+    /// Whether the observation `row` shows something that moves: whether its predicted paths differ from its free paths. If the
+    /// layout lacks one of them, that is unknown, and the result is true.
+    ///
+    /// # Panics
+    /// `row` is shorter than an observation of this layout.
     #[must_use]
     pub fn shows_motion(self, row: &[f32]) -> bool {
         if !(self.free_paths && self.predicted_paths) {
