@@ -104,8 +104,7 @@ impl Robots<'_, '_> {
             if !is_policy(arena.0) {
                 continue;
             }
-            let sectors = self.layout.encoding.sectors();
-            let moves = sectors.is_none_or(|sectors| sectors.shows_motion(self.observations.row(arena.0)));
+            let moves = self.layout.encoding.shows_motion(self.observations.row(arena.0));
             let motion = |action: usize| {
                 let Motion { v_m_s, w_rad_s } = action_motion(&self.action_set.0, action, robot);
                 (v_m_s, w_rad_s)

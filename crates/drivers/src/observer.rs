@@ -12,7 +12,6 @@ const HALVINGS: u32 = 20;
 pub fn sector_observer(layout: SectorLayout, scenario: &Scenario) -> SectorObserver {
     let Scenario { robot, lidar, task, .. } = scenario;
     let angles_rad: Vec<f32> = (0..lidar.beams).map(|beam| lidar.beam_angle_rad(beam) as f32).collect();
-    let gaps = if lidar.is_all_around() { lidar.beams } else { lidar.beams - 1 };
     let (low, high) = robot.motion_limits();
     let extent_m = |&angle_rad: &f32| {
         let body_m = robot.shape.as_ref().map_or(robot.radius_m, |shape| extent(shape, angle_rad));
@@ -26,8 +25,8 @@ pub fn sector_observer(layout: SectorLayout, scenario: &Scenario) -> SectorObser
         control_period_s: task.control_period_s,
         goal_radius_m: task.goal_radius_m,
     };
-    let spacing_rad = lidar.field_of_view_rad / gaps.max(1) as f32;
-    let beams = LidarBeams { angles_rad, spacing_rad, max_range_m: lidar.max_range_m };
+    let (spacing_rad, max_range_m) = (lidar.beam_spacing_rad(), lidar.max_range_m);
+    let beams = LidarBeams { angles_rad, spacing_rad, max_range_m };
     SectorObserver::new(layout, &beams, body)
 }
 

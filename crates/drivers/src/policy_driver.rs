@@ -49,7 +49,7 @@ impl DrivingPolicy {
 /// What turns percepts into observations.
 enum Observer {
     /// The paper's observation, which needs no memory.
-    Paper(Encoding),
+    Paper,
     /// Observations by sectors.
     Sectors {
         observer: Box<SectorObserver>,
@@ -61,6 +61,7 @@ enum Observer {
 /// A policy in one episode: class A. After its first steps, a decision allocates no memory.
 struct PolicyDriver {
     policy: Arc<Policy>,
+    encoding: Encoding,
     observer: Observer,
     /// The motions of its actions; `None` for those of the robot.
     motions: Option<Vec<Motion>>,
@@ -81,7 +82,7 @@ impl PolicyDriver {
                 observer: Box::new(sector_observer(layout, scenario)),
                 pose: Odometry::default(),
             },
-            None => Observer::Paper(*encoding),
+            None => Observer::Paper,
         };
         let motions = (*actions != ActionSet::Robot).then(|| action_motions(actions, &scenario.robot));
         let width = encoding.width(scenario.lidar.beams);
@@ -89,6 +90,7 @@ impl PolicyDriver {
         let observation = vec![0.0; width.max(policy.shape().inputs)];
         Self {
             policy: policy.clone(),
+            encoding: *encoding,
             observer,
             motions,
             limits: motion_limits(&scenario.robot),
@@ -103,8 +105,8 @@ impl PolicyDriver {
     fn act_towards(&mut self, percept: &Percept, goal: (f32, f32)) -> usize {
         let row = &mut self.observation[..self.width];
         match &mut self.observer {
-            Observer::Paper(encoding) => {
-                observation::encode(*encoding, percept.ranges_m, goal.0, goal.1, row);
+            Observer::Paper => {
+                observation::encode(self.encoding, percept.ranges_m, goal.0, goal.1, row);
             }
             Observer::Sectors { observer, pose } => {
                 *pose = pose.then(&percept.odometry);
@@ -116,13 +118,10 @@ impl PolicyDriver {
                 observer.encode(goal, row);
             }
         }
-        let moves = match &self.observer {
-            Observer::Paper(_) => true,
-            Observer::Sectors { observer, .. } => observer.layout().shows_motion(&self.observation),
-        };
-        self.decider.sense((percept.twist.v_m_s, percept.twist.w_rad_s), &self.limits);
         let q_values = self.policy.q_values(&self.observation, &mut self.scratch);
         let Some(motions) = &self.motions else { return greedy(q_values) };
+        self.decider.sense((percept.twist.v_m_s, percept.twist.w_rad_s), &self.limits);
+        let moves = self.encoding.shows_motion(&self.observation);
         let motion = |action: usize| (motions[action].v_m_s, motions[action].w_rad_s);
         self.decider.choose(q_values, motion, moves)
     }
@@ -155,7 +154,7 @@ impl Driver for MapDriver {
                 let bearing_rad = libm::atan2f(at_m.y, at_m.x);
                 let distance_m = match self.driver.observer {
                     // Paths are longer than any distance in its training, so it gets the distance to the waypoint.
-                    Observer::Paper(_) => at_m.length(),
+                    Observer::Paper => at_m.length(),
                     Observer::Sectors { .. } => way_m,
                 };
                 self.driver.act_towards(percept, (bearing_rad, distance_m))
