@@ -97,14 +97,13 @@
 //! |---|---|
 //! | `gui` (default) | the app, with Bevy's renderer and egui |
 //!
-//! The build for the browser (`wasm32`) has no [`cli`], no [`reproduce`] and no [`import`].
+//! The build for the browser (`wasm32`) has no [`cli`] and no [`reproduce`].
 //!
 //! [Bevy]: https://bevyengine.org
 //! [rapier]: https://rapier.rs
 
 pub use wayfield_drivers as drivers;
 pub use wayfield_export as export;
-#[cfg(not(target_arch = "wasm32"))]
 pub use wayfield_import as import;
 pub use wayfield_learning as learning;
 pub use wayfield_planner as planner;

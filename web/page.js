@@ -58,24 +58,25 @@ canvas.addEventListener('webglcontextlost', async () => {
 let app;
 let hasFailed = false;
 
-/// Passes a file that the user has chosen or dropped to the app.
-async function openUserFile(file) {
+/// Passes the files that the user has chosen or dropped to the app, all in one frame: a map needs its image.
+async function openUserFiles(files) {
     if (document.body.dataset.state !== 'started') return;
     // One byte more than the largest policy. The app reports what is wrong with a larger or unreadable file.
     const maxBytes = 2 ** 27 + 1;
-    const bytes = await file.slice(0, maxBytes).arrayBuffer().catch(() => new ArrayBuffer(0));
-    app.receive_file(file.name, new Uint8Array(bytes));
+    const read = (file) => file.slice(0, maxBytes).arrayBuffer().catch(() => new ArrayBuffer(0));
+    const named = await Promise.all(Array.from(files, async (file) => [file.name, await read(file)]));
+    for (const [name, bytes] of named) app.receive_file(name, new Uint8Array(bytes));
 }
 
 byId('file').addEventListener('change', (event) => {
-    for (const file of event.target.files) openUserFile(file);
+    openUserFiles(event.target.files);
     // Without this, choosing the same file again would have no effect.
     event.target.value = '';
 });
 addEventListener('dragover', (event) => event.preventDefault());
 addEventListener('drop', (event) => {
     event.preventDefault();
-    for (const file of event.dataTransfer?.files ?? []) openUserFile(file);
+    openUserFiles(event.dataTransfer?.files ?? []);
 });
 
 // When the pointer or the focus leaves the page, the user may be about to close it. While the page is hidden, no frame runs

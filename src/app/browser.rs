@@ -3,7 +3,7 @@
 //! In: the address of the page, and files that the user gives to it. Out: files to download, a share link, the status of the
 //! training (for screen readers and tests), and the message of a panic.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::{Mutex, PoisonError};
 
@@ -24,6 +24,7 @@ use super::session::{
 };
 use super::window::{self, WindowOptions};
 use crate::agent::ActiveLearner;
+use crate::import::{is_image, is_map_or_world};
 use crate::run::folder::RunConfig;
 use crate::run::{self, shipped};
 use crate::scenario::{to_ron, virtual_files};
@@ -46,7 +47,12 @@ pub fn run() {
     let pace = parse_query("pace", "use 0.01 to 100 (times real time), or full", &mut invalid_options);
     let mut scenario = page::query_parameter("scenario").unwrap_or(default.scenario);
     if let Some(text) = page::embedded_scenario() {
-        scenario = if shipped::is_scenario(&scenario) { "scenario.ron".into() } else { scenario };
+        // The text is a scenario, also if the link's run started in a shipped one or in an imported map.
+        if shipped::is_scenario(&scenario) {
+            scenario = "scenario.ron".into();
+        } else if is_map_or_world(Path::new(&scenario)) {
+            scenario += ".ron";
+        }
         virtual_files::add_upload(scenario.clone(), text.into_bytes());
     }
     let start = StartOptions {
@@ -106,8 +112,16 @@ pub(super) fn run_file_dialogs(
             _ => {}
         }
     }
-    for (name, bytes) in std::mem::take(&mut *INBOX.lock().unwrap_or_else(PoisonError::into_inner)) {
+    let files = std::mem::take(&mut *INBOX.lock().unwrap_or_else(PoisonError::into_inner));
+    let has_map = files.iter().any(|(name, _)| is_map_or_world(Path::new(name)));
+    let mut names = Vec::new();
+    for (name, bytes) in files {
         virtual_files::add_upload(name.clone(), bytes);
+        names.push(name);
+    }
+    // The image of a map is read with the map.
+    names.retain(|name| !(has_map && is_image(Path::new(name))));
+    for name in names {
         let is_edited = view_state.0.editor.is_some() && name.ends_with(".ron");
         answers.push(if is_edited {
             Command::OpenInEditor(Some(name.into()))

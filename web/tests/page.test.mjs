@@ -163,6 +163,36 @@ test('a classical driver is compared with the current policy in the levels of a 
     await closeWithoutErrors(page);
 });
 
+test('a map is opened together with its image, driven in by the general policy, and shared by link', async () => {
+    // A room of 4 m x 4 m with walls of 0.1 m, and a pillar in the middle.
+    const size = 40;
+    const isWall = (x, y) => Math.min(x, y, size - 1 - x, size - 1 - y) === 0 || (Math.abs(x - 20) < 3 && Math.abs(y - 20) < 3);
+    const pixels = Array.from({ length: size * size }, (_, k) => (isWall(k % size, Math.floor(k / size)) ? 0 : 254));
+    const image = file('room.pgm', Buffer.concat([Buffer.from(`P5\n${size} ${size}\n255\n`), Buffer.from(pixels)]));
+    const map = file('room.yaml', 'image: room.pgm\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n');
+
+    const page = await open(app.browser, app.address, { options: TALL });
+    await until(page, (now) => now.env_steps > 0);
+    await page.setInputFiles('#file', map);
+    await until(page, (now) => /room\.pgm: no such file/.test(now.notice));
+    await page.setInputFiles('#file', image);
+    await until(page, (now) => /an image does not state its scale/.test(now.notice));
+    await page.setInputFiles('#file', [map, image]);
+    await until(page, (now) => now.scenario === 'room.yaml' && now.env_steps > 0);
+    await page.waitForFunction(() => location.hash.startsWith('#scenario='));
+    const link = page.url();
+    await click(page, 'Watch an expert');
+    const now = await until(page, (now) => now.mode === 'Compare');
+    assert.match(now.notice, /any scenario/);
+    await page.waitForTimeout(4000);
+    await picture(page, 'map');
+    await closeWithoutErrors(page);
+
+    const other = await open(app.browser, link, { options: TALL });
+    await until(other, (now) => now.scenario === 'room.yaml.ron' && now.env_steps > 0);
+    await closeWithoutErrors(other);
+});
+
 test('an invalid scenario is reported with line and column; a valid one starts a training run that can be shared by link', async () => {
     const page = await open(app.browser, app.address, { options: TALL });
     const before = await until(page, (now) => now.env_steps > 0);

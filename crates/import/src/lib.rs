@@ -201,6 +201,12 @@ pub fn is_map_or_world(path: &Path) -> bool {
     matches!(kind(path), Some(Kind::Map | Kind::Sdf))
 }
 
+/// Whether the extension of `path` is that of an image, which does not state its scale.
+#[must_use]
+pub fn is_image(path: &Path) -> bool {
+    matches!(kind(path), Some(Kind::Picture))
+}
+
 /// The kind that the extension names.
 fn kind(path: &Path) -> Option<Kind> {
     let extension = path.extension()?.to_string_lossy().to_ascii_lowercase();

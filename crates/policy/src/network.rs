@@ -191,6 +191,8 @@ impl Weights {
 pub struct Scratch {
     units: Vec<f32>,
     next: Vec<f32>,
+    /// The units of a layer's input that are not 0, and their indices.
+    active: Vec<(u32, f32)>,
 }
 
 /// Computes the Q-values of one `observation` in `scratch`, for a network of this `shape` with these `weights`.
@@ -202,7 +204,7 @@ pub(crate) fn forward<'a>(
     observation: &[f32],
     scratch: &'a mut Scratch,
 ) -> &'a [f32] {
-    let Scratch { units, next } = scratch;
+    let Scratch { units, next, active } = scratch;
     units.clear();
     units.extend_from_slice(observation);
     let mut rest = &weights.0[..];
@@ -214,7 +216,8 @@ pub(crate) fn forward<'a>(
     for (i, (inputs, outputs)) in shape.layers().enumerate() {
         let weight = take(inputs * outputs.next_multiple_of(LANES));
         let bias = take(outputs);
-        fully_connected(weight, bias, units, next);
+        list_active(units, active);
+        fully_connected(weight, bias, (inputs, active), next);
         if i < shape.hidden.len() {
             if shape.layer_norm {
                 normalize(next, take(outputs), take(outputs));
@@ -233,13 +236,33 @@ pub(crate) fn forward<'a>(
     &units[1..]
 }
 
-/// Writes the outputs of a fully connected layer into `outputs`: each is its bias plus the products of its weights and `units`,
-/// added in the order of the units. `weight` is [packed](Weights).
-fn fully_connected(weight: &[f32], bias: &[f32], units: &[f32], outputs: &mut Vec<f32>) {
+/// Writes the units that are not 0, and their indices, into `active`. Half of an observation by sectors, and at least half of the
+/// units after a ReLU, are 0 and add nothing to the next layer.
+fn list_active(units: &[f32], active: &mut Vec<(u32, f32)>) {
+    active.resize(units.len(), (0, 0.0));
+    let mut count = 0;
+    for (index, &unit) in units.iter().enumerate() {
+        // Writing first and counting afterwards needs no branch, which a processor could not predict.
+        active[count] = (index as u32, unit);
+        count += usize::from(unit != 0.0);
+    }
+    active.truncate(count);
+}
+
+/// Writes the outputs of a fully connected layer into `outputs`: each is its bias plus the products of its weights and the units
+/// that are not 0, added in the order of the units. `weight` is [packed](Weights); `inputs` is the number of all units.
+fn fully_connected(
+    weight: &[f32],
+    bias: &[f32],
+    (inputs, active): (usize, &[(u32, f32)]),
+    outputs: &mut Vec<f32>,
+) {
     outputs.clear();
-    for (block, bias) in weight.chunks_exact(units.len() * LANES).zip(bias.chunks(LANES)) {
+    for (block, bias) in weight.chunks_exact(inputs * LANES).zip(bias.chunks(LANES)) {
         let mut sums: [f32; LANES] = std::array::from_fn(|lane| bias.get(lane).copied().unwrap_or(0.0));
-        for (weights, unit) in block.as_chunks::<LANES>().0.iter().zip(units) {
+        let rows = block.as_chunks::<LANES>().0;
+        for &(index, unit) in active {
+            let weights = &rows[index as usize];
             sums = std::array::from_fn(|lane| sums[lane] + weights[lane] * unit);
         }
         outputs.extend(sums.into_iter().take(bias.len()));

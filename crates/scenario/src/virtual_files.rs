@@ -10,8 +10,8 @@ use std::sync::{Mutex, PoisonError};
 
 /// Largest number of uploads.
 const MAX_FILES: usize = 64;
-/// Largest number of bytes kept of an upload that stays: one more than a RON file may have, so that longer files are rejected.
-const MAX_KEPT_BYTES: usize = crate::limits::MAX_FILE_BYTES as usize + 1;
+/// Largest number of bytes of all uploads; the newest one stays even if it is larger.
+const MAX_BYTES: usize = 1 << 27;
 
 /// A file's name and its bytes.
 pub type VirtualFile = (String, Vec<u8>);
@@ -19,17 +19,15 @@ pub type VirtualFile = (String, Vec<u8>);
 static UPLOADS: Mutex<VecDeque<VirtualFile>> = Mutex::new(VecDeque::new());
 static DOWNLOADS: Mutex<Vec<VirtualFile>> = Mutex::new(Vec::new());
 
-/// Adds an upload. It replaces an older one of the same name.
-pub fn add_upload(name: String, mut bytes: Vec<u8>) {
-    if !is_removed_by_reading(&name) {
-        bytes.truncate(MAX_KEPT_BYTES);
-        bytes.shrink_to_fit();
-    }
+/// Adds an upload. It replaces an older one of the same name. The oldest uploads are removed if there are too many, or if they
+/// are too large together.
+pub fn add_upload(name: String, bytes: Vec<u8>) {
     let mut files = UPLOADS.lock().unwrap_or_else(PoisonError::into_inner);
     files.retain(|(other, _)| *other != name);
     files.push_back((name, bytes));
-    if files.len() > MAX_FILES {
-        files.pop_front();
+    let mut total: usize = files.iter().map(|(_, bytes)| bytes.len()).sum();
+    while files.len() > MAX_FILES || (total > MAX_BYTES && files.len() > 1) {
+        total -= files.pop_front().map_or(0, |(_, bytes)| bytes.len());
     }
 }
 
@@ -48,6 +46,11 @@ pub fn read(path: &Path, max_bytes: u64) -> std::io::Result<Vec<u8>> {
     };
     bytes.truncate(usize::try_from(max_bytes).unwrap_or(usize::MAX));
     Ok(bytes)
+}
+
+/// Whether there is a device or a pipe at `path`: never, in a browser.
+pub const fn is_special_file(_: &Path) -> bool {
+    false
 }
 
 /// Whether there is an upload at `path`.

@@ -107,8 +107,16 @@ fn open(world: &mut World, path: &Path) -> Result<String, RunError> {
             Ok(text)
         }
         Some("ron") => open_ron(world, path),
-        #[cfg(not(target_arch = "wasm32"))]
         Some(_) if crate::import::is_map_or_world(path) => open_map_or_world(world, path),
+        Some(_) if crate::import::is_image(path) => {
+            let import = if cfg!(target_arch = "wasm32") {
+                "together with it"
+            } else {
+                "that names it, or import it with wayfield --import FILE --resolution METRES"
+            };
+            let why = format!("an image does not state its scale\nhelp: open the map (.yaml) {import}");
+            Err(RunError::invalid_input(path, why))
+        }
         None if !path_exists(path) && DriverConfig::shipped(&name).is_some() => open_driver(world, &name),
         _ => Err(RunError::invalid_input(path, format!("cannot be opened\nhelp: open {OPENABLE}"))),
     }
@@ -133,7 +141,6 @@ fn resume(world: &mut World, path: &Path, folder: &Path) -> Result<String, RunEr
 }
 
 /// Starts training in the map or the Gazebo world at `path`.
-#[cfg(not(target_arch = "wasm32"))]
 fn open_map_or_world(world: &mut World, path: &Path) -> Result<String, RunError> {
     let from = utf8(path)?;
     shipped::scenario(from)?;

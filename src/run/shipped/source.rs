@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::super::scenario_set;
 use super::{GENERAL_GENERATORS, GENERATORS, SCENARIOS, SETS, find, user_file};
+use crate::import::{ImportOptions, import, is_map_or_world};
 use crate::scenario::{FileError, LevelGenerator, Scenario, ScenarioSet, path_exists};
 
 /// A scenario, a generator of scenarios, or a set of scenarios.
@@ -19,7 +20,7 @@ pub enum Source {
 
 impl Source {
     /// The scenario, level generator or set in the file `wanted`, which may be the `config.ron` of a run, or the shipped one of
-    /// that name. A ROS map or a Gazebo world is imported for the robot of Scenario I, except in the browser. A seed after a
+    /// that name. A ROS map or a Gazebo world is imported for the robot of Scenario I. A seed after a
     /// colon, as in `clutter:17`, selects the generator's level with this seed.
     ///
     /// # Errors
@@ -92,15 +93,10 @@ impl Source {
     }
 }
 
-/// The scenario of the map or world at `path`; `None` if it is neither, and in the browser.
+/// The scenario of the map or world at `path`; `None` if it is neither.
 fn imported(path: &Path) -> Option<Result<Scenario, FileError>> {
-    #[cfg(not(target_arch = "wasm32"))]
-    if crate::import::is_map_or_world(path) && path_exists(path) {
-        use crate::import::{ImportOptions, import};
-        return Some(import(path, &ImportOptions::default()).map(|imported| imported.scenario));
-    }
-    let _ = path;
-    None
+    let is_imported = is_map_or_world(path) && path_exists(path);
+    is_imported.then(|| import(path, &ImportOptions::default()).map(|imported| imported.scenario))
 }
 
 fn no_levels(kind: &str, seed: u64, path: &Path) -> FileError {
