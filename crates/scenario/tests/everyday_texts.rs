@@ -125,6 +125,22 @@ fn everyday_number_notations_get_the_number_to_write() {
                 "1:31: `lidar.beams` must be a whole number: write 24",
             ),
             (
+                "(name: \"Mine\", lidar: (beams: 2.4e0))",
+                "1:31: `lidar.beams` must be a whole number, without a fraction",
+            ),
+            (
+                "(name: \"Mine\", lidar: (beams: -0.5e1))",
+                "1:31: `lidar.beams` must be a whole number in range: this one is negative or too large",
+            ),
+            (
+                "(name: \"Mine\", lidar: (beams: 1e30))",
+                "1:31: `lidar.beams` must be a whole number in range: this one is negative or too large",
+            ),
+            (
+                "(name: \"Mine\", lidar: (beams: 1e16))",
+                "1:31: `lidar.beams` must be a whole number in digits only",
+            ),
+            (
                 "(name: \"Mine\", benchmark_route: (start_m: (0,6, 0,6)))",
                 "1:43: decimal commas: write (0.6, 0.6)",
             ),
