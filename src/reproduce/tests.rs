@@ -281,6 +281,10 @@ fn measures_are_computed_from_the_records() {
     assert_eq!(value(Measure::StepsTo(2.0), 300), exactly(1.25), "thousands of steps");
     let not_reached = MeasuredValue { value: 200.0, is_lower_bound: true };
     assert_eq!(value(Measure::EpisodesTo(4.5), 300), not_reached, "a lower bound");
+    for measure in [Measure::EpisodesTo(2.0), Measure::StepsTo(2.0)] {
+        let MeasuredValue { value, is_lower_bound } = value(measure, 0);
+        assert!(value.is_nan() && !is_lower_bound, "no value without episodes");
+    }
 
     // A figure's own window of 20 episodes: 10 episodes with 4 goals make a mean of 2.
     assert_eq!(value_in(Measure::Return, 210, Windows::equal(20)), exactly(200.0), "10 of 20 episodes");
