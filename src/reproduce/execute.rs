@@ -74,8 +74,8 @@ fn run(
     Ok(is_done)
 }
 
-/// Trains and tests `training` below `folder`, where the policy that it starts from must be; `false` if it was stopped. What
-/// is done already is not repeated.
+/// Trains and tests `training` below `folder`, where the policy that it starts from must be; `false` if it was stopped.
+/// Finished work is not repeated.
 ///
 /// # Errors
 /// The run failed, or a file cannot be read or written.
@@ -167,7 +167,7 @@ fn origin(training: &Training, folder: &Path) -> Result<Option<Policy>, RunError
     transfer.map(|transfer| policy_test::read_policy(&folder.join(&transfer.policy))).transpose()
 }
 
-/// Runs the tests that have no result yet. The results are written below `runs`, also those of a run from elsewhere.
+/// Runs the tests that have no result yet. The results are written below `runs`, even for a run from elsewhere.
 fn run_tests(training: &Training, runs: &Path) -> Result<(), RunError> {
     let (from, into) = (training.folder(runs), runs.join(&training.name));
     let mut results = policy_test::read_results(&into);
