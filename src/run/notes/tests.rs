@@ -215,7 +215,7 @@ fn questionable_values_of_the_learner_and_the_evaluation_are_noted() {
     assert_noted(
         |p| p.learning.target_update = TargetUpdate::Hard { every: 75_001 },
         "note: `learning.target_update.every` is 75001, ",
-        "the budget has 75000 gradient steps",
+        "the budget has at most 75000 gradient steps",
     );
     assert_eq!(noted(|p| p.learning.target_update = TargetUpdate::Hard { every: 75_000 }), [""; 0]);
     assert_noted(
