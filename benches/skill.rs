@@ -45,31 +45,32 @@ fn main() -> Result<(), Box<dyn Error>> {
     for pair in if pairs.is_empty() { default } else { pairs } {
         let (preset, scenario) =
             pair.split_once(':').ok_or("give PRESET:SCENARIO, such as fast:scenario-1")?;
-        let outcomes =
-            (0..seeds).map(|seed| outcome(preset, scenario, seed)).collect::<Result<Vec<_>, _>>()?;
+        let results =
+            (0..seeds).map(|seed| test_seed(preset, scenario, seed)).collect::<Result<Vec<_>, _>>()?;
         let over = |digits, of: &dyn Fn(&SeedResult) -> f64| {
-            median_and_worst(outcomes.iter().map(of).collect(), digits)
+            median_and_worst(results.iter().map(of).collect(), digits)
         };
         let at = |digits, rate, of: fn(&EvaluationRow) -> f64| {
-            over(digits, &|o: &SeedResult| or_infinity(o.run.reached(rate), of))
+            over(digits, &|r: &SeedResult| or_infinity(r.run.reached(rate), of))
         };
         println!(
             "| {preset}, {scenario} | {} | {} | {} | {} | {} | {} | {} | {} |",
             at(0, 0.96, |row| row.env_steps as f64),
             at(2, 0.96, |row| row.wall_s),
-            over(2, &|o| o.cpu_to_96_s),
+            over(2, &|r| r.cpu_to_96_s),
             at(0, 0.99, |row| row.env_steps as f64),
             at(2, 0.99, |row| row.wall_s),
-            over(1, &|o| o.run.summary.wall_s),
+            over(1, &|r| r.run.summary.wall_s),
             // Negated, because the worst success rate is the lowest.
-            over(3, &|o| -o.success_rate).replace('-', ""),
-            over(3, &|o| o.time_ratio),
+            over(3, &|r| -r.success_rate).replace('-', ""),
+            over(3, &|r| r.time_ratio),
         );
     }
     Ok(())
 }
 
-fn outcome(preset: &str, scenario: &str, seed: u64) -> Result<SeedResult, Box<dyn Error>> {
+/// Trains with `seed`, and tests the best policy.
+fn test_seed(preset: &str, scenario: &str, seed: u64) -> Result<SeedResult, Box<dyn Error>> {
     let config = runs::config(preset, scenario, seed)?;
     let run = FinishedRun::new(config.clone(), None)?;
     let cpu_to_96_s = match run.reached(0.96) {

@@ -152,7 +152,7 @@ fn a_broken_start_file_is_adopted_once_it_is_fixed() {
 }
 
 #[test]
-fn doubtful_settings_are_reported_until_another_training_run_starts() {
+fn questionable_settings_are_reported_until_another_training_run_starts() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let hangar = folder.path().join("hangar.ron");
     write(&hangar, "(name: \"Hangar\", enclosure: Rectangle(width_m: 30.0, height_m: 30.0))");

@@ -149,7 +149,7 @@ fn json_lists_the_files_and_the_problems() {
 }
 
 #[test]
-fn doubtful_settings_are_printed_with_their_position_and_the_file_is_valid() {
+fn questionable_settings_are_printed_with_their_position_and_the_file_is_valid() {
     let workspace = Workspace::new();
     workspace.write("hangar.ron", "(name: \"Hangar\", enclosure: Rectangle(width_m: 30.0, height_m: 30.0))");
     workspace.write("rare.ron", edited(FAST, &[("train_freq: 16", "train_freq: 5000000")]));
@@ -186,7 +186,7 @@ fn doubtful_settings_are_printed_with_their_position_and_the_file_is_valid() {
 }
 
 #[test]
-fn impossible_scenarios_are_refused_and_doubtful_settings_are_reported_before_a_run_starts() {
+fn impossible_scenarios_are_refused_and_questionable_settings_are_reported_before_a_run_starts() {
     let workspace = Workspace::new();
     workspace.write("top.ron", "(name: \"Top\", robot: (motions: [(v_m_s: 0.0, w_rad_s: 1.0)]))");
     workspace.write("hasty.ron", "(name: \"Hasty\", task: (max_episode_steps: 3))");
@@ -229,7 +229,7 @@ fn all_shipped_scenarios_presets_and_experiments_are_valid() {
     let done = Workspace::new()
         .run_ok(&format!("--check {root}/scenarios {root}/assets", root = env!("CARGO_MANIFEST_DIR")));
     assert!(done.stdout.lines().count() >= 24 && done.stdout.lines().all(|line| line.contains(": ok (")));
-    assert_eq!(done.stderr, "", "nothing shipped is doubtful");
+    assert_eq!(done.stderr, "", "nothing shipped is questionable");
 }
 
 #[test]
@@ -266,7 +266,7 @@ fn the_content_decides_what_kind_a_file_is() {
     }
 }
 
-/// What `--reproduce` would refuse is a problem. Doubtful settings of a training run are printed at its stage or condition.
+/// What `--reproduce` would refuse is a problem. A training run's questionable settings are printed at its stage or condition.
 #[test]
 fn the_training_runs_of_an_experiment_are_checked() {
     let workspace = Workspace::new();
@@ -276,11 +276,11 @@ fn the_training_runs_of_an_experiment_are_checked() {
              tables: [(name: \"t\", title: \"t\", show: Seeds(measure: Success))])"
         )
     };
-    let doubtful = "conditions: [(name: \"plain\"),\n(name: \"still\", overrides: {\"learning.learning_rate\": Constant(0.9)})],";
-    workspace.write("doubtful.ron", experiment(doubtful));
-    let done = workspace.run_ok("--check doubtful.ron");
-    assert_eq!(done.stdout, "doubtful.ron: ok (experiment)\n");
-    assert!(done.stderr.starts_with("doubtful.ron:5:1: "), "at the condition: {}", done.stderr);
+    let setting = "conditions: [(name: \"plain\"),\n(name: \"still\", overrides: {\"learning.learning_rate\": Constant(0.9)})],";
+    workspace.write("questionable.ron", experiment(setting));
+    let done = workspace.run_ok("--check questionable.ron");
+    assert_eq!(done.stdout, "questionable.ron: ok (experiment)\n");
+    assert!(done.stderr.starts_with("questionable.ron:5:1: "), "at the condition: {}", done.stderr);
     assert!(done.stderr.contains("(arm \"a\"): fast: `learning.learning_rate` "), "{}", done.stderr);
 
     let invalid = "conditions: [(name: \"b\", scenario: \"mazze\"),\n(name: \"c\", overrides: {\"learning.gama\": 1})],";

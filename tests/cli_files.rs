@@ -53,6 +53,10 @@ fn standard_input_is_read_once_and_may_be_a_pipe() {
     let done = workspace.run_with_stdin("--train --preset - --steps 16", &quick_fast());
     assert_eq!(done.status, Some(0), "{}", done.stderr);
     assert!(workspace.path("runs/scenario-1-stdin-0").is_dir(), "the folder's name can be typed");
+    if cfg!(unix) {
+        let done = workspace.run_with_stdin("--check - /dev/stdin", FAST);
+        assert_eq!(done.stdout, "-: ok (preset)\n/dev/stdin: ok (preset)\n", "{}", done.stderr);
+    }
     assert_refused(&workspace.run("--check -"), "-: the file is empty");
 }
 

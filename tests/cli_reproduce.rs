@@ -749,8 +749,8 @@ fn runs_from_elsewhere_that_do_not_fit_are_rejected_with_a_fix() {
             "an arm of its own",
         ],
     );
-    rejected(("runs/b", "runs/longer"), &["mine/runs/longer: has other settings than mine/runs/a"]);
-    rejected(("runs/b", "runs/twin"), &["mine/runs/twin: has seed 3, as mine/runs/a has"]);
+    rejected(("runs/b", "runs/longer"), &["mine/runs/longer: has different settings from mine/runs/a"]);
+    rejected(("runs/b", "runs/twin"), &["mine/runs/twin: has the same seed as mine/runs/a: 3"]);
     rejected(
         ("[\"runs/a\", \"runs/b\"]", "[\"runs/world\"]"),
         &["arm \"one\" is compared with \"elsewhere\"", "in different scenarios: \"Empty\" and \"U-trap\""],

@@ -1,5 +1,7 @@
 //! Policies that drive robots outside wayfield, step by step. In: what the robot senses. Out: the motion to command.
 
+use std::f64::consts::TAU;
+
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -83,7 +85,7 @@ impl NativeDriver {
         let percept = Percept {
             ranges_m: &ranges_m,
             goal_distance_m: goal.1 as f32,
-            goal_bearing_rad: wrap_angle(goal.0 as f32),
+            goal_bearing_rad: wrapped(goal.0),
             twist: Motion { v_m_s: twist.0 as f32, w_rad_s: twist.1 as f32 },
             odometry: self.last_pose.map_or_else(Odometry::default, |last| motion_between(last, pose)),
             truth: None,
@@ -157,6 +159,11 @@ fn check_magnitudes(what: &str, parts: &[(&str, f64)]) -> PyResult<()> {
 /// The robot's motion from the pose `from` to the pose `to`, in the robot's frame at `from`.
 fn motion_between(from: Pose, to: Pose) -> Odometry {
     // The positions are subtracted in double precision, before the conversion to single precision.
-    let to = ((to.0 - from.0) as f32, (to.1 - from.1) as f32, to.2 as f32);
-    Odometry::between((0.0, 0.0, from.2 as f32), to)
+    let to = ((to.0 - from.0) as f32, (to.1 - from.1) as f32, wrapped(to.2));
+    Odometry::between((0.0, 0.0, wrapped(from.2)), to)
+}
+
+/// `angle_rad` in (-pi, pi], in single precision. Full turns are removed in double precision.
+fn wrapped(angle_rad: f64) -> f32 {
+    wrap_angle((angle_rad % TAU) as f32)
 }

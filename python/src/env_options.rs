@@ -17,7 +17,7 @@ use wayfield::task::{ObservationLayout, ScenarioPool, TaskMode};
 use crate::errors::{file_error, run_error, setting_errors};
 use crate::observation_bounds::ObservationBounds;
 
-/// What messages call a file that was given as text.
+/// The name that messages use for a file that was given as text.
 pub const TEXT: &str = "<text>";
 
 /// Whether `source` is the text of a RON file, and not a path or a name. A heuristic: it has parentheses, and no file of that
@@ -103,10 +103,12 @@ impl EnvOptions {
         }
         settings.apply(scenario, &mut preset).map_err(setting_errors)?;
         preset.arenas = num_envs;
-        preset
-            .check_memory(scenario, &ObservationLayout::default())
-            .map_err(|error| PyValueError::new_err(format!("num_envs={num_envs}: {error}")))?;
         let encoding = encoding.unwrap_or(preset.observation);
+        let mut layout = ObservationLayout::default();
+        layout.encoding = encoding;
+        preset
+            .check_memory(scenario, &layout)
+            .map_err(|error| PyValueError::new_err(format!("num_envs={num_envs}: {error}")))?;
         let bounds = ObservationBounds::of(encoding, scenario, set.as_ref());
         let config = VecEnvConfig {
             num_envs,
@@ -126,17 +128,17 @@ impl EnvOptions {
     }
 }
 
-/// The encoding that is called `name`.
+/// The encoding called `name`.
 pub fn encoding(name: &str) -> PyResult<Encoding> {
     choice("observation", name, &[("scaled", Encoding::Scaled), ("raw", Encoding::Raw)])
 }
 
-/// Whether the actions that are called `name` are motions.
+/// Whether the action space called `name` is continuous: motions instead of indices of motions.
 pub fn is_continuous(name: &str) -> PyResult<bool> {
     choice("actions", name, &[("discrete", false), ("continuous", true)])
 }
 
-/// The autoreset mode that is called `name`.
+/// The autoreset mode called `name`.
 pub fn autoreset_mode(name: &str) -> PyResult<Autoreset> {
     let modes = [
         ("next_step", Autoreset::NextStep),
@@ -146,7 +148,7 @@ pub fn autoreset_mode(name: &str) -> PyResult<Autoreset> {
     choice("autoreset_mode", name, &modes)
 }
 
-/// The value of `option` that is called `name`.
+/// The value of `option` called `name`.
 pub fn choice<T: Copy>(option: &str, name: &str, choices: &[(&str, T)]) -> PyResult<T> {
     if let Some((_, value)) = choices.iter().find(|(choice, _)| *choice == name) {
         return Ok(*value);

@@ -3,7 +3,7 @@
 use std::f32::consts::PI;
 
 use wayfield::policy::{Encoding, observation};
-use wayfield::scenario::{Lidar, Scenario, ScenarioSet, SetSource};
+use wayfield::scenario::{Lidar, Robot, Scenario, ScenarioSet, SetSource};
 
 /// The smallest and the largest value of every number of an observation.
 pub struct ObservationBounds {
@@ -12,17 +12,21 @@ pub struct ObservationBounds {
 }
 
 impl ObservationBounds {
-    /// The bounds in `scenario` or, if given, in all scenarios of `set`. Infinite for observations by sectors.
+    /// The bounds in `scenario` or, if given, in all scenarios of `set`. Infinite for observations by sectors, and for the
+    /// distance to the goal if the robot's odometry drifts.
     pub fn of(encoding: Encoding, scenario: &Scenario, set: Option<&ScenarioSet>) -> Self {
         if encoding.sectors().is_some() {
             let width = encoding.width(scenario.lidar.beams);
             return Self { low: vec![f32::NEG_INFINITY; width], high: vec![f32::INFINITY; width] };
         }
         let sources = set.into_iter().flat_map(|set| &set.members).map(|member| &member.source);
-        let all =
-            sources.map(|source| Self::of_scans(encoding, source.task().1, diagonal_of_source_m(source)));
-        all.reduce(Self::both)
-            .unwrap_or_else(|| Self::of_scans(encoding, &scenario.lidar, diagonal_m(scenario)))
+        let all = sources.map(|source| {
+            let (robot, lidar, _) = source.task();
+            Self::of_scans(encoding, lidar, farthest_m(robot, diagonal_of_source_m(source)))
+        });
+        all.reduce(Self::union).unwrap_or_else(|| {
+            Self::of_scans(encoding, &scenario.lidar, farthest_m(&scenario.robot, diagonal_m(scenario)))
+        })
     }
 
     /// The bounds of an observation by scans whose goal is at most `farthest_m` away.
@@ -45,7 +49,7 @@ impl ObservationBounds {
     }
 
     /// The bounds of observations that are within these or `other`.
-    fn both(mut self, other: Self) -> Self {
+    fn union(mut self, other: Self) -> Self {
         for (low, other) in self.low.iter_mut().zip(other.low) {
             *low = low.min(other);
         }
@@ -54,6 +58,12 @@ impl ObservationBounds {
         }
         self
     }
+}
+
+/// The largest distance at which `robot` may observe its goal in an enclosure with this diagonal, in m. If its odometry drifts,
+/// it observes the goal from an estimated position, which may be anywhere.
+fn farthest_m(robot: &Robot, diagonal_m: f32) -> f32 {
+    if robot.odometry_drift.is_some() { f32::INFINITY } else { diagonal_m }
 }
 
 /// The largest distance in the enclosure of a scenario of `source`, in m.

@@ -34,7 +34,7 @@ def scenario_text(name: str) -> str:
 
 @dataclass(frozen=True)
 class Problem:
-    """A problem in a file, or a doubtful setting.
+    """A problem in a file, or a questionable setting.
 
     Attributes:
         level: "error", "warning" or "note".
@@ -61,7 +61,7 @@ def check(*paths: str | os.PathLike[str]) -> list[Problem]:
         paths: Files, and folders of RON files.
 
     Returns:
-        All problems and doubtful settings; an empty list for valid files.
+        All problems and questionable settings; an empty list for valid files.
     """
     report = json.loads(_native.check([os.fspath(path) for path in paths]))
     fields = ("path", "line", "column", "message")

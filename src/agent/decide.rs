@@ -8,7 +8,7 @@ use bevy::prelude::*;
 
 use super::ActiveLearner;
 use super::drive::DriverSource;
-use crate::drivers::{action_motion, motion_limits};
+use crate::drivers::{motion_limits, relative_motion};
 use crate::learning::{QNetwork, epsilon_greedy, greedy};
 use crate::policy::{ActionSet, Decider};
 use crate::random::{self, Stream};
@@ -97,16 +97,17 @@ impl Robots<'_, '_> {
             let row = q_values.get(arena.0 * width..(arena.0 + 1) * width);
             let (Some(row), Some(decider)) = (row, deciders.get_mut(arena.0)) else { continue };
             let robot = &layout.scenario.robot;
+            let limits = motion_limits(robot);
             if episode.steps == 0 {
                 *decider = Decider::default();
             }
-            decider.sense((twist.v_m_s, twist.w_rad_s), &motion_limits(robot));
+            decider.sense((twist.v_m_s, twist.w_rad_s), &limits);
             if !is_policy(arena.0) {
                 continue;
             }
             let moves = self.layout.encoding.shows_motion(self.observations.row(arena.0));
             let motion = |action: usize| {
-                let Motion { v_m_s, w_rad_s } = action_motion(&self.action_set.0, action, robot);
+                let Motion { v_m_s, w_rad_s } = relative_motion(motions[action], robot, &limits);
                 (v_m_s, w_rad_s)
             };
             actions.0[arena.0] = decider.choose(row, motion, moves);

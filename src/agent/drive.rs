@@ -17,7 +17,7 @@ use crate::task::{
     Pedestrians, Pose, Scan, Twist,
 };
 
-/// What a [`DriverSource`] makes its drivers from. They choose actions from [`Percept`]s.
+/// The kind of driver of a [`DriverSource`]. A driver chooses actions from [`Percept`]s.
 #[derive(Clone, Debug)]
 pub enum DriverKind {
     /// A classical driver with its parameters.
@@ -116,7 +116,7 @@ pub(super) fn drive(
     mut commanded: Commanded,
 ) {
     let Some(mut sources) = sources else { return };
-    for (arena, layout, (pose, estimate), twist, scan, goal, clock, episode) in &arenas {
+    for (arena, layout, (pose, estimate), twist, scan, goal, (clock, pedestrians), episode) in &arenas {
         let estimate = &estimate.0;
         let source = match sources.arenas.get_mut(arena.0) {
             Some(ActionSource::Driver(source)) => source,
@@ -134,7 +134,6 @@ pub(super) fn drive(
             source.driver = Some(source.kind.driver(&layout.written));
             source.last_pose = *estimate;
         }
-        let (clock, pedestrians) = clock;
         let truth = Truth {
             layout: layout.indexed(pedestrians),
             clock: clock.0,

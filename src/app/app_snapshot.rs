@@ -54,7 +54,7 @@ pub struct UnsavedEdits {
 pub enum Severity {
     /// A confirmation, or a hint.
     Info,
-    /// A doubtful setting.
+    /// A questionable setting.
     Warning,
     /// Something failed; everything else continues.
     Error,

@@ -139,7 +139,8 @@ pub(super) fn run_file_dialogs(
 fn scenario_file_name(name: &str) -> PathBuf {
     let plain = |c: char| if c.is_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
     let stem: String = name.chars().map(plain).collect();
-    format!("{}.ron", stem.trim_matches('-')).into()
+    let stem = stem.trim_matches('-');
+    format!("{}.ron", if stem.is_empty() { "scenario" } else { stem }).into()
 }
 
 /// Makes the address a link that starts the same training run. It embeds the user's own scenario. There is no link for the user's

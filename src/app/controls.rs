@@ -20,7 +20,7 @@ static REQUESTED: AtomicBool = AtomicBool::new(false);
 #[cfg(target_arch = "wasm32")]
 static TREE: Mutex<Option<TreeUpdate>> = Mutex::new(None);
 
-/// Keeps the tree of this frame and requests the next one, once somebody has asked for a control.
+/// Keeps the tree of this frame and requests the next one, once a control has been requested.
 #[cfg(target_arch = "wasm32")]
 pub fn keep_tree(contexts: Query<(&mut EguiContext, &mut EguiOutput)>) {
     if !REQUESTED.load(Ordering::Relaxed) {
@@ -40,8 +40,8 @@ pub fn find(name: &str) -> Option<[f64; 4]> {
     named_controls(tree.as_ref()?).into_iter().find(|(other, _)| *other == name).map(|(_, rect)| rect)
 }
 
-/// Where a native app writes the rectangles of its named controls, one per line, in the order of [`find`]: left, top, width,
-/// height, name, separated by tabs. The file is replaced whole when they have changed.
+/// The file to which a native app writes the rectangles of its named controls, one per line, in the order of [`find`]: left,
+/// top, width, height, name, separated by tabs. It is replaced atomically whenever they change.
 #[cfg(not(target_arch = "wasm32"))]
 #[derive(Resource)]
 pub struct ControlsFile {
@@ -68,8 +68,8 @@ pub fn write_controls(mut file: ResMut<ControlsFile>, contexts: Query<(&mut Egui
     if text == file.written {
         return;
     }
-    let beside = file.path.with_extension("new");
-    match std::fs::write(&beside, &text).and_then(|()| std::fs::rename(&beside, &file.path)) {
+    let temporary = file.path.with_extension("new");
+    match std::fs::write(&temporary, &text).and_then(|()| std::fs::rename(&temporary, &file.path)) {
         Ok(()) => file.written = text,
         Err(error) => warn_once!("{}: {error}", file.path.display()),
     }

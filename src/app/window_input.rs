@@ -62,17 +62,18 @@ pub(super) fn fit_to_monitor(
     let (width, height) = monitors.iter().fold((0, 0), |(width, height), monitor| {
         (width.max(monitor.physical_width), height.max(monitor.physical_height))
     });
+    if width == 0 || height == 0 {
+        return;
+    }
     for mut window in &mut windows {
         let points = |pixels: u32| pixels as f32 / window.scale_factor();
         let (max_width, max_height) = (points(width), points(height));
         let limits = &mut window.resize_constraints;
-        if width > 0 && height > 0 && (max_width < limits.min_width || max_height < limits.min_height) {
-            limits.min_width = limits.min_width.min(max_width);
-            limits.min_height = limits.min_height.min(max_height);
-        }
+        limits.min_width = limits.min_width.min(max_width);
+        limits.min_height = limits.min_height.min(max_height);
         let now = window.physical_size();
         let fitting = UVec2::new(now.x.min(width), now.y.min(height));
-        if width > 0 && height > 0 && fitting != now {
+        if fitting != now {
             window.resolution.set_physical_resolution(fitting.x, fitting.y);
         }
     }

@@ -103,7 +103,7 @@ fn sample(entry: &Entry, sections: &[Section]) -> String {
     }
 }
 
-/// Puts RON from several lines on one.
+/// Joins the lines of a RON text into one.
 fn squeezed(text: &str) -> String {
     let line = text.lines().map(str::trim).collect::<Vec<_>>().join(" ");
     line.replace("( ", "(").replace("[ ", "[").replace(", )", ")").replace(", ]", "]")

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::experiment::TestedPolicy;
-use super::plan::Training;
+use super::plan::PlannedRun;
 use super::test_point::{TestPoint, difference};
 use crate::run::preset::Budget;
 
@@ -48,7 +48,7 @@ impl ArmRun {
     #[must_use]
     pub fn policy(
         &self,
-        trainings: &[Training],
+        trainings: &[PlannedRun],
         tested: TestedPolicy,
         point: TestPoint,
     ) -> Option<(usize, PolicyId)> {

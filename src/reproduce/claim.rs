@@ -12,8 +12,8 @@ use crate::run::preset::Budget;
 pub struct Claim {
     /// The claim in words.
     pub statement: String,
-    /// The measure that decides. A claim about a curve has the curve's: `SuccessRate`, `Return` or `Goals`. `Success` is
-    /// measured in the test after training.
+    /// The measure that decides. A claim about a curve uses the measure of the curve: `SuccessRate`, `Return` or `Goals`.
+    /// `Success` is measured in the test after training.
     pub measure: Measure,
     /// The arm that is claimed to be better.
     pub better: String,

@@ -116,15 +116,18 @@ fn difference(earlier: &(RunConfig, FinishedRun), run: &(RunConfig, FinishedRun)
         let (this, that) = (&config.scenario.name, &earlier.scenario.name);
         return Some(format!("is a run in \"{this}\", but {other} is one in \"{that}\"; {separate}"));
     }
-    let start = |config: &RunConfig| config.transfer.as_ref().map(|transfer| transfer.epsilon);
+    let transfer_epsilon = |config: &RunConfig| config.transfer.as_ref().map(|transfer| transfer.epsilon);
     if earlier.scenario != config.scenario
         || earlier.preset != config.preset
-        || start(earlier) != start(config)
+        || transfer_epsilon(earlier) != transfer_epsilon(config)
     {
-        return Some(format!("has other settings than {other} (compare their config.ron); {separate}"));
+        return Some(format!(
+            "has different settings from {other} (compare their config.ron files); {separate}"
+        ));
     }
     let seed = config.seed;
-    (earlier.seed == seed).then(|| format!("has seed {seed}, as {other} has; help: leave one of them out"))
+    (earlier.seed == seed)
+        .then(|| format!("has the same seed as {other}: {seed}; help: leave one of them out"))
 }
 
 /// Checks that arms with runs from elsewhere are only compared with arms in a scenario of the same name.

@@ -11,7 +11,7 @@ use std::sync::atomic::AtomicBool;
 use std::thread;
 use std::time::Instant;
 
-use super::plan::{RunPlan, Training};
+use super::plan::{PlannedRun, RunPlan};
 use super::policy_test;
 use super::progress::OverallProgress;
 use super::queue::Queue;
@@ -74,13 +74,13 @@ fn run(
     Ok(is_done)
 }
 
-/// Trains and tests `training` below `folder`, where the policy that it starts from must be; `false` if it was stopped. What
-/// is done already is not repeated.
+/// Trains and tests `training` below `folder`, where the policy that it starts from must be; `false` if it was stopped.
+/// Finished work is not repeated.
 ///
 /// # Errors
 /// The run failed, or a file cannot be read or written.
 pub fn train_and_test(
-    training: &Training,
+    training: &PlannedRun,
     folder: &Path,
     listener: &dyn Fn() -> ProgressListener,
     stop: &AtomicBool,
@@ -94,7 +94,7 @@ pub fn train_and_test(
 
 /// Whether nothing is left to do for `training` below `folder`.
 #[must_use]
-pub fn is_done(training: &Training, folder: &Path) -> bool {
+pub fn is_done(training: &PlannedRun, folder: &Path) -> bool {
     let results = policy_test::read_results(&folder.join(&training.name));
     let is_tested = |&(policy, rule)| policy_test::find(&results, policy, rule).is_some();
     is_trained(training, folder) && training.tests.iter().all(is_tested)
@@ -102,7 +102,7 @@ pub fn is_done(training: &Training, folder: &Path) -> bool {
 
 /// Whether `training` was done elsewhere, or `folder` holds a finished run with this configuration, at least this long, and with
 /// all policies that are needed.
-fn is_trained(training: &Training, folder: &Path) -> bool {
+fn is_trained(training: &PlannedRun, folder: &Path) -> bool {
     if training.elsewhere.is_some() {
         return true;
     }
@@ -123,7 +123,7 @@ fn is_trained(training: &Training, folder: &Path) -> bool {
 
 /// Trains, from the latest checkpoint if there is a suitable one; `false` if it was stopped.
 fn run_training(
-    training: &Training,
+    training: &PlannedRun,
     folder: &Path,
     listener: &dyn Fn() -> ProgressListener,
     stop: &AtomicBool,
@@ -162,13 +162,13 @@ fn run_training(
 }
 
 /// Reads the policy that a training run starts from, if any. Its path is relative to `folder`.
-fn origin(training: &Training, folder: &Path) -> Result<Option<Policy>, RunError> {
+fn origin(training: &PlannedRun, folder: &Path) -> Result<Option<Policy>, RunError> {
     let transfer = training.config.transfer.as_ref();
     transfer.map(|transfer| policy_test::read_policy(&folder.join(&transfer.policy))).transpose()
 }
 
-/// Runs the tests that have no result yet. The results are written below `runs`, also those of a run from elsewhere.
-fn run_tests(training: &Training, runs: &Path) -> Result<(), RunError> {
+/// Runs the tests that have no result yet. The results are written below `runs`, even for a run from elsewhere.
+fn run_tests(training: &PlannedRun, runs: &Path) -> Result<(), RunError> {
     let (from, into) = (training.folder(runs), runs.join(&training.name));
     let mut results = policy_test::read_results(&into);
     let known = results.len();

@@ -24,7 +24,7 @@ use crate::scenario::printable;
 
 /// A training run and its tests.
 #[derive(Clone, Debug)]
-pub struct Training {
+pub struct PlannedRun {
     /// The name of the run's folder. Equal configurations have equal names.
     pub name: String,
     /// The configuration of the run.
@@ -37,7 +37,7 @@ pub struct Training {
     pub elsewhere: Option<FinishedRun>,
 }
 
-impl Training {
+impl PlannedRun {
     /// The folder with the records and policies of the run. `runs` is the folder of the report's own runs.
     #[must_use]
     pub fn folder(&self, runs: &Path) -> PathBuf {
@@ -49,7 +49,7 @@ impl Training {
 #[derive(Debug, Default)]
 pub struct RunPlan {
     /// Every training run once, each before those that start from it.
-    pub trainings: Vec<Training>,
+    pub trainings: Vec<PlannedRun>,
     /// The arm runs by experiment, condition and arm (indices) and seed.
     pub arm_runs: BTreeMap<(usize, usize, usize, u64), ArmRun>,
 }
@@ -133,11 +133,12 @@ impl RunPlan {
     /// Adds a run that was trained elsewhere.
     fn add_finished(&mut self, config: RunConfig, run: FinishedRun) -> ArmRun {
         let length = config.preset.budget;
-        let known =
-            |training: &Training| training.elsewhere.as_ref().is_some_and(|known| known.folder == run.folder);
+        let known = |training: &PlannedRun| {
+            training.elsewhere.as_ref().is_some_and(|known| known.folder == run.folder)
+        };
         let index = self.trainings.iter().position(known).unwrap_or_else(|| {
             let (name, tests) = (run.name.clone(), BTreeSet::new());
-            self.trainings.push(Training { name, config, origin: None, tests, elsewhere: Some(run) });
+            self.trainings.push(PlannedRun { name, config, origin: None, tests, elsewhere: Some(run) });
             self.trainings.len() - 1
         });
         ArmRun { stages: vec![(index, length)] }
@@ -165,7 +166,7 @@ impl RunPlan {
             return Ok(index);
         }
         let origin = origin.map(|(training, _)| training);
-        self.trainings.push(Training { name, config, origin, tests: BTreeSet::new(), elsewhere: None });
+        self.trainings.push(PlannedRun { name, config, origin, tests: BTreeSet::new(), elsewhere: None });
         Ok(self.trainings.len() - 1)
     }
 

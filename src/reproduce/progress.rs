@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{HumanDuration, ProgressBar};
 
-use super::plan::Training;
+use super::plan::PlannedRun;
 use crate::run::preset::Budget;
 use crate::run::progress::{Progress, ProgressListener, bar, print_stderr};
 use crate::scenario::printable;
@@ -42,7 +42,7 @@ struct Inner {
 impl OverallProgress {
     /// The progress of `trainings`, all at 0.
     #[must_use]
-    pub fn new(trainings: &[Training]) -> Arc<Self> {
+    pub fn new(trainings: &[PlannedRun]) -> Arc<Self> {
         Arc::new(Self {
             inner: Mutex::new(Inner {
                 costs: trainings.iter().map(|t| gradient_steps(t, t.config.preset.budget)).collect(),
@@ -62,7 +62,7 @@ impl OverallProgress {
     }
 
     /// Records that run `index` has started, and returns the listener for its progress.
-    pub fn listener(self: &Arc<Self>, index: usize, training: &Training) -> ProgressListener {
+    pub fn listener(self: &Arc<Self>, index: usize, training: &PlannedRun) -> ProgressListener {
         let config = &training.config;
         let name = format!("{} in {}, seed {}", config.preset_name(), config.scenario.name, config.seed);
         self.lock().running.insert(index, printable(&name).into_owned());
@@ -137,7 +137,7 @@ impl Inner {
 }
 
 /// The approximate cost of a training run in gradient steps, to which its time is proportional.
-pub fn gradient_steps(training: &Training, budget: Budget) -> f64 {
+pub fn gradient_steps(training: &PlannedRun, budget: Budget) -> f64 {
     let learning = &training.config.preset.learning;
     let env_steps = match budget {
         // Early episodes soon end in a collision; late episodes last until the time limit.

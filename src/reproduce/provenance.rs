@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::options::ReproduceOptions;
-use super::plan::{RunPlan, Training};
+use super::plan::{PlannedRun, RunPlan};
 use super::results::Results;
 use super::seeds::seeds_text;
 use crate::report::format::counted;
@@ -51,7 +51,7 @@ pub fn provenance(
 
 /// The runs that were trained elsewhere, with their versions.
 fn trained_elsewhere(plan: &RunPlan) -> Option<String> {
-    let run = |training: &Training| {
+    let run = |training: &PlannedRun| {
         let folder = &training.elsewhere.as_ref()?.folder;
         Some(format!("{} (wayfield {})", printable_path(folder), training.config.version))
     };

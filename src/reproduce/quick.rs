@@ -8,7 +8,7 @@ use super::figure_spec::FigureKind;
 use super::table_spec::TableKind;
 use crate::run::preset::{Budget, EvaluationConfig};
 
-/// The factor by which budgets and tests are shorter.
+/// The divisor of budgets and of the number of test episodes.
 const SHORTER: u64 = 10;
 
 /// The maximum number of seeds.
@@ -59,7 +59,7 @@ pub fn make_quick(experiment: &mut Experiment, budget_of: impl Fn(&str) -> Optio
     }
 }
 
-/// The evaluation of an experiment that names none.
+/// The evaluation of an experiment that does not set one.
 fn default_evaluation() -> EvaluationConfig {
     EvaluationConfig {
         every_env_steps: 10_000,
@@ -68,8 +68,8 @@ fn default_evaluation() -> EvaluationConfig {
     }
 }
 
-/// The experiment's own evaluation: as many in the shorter training, each of at most [`MAX_EVALUATION_EPISODES`] episodes. The
-/// final test stays the same.
+/// The experiment's own evaluation, as often in the shorter training, with at most [`MAX_EVALUATION_EPISODES`] episodes each time.
+/// The final test stays the same.
 fn quick_evaluation(own: EvaluationConfig) -> EvaluationConfig {
     let every_env_steps = (own.every_env_steps / SHORTER).max(1);
     EvaluationConfig { every_env_steps, episodes: own.episodes.min(MAX_EVALUATION_EPISODES), ..own }

@@ -159,26 +159,33 @@ impl Records {
     }
 
     /// The first episode (from 0) at which the moving mean over `window` episodes reaches `goals` per episode; if none does,
-    /// the last episode and `true`.
-    fn episode_with_goals(&self, goals: f64, policy: PolicyId, window: usize) -> (usize, bool) {
+    /// the last episode and `true`. `None` without episodes.
+    fn episode_with_goals(&self, goals: f64, policy: PolicyId, window: usize) -> Option<(usize, bool)> {
         let series = &self.goals[..self.episodes(policy)];
         let window = window.min(series.len());
         let means = moving_mean(series, window);
         let reached = means.iter().enumerate().position(|(i, &mean)| i + 1 >= window && mean >= goals);
-        (reached.unwrap_or(series.len().saturating_sub(1)), reached.is_none())
+        Some((reached.or(series.len().checked_sub(1))?, reached.is_none()))
     }
 
-    /// The number of episodes until the moving mean reaches `goals` per episode; a lower bound if it never does.
+    /// The number of episodes until the moving mean reaches `goals` per episode; a lower bound if it never does. NaN without
+    /// episodes.
     pub fn episodes_to(&self, goals: f64, policy: PolicyId, window: usize) -> MeasuredValue {
-        let (episode, is_lower_bound) = self.episode_with_goals(goals, policy, window);
-        MeasuredValue { value: (episode + 1) as f64, is_lower_bound }
+        let found = self.episode_with_goals(goals, policy, window);
+        found.map_or(MeasuredValue::exact(f64::NAN), |(episode, is_lower_bound)| MeasuredValue {
+            value: (episode + 1) as f64,
+            is_lower_bound,
+        })
     }
 
-    /// Thousands of env steps until the moving mean reaches `goals` per episode; a lower bound if it never does.
+    /// Thousands of env steps until the moving mean reaches `goals` per episode; a lower bound if it never does. NaN without
+    /// episodes.
     pub fn steps_to(&self, goals: f64, policy: PolicyId, window: usize) -> MeasuredValue {
-        let (episode, is_lower_bound) = self.episode_with_goals(goals, policy, window);
-        let value = self.env_steps.get(episode).map_or(0.0, |&steps| steps as f64 / 1e3);
-        MeasuredValue { value, is_lower_bound }
+        let found = self.episode_with_goals(goals, policy, window);
+        found.map_or(MeasuredValue::exact(f64::NAN), |(episode, is_lower_bound)| MeasuredValue {
+            value: self.env_steps[episode] as f64 / 1e3,
+            is_lower_bound,
+        })
     }
 }
 

@@ -1,4 +1,4 @@
-//! What a report was made of, as its folder records it, and which report may replace it.
+//! The contents of a report, as its folder records them, and the check whether another report may replace it.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -13,7 +13,7 @@ use crate::scenario::printable_path;
 /// Stands for the shipped experiments in the list of files.
 const SHIPPED: &str = "the paper's experiments";
 
-/// What a report is made of.
+/// The contents of a report.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct ReportContents {
     /// Whether it is a quick report.
@@ -35,7 +35,8 @@ impl ReportContents {
         Self { quick: options.quick, experiments, seeds: selected.iter().map(seeds).collect() }
     }
 
-    /// Why this report must not replace the full report `old`: it leaves out an experiment, or seeds of one. `None` if it may.
+    /// Why this report must not replace the full report `old`: it leaves out an experiment file, or seeds of an experiment in both.
+    /// `None` if it may.
     pub fn cannot_replace(&self, old: &Self) -> Option<String> {
         if let Some(other) = old.experiments.iter().find(|other| !self.includes(other)) {
             let other = printable_path(Path::new(other));

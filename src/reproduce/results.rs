@@ -13,7 +13,7 @@ use super::figure_spec::{Axis, Series};
 use super::measure::Measure;
 use super::measured_value::{ArmValues, MeasuredValue};
 use super::optimal_times::{OptimalTimes, OptimalTimesCache};
-use super::plan::{RunPlan, Training};
+use super::plan::{PlannedRun, RunPlan};
 use super::policy_test::{self, PolicyTestResult};
 use super::records::{Records, Windows};
 use super::report_progress::ReportProgress;
@@ -57,7 +57,7 @@ impl<'a> Results<'a> {
         optimal_times_cache: OptimalTimesCache,
     ) -> Result<Self, RunError> {
         let records =
-            |training: &Training| Records::read(&training.folder(runs), training.config.preset.arenas);
+            |training: &PlannedRun| Records::read(&training.folder(runs), training.config.preset.arenas);
         let records = plan.trainings.iter().map(records).collect::<Result<_, _>>()?;
         let tests = plan.trainings.iter().map(|t| policy_test::read_results(&runs.join(&t.name))).collect();
         Ok(Self { plan, selected, runs: runs.into(), optimal_times_cache, records, tests })
@@ -237,7 +237,7 @@ impl<'a> Results<'a> {
     }
 
     /// The training at `index`.
-    pub fn training(&self, index: usize) -> &'a Training {
+    pub fn training(&self, index: usize) -> &'a PlannedRun {
         &self.plan.trainings[index]
     }
 
@@ -273,7 +273,7 @@ impl<'a> Results<'a> {
     /// The wall time of all training runs together, in minutes.
     pub fn total_wall_minutes(&self) -> f64 {
         let wall_s =
-            |training: &Training| Summary::read(&training.folder(&self.runs)).map(|summary| summary.wall_s);
+            |training: &PlannedRun| Summary::read(&training.folder(&self.runs)).map(|summary| summary.wall_s);
         self.plan.trainings.iter().filter_map(wall_s).sum::<f64>() / 60.0
     }
 

@@ -13,8 +13,8 @@ use crate::scenario::closest_name;
 /// The experiments that `options` ask for, with the options' settings, length and seeds applied to them.
 ///
 /// # Errors
-/// A file is invalid, a name is used twice, a name after `--only` does not exist, or `--set` or `--quick` is given for an arm
-/// with finished runs.
+/// A file is invalid, a name is used twice, a name after `--only` does not exist, or `--set` or `--quick` is given for an
+/// experiment with finished runs.
 pub fn select(options: &ReproduceOptions) -> Result<Vec<SelectedExperiment>, RunError> {
     let sources = sources(options)?;
     check_wanted(&options.only, &names(&sources)?)?;
@@ -27,6 +27,13 @@ pub fn select(options: &ReproduceOptions) -> Result<Vec<SelectedExperiment>, Run
         // The name of an experiment selects all of it, unless it is also the name of a figure or table.
         let all = options.only.is_empty() || (asked(&name) && !items.contains(&name));
         let experiment = &mut source.experiment;
+        let figures = indices(&experiment.figures, |figure| all || asked(&figure.name));
+        let tables = indices(&experiment.tables, |table| {
+            all || asked(&table.name) || table.aliases.iter().any(|name| asked(name))
+        });
+        if figures.is_empty() && tables.is_empty() {
+            continue;
+        }
         if !options.settings.is_empty() {
             check_trains(&source.from, experiment, "--set changes")?;
             experiment.overrides.0.extend(options.settings.0.iter().cloned());
@@ -39,13 +46,7 @@ pub fn select(options: &ReproduceOptions) -> Result<Vec<SelectedExperiment>, Run
         if let Some(seeds) = &options.seeds {
             experiment.seeds = seeds.clone();
         }
-        let figures = indices(&experiment.figures, |figure| all || asked(&figure.name));
-        let tables = indices(&experiment.tables, |table| {
-            all || asked(&table.name) || table.aliases.iter().any(|name| asked(name))
-        });
-        if !figures.is_empty() || !tables.is_empty() {
-            selected.push(SelectedExperiment { source, figures, tables });
-        }
+        selected.push(SelectedExperiment { source, figures, tables });
     }
     Ok(selected)
 }

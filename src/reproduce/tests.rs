@@ -10,7 +10,7 @@ use super::figure_spec::{Axis, Series};
 use super::measure::Measure;
 use super::measured_value::MeasuredValue;
 use super::optimal_times::OptimalTimesCache;
-use super::plan::{RunPlan, Training};
+use super::plan::{PlannedRun, RunPlan};
 use super::policy_test::{self, PolicyTestResult};
 use super::progress::gradient_steps;
 use super::quick::make_quick;
@@ -138,7 +138,8 @@ fn shards_are_a_plan_in_equal_parts_and_keep_transfers_together() {
             assert!(cost(&part) <= most, "part {shard} takes longer than its share and a chain of transfers");
             for training in &part.trainings {
                 let whole = plan.trainings.iter().find(|t| t.name == training.name).expect("in the plan");
-                let origin = |plan: &RunPlan, t: &Training| t.origin.map(|k| plan.trainings[k].name.clone());
+                let origin =
+                    |plan: &RunPlan, t: &PlannedRun| t.origin.map(|k| plan.trainings[k].name.clone());
                 assert_eq!(origin(&part, training), origin(&plan, whole), "{}", training.name);
                 assert_eq!((&training.config, &training.tests), (&whole.config, &whole.tests));
             }
@@ -215,7 +216,7 @@ const TWO_STAGES: &str = r#"(
 )"#;
 
 /// Writes the records of a run with the given goals per episode; every episode has 10 steps and a return of 100 per goal.
-fn write_records(folder: &Path, training: &Training, goals: &[u32], results: &[PolicyTestResult]) {
+fn write_records(folder: &Path, training: &PlannedRun, goals: &[u32], results: &[PolicyTestResult]) {
     let folder =
         RunFolder::create(Some(folder.join(&training.name)), &training.config, None).expect("a folder");
     let mut episodes = folder.csv::<EpisodeRow>("episodes.csv", 0, &[]).expect("a file");
@@ -281,6 +282,10 @@ fn measures_are_computed_from_the_records() {
     assert_eq!(value(Measure::StepsTo(2.0), 300), exactly(1.25), "thousands of steps");
     let not_reached = MeasuredValue { value: 200.0, is_lower_bound: true };
     assert_eq!(value(Measure::EpisodesTo(4.5), 300), not_reached, "a lower bound");
+    for measure in [Measure::EpisodesTo(2.0), Measure::StepsTo(2.0)] {
+        let MeasuredValue { value, is_lower_bound } = value(measure, 0);
+        assert!(value.is_nan() && !is_lower_bound, "no value without episodes");
+    }
 
     // A figure's own window of 20 episodes: 10 episodes with 4 goals make a mean of 2.
     assert_eq!(value_in(Measure::Return, 210, Windows::equal(20)), exactly(200.0), "10 of 20 episodes");

@@ -1,5 +1,5 @@
-//! The check of an experiment's training runs by `--check`: whether all of them can be planned, and what is doubtful in their
-//! settings.
+//! The check of an experiment's training runs by `--check`: whether all of them can be planned, and which of their
+//! settings are questionable.
 
 use std::cell::RefCell;
 use std::path::Path;
@@ -16,8 +16,8 @@ use crate::run::notes::{RunNote, run_notes};
 use crate::scenario::{Diagnostic, FileError, Note, NoteLevel, overlap, parse_checked, printable_path};
 
 impl Experiment {
-    /// Checks the experiment with this `text`, from the file at `path`, and its training runs. Returns notes on their doubtful
-    /// settings, each at the path of the stage, or of the condition if that changes the stage.
+    /// Checks the experiment with this `text`, from the file at `path`, and its training runs. Returns notes on their
+    /// questionable settings, each at the path of the stage, or of the condition if that changes the stage.
     ///
     /// # Errors
     /// As for [`Experiment::parse`]; also, training runs are invalid after their overrides, a scenario, preset or run cannot be
@@ -37,8 +37,8 @@ impl Experiment {
         Ok(notes.into_inner())
     }
 
-    /// Notes on the doubtful settings of the training runs, and the runs' problems. The values at the paths `unknown` could not
-    /// be read, and `found` are the problems of the file itself.
+    /// Notes on the questionable settings of the training runs, and the runs' problems. The values at the paths `unknown` could
+    /// not be read, and `found` are the problems of the file itself.
     fn check_trainings(
         &self,
         path: &Path,

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::arm_run::PolicyId;
 use super::execute::{is_done, train_and_test};
 use super::experiment::{TestRule, TestedPolicy};
-use super::plan::Training;
+use super::plan::PlannedRun;
 use super::progress::gradient_steps;
 use super::run_config::run_name;
 use crate::limits::MAX_CONFIG_BYTES;
@@ -36,9 +36,9 @@ pub struct TrainingTask {
     tests: BTreeSet<(PolicyId, TestRule)>,
 }
 
-impl From<&Training> for TrainingTask {
-    fn from(training: &Training) -> Self {
-        let Training { name, config, tests, .. } = training.clone();
+impl From<&PlannedRun> for TrainingTask {
+    fn from(training: &PlannedRun) -> Self {
+        let PlannedRun { name, config, tests, .. } = training.clone();
         Self { name, config, tests }
     }
 }
@@ -125,9 +125,9 @@ impl TrainingTask {
         )))
     }
 
-    fn training(&self) -> Training {
+    fn training(&self) -> PlannedRun {
         let Self { name, config, tests } = self.clone();
-        Training { name, config, origin: None, tests, elsewhere: None }
+        PlannedRun { name, config, origin: None, tests, elsewhere: None }
     }
 }
 

@@ -13,7 +13,7 @@ use super::folder::RunConfig;
 use crate::policy::Policy;
 use crate::random;
 
-/// The results of testing the best policy after training, in other episodes than those of the evaluations.
+/// The results of testing the best policy after training, in episodes other than those of the evaluations.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FinalTest {
     /// Fraction of episodes that succeeded, 0 to 1.
@@ -28,7 +28,7 @@ pub struct FinalTest {
     pub timeout_rate: f64,
     /// Its 95 % confidence interval, within 0 to 1.
     pub timeout_interval: [f64; 2],
-    /// Mean simulated time of the successful episodes, in s.
+    /// Mean simulated time of the successful episodes, in s; `None` without a success.
     pub mean_time_s: Option<f64>,
     /// Number of episodes.
     pub episodes: usize,

@@ -20,13 +20,13 @@ pub struct Fingerprint {
     pub weights: u32,
     /// Checksum of every arena's state after each control step: poses, goals, ranges, rewards, random
     /// streams.
-    pub world: u32,
+    pub arena_states: u32,
 }
 
 impl fmt::Display for Fingerprint {
     /// The checksums of the weights and of the arenas' states, as 16 hexadecimal digits.
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(to, "{:08x}{:08x}", self.weights, self.world)
+        write!(to, "{:08x}{:08x}", self.weights, self.arena_states)
     }
 }
 
@@ -56,7 +56,7 @@ pub fn fingerprint(
             .map_err(|error| RunError::Failed(error.to_string()))?;
         checksum = crc32c::crc32c_append(checksum, &bytes);
     }
-    Ok(Fingerprint { weights: crc32c::crc32c(&weights), world: checksum })
+    Ok(Fingerprint { weights: crc32c::crc32c(&weights), arena_states: checksum })
 }
 
 #[cfg(test)]
@@ -96,9 +96,9 @@ mod tests {
         let of = |seed, steps| fingerprint("scenario-1", "fast", seed, steps).expect("shipped");
         let one = of(1, 20);
         assert_eq!(one, of(1, 20));
-        assert_ne!(one.world, of(1, 21).world);
+        assert_ne!(one.arena_states, of(1, 21).arena_states);
         assert_eq!(one.weights, of(1, 21).weights);
         assert_ne!(one.weights, of(2, 20).weights);
-        assert_ne!(one.world, of(2, 20).world);
+        assert_ne!(one.arena_states, of(2, 20).arena_states);
     }
 }

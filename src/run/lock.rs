@@ -1,6 +1,6 @@
-//! A lock on an output folder: only one process at a time may write in it.
+//! A lock on an output folder or a backup of the editor: only one process at a time may write there.
 //!
-//! It is an advisory lock on an empty file in the folder. The operating system releases it when the process
+//! It is an advisory lock on an empty file. The operating system releases it when the process
 //! exits or crashes. The file remains; only the lock on it matters.
 
 use std::fs::{File, OpenOptions, TryLockError};

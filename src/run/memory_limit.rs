@@ -1,11 +1,12 @@
 //! Checks that a training run fits into the memory limits of the process (`ulimit -v`, `ulimit -d`), as batch systems set them.
 //!
-//! At such a limit an allocation fails, and a failed allocation ends a Rust program on the spot. So the check comes first, with
-//! an estimate. Should an allocation fail in spite of it, the process still ends with exit status 1 (`signals/unix.rs`).
+//! At such a limit an allocation fails, which aborts a Rust program at once. So an estimate is checked before the start. If an
+//! allocation fails nevertheless, the process ends with exit status 1 (`signals/unix.rs`).
 
 use rustix::process::{Resource, getrlimit};
 
 use super::RunError;
+use super::evaluate::Evaluator;
 use super::folder::RunConfig;
 use super::memory::bodies_per_arena;
 
@@ -19,7 +20,7 @@ const BASE_ADDRESS_SPACE: u64 = 384 << 20;
 const BASE_DATA: u64 = 128 << 20;
 /// The address space that is enough for an evaluation, in bytes. With less, even the first threads may fail to start.
 const MIN_ADDRESS_SPACE: u64 = 520 << 20;
-/// Memory of a body in the simulation.
+/// Memory of a body in the simulation, in bytes.
 const BYTES_PER_BODY: u64 = 2048;
 /// Copies of the network's parameters: tensors, target network, gradient, moments, policies, a checkpoint in progress.
 const PARAMETER_COPIES: u64 = 12;
@@ -74,7 +75,8 @@ fn training_bytes(config: &RunConfig) -> u64 {
     // A network that is too large is refused by the learner.
     let shape = learning.network.shape(inputs, preset.actions.len(scenario.robot.motions.len()));
     let parameters = shape.map_or(0, |shape| shape.parameter_count());
-    let bodies = bodies_per_arena(scenario) * (preset.arenas + preset.evaluation.episodes);
+    let evaluation_arenas = Evaluator::parallel_arenas(scenario, preset.evaluation.episodes);
+    let bodies = bodies_per_arena(scenario) * (preset.arenas + evaluation_arenas);
     // A state has its values and an 8-byte reference. A transition has up to 24 bytes, and up to four f64 nodes in the sum tree.
     (states * (4 * inputs + 8) + learning.replay.capacity * (24 + 32)) as u64
         + parameters as u64 * 4 * PARAMETER_COPIES

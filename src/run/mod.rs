@@ -6,7 +6,7 @@
 //! |---|---|
 //! | `preset.rs` | training presets |
 //! | `settings.rs` | single fields of a preset or scenario that are set from outside their files |
-//! | `notes/` | doubtful settings of a run |
+//! | `notes/` | questionable settings of a run |
 //! | `memory.rs`, `memory_limit.rs` | the memory that a run needs, and the limits of the process |
 //! | `scenario_set.rs` | the files of sets of scenarios |
 //! | `shipped.rs` | the shipped scenarios, presets and policies, by name |

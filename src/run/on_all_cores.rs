@@ -4,7 +4,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread::Builder;
 
 /// The results of `of` for the indices 0 to `count` - 1, in this order, on `threads` threads (0: one per core). Each thread
-/// first makes its own `state`. The number of threads changes no result if `of` does not depend on what earlier calls left in it.
+/// first makes its own `state`. The number of threads changes no result if `of` does not depend on what earlier calls left in
+/// the state.
 pub fn map<S, T: Send>(
     count: usize,
     threads: usize,

@@ -142,7 +142,7 @@ impl Setting {
                 return Err("the scenario cannot be set here; help: change its file".into());
             };
             if rest.is_empty() {
-                return Err("give a field of the scenario, such as scenario.lidar.noise_std_m; help: --scenario chooses another".into());
+                return Err("give a field of the scenario, such as scenario.lidar.noise_std_m; help: choose another scenario with --scenario".into());
             }
             check_name(rest, "`scenario`", field_names::<Scenario>())?;
             *scenario = with_setting(scenario, rest, &self.value)?;

@@ -63,7 +63,7 @@ impl ContactQuery<'_> {
         let touches = |(position, shape): PlacedShape| distance_m(position, shape, end) <= reach_m;
         let others = self.bodies.not_in_grid().filter_map(|(_, solid)| self.colliders.get(solid));
         (end - self.from).length() <= (to - self.from).length() * (1.0 + 1e-6) + 1e-6
-            && (self.still_near(end, reach_m).any(touches) || others.map(placed).any(touches))
+            && (self.static_near(end, reach_m).any(touches) || others.map(placed).any(touches))
             && self.first_within(end, radius_m - MAX_PENETRATION_M).is_none()
     }
 
@@ -90,8 +90,8 @@ impl ContactQuery<'_> {
             let is_near = distance_m(position, of, to) - reach_m <= max_travel_m;
             if is_near { approach(shape, obstacle, max_travel_m) } else { None }
         };
-        let still = self.still_near(to, reach_m + step_m);
-        let still = still.filter_map(|shape| approach(shape, None, step_m));
+        let in_grid = self.static_near(to, reach_m + step_m);
+        let in_grid = in_grid.filter_map(|shape| approach(shape, None, step_m));
         let others = self.bodies.not_in_grid().filter_map(|(index, handle)| {
             let shape = placed(self.colliders.get(handle)?);
             // The scenario's own obstacles come first among the solids; all others are static.
@@ -100,7 +100,7 @@ impl ContactQuery<'_> {
             let max_travel_m = step_m + obstacle.map_or(0.0, |o| self.max_travel_m(o));
             approach(shape, obstacle, max_travel_m)
         });
-        others.chain(still).reduce(f32::min)
+        others.chain(in_grid).reduce(f32::min)
     }
 
     /// The fraction of the step after which the shape of an obstacle or a wall first comes within `reach_m` of the robot's
@@ -130,9 +130,9 @@ impl ContactQuery<'_> {
     }
 
     /// The shapes in the grid at most `radius_m` from `at`, and possibly others.
-    fn still_near(&self, at: Vec2, radius_m: f32) -> impl Iterator<Item = PlacedShape<'_>> {
-        let still = self.bodies.still.iter().flat_map(move |still| still.near(at, radius_m));
-        still.map(|shape| (&shape.position, shape.shape()))
+    fn static_near(&self, at: Vec2, radius_m: f32) -> impl Iterator<Item = PlacedShape<'_>> {
+        let near = self.bodies.static_shapes.iter().flat_map(move |shapes| shapes.near(at, radius_m));
+        near.map(|shape| (&shape.position, shape.shape()))
     }
 
     /// The longest distance that any point of an obstacle travels in a step, in m.

@@ -13,7 +13,7 @@
 //! | `obstacles.rs` | moving obstacles as a function of the clock, and generated obstacles |
 //! | `lidar.rs` | scans with noise, dropout and latency |
 //! | `ray_cast.rs` | exact ranges along the beams |
-//! | `still_shapes.rs` | a grid over the still shapes of large scenarios |
+//! | `static_shapes.rs` | a grid over the static shapes of large scenarios |
 //! | `probe.rs` | scans from arbitrary poses, for displays |
 
 mod arena;
@@ -26,7 +26,7 @@ mod physics;
 mod probe;
 mod ray_cast;
 mod robot;
-mod still_shapes;
+mod static_shapes;
 
 use bevy::prelude::*;
 

@@ -25,7 +25,7 @@ use bevy_rapier2d::rapier::prelude::{
 
 use super::colliders::{enclosure_colliders, shared_shape};
 use super::footprint::Footprint;
-use super::still_shapes::StillShapes;
+use super::static_shapes::StaticShapes;
 use crate::control_step::{ControlSet, ControlStep};
 use crate::scenario::{Obstacle, ObstacleMotion, Robot, Scenario, Wall, pose_at};
 use crate::task::ArenaLayout;
@@ -53,8 +53,8 @@ pub struct Bodies {
     pub solids: Vec<ColliderHandle>,
     /// The footprint of a robot that is not a disc.
     pub(super) footprint: Option<Footprint>,
-    /// The still solids in a grid, if there are many.
-    pub(super) still: Option<Arc<StillShapes>>,
+    /// The static solids in a grid, if there are many.
+    pub(super) static_shapes: Option<Arc<StaticShapes>>,
     /// The indices into `solids` of the solids that are not in the grid.
     pub(super) not_in_grid: Vec<usize>,
 }
@@ -193,7 +193,7 @@ fn step(mut pipeline: ResMut<Pipeline>, mut arenas: Query<Stepped>) {
 
 /// Makes the bodies and colliders of `scenario` in the empty sets of an arena.
 ///
-/// Rapier's results depend on the order of insertion, which depends on the scenario alone: everything that stands still, the
+/// Rapier's results depend on the order of insertion, which depends on the scenario alone: everything static, the
 /// robot, then the moving obstacles.
 fn make_bodies(
     scenario: &Arc<Scenario>,
@@ -206,17 +206,17 @@ fn make_bodies(
     let mut solids = vec![ColliderHandle::invalid(); own.len()];
     for (index, obstacle) in own.iter().enumerate().filter(|(_, obstacle)| !is_moving(obstacle)) {
         solids[index] =
-            colliders.insert(still(shared_shape(&obstacle.shape), pose_at(obstacle, 0, period_s)));
+            colliders.insert(static_collider(shared_shape(&obstacle.shape), pose_at(obstacle, 0, period_s)));
     }
     let inner = scenario.walls.iter().flat_map(Wall::segments);
     let inner = inner.map(|Obstacle { shape, position_m: Vec2 { x, y }, rotation_rad, .. }| {
         (shared_shape(&shape), (x, y, rotation_rad))
     });
     for (shape, pose) in enclosure_colliders(&scenario.enclosure).into_iter().chain(inner) {
-        solids.push(colliders.insert(still(shape, pose)));
+        solids.push(colliders.insert(static_collider(shape, pose)));
     }
     // Placeholders. Their shapes and poses are set when an episode begins, or they are disabled.
-    let placeholder = || still(SharedShape::ball(1.0), (0.0, 0.0, 0.0));
+    let placeholder = || static_collider(SharedShape::ball(1.0), (0.0, 0.0, 0.0));
     let reserved = scenario.max_obstacles() - own.len();
     let generated = (0..reserved).map(|_| colliders.insert(placeholder())).collect();
     let robot = bodies.insert(robot_body(&scenario.robot));
@@ -229,16 +229,16 @@ fn make_bodies(
     }
     let (scenario, footprint) = (scenario.clone(), Footprint::of(&scenario.robot));
     let moving = obstacles.iter().enumerate().filter_map(|(index, body)| Some(((*body)?, index))).collect();
-    let (still, not_in_grid) = (None, Vec::new());
-    Bodies { scenario, robot, obstacles, moving, generated, solids, footprint, still, not_in_grid }
+    let (static_shapes, not_in_grid) = (None, Vec::new());
+    Bodies { scenario, robot, obstacles, moving, generated, solids, footprint, static_shapes, not_in_grid }
 }
 
 fn is_moving(obstacle: &Obstacle) -> bool {
     obstacle.motion != ObstacleMotion::Static
 }
 
-/// The collider of something that stands still at a pose, in m and rad.
-fn still(shape: SharedShape, pose: (f32, f32, f32)) -> ColliderBuilder {
+/// The collider of something static at a pose, in m and rad.
+fn static_collider(shape: SharedShape, pose: (f32, f32, f32)) -> ColliderBuilder {
     ColliderBuilder::new(shape).position(body_pose(pose))
 }
 

@@ -2,7 +2,7 @@
 //!
 //! In: rapier's colliders, the robot's pose and the beam directions. Out: one range per beam, in m. Beams are cast against
 //! the colliders of one arena, in each shape's own frame. Most casts are skipped, because the beam cannot hit the shape
-//! ([`BeamFilter`]), or because the shape is in none of the cells that the beam crosses (`still_shapes.rs`).
+//! ([`BeamFilter`]), or because the shape is in none of the cells that the beam crosses (`static_shapes.rs`).
 
 use bevy::prelude::*;
 use bevy_rapier2d::rapier::geometry::{
@@ -41,8 +41,8 @@ pub fn cast_in_arena(
     ranges_m: &mut Vec<f32>,
 ) {
     let (origin, heading) = start(pose, beams, max_range_m, ranges_m);
-    if let Some(still) = &bodies.still {
-        still.cast(origin, heading, beams, ranges_m);
+    if let Some(shapes) = &bodies.static_shapes {
+        shapes.cast(origin, heading, beams, ranges_m);
     }
     let solids = bodies.not_in_grid().filter_map(|(_, handle)| colliders.get(handle));
     shorten(solids, origin, heading, beams, ranges_m);

@@ -84,12 +84,12 @@ impl Member {
 #[derive(Resource, Clone, Debug)]
 pub struct LevelProgress {
     uniform: f32,
-    /// By the pool's member; one that is a scenario has no levels.
+    /// One per member of the pool; a member that is a scenario has no levels.
     members: Vec<Member>,
 }
 
 impl LevelProgress {
-    /// No results yet in the levels of `pool`, if `sampling` needs them.
+    /// Empty results for the levels of `pool`; `None` if `sampling` does not need results.
     #[must_use]
     pub(crate) fn new(sampling: LevelSampling, pool: &ScenarioPool) -> Option<Self> {
         let LevelSampling::ByProgress { uniform } = sampling else { return None };
@@ -97,7 +97,7 @@ impl LevelProgress {
         Some(Self { uniform, members: pool.training_level_counts().map(empty).collect() })
     }
 
-    /// The results, by member and level.
+    /// The results by member and level.
     #[must_use]
     pub(crate) fn results(&self) -> Vec<Vec<LevelResults>> {
         self.members.iter().map(|member| member.results.clone()).collect()

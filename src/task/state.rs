@@ -27,7 +27,7 @@ pub struct ArenaLayout {
     pub layout_seed: u64,
     /// The scenario with the generated obstacles and the drawn values ([`Scenario::with_generated_obstacles`]).
     pub scenario: Arc<Scenario>,
-    /// The spatial index of `scenario`, if it has many still parts.
+    /// The spatial index of `scenario`, if it has many static parts.
     pub index: Option<Arc<SpatialIndex>>,
     /// The free cells of `scenario`, once they are needed. Clones share them.
     free_cells: Arc<OnceLock<Arc<FreeCells>>>,

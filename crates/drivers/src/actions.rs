@@ -1,6 +1,6 @@
 //! The motions that the actions of a policy stand for.
 
-use wayfield_policy::{ActionSet, MotionLimits};
+use wayfield_policy::{ActionSet, MotionLimits, RelativeMotion};
 use wayfield_scenario::{Motion, Robot};
 
 /// The limits of the motions of `robot`.
@@ -18,15 +18,25 @@ pub fn motion_limits(robot: &Robot) -> MotionLimits {
 pub fn action_motion(set: &ActionSet, action: usize, robot: &Robot) -> Motion {
     match set {
         ActionSet::Robot => robot.motions[action],
-        ActionSet::Relative(motions) => {
-            let (v_m_s, w_rad_s) = motions[action].of(&motion_limits(robot));
-            robot.steerable(Motion { v_m_s, w_rad_s })
-        }
+        ActionSet::Relative(motions) => relative_motion(motions[action], robot, &motion_limits(robot)),
     }
+}
+
+/// The motion of `robot`, which has these [`motion_limits`], that `relative` stands for.
+#[must_use]
+pub fn relative_motion(relative: RelativeMotion, robot: &Robot, limits: &MotionLimits) -> Motion {
+    let (v_m_s, w_rad_s) = relative.of(limits);
+    robot.steerable(Motion { v_m_s, w_rad_s })
 }
 
 /// The motions of `robot` that all actions of `set` stand for.
 #[must_use]
 pub fn action_motions(set: &ActionSet, robot: &Robot) -> Vec<Motion> {
-    (0..set.len(robot.motions.len())).map(|action| action_motion(set, action, robot)).collect()
+    match set {
+        ActionSet::Robot => robot.motions.clone(),
+        ActionSet::Relative(motions) => {
+            let limits = motion_limits(robot);
+            motions.iter().map(|&relative| relative_motion(relative, robot, &limits)).collect()
+        }
+    }
 }

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, vec2};
 
-/// The most cells of a grid.
+/// The maximum number of cells of a grid, except for very elongated ones.
 pub(crate) const MAX_CELLS: usize = 200_000;
 
 /// A grid of square cells over a rectangle. Cells are numbered row by row from the lower left.
@@ -63,7 +63,7 @@ impl Grid {
         (bottom..=top).flat_map(move |row| (left..=right).map(move |column| row * columns + column))
     }
 
-    /// Whether the straight line from `from_m` to `to_m` passes only through cells for which `is_free` holds.
+    /// Whether `is_free` holds for the cells at points on the straight line from `from_m` to `to_m`, at most half a cell apart.
     pub(crate) fn sees(&self, from_m: Vec2, to_m: Vec2, is_free: impl Fn(usize) -> bool) -> bool {
         let line = to_m - from_m;
         let samples = (2.0 * line.length() / self.cell_m).ceil().clamp(1.0, MAX_CELLS as f32);

@@ -65,7 +65,7 @@ mod waypoints;
 use glam::Vec2;
 use wayfield_scenario::Motion;
 
-pub use actions::{action_motion, action_motions, motion_limits};
+pub use actions::{action_motion, action_motions, motion_limits, relative_motion};
 pub use config::{
     AstarParameters, DriverClass, DriverConfig, DwaParameters, FieldParameters, OrcaParameters,
     PlannerParameters, TrackingParameters,

@@ -53,8 +53,8 @@ pub fn rings(set: &Grid<bool>) -> Vec<Vec<DVec2>> {
     rings
 }
 
-/// Simplifies `ring`: the corners that remain if dropped corners may lie up to `tolerance` from the new outline, and the
-/// largest distance of a dropped corner from it (Douglas and Peucker, 1973). At least two corners remain.
+/// Simplifies `ring` (Douglas and Peucker, 1973). Returns the corners that remain, at least two, and the largest distance of a
+/// dropped corner from the new outline, at most `tolerance`.
 pub fn simplified(ring: &[DVec2], tolerance: f64) -> (Vec<DVec2>, f64) {
     let Some(&first) = ring.first() else { return (Vec::new(), 0.0) };
     let farthest = (0..ring.len()).max_by(|&a, &b| {

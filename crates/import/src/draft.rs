@@ -67,7 +67,7 @@ pub fn scenario(
             && is_clear(route.goal_m)
     });
     scenario.benchmark_route = route;
-    scenario.task.max_episode_steps = steps(base, floor.longest_way as f64 * scale.cell_m);
+    scenario.task.max_episode_steps = steps(base, floor.longest_path as f64 * scale.cell_m);
     scenario
 }
 

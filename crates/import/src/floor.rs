@@ -1,4 +1,4 @@
-//! The floor: the cells that the robot can reach, and those beside them.
+//! The floor: the cells that the robot can reach, and the free cells around them.
 //!
 //! In: the free cells of a map. Out: the part of them that the scenario keeps, and two ends of it that are far apart. Rooms that
 //! the robot cannot enter are left out, because a goal in them could never be reached.
@@ -29,19 +29,19 @@ pub struct Floor {
     /// Two positions that keep the clearance and are about as far apart as any two, found by two breadth-first searches.
     pub ends: (Cell, Cell),
     /// Length of the shortest path between them, in steps between cells that share a side.
-    pub longest_way: usize,
+    pub longest_path: usize,
 }
 
 impl Floor {
     /// The floor: of the connected parts of the `free` cells that the robot fits through, the one with the most cells between the
-    /// corners `low` and `high` (exclusive). `None` if the robot fits nowhere.
+    /// corners `low` and `high` (exclusive). `None` if the robot fits nowhere, or nowhere with 10 % to spare.
     pub fn new(free: &Grid<bool>, margins: Margins, (low, high): (Cell, Cell)) -> Option<Self> {
         let distances = free.map(|is_free| !is_free).squared_distances(true);
         // From the centre of a cell to the side of the nearest one that is not free.
-        let room = |cell: Cell| f64::from(distances.at(cell)).sqrt() - 0.5;
+        let wall_distance = |cell: Cell| f64::from(distances.at(cell)).sqrt() - 0.5;
         let mut centres = Grid::filled(free.columns, free.rows, false);
         for cell in free.members() {
-            centres.set(cell, room(cell) > margins.collision);
+            centres.set(cell, wall_distance(cell) > margins.collision);
         }
         let (numbers, sizes) = centres.components();
         let mut counts = vec![0_usize; sizes.len()];
@@ -53,19 +53,23 @@ impl Floor {
         let most = |&part: &usize| (counts[part], sizes[part], usize::MAX - part);
         let part = (0..counts.len()).max_by_key(most)? as u32;
         let centres = numbers.map(|number| number == part);
-        let rooms: Vec<f64> = centres.members().map(room).collect();
-        let clearance = clearance(&rooms, margins);
+        let wall_distances: Vec<f64> = centres.members().map(wall_distance).collect();
+        let clearance = clearance(&wall_distances, margins);
         let cells = widened(free, centres.clone(), (clearance / 1.12).floor() as usize);
-        let roomy = |cell: &Cell| room(*cell) > clearance;
-        let (one, _) = farthest(&centres, centres.members().find(roomy)?, roomy);
-        let (other, longest_way) = farthest(&centres, one, roomy);
-        Some(Self { cells, clearance, ends: (one, other), longest_way })
+        let is_roomy = |cell: &Cell| wall_distance(*cell) > clearance;
+        let (one, _) = farthest(&centres, centres.members().find(is_roomy)?, is_roomy);
+        let (other, longest_path) = farthest(&centres, one, is_roomy);
+        Some(Self { cells, clearance, ends: (one, other), longest_path })
     }
 }
 
-/// The largest of a few clearances that enough positions have. `rooms` holds their distances from cells that are not free.
-fn clearance(rooms: &[f64], Margins { collision, clearance }: Margins) -> f64 {
-    let share = |least: f64| rooms.iter().filter(|&&room| room > least).count() as f64 / rooms.len() as f64;
+/// The largest of a few clearances that enough positions have. `wall_distances` holds their distances from cells that are not
+/// free.
+fn clearance(wall_distances: &[f64], Margins { collision, clearance }: Margins) -> f64 {
+    let share = |least: f64| {
+        wall_distances.iter().filter(|&&distance| distance > least).count() as f64
+            / wall_distances.len() as f64
+    };
     let smaller = [1.8, 1.5, 1.25].map(|factor| factor * collision).into_iter();
     let mut choices = std::iter::once(clearance).chain(smaller.filter(|&smaller| smaller < clearance));
     choices.find(|&least| share(least) >= ROOMY_SHARE).unwrap_or(1.1 * collision)
@@ -99,14 +103,14 @@ fn farthest(set: &Grid<bool>, from: Cell, is_allowed: impl Fn(&Cell) -> bool) ->
     let mut queue = VecDeque::from([(from, 0)]);
     seen.set(from, true);
     let mut last = (from, 0);
-    while let Some((cell, way)) = queue.pop_front() {
-        if way > last.1 && is_allowed(&cell) {
-            last = (cell, way);
+    while let Some((cell, steps)) = queue.pop_front() {
+        if steps > last.1 && is_allowed(&cell) {
+            last = (cell, steps);
         }
         for next in set.neighbours(cell).filter(|&next| set.at(next)) {
             if !seen.at(next) {
                 seen.set(next, true);
-                queue.push_back((next, way + 1));
+                queue.push_back((next, steps + 1));
             }
         }
     }
@@ -150,6 +154,6 @@ mod tests {
         let floor = Floor::new(&map, Margins { collision: 1.0, clearance: 4.0 }, map.corners())
             .expect("the robot fits");
         assert_eq!(floor.clearance, 1.8);
-        assert_eq!(floor.longest_way, 5, "between columns 2 and 7");
+        assert_eq!(floor.longest_path, 5, "between columns 2 and 7");
     }
 }

@@ -6,7 +6,7 @@
 //!
 //! | file | duty |
 //! |---|---|
-//! | `options.rs` | the choices of an import |
+//! | `options.rs` | the options of an import |
 //! | `map_file.rs`, `picture.rs`, `pnm.rs` | the description of a map; the pixels of its image |
 //! | `map.rs` | the import of a map or an image |
 //! | `sdf/` | the solids of an SDF world |

@@ -1,4 +1,4 @@
-//! The choices of an import.
+//! The options of an import.
 
 use std::path::{Path, PathBuf};
 
@@ -6,13 +6,13 @@ use wayfield_scenario::{FileError, Scenario};
 
 use crate::limits::{LIDAR_HEIGHT_M, RESOLUTION_M, TOLERANCE_M};
 
-/// The choices of an import. The defaults suit a map of ROS and a TurtleBot3.
+/// The options of an import. The defaults suit a ROS map and a TurtleBot3.
 #[derive(Clone, Debug)]
 pub struct ImportOptions {
     /// Side of a pixel of a plain image, in m. Maps state their own.
     pub resolution_m: Option<f64>,
-    /// How far the walls may be from the cells of a map, in m. 0 keeps every cell. `None` is the side of a cell plus 0.01 m, half
-    /// the thickness of a wall.
+    /// How far the walls may be from the cells of a map, in m. 0 keeps every cell. `None` is the side of a cell plus half the
+    /// thickness of a wall (0.01 m).
     pub tolerance_m: Option<f64>,
     /// Specks of up to this many cells, such as noise in a SLAM map, count as floor.
     pub speck_cells: usize,

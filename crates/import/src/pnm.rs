@@ -58,7 +58,7 @@ pub fn decode(bytes: &[u8]) -> Result<PnmPicture, String> {
 /// The message about an image that is too large.
 pub fn too_many_pixels(width: usize, height: usize) -> String {
     format!(
-        "{width} x {height} pixels, more than {MAX_CELLS}; help: make it smaller, with a larger resolution"
+        "{width} x {height} pixels, more than {MAX_CELLS}; help: scale it down, with more metres per pixel"
     )
 }
 
@@ -87,7 +87,7 @@ impl Reader<'_> {
         if number.is_none() && rest.is_empty() {
             return Err(incomplete());
         }
-        number.ok_or_else(|| format!("not a complete image: {what} is no number; help: save it again"))
+        number.ok_or_else(|| format!("not a complete image: {what} is not a number; help: save it again"))
     }
 
     fn skip_spaces(&mut self) {
@@ -106,7 +106,11 @@ impl Reader<'_> {
             self.skip_spaces();
             let (&first, rest) = self.rest.split_first().ok_or_else(incomplete)?;
             self.rest = rest;
-            Ok(usize::from(first == b'1'))
+            match first {
+                b'0' => Ok(0),
+                b'1' => Ok(1),
+                _ => Err("not a complete image: a pixel is not 0 or 1; help: save it again".to_owned()),
+            }
         };
         (0..count).map(bit).collect()
     }
@@ -151,13 +155,19 @@ mod tests {
     }
 
     #[test]
-    fn every_cut_off_file_is_an_error() {
+    fn every_cut_off_or_invalid_file_is_an_error() {
         let whole = b"P5\n3 2\n255\n123456";
         for length in 3..whole.len() {
             assert!(decode(&whole[..length]).is_err(), "{length} bytes");
         }
         assert!(decode(whole).is_ok());
-        for bytes in [&b"P2\n2 2\n0\n0 0 0 0"[..], b"P2\n2 2\n99999\n0 0 0 0", b"P5\n-1 2\n255\n", b"P5\nx"] {
+        for bytes in [
+            &b"P2\n2 2\n0\n0 0 0 0"[..],
+            b"P2\n2 2\n99999\n0 0 0 0",
+            b"P5\n-1 2\n255\n",
+            b"P5\nx",
+            b"P1\n2 1\n0x",
+        ] {
             assert!(decode(bytes).is_err(), "{}", String::from_utf8_lossy(bytes));
         }
     }

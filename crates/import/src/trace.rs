@@ -102,7 +102,7 @@ pub fn surroundings(
         }
         found.add(&ring, scale, tolerance_m, &mut blocked, bounds);
     }
-    // What is filled is farther from the floor than the walls may be.
+    // Only cells farther from the floor than a wall may be are filled.
     let margin = (tolerance_m + THICKNESS_M) / scale.cell_m + 0.5;
     let near = floor.squared_distances(false);
     let deep = |cell: Cell| f64::from(near.at(cell)) > margin * margin;

@@ -283,7 +283,28 @@ fn included_models_are_found_and_their_pose_is_replaced() {
     folder.write("lib/table/model.sdf", itself.as_bytes());
     folder.write("w.world", world(include).as_bytes());
     let error = folder.import_with("w.world", &options).expect_err("it includes itself");
-    assert!(error.contains("models and includes are nested more than 8 deep; help: flatten them"), "{error}");
+    assert!(error.contains("included models are nested more than 8 deep; help: flatten them"), "{error}");
+}
+
+/// An included model counts once, like a model in the same file.
+#[test]
+fn models_may_be_nested_8_deep_whether_or_not_they_are_included() {
+    let folder = Folder::new(&[]);
+    let options = ImportOptions { models: vec![folder.path("")], ..ImportOptions::default() };
+    let is_imported = |innermost: &str| {
+        folder.write("w.world", world(innermost).as_bytes());
+        folder.import_with("w.world", &options).is_ok()
+    };
+    let within = |inner: &str| format!("<model name='m'><static>1</static>{inner}</model>");
+    let mut inside = model("m0", "", BOX);
+    let mut included = inside.clone();
+    for depth in 0..=9 {
+        let file = format!("<sdf version='1.6'>{included}</sdf>");
+        folder.write(&format!("m{depth}/model.sdf"), file.as_bytes());
+        let include = format!("<include><uri>model://m{depth}</uri></include>");
+        assert_eq!((is_imported(&inside), is_imported(&include)), (depth <= 8, depth <= 8), "{depth} deep");
+        (inside, included) = (within(&inside), within(&include));
+    }
 }
 
 #[test]

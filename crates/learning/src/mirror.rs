@@ -26,11 +26,11 @@ pub enum MirrorError {
     #[error("action {0} is not the mirror image of its own mirror image")]
     Action(usize),
     /// The mirror belongs to another network.
-    #[error("the mirror is of {found:?} inputs and actions, but the learner has {expected:?}")]
+    #[error("the mirror has {found:?} inputs and actions, but the learner has {expected:?}")]
     Size {
         /// The learner's numbers of inputs and actions.
         expected: (usize, usize),
-        /// The mirror's.
+        /// The mirror's numbers of inputs and actions.
         found: (usize, usize),
     },
 }

@@ -24,9 +24,10 @@ const CHUNK_ROWS: usize = 128;
 /// A network that maps observations to Q-values, or to quantiles of returns, whose means are the Q-values.
 #[derive(Clone)]
 pub struct QNetwork {
-    /// Without the quantiles.
+    /// The shape for one quantile.
     shape: NetworkShape,
-    /// The number of quantiles; each has a head of its own on the last hidden layer. 1: the Q-values.
+    /// The number of quantiles; each has a head of its own on the last hidden layer. If it is 1, the head's output is
+    /// the Q-values.
     quantiles: usize,
     parameters: Vec<f32>,
     layers: Vec<Layer>,
@@ -296,8 +297,8 @@ impl QNetwork {
         self.layers.iter().enumerate().fold(x, |x, (i, layer)| layer.forward(x, i > 0))
     }
 
-    /// Writes the loss of the regression of Q(s, a), or of its quantiles, on the TD targets, and the gradient of that loss, into `out`. The
-    /// observations are row-major, n x inputs, where n is the number of transitions.
+    /// Writes the loss of the regression of Q(s, a), or of its quantiles, on the TD targets, and the gradient of that loss,
+    /// into `out`. The observations are row-major, n x inputs, where n is the number of transitions.
     pub(crate) fn gradient(&self, observations: &[f32], regression: Regression<'_>, out: &mut Gradient) {
         let x = rows(&self.device, observations.to_vec(), regression.actions.len(), self.shape.inputs);
         let head = self.quantile_rows(self.head(x.leaky_traced()));

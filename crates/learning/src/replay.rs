@@ -4,7 +4,7 @@
 //! uniformly or in proportion to priority (Schaul et al. 2016). The oldest transitions are removed first.
 //!
 //! Memory for 1,000,000 transitions with observations of 28 values: 126 MB for states (each is stored once), 9 MB for the last
-//! reference to each state, 18 MB for transitions, 17 MB for the sum tree. Together 170 MB when full; an empty buffer
+//! reference to each state, 20 MB for transitions, 17 MB for the sum tree. Together 172 MB when full; an empty buffer
 //! takes almost no memory.
 
 use super::config::{ReplayConfig, Sampling};
@@ -64,7 +64,7 @@ pub struct Batch {
     pub discounts: Vec<f32>,
     /// The next states, row-major, n x inputs; meaningless where the discount is 0.
     pub next_states: Vec<f32>,
-    /// The importance weights, 0 to 1. The largest in the batch is 1.
+    /// The importance weights, 0 to 1; the largest is 1.
     pub weights: Vec<f32>,
 }
 

@@ -12,7 +12,7 @@ pub enum ActionSet {
     /// The motions of the scenario's robot. The paper: the five of eq. (9).
     #[default]
     Robot,
-    /// Motions in units of the robot's limits, for robots of any speed: action k is the k-th of these 1 to 64.
+    /// 1 to 64 motions in units of the robot's limits, for robots of any speed. Action k is the motion at index k.
     Relative(Vec<RelativeMotion>),
 }
 
@@ -63,9 +63,9 @@ impl ActionSet {
         let is_valid = |value: f32| (-1.0..=1.0).contains(&value);
         let outside = motions.iter().position(|motion| !is_valid(motion.speed) || !is_valid(motion.turn));
         match outside {
-            Some(k) => {
-                Err(format!("has a motion {k} that is beyond the limits; help: give fractions from -1 to 1"))
-            }
+            Some(k) => Err(format!(
+                "has a motion outside the limits at index {k}; help: give fractions from -1 to 1"
+            )),
             None => Ok(()),
         }
     }
@@ -118,10 +118,10 @@ mod tests {
     }
 
     #[test]
-    fn fractions_beyond_the_limits_are_rejected() {
+    fn fractions_outside_the_limits_are_rejected() {
         assert_eq!(ActionSet::Robot.check(), Ok(()));
         for motions in [vec![], vec![motion(1.1, 0.0)], vec![motion(0.0, f32::NAN)]] {
-            let error = ActionSet::Relative(motions).check().expect_err("refused");
+            let error = ActionSet::Relative(motions).check().expect_err("rejected");
             assert!(error.contains("; help: "), "{error}");
         }
     }

@@ -31,7 +31,8 @@ pub fn within<T: PartialOrd + Display>(
         (Bound::Included(low), Bound::Unbounded) => format!("at least {low}"),
         (Bound::Excluded(low), Bound::Included(high)) => format!("a number above {low}, at most {high}"),
         (Bound::Excluded(low), _) => format!("a number above {low}"),
-        (Bound::Unbounded, Bound::Included(high) | Bound::Excluded(high)) => format!("at most {high}"),
+        (Bound::Unbounded, Bound::Included(high)) => format!("at most {high}"),
+        (Bound::Unbounded, Bound::Excluded(high)) => format!("less than {high}"),
         (Bound::Unbounded, Bound::Unbounded) => "a number".into(),
     };
     Err(ConfigError { field: field.into(), problem: format!("is {value}; help: give {allowed}") })
@@ -66,6 +67,7 @@ mod tests {
             problem(within("beta", 1.0, 0.0..1.0)),
             "`beta` is 1; help: give at least 0 and less than 1"
         );
+        assert_eq!(problem(within("arenas", 9, ..9)), "`arenas` is 9; help: give less than 9");
         assert_eq!(problem(within("gamma", f32::NAN, 0.0..=1.0)), "`gamma` is NaN; help: give 0 to 1");
         for value in [0.0, -1.0, f32::NAN, f32::INFINITY] {
             assert_eq!(

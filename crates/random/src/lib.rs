@@ -21,7 +21,7 @@
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-/// A seeded stream of random numbers (PCG XSL 128/64), whose state serde can save.
+/// A seeded stream of random numbers (PCG XSL 128/64 (MCG)), whose state serde can save.
 pub type Stream = Pcg64Mcg;
 
 /// The stream with this `name` and `index` in the run with this `seed`.

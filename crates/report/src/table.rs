@@ -20,7 +20,7 @@ pub struct Table {
     pub notes: Vec<String>,
 }
 
-/// A column: its heading and its alignment.
+/// A column: its heading, its unit and the kind of its cells.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Column {
     /// The heading.
@@ -40,8 +40,7 @@ pub enum ColumnKind {
     Number,
 }
 
-/// A cell of a table. `digits` is the number of decimals. A non-finite value is displayed as a dash; an unknown or
-/// non-finite half width is left out.
+/// A cell of a table. A non-finite value is displayed as a dash; an unknown or non-finite half width is left out.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cell {
     /// Nothing.

@@ -113,9 +113,10 @@ impl<'a> SourceMap<'a> {
     /// Turns the open child, which ends at the offset `colon`, into a key. Its value follows.
     fn turn_child_into_key(&mut self, inner: &Open, colon: usize) {
         if let Some(entry) = inner.child.map(|child| &mut self.entries[child]) {
-            let key = self.text[entry.start..colon].trim_end().trim_matches('"');
-            let from = entry.start + usize::from(self.text[entry.start..].starts_with('"'));
-            entry.step = Step::Field((from, from + key.len()));
+            let key = self.text[entry.start..colon].trim_end();
+            let unquoted = key.trim_start_matches('"');
+            let from = entry.start + key.len() - unquoted.len();
+            entry.step = Step::Field((from, from + unquoted.trim_end_matches('"').len()));
             entry.value = UNKNOWN;
         }
     }
@@ -222,8 +223,8 @@ impl<'a> SourceMap<'a> {
         start..start + self.text[start..end].trim_end().len()
     }
 
-    /// The offset of the value at `path`. If the text does not contain the field, the offset of the innermost field on the
-    /// path that it does contain; `None` if it contains no field of the path.
+    /// The offset of the value at `path`; the end of the text if it ends before the value. If the text does not contain the
+    /// field, the offset of the innermost field on the path that it does contain; `None` if it contains no field of the path.
     #[must_use]
     pub fn offset_of(&self, path: &str) -> Option<usize> {
         let mut found = 0;
@@ -231,7 +232,7 @@ impl<'a> SourceMap<'a> {
             let Some(below) = self.entry_below(found, step) else { break };
             found = below;
         }
-        (found != 0).then(|| self.entries[found].value)
+        (found != 0).then(|| self.entries[found].value.min(self.text.len()))
     }
 
     /// The entry in `parent` with the name or index `step`, written `field` or `2]`.
@@ -328,6 +329,17 @@ World(
         assert_eq!(map.offset_of("obstacles[1].rotation_rad"), map.offset_of("obstacles[1]"));
         assert_eq!(map.offset_of("task.goal_radius_m"), None);
         assert_eq!(map.start(), TEXT.find("World("));
+    }
+
+    #[test]
+    fn invalid_keys_do_not_panic() {
+        assert_eq!(
+            SourceMap::new("(a:").offset_of("a"),
+            Some(3),
+            "a missing value is at the end of the text"
+        );
+        let quotes = "(\"\"\"éa\": 1)";
+        assert_eq!(SourceMap::new(quotes).path_at(quotes.len() - 2), "éa");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The checks of a scenario: ranges of numbers, geometry inside the enclosure, free space, reachability.
 //!
 //! In: a [`Scenario`], read from a file or built in code. Out: a [`Diagnostic`] with field path and fix for each problem and,
-//! if all values are valid, a [`Note`] for each doubtful setting.
+//! if all values are valid, a [`Note`] for each questionable setting.
 //! The limits also keep a hostile file from taking too much memory or time: a scenario without diagnostics is safe to run.
 //!
 //! | file | duty |
@@ -94,7 +94,7 @@ pub fn diagnostics_of_known(scenario: &Scenario, unknown: &[String]) -> Vec<Diag
     all
 }
 
-/// The doubtful settings of `scenario`, the more important ones first. None if a value is invalid or the robot can't move.
+/// The questionable settings of `scenario`, the more important first. Empty if a value is invalid or the robot can't move.
 #[must_use]
 pub fn notes(scenario: &Scenario) -> Vec<Note> {
     let mut notes = Vec::new();

@@ -5,9 +5,9 @@
 
 use super::schema::{Motion, Robot};
 
-/// The drive over steps of a certain time. v and w respond independently: each approaches its command u* as
+/// The drive over steps of a given duration. v and w respond independently: each approaches its command u* as
 /// du/dt = (u* - u) / lag, but not faster than its acceleration limit allows. Without lag and limits, the robot drives the
-/// commanded motion to the bit.
+/// commanded motion, bit for bit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drive {
     lag_s: f32,
@@ -69,7 +69,7 @@ impl Drive {
     fn respond(&self, actual: f32, commanded: f32, max_rate: f32) -> (f32, f32) {
         let difference = actual - commanded;
         if max_rate == f32::INFINITY {
-            // Without a lag, returns the commanded value to the bit, including the sign of a zero.
+            // Without a lag, returns exactly the commanded value, including the sign of a zero.
             let blend = |remaining: f32| {
                 if remaining == 0.0 { commanded } else { commanded + difference * remaining }
             };
@@ -86,9 +86,9 @@ impl Drive {
             (0.0, if left_s > 0.0 { 0.0 } else { then })
         };
         let mean = (0.5 * (difference.abs() + then) * at_limit_s + integral) / self.seconds;
-        let apart = |difference_left: f32| {
+        let speed = |difference_left: f32| {
             if difference_left == 0.0 { commanded } else { commanded + difference_left.copysign(difference) }
         };
-        (apart(mean), apart(last))
+        (speed(mean), speed(last))
     }
 }

@@ -62,7 +62,7 @@ impl FreeCells {
             let distance_m = enclosure_distance(&scenario.enclosure, self.centre_m(index));
             self.cells[index] = if distance_m < kept_m { Cell::Taken } else { Cell::Free };
         }
-        for part in Part::still(scenario) {
+        for part in Part::static_parts(scenario) {
             let (low, high) = part.bounds_m(scenario);
             let (low, high) = (self.position(low - kept_m), self.position(high + kept_m));
             for row in low.y as usize..=high.y as usize {

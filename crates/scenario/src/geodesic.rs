@@ -31,8 +31,8 @@ pub struct Geodesic {
     settled: Vec<bool>,
     /// Free cells next to settled ones, by length.
     open: Queue,
-    /// Taken cells next to settled ones. They are used only if nothing is left in `open`: what is closed off by walls is reached
-    /// where they are thinnest.
+    /// Taken cells next to settled ones. They are used only if nothing is left in `open`: a path into a closed-off area breaks
+    /// through a wall where it is thinnest.
     walls: Queue,
 }
 
@@ -79,8 +79,8 @@ impl Geodesic {
         if !is_current || self.goal_m != goal_m {
             self.aim(free, goal_m);
         }
-        let way = goal_m - from_m;
-        let straight_m = libm::hypotf(way.x, way.y);
+        let line = goal_m - from_m;
+        let straight_m = libm::hypotf(line.x, line.y);
         self.around(free, free.position(from_m))
             .map_or(straight_m, |length| straight_m.max(length * free.cell_m))
     }
@@ -184,9 +184,9 @@ impl Geodesic {
     fn sees_bend(&self, free: &FreeCells, cell: usize, at: Vec2) -> bool {
         let bend = self.bends[cell];
         let end = self.end_of_line(free, bend).0;
-        let way = end - at;
-        let (along_x, along_y) = (way.x.signum() as isize, way.y.signum() as isize * free.columns as isize);
-        let side = cell.wrapping_add_signed(if way.x.abs() >= way.y.abs() { along_x } else { along_y });
+        let line = end - at;
+        let (along_x, along_y) = (line.x.signum() as isize, line.y.signum() as isize * free.columns as isize);
+        let side = cell.wrapping_add_signed(if line.x.abs() >= line.y.abs() { along_x } else { along_y });
         let diagonal = cell.wrapping_add_signed(along_x + along_y);
         let has_same = |next: usize| self.settled[next] && free.is_free(next) && self.bends[next] == bend;
         has_same(side) && has_same(diagonal) || free.sees(end, at)

@@ -1,7 +1,7 @@
 //! The bytes of any file that a user may name: regular files, standard input, pipes and devices.
 //!
 //! In: a path and a limit. Out: bytes. Opening never blocks for long, and what can be read only once is read once: later reads
-//! get the same bytes.
+//! get the same bytes, and more if their limit is larger.
 
 use std::fs::{self, File, Metadata};
 use std::io::{self, Error, ErrorKind, Read};
@@ -14,8 +14,32 @@ use std::time::Duration;
 /// The longest time that a file may take to open. A named pipe opens when another program opens its other end.
 const OPEN_TIME: Duration = Duration::from_millis(500);
 
-/// The bytes of standard input, pipes and devices that have been read, by path.
-static READ_ONCE: Mutex<Vec<(PathBuf, Vec<u8>)>> = Mutex::new(Vec::new());
+/// Standard input, pipes and devices that have been read.
+static STREAMS: Mutex<Vec<Stream>> = Mutex::new(Vec::new());
+
+/// A file that can be read only once.
+struct Stream {
+    /// `-` for standard input.
+    path: PathBuf,
+    /// The bytes read so far.
+    bytes: Vec<u8>,
+    /// The rest; `None` after its end.
+    rest: Option<Box<dyn Read + Send>>,
+}
+
+impl Stream {
+    /// The first `max_bytes` bytes, or all if there are fewer.
+    fn read_up_to(&mut self, max_bytes: u64) -> io::Result<Vec<u8>> {
+        let missing = max_bytes.saturating_sub(self.bytes.len() as u64);
+        if let Some(rest) = self.rest.as_mut().filter(|_| missing > 0) {
+            let read = rest.take(missing).read_to_end(&mut self.bytes)?;
+            if (read as u64) < missing {
+                self.rest = None;
+            }
+        }
+        read_up_to(self.bytes.as_slice(), max_bytes)
+    }
+}
 
 /// Reads the first `max_bytes` bytes of the file at `path`, or all if it is shorter. `-` is standard input.
 ///
@@ -23,7 +47,7 @@ static READ_ONCE: Mutex<Vec<(PathBuf, Vec<u8>)>> = Mutex::new(Vec::new());
 /// The file is missing, a folder or unreadable, or it is a named pipe that no program writes to.
 pub fn read_bytes(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     if is_stdin(path) {
-        return read_once(path, max_bytes, || Ok(io::stdin()));
+        return read_once(Path::new("-"), max_bytes, || Ok(Box::new(io::stdin())));
     }
     let metadata = fs::metadata(path)?;
     if metadata.is_dir() {
@@ -35,7 +59,7 @@ pub fn read_bytes(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     if let Some(kind) = unreadable_kind(&metadata) {
         return Err(Error::other(format!("it is a {kind}, not a file")));
     }
-    read_once(path, max_bytes, || open_soon(path))
+    read_once(path, max_bytes, || Ok(Box::new(open_soon(path)?)))
 }
 
 /// Whether a file or folder exists at `path`. Standard input (`-`) exists.
@@ -60,18 +84,19 @@ fn read_up_to(file: impl Read, max_bytes: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Reads up to `max_bytes` bytes: of what an earlier call has read at `path`, or else from the file that `open` opens.
-fn read_once<R: Read>(
+/// Reads up to `max_bytes` bytes of the stream at `path`, which `open` opens the first time.
+fn read_once(
     path: &Path,
     max_bytes: u64,
-    open: impl FnOnce() -> io::Result<R>,
+    open: impl FnOnce() -> io::Result<Box<dyn Read + Send>>,
 ) -> io::Result<Vec<u8>> {
-    let mut files = READ_ONCE.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some((_, bytes)) = files.iter().find(|(known, _)| known == path) {
-        return read_up_to(bytes.as_slice(), max_bytes);
+    let mut streams = STREAMS.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(stream) = streams.iter_mut().find(|stream| stream.path == path) {
+        return stream.read_up_to(max_bytes);
     }
-    let bytes = read_up_to(open()?, max_bytes)?;
-    files.push((path.into(), bytes.clone()));
+    let mut stream = Stream { path: path.into(), bytes: Vec::new(), rest: Some(open()?) };
+    let bytes = stream.read_up_to(max_bytes)?;
+    streams.push(stream);
     Ok(bytes)
 }
 
@@ -113,5 +138,14 @@ mod tests {
             read_bytes(Path::new("/dev/zero"), max_bytes).expect("a device that can be read").len()
         };
         assert_eq!([read(10), read(4), read(10)], [10, 4, 10]);
+    }
+
+    #[test]
+    fn a_larger_limit_continues_a_stream_that_a_smaller_one_has_cut() {
+        let read = |max_bytes| {
+            let open = || Ok(Box::new(&b"abcdef"[..]) as Box<dyn Read + Send>);
+            read_once(Path::new("a stream"), max_bytes, open).expect("a stream that can be read")
+        };
+        assert_eq!([read(2), read(4), read(3), read(9)], [&b"ab"[..], b"abcd", b"abc", b"abcdef"]);
     }
 }

@@ -1,4 +1,4 @@
-//! Notes: doubtful settings of a file that can be used nonetheless.
+//! Notes: questionable settings of a file that can be used nonetheless.
 
 use std::fmt;
 
@@ -6,12 +6,12 @@ use glam::Vec2;
 
 use super::file_error::Diagnostic;
 
-/// A doubtful setting, found by a check in a value without diagnostics.
+/// A questionable setting, found by a check in a value without diagnostics.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Note {
     /// How serious it is.
     pub level: NoteLevel,
-    /// The field, what is doubtful about it, and the fix.
+    /// The field, what is questionable about it, and the fix.
     pub diagnostic: Diagnostic,
     /// Where on the map it is, in m; `None` if it concerns no single place.
     pub place_m: Option<Vec2>,

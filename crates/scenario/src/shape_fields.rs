@@ -5,7 +5,7 @@ use super::polygon;
 use super::schema::Shape;
 use glam::{Vec2, vec2};
 
-/// The sizes of a shape that can be changed, in m, along its own axes, as for a rounded box; none for a polygon.
+/// The editable sizes of a shape, in m, along its own axes. A circle and a capsule count as rounded boxes; a polygon has none.
 #[derive(Debug, Default)]
 pub struct Sizes<'a> {
     /// Extent along x without the rounding.

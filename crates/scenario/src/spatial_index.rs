@@ -21,7 +21,7 @@ pub struct SpatialIndex {
     moving: Vec<usize>,
 }
 
-/// A still part of a scenario.
+/// A static part of a scenario.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Part {
     /// A segment of a wall: the indices of the wall and of the segment in it.
@@ -31,14 +31,14 @@ pub(super) enum Part {
 }
 
 impl Part {
-    /// The still parts of `scenario` except the enclosure: segments of walls, then static obstacles.
-    pub(super) fn still(scenario: &Scenario) -> impl Iterator<Item = Self> {
+    /// The static parts of `scenario` except the enclosure: segments of walls, then static obstacles.
+    pub(super) fn static_parts(scenario: &Scenario) -> impl Iterator<Item = Self> {
         let segments = |(k, wall): (usize, &Wall)| {
             (0..wall.segment_count()).map(move |index| Self::Segment { wall: k, index })
         };
         let is_static = |index: &usize| scenario.obstacles[*index].motion == ObstacleMotion::Static;
-        let still = (0..scenario.obstacles.len()).filter(is_static);
-        scenario.walls.iter().enumerate().flat_map(segments).chain(still.map(Self::Obstacle))
+        let obstacles = (0..scenario.obstacles.len()).filter(is_static);
+        scenario.walls.iter().enumerate().flat_map(segments).chain(obstacles.map(Self::Obstacle))
     }
 
     fn solid(self) -> Solid {
@@ -70,10 +70,10 @@ impl Part {
 }
 
 impl SpatialIndex {
-    /// The index of `scenario`. None if the scenario has so few still parts that testing all of them is as fast.
+    /// The index of `scenario`. None if the scenario has so few static parts that testing all of them is as fast.
     #[must_use]
     pub fn new(scenario: &Scenario) -> Option<Self> {
-        let parts: Vec<Part> = Part::still(scenario).collect();
+        let parts: Vec<Part> = Part::static_parts(scenario).collect();
         if parts.len() < UniformGrid::MIN_ITEMS {
             return None;
         }
@@ -86,7 +86,7 @@ impl SpatialIndex {
         Some(Self { grid, parts, moving })
     }
 
-    /// All still parts within `radius_m` of a point, and possibly others, with their distances in m. A part may occur more than
+    /// All static parts within `radius_m` of a point, and possibly others, with their distances in m. A part may occur more than
     /// once.
     fn near<'a>(
         &'a self,

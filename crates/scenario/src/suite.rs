@@ -127,8 +127,11 @@ impl SuiteFamily {
     fn check(&self, k: usize, found: &mut Diagnostics) {
         check_name(&format!("families[{k}].name"), &self.name, found);
         if self.scenarios.is_empty() == self.generator.is_none() {
-            let message =
-                "must have scenarios: write either `scenarios: [\"FILE\", ...]` or `generator: \"FILE\"`";
+            let message = if self.generator.is_some() {
+                "has both `scenarios` and a `generator`: write a family for each"
+            } else {
+                "must have scenarios: write either `scenarios: [\"FILE\", ...]` or `generator: \"FILE\"`"
+            };
             found.push(format_args!("families[{k}]"), message);
         }
         if !self.scenarios.is_empty() {

@@ -33,7 +33,7 @@ impl UniformGrid {
     /// A grid over items with these bounding boxes: their lower left and upper right corners, in m. `distance_m` gives the
     /// distance of an item, by its index, from a point. Items are listed as if they were larger by `margin_m` on all sides.
     ///
-    /// None if there are no items or if a coordinate is not finite.
+    /// `None` if there are no items or if a coordinate is not finite.
     #[must_use]
     pub fn new(
         boxes: &[(Vec2, Vec2)],

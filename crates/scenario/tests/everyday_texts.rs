@@ -76,9 +76,10 @@ fn characters_that_look_like_those_of_ron_are_named() {
                 "(name: \"Mine\",\u{3000}robot: (radius_m: 0.1))",
                 "1:15: a special space (U+3000): write an ordinary space",
             ),
-            ("(name: “Mine”)", "1:8: curly quotes: write \"...\""),
-            ("(name: \"Mine”)", "1:13: curly quotes: write \"...\""),
-            ("(name: «Mine»)", "1:8: curly quotes: write \"...\""),
+            ("(name: “Mine”)", "1:8: a typographic quotation mark (U+201C): write \"...\""),
+            ("(name: \"Mine”)", "1:13: a typographic quotation mark (U+201D): write \"...\""),
+            ("(name: «Mine»)", "1:8: a typographic quotation mark (U+00AB): write \"...\""),
+            ("(name: `Mine`)", "1:8: a backtick (U+0060): write \"...\""),
             ("(name: 'Mine')", "1:8: `name` must be text in double quotes: \"...\""),
             ("(name: \"Mine\", robot: (radius_m: −0.1))", "1:34: a dash or minus sign (U+2212): write `-`"),
             ("(name: \"Mine\", robot: (radius_m: 0.１))", "1:36: a full-width character (U+FF11): write `1`"),
@@ -123,6 +124,22 @@ fn everyday_number_notations_get_the_number_to_write() {
             (
                 "(name: \"Mine\", lidar: (beams: 24.0))",
                 "1:31: `lidar.beams` must be a whole number: write 24",
+            ),
+            (
+                "(name: \"Mine\", lidar: (beams: 2.4e0))",
+                "1:31: `lidar.beams` must be a whole number, without a fraction",
+            ),
+            (
+                "(name: \"Mine\", lidar: (beams: -0.5e1))",
+                "1:31: `lidar.beams` must be a whole number in range: this one is negative or too large",
+            ),
+            (
+                "(name: \"Mine\", lidar: (beams: 1e30))",
+                "1:31: `lidar.beams` must be a whole number in range: this one is negative or too large",
+            ),
+            (
+                "(name: \"Mine\", lidar: (beams: 1e16))",
+                "1:31: `lidar.beams` must be a whole number in digits only",
             ),
             (
                 "(name: \"Mine\", benchmark_route: (start_m: (0,6, 0,6)))",

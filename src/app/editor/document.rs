@@ -82,7 +82,7 @@ impl Editor {
         &self.diagnostics
     }
 
-    /// Notes on values of the scenario that are valid but doubtful.
+    /// Notes on values of the scenario that are valid but questionable.
     #[must_use]
     pub fn notes(&self) -> &[Note] {
         &self.notes

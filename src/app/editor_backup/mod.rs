@@ -34,7 +34,7 @@ use store::{FoundBackup, Store};
 /// The longest interval between backups of changes; shorter if autosaves are more frequent.
 const INTERVAL: Duration = Duration::from_secs(10);
 
-/// A backup has the scenario twice, as edited and as saved in its file. The third part is for the deeper indentation.
+/// A backup contains the scenario twice: as edited, and as saved in its file. The third part allows for the deeper indentation.
 const MAX_BACKUP_BYTES: u64 = 3 * MAX_FILE_BYTES;
 
 /// The contents of a backup.
@@ -123,7 +123,7 @@ impl EditorBackup {
     }
 }
 
-/// Backs up what has changed in the editor, when it is time; deletes the backup once nothing is unsaved.
+/// Backs up unsaved changes in the editor if a backup is due; deletes the backup once nothing is unsaved.
 pub(super) fn back_up_if_due(world: &mut World) {
     let interval = world.resource::<EditorBackup>().interval;
     if let Err(error) = back_up(world, interval)
@@ -136,7 +136,7 @@ pub(super) fn back_up_if_due(world: &mut World) {
     }
 }
 
-/// Backs up what has changed in the editor, if the last attempt is at least `interval` ago.
+/// Backs up unsaved changes in the editor if the last attempt is at least `interval` ago.
 fn back_up(world: &mut World, interval: Duration) -> Result<(), RunError> {
     world.resource_scope(|world, mut backup: Mut<EditorBackup>| {
         let editor = world.resource::<CurrentViewState>().0.editor.as_deref();
@@ -153,7 +153,7 @@ fn back_up(world: &mut World, interval: Duration) -> Result<(), RunError> {
     })
 }
 
-/// Backs up what has changed in the editor, regardless of when the last backup was written. Returns the file of the backup,
+/// Backs up unsaved changes in the editor, regardless of when the last backup was written. Returns the file of the backup,
 /// if anything is unsaved.
 ///
 /// # Errors

@@ -29,7 +29,10 @@ struct LockedFile {
 
 impl LockedFile {
     fn lock(path: PathBuf) -> Result<Self, RunError> {
-        Ok(Self { _lock: Lock::acquire(&path, &lock_path(&path))?, path })
+        // The lock's own messages are about an output folder.
+        let in_use =
+            |_| RunError::failed(&path, "another wayfield process uses this backup, or it can't be locked");
+        Ok(Self { _lock: Lock::acquire(&path, &lock_path(&path)).map_err(in_use)?, path })
     }
 }
 

@@ -1,4 +1,4 @@
-//! Backups that cannot be written.
+//! Backups that cannot be written or restored.
 
 use std::fs;
 use std::sync::Arc;
@@ -6,12 +6,14 @@ use std::time::Duration;
 
 use bevy::prelude::World;
 
-use super::{EditorBackup, back_up, save_now};
+use super::store::{self, Store};
+use super::{Backup, EditorBackup, back_up, save_now};
 use crate::app::CurrentViewState;
 use crate::app::editor::Editor;
 use crate::app::session::AutosaveOptions;
 use crate::app::view_state::ViewState;
 use crate::run::shipped;
+use crate::scenario::{Scenario, to_ron};
 
 #[test]
 fn a_failed_backup_is_not_reported_as_saved_and_is_retried() {
@@ -40,4 +42,19 @@ fn a_failed_backup_is_not_reported_as_saved_and_is_retried() {
     let path = save_now(&mut world).expect("written").expect("unsaved changes");
     let text = fs::read_to_string(path).expect("a backup");
     assert!(text.contains("Scenario I"), "{text}");
+}
+
+#[test]
+fn a_backup_that_another_process_has_restored_is_in_use() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let backup = Backup { from: "scenario-1".into(), edited: Scenario::default(), in_file: None };
+    fs::write(folder.path().join("1.ron"), to_ron(&backup).expect("it is RON")).expect("written");
+    let find = || store::find(folder.path()).expect("a backup");
+    let (first, second) = (find(), find());
+    let _restored = Store::of(first).expect("no process uses it");
+    let error = Store::of(second).err().expect("it is in use").to_string();
+    assert!(
+        error.ends_with("1.ron: another wayfield process uses this backup, or it can't be locked"),
+        "{error}"
+    );
 }

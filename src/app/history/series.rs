@@ -149,7 +149,7 @@ impl MovingAverage {
             self.rows.pop_front();
         }
         self.rows.push_back((part, whole));
-        // The sum is computed afresh each time, so that rounding errors do not accumulate.
+        // The sums are recomputed for each row, so that rounding errors do not accumulate.
         let (parts, wholes) = self.rows.iter().fold((0.0, 0.0), |sum, row| (sum.0 + row.0, sum.1 + row.1));
         self.series.push(x, parts / wholes);
     }

@@ -68,7 +68,7 @@ impl<Row: Serialize + DeserializeOwned + Default + SetColumns> Spool<Row> {
         })
     }
 
-    /// Calls `visit` with each row, in order.
+    /// Calls `visit` with each row, in order. The rows lack the values of their set columns.
     ///
     /// # Errors
     /// A row could not be stored, or cannot be read back.
@@ -82,7 +82,7 @@ impl<Row: Serialize + DeserializeOwned + Default + SetColumns> Spool<Row> {
     /// Calls `read` with the file at its start, then returns to its end.
     fn read<T>(&mut self, read: impl FnOnce(&File) -> io::Result<T>) -> io::Result<T> {
         let writer = self.file.as_mut().map_err(|error| {
-            io::Error::other(format!("could not store the episodes in a temporary file: {error}"))
+            io::Error::other(format!("could not store the rows in a temporary file: {error}"))
         })?;
         writer.flush()?;
         let mut file = writer.get_ref();

@@ -104,7 +104,7 @@ fn step(world: &mut World) -> Result<(), RunError> {
     stepped.map_err(RunError::from)
 }
 
-/// Adds the episodes that ended in the last step to the curves.
+/// Adds the episodes that ended in the last step to the training history.
 fn record_episodes(world: &mut World) {
     world.resource_scope(|world, mut run: Mut<TrainingRun>| {
         let wall_s = run.wall_s();

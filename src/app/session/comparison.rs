@@ -23,11 +23,11 @@ use crate::run::{RunError, policy_card, shipped};
 /// What the user can do while a robot drives.
 const GOAL_HINT: &str = "Click on the floor to set the goal";
 
-/// Lets a shipped policy drive next to the tested one.
+/// Lets a shipped policy drive next to the tested one. Returns a confirmation.
 ///
 /// # Errors
-/// No shipped policy can drive here.
-pub(super) fn open_expert(world: &mut World) -> Result<(), RunError> {
+/// No shipped policy, or not the tested one, can drive here.
+pub(super) fn open_expert(world: &mut World) -> Result<String, RunError> {
     let config = &world.resource::<TrainingRun>().config;
     let expert = expert_here(config)?;
     let (name, here) = (expert_name(expert), config.scenario_title());
@@ -36,8 +36,8 @@ pub(super) fn open_expert(world: &mut World) -> Result<(), RunError> {
         text += &format!(" It was not trained in {here}.");
     }
     text += &format!(" {GOAL_HINT}");
-    notify(world, NoticeTopic::General, Severity::Info, text);
-    compare_with(world, (capitalized(&name), expert.policy.clone()))
+    compare_with(world, (capitalized(&name), expert.policy.clone()))?;
+    Ok(text)
 }
 
 /// Lets the classical driver `name`, with its default parameters, drive next to the tested policy. Returns a confirmation.

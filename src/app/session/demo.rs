@@ -83,7 +83,7 @@ pub(super) fn spawn_arenas(world: &mut World, mode: SessionMode, sources: Vec<Ac
 /// The driver of each arena in `mode`, with its action source.
 ///
 /// # Errors
-/// There is no second policy, or it cannot drive here.
+/// There is no second driver, or it cannot drive here.
 pub(super) fn drivers(
     world: &World,
     mode: SessionMode,

@@ -78,7 +78,7 @@ impl Evaluations {
             if self.is_running() { EvaluatorState::RunningOutdated } else { EvaluatorState::Outdated };
     }
 
-    /// Notes that no evaluation is running.
+    /// Records that no evaluation is running.
     fn finish(&mut self) {
         self.state = match self.state {
             EvaluatorState::Idle | EvaluatorState::Running => EvaluatorState::Idle,
@@ -143,9 +143,9 @@ pub(super) fn record_finished(world: &mut World, wait: bool) -> Result<(), RunEr
     while let Some(result) = world.resource_mut::<Evaluations>().poll(wait)? {
         let run = world.resource_mut::<TrainingRun>().into_inner();
         let wall_s = run.wall_s();
-        let noted = metrics::record_evaluation(&mut run.trainer_state, result, wall_s)?;
-        world.resource_mut::<TrainingHistory>().0.push_evaluation(&noted.row);
-        world.resource_mut::<Evaluations>().rows.push(noted.row);
+        let recorded = metrics::record_evaluation(&mut run.trainer_state, result, wall_s)?;
+        world.resource_mut::<TrainingHistory>().0.push_evaluation(&recorded.row);
+        world.resource_mut::<Evaluations>().rows.push(recorded.row);
     }
     Ok(())
 }
@@ -159,6 +159,6 @@ pub(super) fn record_finished_or_restart(world: &mut World) {
     world.resource_scope(|world, run: Mut<TrainingRun>| {
         let mut evaluations = world.resource_mut::<Evaluations>();
         evaluations.evaluator = SyncCell::new(evaluator(&run.config, &scenario));
-        evaluations.finish();
+        evaluations.state = EvaluatorState::Idle;
     });
 }

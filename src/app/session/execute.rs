@@ -66,7 +66,10 @@ fn try_execute(world: &mut World, command: Command) -> Result<(), RunError> {
         Command::Move(request) => move_object(world, &request),
         Command::SetGoal(request) => set_goal(world, &request),
         Command::Steer(motion) => steer(world, motion),
-        Command::OpenExpert => comparison::open_expert(world)?,
+        Command::OpenExpert => {
+            let text = comparison::open_expert(world)?;
+            notify(world, NoticeTopic::General, Severity::Info, text);
+        }
         Command::OpenBest => comparison::open_best(world)?,
         Command::OpenDriver(name) => {
             let text = comparison::open_driver(world, name)?;

@@ -15,7 +15,7 @@
 //! | `file_watch.rs` | `FileWatches` | files that the user edits in another program |
 //! | `open.rs` | [`OpenedFiles`] | files opened by the user |
 //! | `comparison.rs` | | the second driver, to compare with |
-//! | `notices.rs`, `run_notices.rs` | [`Notices`] | messages to the user; the one about doubtful settings |
+//! | `notices.rs`, `run_notices.rs` | [`Notices`] | messages to the user; the one about questionable settings |
 //! | `trails.rs` | [`Trails`] | the robots' paths |
 //! | `advance.rs` | | a frame: commands, then control steps |
 //! | `execute.rs` | | the execution of each command |

@@ -28,7 +28,7 @@ pub enum NoticeTopic {
     Move,
     /// A warning about the second policy of a comparison.
     Comparison,
-    /// Doubtful settings of the current training.
+    /// Questionable settings of the current training.
     Settings,
     /// A warning about the current training. A new training run removes it.
     TrainingWarning,

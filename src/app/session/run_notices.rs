@@ -1,4 +1,4 @@
-//! The notice about doubtful settings of the current training.
+//! The notice about questionable settings of the current training.
 //!
 //! In: the training's configuration. Out: one notice that stays until it is dismissed or the settings change.
 

@@ -26,7 +26,7 @@ use crate::run::metric_rows::SetColumns;
 use crate::run::{RunError, metrics, shipped};
 use crate::scenario::to_ron;
 
-/// Writes the contents of a file.
+/// A function that writes the contents of a file.
 pub(super) type WriteContents<'a> = &'a dyn Fn(&mut dyn Write) -> io::Result<()>;
 
 /// A copy of the training run.
@@ -86,7 +86,7 @@ impl RunSnapshot {
         }
     }
 
-    /// Length of the whole `episodes.csv`, in bytes.
+    /// The length of the whole `episodes.csv`, in bytes.
     #[cfg(not(target_arch = "wasm32"))]
     pub(super) fn episodes_bytes(&self) -> u64 {
         self.trainer_state.episodes_bytes

@@ -98,7 +98,7 @@ fn policy_bytes(world: &World, what: SaveKind) -> Result<Vec<u8>, RunError> {
 fn save_run(world: &mut World, path: &Path) -> Result<(), RunError> {
     let is_occupied = std::fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_some());
     if is_occupied || path.is_file() {
-        return Err(RunError::invalid_input(path, "this already exists\nhelp: choose another name"));
+        return Err(RunError::invalid_input(path, "already exists\nhelp: choose another name"));
     }
     if world.resource::<TrainingRun>().has_failed {
         let why = "This training run has failed and cannot continue\n\

@@ -17,7 +17,7 @@ pub struct CheckedFile {
     pub kind: Option<FileKind>,
     /// All problems; `None` for a valid file.
     pub error: Option<FileError>,
-    /// The doubtful settings of a valid file.
+    /// The questionable settings of a valid file.
     pub notes: LocatedNotes,
 }
 

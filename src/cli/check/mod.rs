@@ -22,7 +22,7 @@ pub struct CheckReport {
     /// The kinds of these files, in the same order; null for a file that can't be read.
     kinds: Vec<Option<&'static str>>,
     problems: Vec<ProblemReport>,
-    /// The doubtful settings of valid files.
+    /// The questionable settings of valid files.
     notes: Vec<NoteReport>,
 }
 

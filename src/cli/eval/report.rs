@@ -36,7 +36,7 @@ pub struct PolicyReport {
     /// Mean success weighted by path length, 0 to 1.
     pub spl: f64,
     #[serde(flatten)]
-    pub course: Option<CourseReport>,
+    pub benchmark_route: Option<BenchmarkRouteReport>,
     #[serde(flatten)]
     pub optimum: Option<OptimumReport>,
 }
@@ -61,7 +61,7 @@ impl<'a> ComparisonReport<'a> {
 
 /// The policy's results on the benchmark route.
 #[derive(Serialize)]
-pub struct CourseReport {
+pub struct BenchmarkRouteReport {
     pub course_success_rate: f64,
     pub course_success_interval: [f64; 2],
     pub course_time_s: Option<f64>,
@@ -71,7 +71,7 @@ pub struct CourseReport {
     pub in_paper_scenario: bool,
 }
 
-impl CourseReport {
+impl BenchmarkRouteReport {
     /// Drives `route` in `scenario`.
     ///
     /// # Errors

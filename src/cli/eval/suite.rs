@@ -209,8 +209,8 @@ fn check_options(args: &EvalArgs) -> Result<(), RunError> {
     }
 }
 
-/// Checks that a driver can drive in every scenario of the suite. Of a family's scenarios with the same robot, LIDAR and rules,
-/// only the first is checked.
+/// Checks that a policy can drive in every scenario of the suite. Of a family's scenarios with the same task (robot, LIDAR and
+/// rules), only the first is checked.
 fn check_driver(
     path: &Path,
     (_, driver): &Named,

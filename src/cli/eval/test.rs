@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::EvalArgs;
 use super::files::{TestEnd, TestFile};
-use super::report::{CourseReport, OptimumReport, PolicyReport};
+use super::report::{BenchmarkRouteReport, OptimumReport, PolicyReport};
 use crate::cli::driver::TestDriver;
 use crate::planner::{StepBounds, unsupported_reason};
 use crate::policy::Policy;
@@ -154,7 +154,7 @@ impl Test<'_> {
             None => evaluate::compare_with_optimum(scenario, episodes),
         };
         let evaluated = driver.evaluated();
-        let course = |route| CourseReport::new(scenario, route, evaluated, *seed, self.extensions);
+        let on_route = |route| BenchmarkRouteReport::new(scenario, route, evaluated, *seed, self.extensions);
         Ok(PolicyReport {
             policy: name.clone(),
             class: evaluated.class(),
@@ -164,7 +164,7 @@ impl Test<'_> {
             scenario: scenario.name.clone(),
             evaluation: Evaluation::from_episodes(episodes, self.per_round, &scenario.task, *seed),
             spl: spl.sum::<f64>() / episodes.len() as f64,
-            course: self.route.map(course).transpose()?,
+            benchmark_route: self.route.map(on_route).transpose()?,
             optimum: self
                 .args
                 .optimum

@@ -38,13 +38,13 @@ pub fn list(report: &PolicyReport) -> String {
         report.class,
         report.physics,
     );
-    if let Some(course) = &report.course {
+    if let Some(route) = &report.benchmark_route {
         let _ = writeln!(
             text,
             "benchmark route {}, {} of {ROUTE_EPISODES} episodes{}",
-            seconds(course.course_time_s),
-            rate_text(course.course_success_rate, course.course_success_interval),
-            if course.in_paper_scenario { " (the paper's PER-D3QN: 13.155 s)" } else { "" },
+            seconds(route.course_time_s),
+            rate_text(route.course_success_rate, route.course_success_interval),
+            if route.in_paper_scenario { " (the paper's PER-D3QN: 13.155 s)" } else { "" },
         );
     }
     if let Some(optimum) = report.optimum.as_ref().filter(|optimum| optimum.is_supported) {
@@ -80,13 +80,13 @@ pub fn table(comparison: &ComparisonReport) -> String {
         column("mean time", policies, |p| seconds(p.evaluation.mean_time_s)),
         column("SPL", policies, |p| format!("{:.3}", p.spl)),
     ];
-    if policies.iter().any(|p| p.course.is_some()) {
+    if policies.iter().any(|p| p.benchmark_route.is_some()) {
         columns.push(column("route", policies, |p| {
-            let course = p.course.as_ref();
-            course.map_or("-".into(), |c| rate_text(c.course_success_rate, c.course_success_interval))
+            let route = p.benchmark_route.as_ref();
+            route.map_or("-".into(), |r| rate_text(r.course_success_rate, r.course_success_interval))
         }));
         columns.push(column("route time", policies, |p| {
-            seconds(p.course.as_ref().and_then(|course| course.course_time_s))
+            seconds(p.benchmark_route.as_ref().and_then(|route| route.course_time_s))
         }));
     }
     if policies.iter().any(|p| p.optimum.is_some()) {

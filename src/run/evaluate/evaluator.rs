@@ -81,8 +81,7 @@ impl Evaluator {
     /// An evaluator with the plugins that the policy was trained with.
     #[must_use]
     pub fn with_extensions(scenario: &Arc<Scenario>, episodes: usize, extensions: &Extensions) -> Self {
-        // Fewer arenas if each has thousands of bodies. The number of arenas does not change any result.
-        let arenas = episodes.min(MAX_PARALLEL).min(MAX_BODIES / bodies_per_arena(scenario)).max(1);
+        let arenas = Self::parallel_arenas(scenario, episodes);
         let simulation = SimulationBuilder::new(scenario)
             .arenas(arenas)
             .mode(TaskMode::SingleGoal)
@@ -90,6 +89,12 @@ impl Evaluator {
             .extensions(extensions)
             .build();
         Self { simulation, scenario: scenario.clone(), arenas, path_query: None }
+    }
+
+    /// The number of arenas for an evaluation of `episodes` episodes: fewer if each has thousands of bodies. It does not change any
+    /// result.
+    pub(crate) fn parallel_arenas(scenario: &Scenario, episodes: usize) -> usize {
+        episodes.min(MAX_PARALLEL).min(MAX_BODIES / bodies_per_arena(scenario)).max(1)
     }
 
     /// This evaluator, but with [measures of the robot's path](EpisodeResult::path) in its results. This takes a little time,
@@ -320,10 +325,15 @@ pub fn check_compatible(
     if (shape.inputs, shape.actions) == (inputs, actions) {
         return policy_card::check_actions(policy, scenario);
     }
+    let beams = scenario.lidar.beams;
+    let (parts, needed) = if layout.encoding.sectors().is_some() {
+        (String::new(), "motions")
+    } else {
+        (format!(" ({beams} beams and {})", inputs - beams), "beams and motions")
+    };
     Err(RunError::InvalidInput(format!(
-        "the policy takes {} numbers and chooses among {} motions, but scenario \"{}\" gives {inputs} numbers \
-         ({} beams and 4) and has {actions} motions; help: use the scenario it was trained in, or one with as many beams \
-         and motions",
-        shape.inputs, shape.actions, scenario.name, scenario.lidar.beams
+        "the policy takes {} numbers and chooses among {} motions, but scenario \"{}\" gives {inputs} numbers{parts} \
+         and has {actions} motions; help: use the scenario it was trained in, or one with as many {needed}",
+        shape.inputs, shape.actions, scenario.name
     )))
 }

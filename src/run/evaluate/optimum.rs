@@ -27,7 +27,7 @@ impl OptimumComparison {
         rules: &TaskRules,
     ) -> Option<Self> {
         let (mut count, mut actual, mut planned, mut proven) = (0_usize, 0_u64, 0_u64, 0_u64);
-        for (episode, bounds) in episodes.iter().zip(bounds).filter(|(n, _)| n.succeeded()) {
+        for (episode, bounds) in episodes.iter().zip(bounds).filter(|(episode, _)| episode.succeeded()) {
             let Some(plan_steps) = bounds.plan_steps else { continue };
             count += 1;
             actual += u64::from(episode.steps);
@@ -49,6 +49,6 @@ impl OptimumComparison {
 /// to compare, or the planner does not support the scenario ([`is_supported`](crate::planner::is_supported)).
 #[must_use]
 pub fn compare_with_optimum(scenario: &Scenario, episodes: &[EpisodeResult]) -> Option<OptimumComparison> {
-    let succeeded: Vec<EpisodeResult> = episodes.iter().filter(|n| n.succeeded()).copied().collect();
+    let succeeded: Vec<EpisodeResult> = episodes.iter().filter(|e| e.succeeded()).copied().collect();
     OptimumComparison::from_episodes(&succeeded, &bounds(scenario, &succeeded, 0), &scenario.task)
 }

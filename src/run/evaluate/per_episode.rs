@@ -1,4 +1,4 @@
-//! What the planner computes for each episode, on all cores.
+//! The planner's results for each episode, computed on all cores.
 
 use std::borrow::Cow;
 

@@ -1,4 +1,4 @@
-//! A run folder: the files of one training run. Every file is written atomically.
+//! A run folder: the files of one training run. Rows and events are appended; every other file is written atomically.
 //!
 //! | file | contents |
 //! |---|---|
@@ -172,7 +172,7 @@ impl RunFolder {
     /// run overwrite any file of the user, and reading a pipe would block forever.
     ///
     /// # Errors
-    /// The first file that is a link or a pipe.
+    /// A file is a link or a pipe. The error names the first one.
     fn check_files_are_regular(&self) -> Result<(), RunError> {
         for entry in self.entries().filter(is_run_file) {
             // `file_type` does not follow links.

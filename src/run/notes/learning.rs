@@ -5,9 +5,9 @@ use super::RunLength;
 use crate::learning::{LearningConfig, Schedule, TargetUpdate};
 use crate::scenario::{Note, NoteLevel};
 
-/// At learning rates from this one on, learning diverges.
+/// At this learning rate and above, learning diverges.
 const HIGH_LEARNING_RATE: f32 = 0.1;
-/// Learning rates below this one change no weight of the order of one.
+/// A learning rate below this one changes no weight of the order of one.
 pub(super) const LOW_LEARNING_RATE: f32 = 1e-8;
 /// If weights decay by at least this fraction per gradient step, nothing learned lasts.
 const STRONG_DECAY: f32 = 1e-3;
@@ -89,8 +89,8 @@ fn target_never_updated(learning: &LearningConfig, length: RunLength) -> Option<
     let most = (length.most? / learning.train_freq).saturating_mul(u64::from(learning.gradient_steps));
     (every > most).then(|| {
         format!(
-            "is {every}, but the budget has {most} gradient steps, so the target network stays as it was at the start; \
-             help: give a smaller number, or a larger budget"
+            "is {every}, but the budget has at most {most} gradient steps, so the target network stays as it was at the \
+             start; help: give a smaller number, or a larger budget"
         )
     })
 }

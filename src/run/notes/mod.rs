@@ -1,4 +1,4 @@
-//! The notes of a run: doubtful settings of its preset and its scenario, alone and together.
+//! The notes of a run: questionable settings of its preset and its scenario, alone and together.
 //!
 //! In: a preset, the scenario if it is known, or a run's configuration. Out: [`Note`]s, which `--check`, `--train`, the
 //! editor and the app show before training.
@@ -47,7 +47,7 @@ impl RunLength {
     }
 }
 
-/// The doubtful settings of the valid `preset` for a run in `scenario`; `has_reward_terms` is whether plugins add
+/// The questionable settings of the valid `preset` for a run in `scenario`; `has_reward_terms` is whether plugins add
 /// rewards. The more important ones come first.
 #[must_use]
 pub fn preset_notes(preset: &Preset, scenario: Option<&Scenario>, has_reward_terms: bool) -> Vec<Note> {
@@ -76,7 +76,8 @@ impl fmt::Display for RunNote {
     }
 }
 
-/// The doubtful settings of a run: of its scenario, then of its preset, with the initial epsilon of the transfer if it sets one.
+/// The questionable settings of a run: of its scenario, then of its preset, with the initial epsilon of the transfer if it
+/// sets one.
 #[must_use]
 pub fn run_notes(config: &RunConfig) -> Vec<RunNote> {
     let of = |file: &String, notes: Vec<Note>| {

@@ -112,7 +112,7 @@ fn too_fast(learning_rate: &Schedule, least: u64) -> Option<String> {
     })
 }
 
-/// The problem with the values of epsilon, if they are doubtful.
+/// The problem with the values of epsilon, if they are questionable.
 fn exploration(exploration: &Exploration, budget: Budget) -> Option<String> {
     let (Exploration::PerEpisode { start, end, .. } | Exploration::Linear { start, end, .. }) = *exploration;
     if start <= 0.0 && end <= 0.0 {

@@ -1,4 +1,4 @@
-//! The notes of presets and runs: which settings are doubtful, and that no shipped file has any.
+//! The notes of presets and runs: which settings are questionable, and that no shipped file has any.
 
 use super::*;
 use crate::learning::{Exploration, Sampling, Schedule, TargetUpdate};
@@ -179,7 +179,7 @@ fn schedules_of_every_kind_are_compared_with_the_budget() {
 }
 
 #[test]
-fn doubtful_exploration_is_noted() {
+fn questionable_exploration_is_noted() {
     let exploration = |exploration| move |p: &mut Preset| p.learning.exploration = exploration;
     let per_episode = |start, decay, end| exploration(Exploration::PerEpisode { start, decay, end });
     let field = "note: `learning.exploration` ";
@@ -201,7 +201,7 @@ fn doubtful_exploration_is_noted() {
 }
 
 #[test]
-fn doubtful_values_of_the_learner_and_the_evaluation_are_noted() {
+fn questionable_values_of_the_learner_and_the_evaluation_are_noted() {
     assert_noted(|p| p.learning.gamma = 0.0, "note: `learning.gamma` is 0: ", "only the next reward counts");
     assert_noted(|p| p.learning.gamma = 1.0, "note: `learning.gamma` is 1: ", "no bound");
     // At the rate of 0.0015: 0.0015 x 0.7 = 0.00105, ln 2 / 0.00105 = 660.1.
@@ -215,7 +215,7 @@ fn doubtful_values_of_the_learner_and_the_evaluation_are_noted() {
     assert_noted(
         |p| p.learning.target_update = TargetUpdate::Hard { every: 75_001 },
         "note: `learning.target_update.every` is 75001, ",
-        "the budget has 75000 gradient steps",
+        "the budget has at most 75000 gradient steps",
     );
     assert_eq!(noted(|p| p.learning.target_update = TargetUpdate::Hard { every: 75_000 }), [""; 0]);
     assert_noted(

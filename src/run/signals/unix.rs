@@ -16,8 +16,8 @@ use signal_hook::low_level::signal_name;
 use super::{FIRST, STOP, StopSignal};
 use crate::run::progress::print_stderr;
 
-/// The signals that ask the program to stop. SLURM and Grid Engine can be told to send SIGUSR1 or SIGUSR2 before they kill a
-/// job; the kernel sends SIGXCPU at the soft limit of CPU time (`ulimit -S -t`).
+/// The signals that ask the program to stop. SLURM and Grid Engine can be configured to send SIGUSR1 or SIGUSR2 before they
+/// kill a job; the kernel sends SIGXCPU at the soft limit of CPU time (`ulimit -S -t`).
 const STOP_SIGNALS: [i32; 6] = [SIGINT, SIGTERM, SIGHUP, SIGXCPU, SIGUSR1, SIGUSR2];
 /// A Ctrl-C in the terminal ends the process at once if it comes at least this long after the first signal.
 const SECOND_CTRL_C: Duration = Duration::from_millis(500);
@@ -62,7 +62,7 @@ pub fn stop_on_signal(announcement: &'static str) -> io::Result<()> {
         flag::register(signal, &STOP)?;
     }
     let signals = SignalsInfo::<WithOrigin>::new(&signals)?;
-    announce_cpu_limit();
+    lower_soft_cpu_limit();
     // Without the thread, there is no announcement, and a second Ctrl-C does nothing, but the run still stops and saves.
     let _ = thread::Builder::new().name("signals".into()).spawn(move || watch(signals, announcement));
     Ok(())
@@ -70,7 +70,7 @@ pub fn stop_on_signal(announcement: &'static str) -> io::Result<()> {
 
 /// Lowers the soft limit of CPU time (`ulimit -t`) below the hard one, at which the kernel kills the process without notice.
 /// The soft limit sends SIGXCPU, and leaves time to save.
-fn announce_cpu_limit() {
+fn lower_soft_cpu_limit() {
     let limit = getrlimit(Resource::Cpu);
     let Some(hard_s) = limit.maximum else { return };
     let early_s = hard_s.saturating_sub((hard_s / 4).clamp(1, 10));

@@ -31,7 +31,7 @@ use crate::simulation::{Extensions, Simulation};
 /// The default interval between checkpoints. A new run also writes one before its first step; every run writes one at its end.
 pub const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(30);
 
-/// The most notes about doubtful settings that a run prints.
+/// The most notes about questionable settings that a run prints.
 const MAX_PRINTED_NOTES: usize = 10;
 
 /// A new run, or one to resume.
@@ -120,7 +120,7 @@ impl Run {
         self.earlier_s + self.began.elapsed().as_secs_f64()
     }
 
-    /// Prints notes about doubtful settings of the run.
+    /// Prints notes about questionable settings of the run.
     fn print_notes(&mut self) {
         let notes = run_notes(&self.config);
         for found in notes.iter().take(MAX_PRINTED_NOTES) {

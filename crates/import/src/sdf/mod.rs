@@ -45,7 +45,7 @@ struct Placement<'a> {
     /// The name that replaces the model's own.
     name: Option<&'a str>,
     is_static: bool,
-    /// The number of models and includes around it.
+    /// The number of models around it. An included model counts once, as a model.
     depth: usize,
 }
 
@@ -142,12 +142,7 @@ impl SdfWorld {
         options: &ImportOptions,
     ) -> Result<(), FileError> {
         let label = at.name.unwrap_or_else(|| name(model));
-        if at.depth > MAX_MODEL_NESTING {
-            return Err(file.error(
-                model,
-                format!("models are nested more than {MAX_MODEL_NESTING} deep; help: flatten them"),
-            ));
-        }
+        check_nesting(file, model, at.depth)?;
         let moves = |joint: Node<'_, '_>| joint.attribute("type").is_none_or(|kind| kind != "fixed");
         if children(model, "joint").any(moves) {
             self.findings.add("models with joints, such as robots, are left out", label);
@@ -228,15 +223,13 @@ impl SdfWorld {
             return Ok(());
         };
         self.includes += 1;
-        let text = read_text_with_limit(&path, MAX_WORLD_BYTES - self.bytes_read)?;
-        self.bytes_read += text.len() as u64;
-        if self.includes > MAX_INCLUDES || at.depth >= MAX_MODEL_NESTING {
-            let message = format!(
-                "more than {MAX_INCLUDES} models are included, or models and includes are nested more than \
-                 {MAX_MODEL_NESTING} deep; help: flatten them"
-            );
+        if self.includes > MAX_INCLUDES {
+            let message = format!("more than {MAX_INCLUDES} models are included; help: remove some");
             return Err(file.error(include, message));
         }
+        check_nesting(file, include, at.depth)?;
+        let text = read_text_with_limit(&path, MAX_WORLD_BYTES - self.bytes_read)?;
+        self.bytes_read += text.len() as u64;
         let document = xml::parse(&text, &path)?;
         let own_pose = match children(include, "pose").next() {
             Some(node) => pose::read(file, node)?,
@@ -248,11 +241,22 @@ impl SdfWorld {
         let inside = XmlFile { path: &path, text: &text };
         for model in children(document.root_element(), "model").take(1) {
             let is_static = at.is_static || is_static;
-            let placement = Placement { own_pose, name: label, is_static, depth: at.depth + 1, ..at };
+            let placement = Placement { own_pose, name: label, is_static, ..at };
             self.add_model(&inside, model, placement, options)?;
         }
         Ok(())
     }
+}
+
+/// Checks that at most [`MAX_MODEL_NESTING`] models are around `element`, a model or an include.
+fn check_nesting(file: &XmlFile<'_>, element: Node<'_, '_>, depth: usize) -> Result<(), FileError> {
+    if depth <= MAX_MODEL_NESTING {
+        return Ok(());
+    }
+    let message = format!(
+        "models and included models are nested more than {MAX_MODEL_NESTING} deep; help: flatten them"
+    );
+    Err(file.error(element, message))
 }
 
 /// The poses in the saved state of a world, by model name. They replace the models' own.

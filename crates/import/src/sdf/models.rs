@@ -21,8 +21,8 @@ pub fn find(uri: &str, from: &Path, folders: &[PathBuf]) -> Option<PathBuf> {
     if !is_plain || relative.as_os_str().is_empty() {
         return None;
     }
-    let beside = from.parent().unwrap_or(Path::new(""));
-    let usual = [beside.to_path_buf(), beside.join("models"), beside.join("../models")];
+    let parent = from.parent().unwrap_or(Path::new(""));
+    let usual = [parent.to_path_buf(), parent.join("models"), parent.join("../models")];
     let model =
         |folder: &PathBuf| Some(folder.join(relative).join("model.sdf")).filter(|file| file.is_file());
     folders.iter().chain(&usual).find_map(model)

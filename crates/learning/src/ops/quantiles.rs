@@ -5,9 +5,10 @@ use dfdx::prelude::*;
 use super::{Regression, Rows, loss_and_slope, rows, scalar, values};
 
 /// The quantile regression loss (Dabney et al. 2018, equations 9 and 10, times 2 so that a single quantile has the loss of
-/// [`td_loss`]): the mean over the batch of weight x sum over i of mean over j of 2 |tau_i - (u < 0)| Huber(u), where u = y_j - Z_i
-/// and tau_i = (i + 1/2) / N. `quantiles` has the N quantiles Z_i of each transition as rows (n N x actions), and the regression has N
-/// targets y_j per transition. Writes the n differences of the means of Z and y into `errors` and the n means of Z into `chosen`.
+/// [`td_loss`](super::td_loss)): the mean over the batch of weight x sum over i of mean over j of
+/// 2 |tau_i - (u < 0)| Huber(u), where u = y_j - Z_i and tau_i = (i + 1/2) / N. `quantiles` has the N quantiles Z_i of each
+/// transition as rows (n N x actions), and the regression has N targets y_j per transition. Writes the n differences of the
+/// means of Z and y into `errors` and the n means of Z into `chosen`.
 pub(crate) fn quantile_loss<T: Tape<f32, Cpu>>(
     quantiles: Rows<T>,
     count: usize,
@@ -48,7 +49,7 @@ pub(crate) fn quantile_loss<T: Tape<f32, Cpu>>(
     scalar(total / n as f32, quantiles, gradient, tape)
 }
 
-/// The mean over the quantiles of rows of (head of quantile 1, head of quantile 2, ...).
+/// The mean over the `count` quantiles. A row of `heads` has the outputs of quantile 1, then those of quantile 2, and so on.
 pub(crate) fn mean_of_quantiles(heads: Rows, count: usize) -> Rows {
     if count == 1 {
         return heads;

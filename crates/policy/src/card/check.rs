@@ -8,7 +8,7 @@ use crate::observation::{self, Encoding};
 /// The largest relative difference between two Q-values that can come from the order of additions alone.
 const Q_TOLERANCE: f32 = 1e-3;
 
-/// A contradiction or an invalid value in a card, as the rest of a sentence that begins with "the policy's card".
+/// A contradiction or an invalid value in a card. The message is the rest of a sentence that begins with "the policy's card".
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct CardError(pub String);
@@ -18,9 +18,11 @@ impl Card {
     #[must_use]
     pub fn encoding(&self) -> Option<Encoding> {
         let (angles, sensors) = (self.angles_rad(), self.sensors());
-        let known = [Some(Encoding::Scaled), Some(Encoding::Raw)].into_iter();
-        let mut known = known.filter(|_| self.observation.is_none()).chain([self.observation]).flatten();
-        known.find(|&e| e.check().is_ok() && inputs(e, &angles, &sensors) == self.inputs)
+        let is_match = |e: &Encoding| e.check().is_ok() && inputs(*e, &angles, &sensors) == self.inputs;
+        match self.observation {
+            Some(encoding) => Some(encoding).filter(is_match),
+            None => [Encoding::Scaled, Encoding::Raw].into_iter().find(is_match),
+        }
     }
 
     /// The directions of the inputs that have one, in rad: LIDAR beams, or for an observation by sectors each input's sector.

@@ -3,7 +3,7 @@
 //! | encoding | what it is |
 //! |---|---|
 //! | [`Encoding::Scaled`], [`Encoding::Raw`] | eq. (8) of the paper: a number per beam, and the goal ([`encode`]) |
-//! | [`Encoding::Sectors`] | sectors around the robot, in units of the robot, with what has moved ([`SectorObserver`]): for any LIDAR and any robot |
+//! | [`Encoding::Sectors`] | sectors around the robot, in units of the robot, with motion since an earlier scan ([`SectorObserver`]): for any LIDAR and any robot |
 
 mod moving;
 mod observer;
@@ -27,7 +27,7 @@ pub enum Encoding {
     Scaled,
     /// Eq. (8) of the paper without scaling: lengths are in m, the bearing in rad, and n is the beam's index.
     Raw,
-    /// Sectors around the robot, in units of the robot, with what has moved: for any LIDAR and any robot.
+    /// Sectors around the robot, in units of the robot, with motion since an earlier scan: for any LIDAR and any robot.
     Sectors {
         /// Number of sectors of a full turn, 4 to 360.
         #[serde(default = "default_count")]
@@ -35,12 +35,12 @@ pub enum Encoding {
         /// Number of control steps to the earlier scan that the current one is compared with, 1 to 20; 0 for none.
         #[serde(default = "default_earlier_steps")]
         earlier_steps: u8,
-        /// Whether it also says, for each sector, how far the robot can drive in that direction before it collides. It shows
-        /// which gaps are wide enough.
+        /// Whether the observation also shows, for each sector, how far the robot can drive in that direction before it
+        /// collides: which gaps are wide enough.
         #[serde(default = "default_free_paths")]
         free_paths: bool,
-        /// Whether it also says, for each sector, how far the robot can drive in that direction if what moves goes on moving as it
-        /// has, and when something would hit it if it waited. It needs `earlier_steps`.
+        /// Whether the observation also shows, for each sector, how far the robot can drive in that direction if all moving
+        /// things keep their velocities, and when one of them would hit the robot if it waited. Needs `earlier_steps`.
         #[serde(default)]
         predicted_paths: bool,
     },
@@ -82,7 +82,7 @@ impl Encoding {
     /// Whether the observation `row` [shows something that moves](SectorLayout::shows_motion); true if its encoding cannot show it.
     ///
     /// # Panics
-    /// `row` is shorter than an observation by these sectors.
+    /// `row` is shorter than an observation by sectors.
     #[must_use]
     pub fn shows_motion(self, row: &[f32]) -> bool {
         self.sectors().is_none_or(|layout| layout.shows_motion(row))

@@ -106,7 +106,7 @@ fn touches(invalid: &[String], path: &str) -> bool {
     invalid.iter().any(|other| overlap(other, path))
 }
 
-/// The obstacles that have no invalid value but their speed, with their index.
+/// The obstacles without an invalid value other than their speed, with their index.
 fn paths(whole: &Scenario, invalid: &[String]) -> Vec<(usize, Obstacle)> {
     if invalid.iter().any(|path| path.is_empty() || path == "obstacles") {
         return Vec::new();

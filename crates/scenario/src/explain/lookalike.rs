@@ -10,7 +10,7 @@ pub(super) fn lookalike(text: &str, offset: usize) -> Option<(char, String, &'st
     let code = code_point(c);
     let (name, instead) = match c {
         '“' | '”' | '„' | '‟' | '«' | '»' | '‹' | '›' | '‘' | '’' | '‚' | '`' | '＂' => {
-            return Some((c, "curly quotes: write \"...\"".into(), "\""));
+            return Some((c, quote_problem(c), "\""));
         }
         '\u{a0}' | '\u{2007}' | '\u{202f}' => ("a no-break space", " "),
         '−' | '–' | '—' | '‐' | '‑' => ("a dash or minus sign", "-"),
@@ -28,6 +28,12 @@ pub(super) fn lookalike(text: &str, offset: usize) -> Option<(char, String, &'st
         other => format!("write `{other}`"),
     };
     Some((c, format!("{name} ({code}): {fix}"), instead))
+}
+
+/// The problem of `c`, a quotation mark other than those of RON.
+pub(super) fn quote_problem(c: char) -> String {
+    let name = if c == '`' { "a backtick" } else { "a typographic quotation mark" };
+    format!("{name} ({}): write \"...\"", code_point(c))
 }
 
 /// The ASCII character that the full-width character `c` stands for.

@@ -5,6 +5,9 @@ use std::ops::Range;
 
 use wayfield_ron_patch::tokens;
 
+/// What is expected instead of a whole number that its field cannot hold.
+pub(super) const OUT_OF_RANGE: &str = "a whole number in range: this one is negative or too large";
+
 /// The word around `offset` if it starts like a number and `offset` lies inside it, so that ron has read only a part of it.
 pub(super) fn cut_number(text: &str, offset: usize) -> Option<Range<usize>> {
     let is_word = |c: char| c.is_alphanumeric() || "_.+-".contains(c);
@@ -21,7 +24,12 @@ pub(super) fn cut_number_problem(word: &str) -> String {
     if let Ok(value) = word.replace('_', "").parse::<f64>() {
         return match whole(value) {
             Some(whole) => format!("must be a whole number: write {whole}"),
-            None => "must be a whole number, without a fraction".into(),
+            None if value.is_finite() && value.fract() != 0.0 => {
+                "must be a whole number, without a fraction".into()
+            }
+            // f64 may not represent it exactly.
+            None if (0.0..u64::MAX as f64).contains(&value) => "must be a whole number in digits only".into(),
+            None => format!("must be {OUT_OF_RANGE}"),
         };
     }
     if let Some(whole) = whole_number(word) {

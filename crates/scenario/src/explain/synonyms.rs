@@ -56,10 +56,8 @@ pub(super) fn synonym(word: &str, known: &[&str]) -> Option<&'static str> {
     let word = word.to_lowercase();
     let (_, path) = SYNONYMS.iter().find(|(words, _)| words.contains(&word.as_str()))?;
     let starts = std::iter::once(0).chain(path.match_indices('.').map(|(dot, _)| dot + 1));
-    let rests =
-        starts.map(|start| &path[start..]).filter(|rest| rest.starts_with(|c: char| c.is_alphabetic()));
-    let first = |rest: &str| rest.split(['.', ':']).next().is_some_and(|first| known.contains(&first));
-    { rests }.find(|rest| first(rest))
+    let mut rests = starts.map(|start| &path[start..]);
+    rests.find(|rest| rest.split(['.', ':']).next().is_some_and(|first| known.contains(&first)))
 }
 
 #[cfg(test)]

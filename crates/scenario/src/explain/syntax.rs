@@ -2,6 +2,7 @@
 
 use ron::error::Error;
 
+use super::lookalike::quote_problem;
 use super::{Place, Problem, Repair};
 
 impl Place<'_> {
@@ -56,8 +57,8 @@ impl Place<'_> {
             }
             E::UnclosedBlockComment => self.problem(start, "this comment has no end: close it with `*/`"),
             E::ExpectedStringEnd if self.text[start..].contains(['“', '”']) => {
-                let curly = self.text[start..].find(['“', '”']).map_or(start, |at| start + at);
-                self.problem(curly, "curly quotes: write \"...\"")
+                let quote = self.text[start..].find(['“', '”']).map_or(start, |at| start + at);
+                self.problem(quote, self.text[quote..].chars().next().map(quote_problem).unwrap_or_default())
             }
             E::ExpectedStringEnd => self.problem(start, "this text has no closing quote: add one"),
             E::InvalidEscape(_) => {

@@ -3,6 +3,7 @@
 use ron::error::{Error, SpannedError};
 
 use super::choices::{choice_problem, is_read};
+use super::number_text::OUT_OF_RANGE;
 use super::{Place, Problem, Repair, is_about_a_name, last_of};
 
 impl Place<'_> {
@@ -66,8 +67,7 @@ impl Place<'_> {
             }
             Error::InvalidValueForType { expected, found } => must(&format!("{expected}, not {found}")),
             Error::IntegerOutOfBounds => {
-                let what = "a whole number in range: this one is negative or too large";
-                let message = format!("{} must be {what}", self.field(start));
+                let message = format!("{} must be {OUT_OF_RANGE}", self.field(start));
                 Problem { offset: start, message, repair: Some(Repair::Value(self.map.value_at(start))) }
             }
             Error::ExpectedNamedStructLike(_) if self.rest().starts_with([')', ']', '}']) => return None,

@@ -19,7 +19,7 @@ struct Cells {
     filled: Vec<bool>,
 }
 
-/// Adds a circle for every filled cell.
+/// Adds a circle for every filled cell, and fills the regions with starts that are cut off from the largest one.
 pub(super) fn add(
     draft: &mut Draft,
     fill: (f32, f32),
@@ -64,7 +64,7 @@ impl Cells {
         self.filled = (0..self.filled.len()).map(smoothed).collect();
     }
 
-    /// How many of the eight cells around `cell` are filled. Cells outside the grid are empty.
+    /// The number of filled cells among the eight around `cell`. Cells outside the grid are empty.
     fn filled_neighbours(&self, cell: usize) -> usize {
         let (row, column) = (cell / self.columns, cell % self.columns);
         let rows = row.saturating_sub(1)..(row + 2).min(self.rows);
@@ -85,7 +85,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn smoothing_fills_crowded_cells_and_empties_lonely_ones() {
+    fn smoothing_fills_crowded_cells_and_empties_isolated_ones() {
         let rows = ["##...", "###..", ".#..#", "....."];
         let filled = rows.concat().chars().map(|c| c == '#').collect();
         let mut cells = Cells { columns: 5, rows: 4, filled };

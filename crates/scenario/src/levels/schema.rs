@@ -211,7 +211,8 @@ pub enum Traffic {
         /// Number of pairs, 0 to 10.
         #[serde(default = "default_pairs")]
         pairs: (u32, u32),
-        /// Number of obstacles on a pair, 0 to 200, evenly spaced.
+        /// Number of obstacles on each pair of lanes, 0 to 200, evenly spaced along the loop of both lanes. Fewer if they would
+        /// be closer than 4 radii, centre to centre.
         #[serde(default = "default_per_pair")]
         count: (u32, u32),
         /// Radius, 0.01 to 10 m; the same for all obstacles on a pair.
@@ -356,8 +357,9 @@ pub enum Route {
     },
     /// From the middle of the lower side, heading along +y, to the middle of the upper side, as in the BARN dataset.
     Across {
-        /// Depth of the strips along both sides that are kept free of clutter and traffic, 0.1 to 50 m. Start and goal are in
-        /// their middle.
+        /// Depth of the two strips, along the lower and the upper side, that are kept free of clutter and traffic, 0.1 to 50 m.
+        /// The start is in the middle of the lower strip, the goal in the middle of the upper one. Must be at least twice
+        /// `gap_m` and at most a third of the smallest height.
         #[serde(default = "default_margin_m")]
         margin_m: f32,
     },

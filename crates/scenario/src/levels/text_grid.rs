@@ -37,7 +37,8 @@ pub(super) fn check(
         let cell_m = size_m / count as f32;
         if cell_m < least_m {
             let message = format!(
-                "has cells only {cell_m} m {wide}: write fewer, or a larger enclosure; at least {least_m} m"
+                "has cells only {cell_m} m {wide}: write fewer cells or a larger enclosure, so that they are at least \
+                 {least_m} m {wide}"
             );
             diagnostics.push(path, message);
         }

@@ -14,7 +14,7 @@ use crate::schema::{Obstacle, ObstacleMotion, Shape};
 
 /// Attempts to find a free path before an obstacle is omitted.
 const TRIES: usize = 50;
-/// Largest deviation of an obstacle from its evenly spaced position on the circle, as a fraction of their spacing.
+/// Largest deviation of an obstacle from its evenly spaced position on the circle, as a fraction of the spacing.
 const JITTER: f32 = 0.3;
 
 /// Adds one of `layouts`; nothing if there is none.
@@ -97,9 +97,9 @@ fn add_circle(draft: &mut Draft, count: u32, walkers: Walkers, circle_m: (f32, f
         let walker = walkers.draw(stream);
         let angle = first + TAU * (k as f32 + uniform(stream, -JITTER, JITTER)) / count as f32;
         let (sin, cos) = libm::sincosf(angle);
-        let arm = circle_m.min(size.min_element() / 2.0 - walker.radius_m).max(0.0) * vec2(cos, sin);
-        if draft.is_free(middle + arm, middle - arm, walker.radius_m) {
-            draft.add_moving(walker.between(middle + arm, middle - arm));
+        let offset = circle_m.min(size.min_element() / 2.0 - walker.radius_m).max(0.0) * vec2(cos, sin);
+        if draft.is_free(middle + offset, middle - offset, walker.radius_m) {
+            draft.add_moving(walker.between(middle + offset, middle - offset));
         }
     }
 }

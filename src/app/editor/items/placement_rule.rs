@@ -42,8 +42,8 @@ impl Editable for RuleItem {
     fn handles(&self, scenario: &Scenario) -> Vec<Handle> {
         let rule = self.0.of(scenario);
         let mut handles = rule.region().map_or_else(Vec::new, rectangles::region_handles);
-        if let PlacementRule::Fixed { position_m, heading_rad: Some(heading) } = *rule {
-            handles.push(heading_handle(position_m, heading));
+        if let Some((position_m, heading_rad)) = self.rotation(scenario) {
+            handles.push(heading_handle(position_m, heading_rad));
         }
         let about = match rule {
             PlacementRule::OneOf { .. } => "Move this position; double-click removes it",

@@ -10,7 +10,7 @@ use crate::app::scene::ArenaScene;
 use crate::app::screen::theme::Palette;
 use crate::scenario::Scenario;
 
-/// The maximum number of beams drawn. Of more beams, which could not be told apart, every n-th is drawn.
+/// The maximum number of beams drawn. If a scan has more, only every n-th beam is drawn: more could not be distinguished.
 const MAX_BEAMS: usize = 720;
 
 /// The colour of a beam; `near` is 1 for length 0 and 0 from half the sensor's range on.

@@ -25,7 +25,7 @@ struct Column {
     color: Color32,
 }
 
-/// Draws the score in `header`, `width` points wide like the arena below, or wider if that is narrow.
+/// Draws the score in `header`. It is as wide as the arena below, `width` points, but at least 300 points if `header` is.
 pub fn draw(ui: &Ui, id: Id, header: Rect, width: f32, arena: &ArenaScene) {
     let width = width.max(header.width().min(300.0));
     let across = Rangef::point(header.center().x).expand(width / 2.0);
@@ -70,7 +70,7 @@ fn columns(arena: &ArenaScene, palette: Palette) -> Vec<Column> {
     ]
 }
 
-/// Draws as many columns as fit, from left to right, at the right of `header`. Returns where the first one begins.
+/// Draws as many columns as fit, from left to right, at the right end of `header`. Returns the left edge of the first one.
 fn draw_columns(ui: &Ui, header: Rect, columns: &[Column]) -> f32 {
     let (painter, weak) = (ui.painter_at(header), Palette::from_ui(ui).weak_text);
     let large = FontId::proportional(HEADING);

@@ -123,7 +123,7 @@ fn draw_arena(
     }
 }
 
-/// Highlights the object under the pointer or being dragged; an object that cannot be put down here is shown
+/// Highlights the object under the pointer or being dragged; an object that cannot be dropped here is shown
 /// in orange with the reason.
 fn draw_drag_feedback(
     ui: &Ui,

@@ -1,14 +1,14 @@
 //! Trajectories: the path since the last goal, and past paths coloured by outcome.
 
-use egui::{Color32, Painter, Pos2, Rect, Stroke, StrokeKind, pos2, vec2};
+use egui::{Color32, Painter, Pos2, Rect, Stroke, StrokeKind, vec2};
 
 use super::canvas::Canvas;
 use crate::app::scene::{ArenaScene, Trail, TrailEnd};
 use crate::app::screen::theme::Palette;
 use crate::app::view_state::Overlays;
 
-/// Draws the past paths by outcome and the current path, which fades towards its start; each
-/// only if its overlay is on.
+/// Draws the past paths, coloured by outcome, and the current path, which fades towards its start; each only if its overlay
+/// is on.
 pub fn draw(canvas: &Canvas, arena: &ArenaScene, overlays: &Overlays) {
     if overlays.trails {
         let count = arena.trails.len().min(if canvas.compact { 3 } else { usize::MAX });
@@ -65,7 +65,7 @@ pub fn outcome_mark(painter: &Painter, at: Pos2, end: TrailEnd, color: Color32) 
             painter.line_segment([at + vec2(-3.0, 3.0), at + vec2(3.0, -3.0)], stroke);
         }
         TrailEnd::TimedOut => {
-            let square = Rect::from_center_size(pos2(at.x, at.y), vec2(5.0, 5.0));
+            let square = Rect::from_center_size(at, vec2(5.0, 5.0));
             painter.rect_stroke(square, 0.0, Stroke::new(1.25, color), StrokeKind::Middle);
         }
     }

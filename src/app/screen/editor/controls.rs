@@ -14,23 +14,23 @@ pub fn set_accessible_name(response: &Response, name: &str) {
 }
 
 /// Shows a row with a list to choose from; each choice has a value, a text and a tooltip. Returns the chosen value if
-/// it is not `now`.
+/// it is not `current`.
 pub fn choice_ui<T: Copy + PartialEq>(
     ui: &mut Ui,
     name: &str,
-    now: T,
+    current: T,
     choices: &[(T, &str, &str)],
 ) -> Option<T> {
     let mut chosen = None;
     ui.horizontal(|ui| {
         let label = ui.label(weak_text(name));
         let width = (CHOICE_WIDTH + ui.spacing().item_spacing.x).min(ui.available_width());
-        let text = choices.iter().find(|(value, ..)| *value == now).map_or("", |(_, text, _)| *text);
+        let text = choices.iter().find(|(value, ..)| *value == current).map_or("", |(_, text, _)| *text);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let combo = ComboBox::from_id_salt(name).width(width).selected_text(text).truncate();
             let shown = combo.show_ui(ui, |ui| {
                 for &(value, text, tip) in choices {
-                    if ui.selectable_label(value == now, text).on_hover_text(tip).clicked() {
+                    if ui.selectable_label(value == current, text).on_hover_text(tip).clicked() {
                         chosen = Some(value);
                     }
                 }
@@ -38,7 +38,7 @@ pub fn choice_ui<T: Copy + PartialEq>(
             shown.response.labelled_by(label.id);
         });
     });
-    chosen.filter(|&value| value != now)
+    chosen.filter(|&value| value != current)
 }
 
 /// Shows a row of buttons across the width of the panel; each has a text, a tooltip and whether it is enabled. Returns the

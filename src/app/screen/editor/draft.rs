@@ -34,7 +34,7 @@ pub fn draw(ui: &Ui, canvas: &Canvas, editor: &Editor, pointer: Option<Pos2>) {
     canvas.label(next + vec2(12.0, -10.0), Align2::LEFT_BOTTOM, &label, palette.text);
 }
 
-/// The points so far, in m; a path begins at the selected obstacle. `None` for a path without one.
+/// The points so far, in m; a path begins at the selected obstacle. `None` if no obstacle is selected for it.
 fn points_m(editor: &Editor) -> Option<Vec<math::Vec2>> {
     let mut points_m = editor.tool().points_m().to_vec();
     if let Tool::Path { .. } = editor.tool() {

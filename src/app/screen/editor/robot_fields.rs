@@ -106,7 +106,7 @@ fn odometry_rows(rows: &mut FieldRows<'_>, drift: &mut Option<OdometryDrift>) {
         Some(OdometryDrift { distance_error, rotation_error, heading_drift_rad_m }) if drifts => {
             let error = NumberSpec::FRACTION.with_range(ODOMETRY_ERROR);
             rows.ranged("Distance error", "Per metre driven", distance_error, error);
-            rows.ranged("Rotation error", "Per turn", rotation_error, error);
+            rows.ranged("Rotation error", "Per radian turned", rotation_error, error);
             let drift = NumberSpec::heading_drift(HEADING_DRIFT_RAD_M);
             rows.ranged("Heading drift", "Rotation reported per metre", heading_drift_rad_m, drift);
         }

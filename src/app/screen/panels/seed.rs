@@ -67,5 +67,5 @@ fn random_seed(before: u64, time_s: f64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     let seed = (z ^ (z >> 31)) % 1_000_000;
-    if seed == before { seed + 1 } else { seed }
+    if seed == before { (seed + 1) % 1_000_000 } else { seed }
 }

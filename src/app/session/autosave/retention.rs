@@ -1,4 +1,4 @@
-//! How many autosaves and editor backups of earlier sessions are kept.
+//! The number of autosaves and editor backups of earlier sessions that are kept.
 
 use std::cmp::Reverse;
 

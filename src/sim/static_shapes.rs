@@ -1,7 +1,7 @@
-//! The still shapes of a scenario in a grid, for ray casts and contacts in scenarios with many shapes.
+//! The static shapes of a scenario in a grid, for ray casts and contacts in scenarios with many shapes.
 //!
 //! In: rapier's colliders of what never moves. Out: ranges along beams, and the shapes near a point. Arenas of the same scenario
-//! share one [`StillShapes`], unless it generates many obstacles. The results equal those of testing every shape, bit for bit.
+//! share one [`StaticShapes`], unless it generates many obstacles. The results equal those of testing every shape, bit for bit.
 
 use std::sync::Arc;
 
@@ -21,9 +21,9 @@ const ROUNDING: f32 = 1e-5;
 
 /// Shapes that never move, and a grid over them.
 #[derive(Debug)]
-pub(super) struct StillShapes {
+pub(super) struct StaticShapes {
     grid: UniformGrid,
-    shapes: Vec<StillShape>,
+    shapes: Vec<StaticShape>,
     /// Boxes around the shapes, which are cheaper to test.
     boxes: Vec<BeamBox>,
     /// The longest beam, in m, for which the grid lists every shape that the beam hits.
@@ -32,7 +32,7 @@ pub(super) struct StillShapes {
 
 /// A shape at its position.
 #[derive(Clone, Debug)]
-pub(super) struct StillShape {
+pub(super) struct StaticShape {
     pub(super) position: BodyPose,
     /// Whether the shape is rotated. Without a rotation, a cast needs no transformation.
     is_rotated: bool,
@@ -68,7 +68,7 @@ enum Kind {
     Other(SharedShape),
 }
 
-impl StillShape {
+impl StaticShape {
     fn new(position: BodyPose, shape: &SharedShape) -> Self {
         let kind = match shape.as_typed_shape() {
             TypedShape::Ball(ball) => Kind::Ball(*ball),
@@ -121,21 +121,24 @@ impl BeamBox {
     }
 }
 
-impl StillShapes {
-    /// The grid over the colliders `still`, for beams of up to `max_range_m`. None if a test of every shape is as fast.
+impl StaticShapes {
+    /// The grid over the static colliders `solids`, for beams of up to `max_range_m`. None if a test of every shape is as fast.
     pub(super) fn new(
         colliders: &ColliderSet,
-        still: impl Iterator<Item = ColliderHandle>,
+        solids: impl Iterator<Item = ColliderHandle>,
         max_range_m: f32,
     ) -> Option<Self> {
-        let still: Vec<_> = still.filter_map(|handle| colliders.get(handle)).collect();
-        if still.len() < UniformGrid::MIN_ITEMS {
+        let solids: Vec<_> = solids.filter_map(|handle| colliders.get(handle)).collect();
+        if solids.len() < UniformGrid::MIN_ITEMS {
             return None;
         }
-        let boxes: Vec<_> =
-            still.iter().map(|solid| solid.compute_aabb()).map(|bounds| (bounds.mins, bounds.maxs)).collect();
+        let boxes: Vec<_> = solids
+            .iter()
+            .map(|solid| solid.compute_aabb())
+            .map(|bounds| (bounds.mins, bounds.maxs))
+            .collect();
         let shapes: Vec<_> =
-            still.iter().map(|solid| StillShape::new(*solid.position(), solid.shared_shape())).collect();
+            solids.iter().map(|solid| StaticShape::new(*solid.position(), solid.shared_shape())).collect();
         // As in `BeamFilter`.
         let largest_m = shapes.iter().map(|one| one.shape().compute_local_bounding_sphere().radius);
         let farthest_m = boxes.iter().flat_map(|(low, high)| [low, high]).map(|at| at.abs().max_element());
@@ -148,7 +151,7 @@ impl StillShapes {
     }
 
     /// The shapes at most `radius_m` from `at`, and possibly others. A shape may occur more than once.
-    pub(super) fn near(&self, at: Vec2, radius_m: f32) -> impl Iterator<Item = &StillShape> {
+    pub(super) fn near(&self, at: Vec2, radius_m: f32) -> impl Iterator<Item = &StaticShape> {
         self.grid.near(at, radius_m).map(|item| &self.shapes[item])
     }
 
@@ -162,7 +165,7 @@ impl StillShapes {
             if is_inside && *range_m <= self.max_range_m {
                 *range_m = self.cast_along_cells(&beam, *range_m);
             } else {
-                let nearer = |range_m, shape: &StillShape| shape.cast(&beam, range_m).unwrap_or(range_m);
+                let nearer = |range_m, shape: &StaticShape| shape.cast(&beam, range_m).unwrap_or(range_m);
                 *range_m = self.shapes.iter().fold(*range_m, nearer);
             }
         }
@@ -200,8 +203,8 @@ impl Bodies {
 
     /// Indexes all solids.
     pub(super) fn index_solids(&mut self, colliders: &ColliderSet, max_range_m: f32) {
-        let still = self.make_grid(colliders, max_range_m);
-        self.set_grid(still);
+        let grid = self.make_grid(colliders, max_range_m);
+        self.set_grid(grid);
     }
 
     /// Indexes the generated obstacles after they have been replaced. If there are only a few, they stay outside the grid.
@@ -215,17 +218,17 @@ impl Bodies {
         }
     }
 
-    /// The grid over all still solids.
-    fn make_grid(&self, colliders: &ColliderSet, max_range_m: f32) -> Option<Arc<StillShapes>> {
-        let still = (0..self.solids.len()).filter(|&index| !self.moves(index));
-        StillShapes::new(colliders, still.map(|index| self.solids[index]), max_range_m).map(Arc::new)
+    /// The grid over all static solids.
+    fn make_grid(&self, colliders: &ColliderSet, max_range_m: f32) -> Option<Arc<StaticShapes>> {
+        let indices = (0..self.solids.len()).filter(|&index| !self.moves(index));
+        StaticShapes::new(colliders, indices.map(|index| self.solids[index]), max_range_m).map(Arc::new)
     }
 
     /// Uses the grid from [`Self::make_grid`].
-    fn set_grid(&mut self, still: Option<Arc<StillShapes>>) {
+    fn set_grid(&mut self, grid: Option<Arc<StaticShapes>>) {
         let indices = 0..self.solids.len();
-        self.not_in_grid = indices.filter(|&index| still.is_none() || self.moves(index)).collect();
-        self.still = still;
+        self.not_in_grid = indices.filter(|&index| grid.is_none() || self.moves(index)).collect();
+        self.static_shapes = grid;
     }
 
     fn moves(&self, index: usize) -> bool {
