@@ -29,7 +29,7 @@ use super::learner::Learner;
 use super::limits::MAX_HEADER_BYTES;
 
 /// The versions of the file.
-const VERSIONS: RangeInclusive<u32> = 1..=6;
+const VERSIONS: RangeInclusive<u32> = 1..=5;
 
 /// The header format of a file of this `version`. A network has at most 2^24 parameters, and the header has four arrays of
 /// that length.

@@ -60,19 +60,8 @@ pub struct LearningConfig {
     /// it by 1 / (1 - weight) times as much, so that small errors of the network confuse them less. The paper: 0.
     pub advantage_learning: f32,
     /// The number of quantiles of the return that are learned for each action, 1 to 200 (QR-DQN, Dabney et al. 2018). Their mean
-    /// is the Q-value, by which actions are chosen in training. More than 1 need a `Huber` loss. The paper: 1, the Q-value itself.
+    /// is the Q-value, and the policy keeps only that. More than 1 need a `Huber` loss. The paper: 1, the Q-value itself.
     pub quantiles: usize,
-    /// The part of the quantiles, from the lowest, whose mean is the Q-value of the trained policy, above 0 to 1: the conditional
-    /// value at risk of the return at this level (Dabney et al. 2018, IQN). Below 1, the policy avoids actions that seldom, but
-    /// sometimes, end badly. It needs `quantiles`. The paper: 1, the mean of all.
-    pub risk_level: f32,
-}
-
-impl LearningConfig {
-    /// The number of quantiles, from the lowest, whose mean is the Q-value of the trained policy: `risk_level` of all, rounded up.
-    pub(crate) fn policy_quantiles(&self) -> usize {
-        ((self.risk_level * self.quantiles as f32).ceil() as usize).clamp(1, self.quantiles)
-    }
 }
 
 /// The layers of the Q-network.
@@ -282,7 +271,6 @@ impl Default for LearningConfig {
             mirror: false,
             advantage_learning: 0.0,
             quantiles: 1,
-            risk_level: 1.0,
         }
     }
 }

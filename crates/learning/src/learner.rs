@@ -294,10 +294,10 @@ impl Learner {
         Ok(())
     }
 
-    /// The online network as a policy, without a card. Its Q-values are those at the [`risk_level`](LearningConfig::risk_level).
+    /// The online network as a policy, without a card.
     #[must_use]
     pub fn policy(&self) -> Policy {
-        self.online.to_policy_of_lowest(self.config.policy_quantiles())
+        self.online.to_policy()
     }
 
     /// Ends the trajectories of all environments, for an unplanned reset of the environments. Steps that still wait for

@@ -145,18 +145,13 @@ impl QNetwork {
     /// Q-values are their means.
     #[must_use]
     pub fn to_policy(&self) -> Policy {
-        self.to_policy_of_lowest(self.quantiles)
-    }
-
-    /// Like [`to_policy`](Self::to_policy), but with the mean of the `count` lowest quantiles.
-    pub(crate) fn to_policy_of_lowest(&self, count: usize) -> Policy {
         let (hidden, weights, biases) = self.split_head();
         let mut parameters = hidden.to_vec();
         for heads in [weights, biases] {
             let size = heads.len() / self.quantiles;
             let mean = |at: usize| match self.quantiles {
                 1 => heads[at],
-                _ => heads[at..].iter().step_by(size).take(count).sum::<f32>() / count as f32,
+                n => heads[at..].iter().step_by(size).sum::<f32>() / n as f32,
             };
             parameters.extend((0..size).map(mean));
         }

@@ -245,11 +245,6 @@ fn a_learner_with_quantiles_continues_with_the_same_bits() {
         let plain = LearningConfig { loss: Loss::Huber { delta: 1.0 }, ..plain };
         let config = LearningConfig { quantiles: 4, ..plain.clone() };
         let other = LearningConfig { quantiles: 5, ..plain.clone() };
-        let averse = LearningConfig { risk_level: 0.5, ..config.clone() };
-        assert_exact_and_rejected_by(
-            &averse,
-            &[config.clone(), LearningConfig { risk_level: 0.25, ..averse.clone() }],
-        );
         assert_exact_and_rejected_by(&config, &[plain, other]);
     }
 }

@@ -79,7 +79,6 @@ fn config(case: &Value) -> LearningConfig {
         mirror: false,
         advantage_learning: 0.0,
         quantiles: 1,
-        risk_level: 1.0,
     }
 }
 

@@ -5,7 +5,6 @@ use wayfield_learning::{
     Activation, Experience, Exploration, Learner, LearningConfig, Loss, Mirror, NetworkConfig, Optimizer,
     ReplayConfig, Sampling, Schedule, TargetUpdate, epsilon_greedy,
 };
-use wayfield_policy::Scratch;
 use wayfield_random::{Stream, stream, uniform_01};
 
 const PRIORITIZED: Sampling = Sampling::Prioritized {
@@ -213,40 +212,6 @@ fn quantiles_show_the_distribution_of_a_stochastic_reward() {
     learner.network().quantile_values(&[1.0], 1, &mut quantiles);
     for (i, quantile) in quantiles.iter().enumerate() {
         close(*quantile, if i < 7 { 0.0 } else { 2.0 }, 0.1, &format!("quantile {i} of {quantiles:?}"));
-    }
-}
-
-#[test]
-fn a_policy_at_a_low_risk_level_prefers_a_sure_reward() {
-    // Action 0 gives 2 with probability 0.6, otherwise 0, so 1.2 in the mean and 0 at worst; action 1 always gives 1.
-    let loss = Loss::Huber { delta: 0.02 };
-    let neutral = LearningConfig { quantiles: 10, loss, ..config(0.9, Sampling::Uniform) };
-    for (risk_level, expected) in [(1.0, [1.2, 1.0]), (0.5, [0.2 * 2.0, 1.0]), (0.25, [0.0, 1.0])] {
-        let mut learner = Learner::new(&LearningConfig { risk_level, ..neutral.clone() }, 1, 2, 1, 3)
-            .expect("a valid config");
-        let mut random = stream(3, "test", 0);
-        for step in 0..16_000 {
-            let (action, wins) = (step % 2, uniform_01(&mut random) < 0.6);
-            let reward = if action == 1 { 1.0 } else { 2.0 * f32::from(u8::from(wins)) };
-            learner.store(&Experience {
-                env_index: 0,
-                observation: &[1.0],
-                action,
-                reward,
-                next_observation: &[1.0],
-                terminated: true,
-                truncated: false,
-            });
-            learner.train().expect("no divergence");
-        }
-        let (mut learned, mut scratch) = (Vec::new(), Scratch::default());
-        learner.q_values(&[1.0], 1, &mut learned);
-        close(learned[0], 1.2, 0.1, "the mean, by which actions are chosen in training");
-        let policy = learner.policy();
-        for (q, expected) in policy.q_values(&[1.0], &mut scratch).iter().zip(expected) {
-            close(*q, expected, 0.1, &format!("a Q-value at the risk level {risk_level}"));
-        }
-        assert_eq!(policy.act(&[1.0], &mut scratch), usize::from(risk_level < 1.0));
     }
 }
 

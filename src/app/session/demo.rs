@@ -135,7 +135,7 @@ fn tested(world: &World) -> Result<(DriverLabel, ActionSource), RunError> {
             let origin = format!("{} {}", percent(row.success_rate), steps(row.env_steps));
             ("Best so far", origin, network(&policy)?)
         }
-        _ => ("Current policy", steps(learner.env_steps()), network(&learner.policy())?),
+        _ => ("Current policy", steps(learner.env_steps()), learner.network().clone()),
     };
     Ok((DriverLabel::Policy { name: name.into(), origin }, ActionSource::Policy(network)))
 }

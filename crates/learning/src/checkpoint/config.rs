@@ -9,7 +9,7 @@ use crate::config::{LearningConfig, NetworkConfig};
 use crate::framing::encode;
 
 /// What version 2 of the file adds. Version 3 adds mirror augmentation, version 4 advantage learning, version 5
-/// quantiles, version 6 the risk level. A config is written in the
+/// quantiles. A config is written in the
 /// lowest version that has all it uses.
 #[derive(Serialize, PartialEq)]
 struct Switches {
@@ -48,7 +48,6 @@ pub(super) fn encoded(config: &LearningConfig) -> io::Result<(u32, Vec<u8>)> {
         mirror,
         advantage_learning,
         quantiles,
-        risk_level,
     } = config;
     let update = (double, gamma, n_step, reward_scale, loss, optimizer, learning_rate, batch_size);
     let version_1 = (hidden, dueling, update, replay, train_freq, gradient_steps, target_update, exploration);
@@ -58,9 +57,7 @@ pub(super) fn encoded(config: &LearningConfig) -> io::Result<(u32, Vec<u8>)> {
         max_gradient_norm: *max_gradient_norm,
         weight_decay: *weight_decay,
     };
-    if *risk_level != 1.0 {
-        Ok((6, encode(&(version_1, switches, mirror, advantage_learning, quantiles, risk_level))?))
-    } else if *quantiles != 1 {
+    if *quantiles != 1 {
         Ok((5, encode(&(version_1, switches, mirror, advantage_learning, quantiles))?))
     } else if *advantage_learning != 0.0 {
         Ok((4, encode(&(version_1, switches, mirror, advantage_learning))?))

@@ -47,15 +47,6 @@ impl LearningConfig {
                 problem: "is MeanSquared, but quantiles are learned with Huber; help: write loss: Huber(delta: 1.0)".into(),
             });
         }
-        if self.quantiles == 1 && self.risk_level > 0.0 && self.risk_level < 1.0 {
-            problems.push(ConfigError {
-                field: "risk_level".into(),
-                problem: format!(
-                    "is {}, but needs quantiles of the return; help: write quantiles: 16, or leave out risk_level",
-                    self.risk_level
-                ),
-            });
-        }
         problems
     }
 
@@ -77,7 +68,6 @@ impl LearningConfig {
         found.add(within("weight_decay", self.weight_decay, 0.0..=1.0));
         found.add(within("advantage_learning", self.advantage_learning, 0.0..1.0));
         found.add(within("quantiles", self.quantiles, 1..=MAX_QUANTILES));
-        found.add(within_above_zero("risk_level", self.risk_level, 1.0));
         found.add(within("batch_size", self.batch_size, 1..=MAX_BATCH_SIZE));
         self.replay.check(&mut found);
         found.add(within("train_freq", self.train_freq, 1..));

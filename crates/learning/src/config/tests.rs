@@ -16,7 +16,6 @@ fn a_config_is_read_from_ron_as_it_was_written() {
         mirror: true,
         advantage_learning: 0.5,
         quantiles: 8,
-        risk_level: 0.25,
         ..LearningConfig::default()
     };
     for config in [config, LearningConfig::default()] {
@@ -56,9 +55,6 @@ fn every_value_out_of_range_is_reported_with_its_field() {
         ("quantiles", |c| c.quantiles = 0),
         ("quantiles", |c| c.quantiles = 201),
         ("loss", |c| c.quantiles = 8),
-        ("risk_level", |c| c.risk_level = 0.5),
-        ("risk_level", |c| c.risk_level = 0.0),
-        ("risk_level", |c| (c.quantiles, c.risk_level) = (8, 1.5)),
         ("reward_scale", |c| c.reward_scale = 0.0),
         ("loss.delta", |c| c.loss = Loss::Huber { delta: -1.0 }),
         ("optimizer.smoothing", |c| c.optimizer = Optimizer::RmsProp { smoothing: 1.0, epsilon: 1e-8 }),
@@ -122,7 +118,6 @@ fn every_value_out_of_range_is_reported_with_its_field() {
 fn a_config_without_the_switches_of_later_versions_has_them_off() {
     let text = ron::to_string(&LearningConfig::default()).expect("a config is RON");
     let older = [
-        ",risk_level:1.0",
         ",quantiles:1",
         ",advantage_learning:0.0",
         ",mirror:false",
