@@ -154,6 +154,7 @@ fn a_classical_driver_drives_next_to_the_policy_with_its_class_and_the_map_that_
     let [policy, classical] = &app.shown().0.arenas[..] else { panic!("two arenas") };
     assert_eq!(policy.goal, classical.goal);
     assert_eq!(policy.plan, None);
+    assert_eq!(classical.q_values, [], "it has no network");
     let plan = classical.plan.as_ref().expect("the driver plans");
     let [first, .., last] = &plan.path_m[..] else { panic!("a path: {plan:?}") };
     let goal = &classical.goal;
@@ -171,6 +172,14 @@ fn a_classical_driver_drives_next_to_the_policy_with_its_class_and_the_map_that_
     app.command(Command::OpenExpert);
     frame(&mut app);
     assert_ne!(driver(&app, 1).0, "ORCA", "a policy takes the place of the driver");
+}
+
+/// The motions of `arena`'s driver, each of which is shown with its Q-value.
+fn shows_q_values(app: &HeadlessApp, arena: usize) -> Vec<Motion> {
+    let arena = &app.shown().0.arenas[arena];
+    assert_eq!(arena.q_values.len(), arena.motions.len(), "{:?}", arena.q_values);
+    assert!(arena.action < arena.motions.len());
+    arena.motions.clone()
 }
 
 /// Takes `count` control steps.
@@ -197,6 +206,7 @@ fn a_policy_drives_next_to_itself_with_a_map_that_is_shown() {
         assert_eq!(driver(&app, 1), (name.into(), class.into()));
         let plan = app.shown().0.arenas[1].plan.as_ref().expect("it builds a map");
         assert!(!plan.occupied_m.is_empty(), "walls are in sight: {plan:?}");
+        shows_q_values(&app, 1);
     }
     let folder = tempfile::tempdir().expect("temporary folder");
     let path = folder.path().join("mine.safetensors");
@@ -232,8 +242,10 @@ fn a_policy_with_other_observations_and_actions_drives_next_to_the_current_one()
     let after = app.shown().0.arenas[1].pose;
     assert_eq!((before.x_m, before.y_m), (after.x_m, after.y_m), "it turns in place");
     assert_ne!(before.heading_rad, after.heading_rad);
-    let ours = app.shown().0.arenas[0].clone();
-    assert_eq!(ours.q_values.len(), 5, "the current policy has the motions of the robot");
+    let [ours, other] = [0, 1].map(|arena| shows_q_values(&app, arena));
+    assert_eq!(ours.len(), 5, "the current policy has the motions of the robot");
+    assert_eq!(other.len(), 2);
+    assert!(other.iter().all(|motion| motion.v_m_s == 0.0 && motion.w_rad_s > 0.0), "{other:?}");
     app.command(Command::SetMode(SessionMode::Train));
     step(&mut app, 2);
 }

@@ -66,6 +66,19 @@ impl DriverSource {
     pub fn plan(&self) -> Option<DriverPlan> {
         self.driver.as_ref()?.plan(tuple(&self.last_pose))
     }
+
+    /// Returns the Q-values of the last decision, one per action; `None` before the first step, or if the driver has no network.
+    #[must_use]
+    pub fn q_values(&self) -> Option<&[f32]> {
+        self.driver.as_ref()?.q_values()
+    }
+
+    /// Returns the driver's own motions, of which its actions are indices; `None` before the first step, or if they are indices
+    /// of the robot's motions.
+    #[must_use]
+    pub fn motions(&self) -> Option<&[Motion]> {
+        self.driver.as_ref()?.motions()
+    }
 }
 
 fn tuple(pose: &Pose) -> (f32, f32, f32) {

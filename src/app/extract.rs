@@ -16,8 +16,7 @@ use super::session::{
     ActiveMode, Autosave, Evaluations, Journal, Notices, OpenedFiles, Pacer, QuitQuestion, ScenarioSource,
     Throughput, Trails, TrainingRun, comparison,
 };
-use crate::agent::{ActionSource, ActionSources, ActiveLearner, Decisions};
-use crate::drivers::DriverPlan;
+use crate::agent::{ActionSource, ActionSources, ActiveLearner, Decisions, DriverSource};
 use crate::run::preset::Budget;
 use crate::run::shipped;
 use crate::scenario::IndexedScenario;
@@ -115,7 +114,17 @@ fn arena_scenes(session: &SessionView, world: &WorldView, view_state: &CurrentVi
         shown.into_iter().map(|(arena, layout, pose, goal, (clock, pedestrians), scan, episode, member)| {
             let k = arena.0;
             let trails = world.trails.0.get(k).unwrap_or(&no_trails);
-            let q_values = world.decisions.q_values.get(k * actions..(k + 1) * actions).unwrap_or_default();
+            let driver =
+                if mode == SessionMode::Compare { driver(world.sources.arenas.get(k)) } else { None };
+            let robot = &layout.scenario.robot;
+            let (motions, q_values) = match driver {
+                Some(driver) => (driver.motions().unwrap_or(&robot.motions).to_vec(), driver.q_values()),
+                None => (
+                    world.action_set.motions(robot),
+                    world.decisions.q_values.get(k * actions..(k + 1) * actions),
+                ),
+            };
+            let q_values = q_values.unwrap_or_default();
             let is_large = view_state.0.followed == k || mode != SessionMode::Train;
             ArenaScene {
                 scenario: layout.scenario.clone(),
@@ -127,11 +136,11 @@ fn arena_scenes(session: &SessionView, world: &WorldView, view_state: &CurrentVi
                 ranges_m: scan.ranges_m.clone(),
                 scan_pose: scan.sensor_pose,
                 driver: session.mode.driver(k),
-                motions: world.action_set.motions(&layout.scenario.robot),
+                motions,
                 action: world.actions.0.get(k).copied().unwrap_or(0),
                 explored: world.decisions.explored.get(k).copied().unwrap_or(false),
                 q_values: if q_values.iter().all(|q| q.is_finite()) { q_values.to_vec() } else { Vec::new() },
-                plan: if mode == SessionMode::Compare { plan(world.sources.arenas.get(k)) } else { None },
+                plan: driver.and_then(DriverSource::plan),
                 path_m: trails.path_m.clone(),
                 trails: if is_large && view_state.0.overlays.trails {
                     trails.finished.iter().cloned().collect()
@@ -145,10 +154,10 @@ fn arena_scenes(session: &SessionView, world: &WorldView, view_state: &CurrentVi
     arena_scenes.collect()
 }
 
-/// What a classical driver plans with.
-fn plan(source: Option<&ActionSource>) -> Option<DriverPlan> {
+/// The driver, if `source` is one.
+fn driver(source: Option<&ActionSource>) -> Option<&DriverSource> {
     match source {
-        Some(ActionSource::Driver(driver)) => driver.plan(),
+        Some(ActionSource::Driver(driver)) => Some(driver),
         _ => None,
     }
 }

@@ -99,9 +99,9 @@ pub struct ArenaScene {
     pub scan_pose: Pose,
     /// The driver.
     pub driver: DriverLabel,
-    /// The robot's motions, one per action of a network.
+    /// The motions of the driver's actions.
     pub motions: Vec<Motion>,
-    /// The last action; an index into `motions` if a network chose it.
+    /// The last action: an index into `motions`.
     pub action: usize,
     /// Whether the last action was random.
     pub explored: bool,

@@ -92,6 +92,11 @@ pub trait Driver: Send + Sync {
         None
     }
 
+    /// The Q-values of its last decision, one per action; empty before the first; `None` if it has no network.
+    fn q_values(&self) -> Option<&[f32]> {
+        None
+    }
+
     /// The path that it has planned, and the map that it has built; `None` if it plans no path.
     ///
     /// `pose` is the robot's pose at the last decision, in the frame of the result (x in m, y in m, heading in rad).

@@ -71,6 +71,8 @@ struct PolicyDriver {
     /// The length of an observation.
     width: usize,
     observation: Vec<f32>,
+    /// The Q-values of the last decision.
+    q_values: Vec<f32>,
     scratch: Scratch,
 }
 
@@ -97,6 +99,7 @@ impl PolicyDriver {
             decider: Decider::default(),
             width,
             observation,
+            q_values: Vec::new(),
             scratch: Scratch::default(),
         }
     }
@@ -119,6 +122,8 @@ impl PolicyDriver {
             }
         }
         let q_values = self.policy.q_values(&self.observation, &mut self.scratch);
+        self.q_values.clear();
+        self.q_values.extend_from_slice(q_values);
         let Some(motions) = &self.motions else { return greedy(q_values) };
         self.decider.sense((percept.twist.v_m_s, percept.twist.w_rad_s), &self.limits);
         let moves = self.encoding.shows_motion(&self.observation);
@@ -138,6 +143,10 @@ impl Driver for PolicyDriver {
 
     fn observation(&self) -> Option<&[f32]> {
         Some(&self.observation)
+    }
+
+    fn q_values(&self) -> Option<&[f32]> {
+        Some(&self.q_values)
     }
 }
 
@@ -169,6 +178,10 @@ impl Driver for MapDriver {
 
     fn observation(&self) -> Option<&[f32]> {
         self.driver.observation()
+    }
+
+    fn q_values(&self) -> Option<&[f32]> {
+        self.driver.q_values()
     }
 
     fn plan(&self, pose: (f32, f32, f32)) -> Option<DriverPlan> {
