@@ -16,11 +16,11 @@ const app = pageUnderTest();
 // High enough for the whole setup panel.
 const TALL = { viewport: { width: 1280, height: 900 } };
 
-test('the compressed module is at most 6.2 MB', async (t) => {
+test('the compressed module is at most 6.6 MB', async (t) => {
     const module = await readFile(new URL('wayfield_bg.wasm', pathToFileURL(`${process.env.WAYFIELD_PAGE}/`)));
     const compressed = brotliCompressSync(module, { params: { [constants.BROTLI_PARAM_QUALITY]: 9 } }).length;
     t.diagnostic(`${module.length} bytes, ${compressed} with brotli`);
-    assert.ok(compressed <= 6_200_000, `${compressed} bytes`);
+    assert.ok(compressed <= 6_600_000, `${compressed} bytes`);
 });
 
 test('the page works under any path, contacts no other host, and the robot learns to drive', async (t) => {

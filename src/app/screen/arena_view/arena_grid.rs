@@ -3,6 +3,7 @@
 //! In: the scene. Out: a cell with a small view of each arena; a click on one follows that arena and leaves
 //! the grid.
 
+use egui::text::{LayoutJob, TextWrapping};
 use egui::{Align2, Color32, CursorIcon, FontId, Rect, Sense, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
 
 use super::canvas::Canvas;
@@ -102,8 +103,8 @@ fn draw_cell(ui: &Ui, cell: Rect, arena: &ArenaScene, index: usize, view_state: 
     }
 }
 
-/// Draws the number of the arena on the left, followed by its scenario in a set if that fits; on the right, the numbers of goals
-/// reached and of collisions.
+/// Draws the number of the arena on the left, followed by its scenario in a set, cut off if it is too long; on the right, the
+/// numbers of goals reached and of collisions.
 fn draw_caption(canvas: &Canvas, cell: Rect, y: f32, arena: &ArenaScene, index: usize, color: Color32) {
     let (left, right) = (cell.left() + 7.0, cell.right() - 7.0);
     let number = canvas.small_text(pos2(left, y), Align2::LEFT_CENTER, &(index + 1).to_string(), color);
@@ -113,12 +114,12 @@ fn draw_caption(canvas: &Canvas, cell: Rect, y: f32, arena: &ArenaScene, index: 
     let at = pos2(right.left() - 8.0, y);
     let right = canvas.small_text(at, Align2::RIGHT_CENTER, &reached, canvas.palette.success);
     if let Some(member) = &arena.set_member {
-        let font = FontId::proportional(SMALL);
-        let galley = canvas.painter.layout_no_wrap(member.clone(), font, canvas.palette.weak_text);
-        let corner = pos2(number.right() + 8.0, y - galley.size().y / 2.0);
-        if corner.x + galley.size().x < right.left() - 8.0 {
-            canvas.painter.galley(corner, galley, canvas.palette.weak_text);
-        }
+        let from = number.right() + 8.0;
+        let (font, color) = (FontId::proportional(SMALL), canvas.palette.weak_text);
+        let mut words = LayoutJob::simple_singleline(member.clone(), font, color);
+        words.wrap = TextWrapping::truncate_at_width((right.left() - 8.0 - from).max(0.0));
+        let galley = canvas.painter.layout_job(words);
+        canvas.painter.galley(pos2(from, y - galley.size().y / 2.0), galley, color);
     }
 }
 
