@@ -174,7 +174,7 @@ test('a map is opened together with its image, driven in by the general policy, 
     const page = await open(app.browser, app.address, { options: TALL });
     await until(page, (now) => now.env_steps > 0);
     await page.setInputFiles('#file', map);
-    await until(page, (now) => /room\.pgm: no such file/.test(now.notice));
+    await until(page, (now) => /there is no image `room\.pgm`/.test(now.notice));
     await page.setInputFiles('#file', image);
     await until(page, (now) => /an image does not state its scale/.test(now.notice));
     await page.setInputFiles('#file', [map, image]);

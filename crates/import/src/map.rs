@@ -1,9 +1,9 @@
 //! The import of a map: an image whose free pixels become floor.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glam::{DVec2, dvec2};
-use wayfield_scenario::{FileError, Scenario, is_special_file, printable, read_text};
+use wayfield_scenario::{FileError, Scenario, is_file, is_special_file, printable, read_text};
 
 use crate::Imported;
 use crate::draft::{self, Source};
@@ -46,15 +46,13 @@ impl Map {
         let text = read_text(path)?;
         let file = MapFile::parse(&text, path)?;
         let picture = path.parent().unwrap_or(Path::new("")).join(&file.image);
-        let picture = if picture.is_absolute() { picture } else { PathBuf::from(".").join(picture) };
-        if !picture.is_file() && !is_special_file(&picture) {
+        if !is_file(&picture) && !is_special_file(&picture) {
             let message = format!(
                 "there is no image `{}`; help: put it there, or name another file in `image`",
                 printable(&file.image)
             );
             return Err(FileError::at_offset(path, &text, file.image_at, message));
         }
-        let picture = picture.strip_prefix(".").map_or(picture.clone(), Path::to_path_buf);
         let pixels = picture::read(&picture)?;
         Ok(Self { pixels, reading: file.reading, cell_m: file.resolution_m, origin: file.origin })
     }

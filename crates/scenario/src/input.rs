@@ -68,6 +68,12 @@ pub fn path_exists(path: &Path) -> bool {
     is_stdin(path) || path.exists()
 }
 
+/// Whether a regular file exists at `path`.
+#[must_use]
+pub fn is_file(path: &Path) -> bool {
+    path.is_file()
+}
+
 /// Whether `path` is a pipe, a device or another file that is not regular, so that it may never end or can be read only once.
 #[must_use]
 pub fn is_special_file(path: &Path) -> bool {

@@ -60,7 +60,7 @@ pub use geodesic::Geodesic;
 pub use geometry::{Solid, clearance, enclosure_distance, inner_wall_distance, nearest, shape_distance};
 pub use glam::{Vec2, vec2};
 #[cfg(not(target_arch = "wasm32"))]
-pub use input::{is_special_file, path_exists, read_bytes};
+pub use input::{is_file, is_special_file, path_exists, read_bytes};
 pub use levels::{
     Clutter, LevelError, LevelGenerator, Route, Traffic, WallLayout, level_generator_diagnostics,
 };
@@ -89,6 +89,6 @@ pub use text::{is_noncharacter, is_unprintable, printable, printable_lines, prin
 pub use track::{MotionSpeed, Track};
 pub use uniform_grid::UniformGrid;
 #[cfg(target_arch = "wasm32")]
-pub use virtual_files::{contains as path_exists, is_special_file, read as read_bytes};
+pub use virtual_files::{contains as path_exists, is_file, is_special_file, read as read_bytes};
 pub use wayfield_ron_patch::overlay;
 pub use write::to_text;

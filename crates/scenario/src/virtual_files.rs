@@ -48,6 +48,11 @@ pub fn read(path: &Path, max_bytes: u64) -> std::io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// Whether there is an upload at `path`: a regular file.
+pub fn is_file(path: &Path) -> bool {
+    contains(path)
+}
+
 /// Whether there is a device or a pipe at `path`: never, in a browser.
 pub const fn is_special_file(_: &Path) -> bool {
     false

@@ -2,6 +2,8 @@
 
 use std::path::{Component, Path, PathBuf};
 
+use wayfield_scenario::is_file;
+
 /// The names of models that are only ground and light.
 const SCENERY: [&str; 3] = ["ground_plane", "ground plane", "sun"];
 
@@ -23,7 +25,6 @@ pub fn find(uri: &str, from: &Path, folders: &[PathBuf]) -> Option<PathBuf> {
     }
     let parent = from.parent().unwrap_or(Path::new(""));
     let usual = [parent.to_path_buf(), parent.join("models"), parent.join("../models")];
-    let model =
-        |folder: &PathBuf| Some(folder.join(relative).join("model.sdf")).filter(|file| file.is_file());
+    let model = |folder: &PathBuf| Some(folder.join(relative).join("model.sdf")).filter(|file| is_file(file));
     folders.iter().chain(&usual).find_map(model)
 }
