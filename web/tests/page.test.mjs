@@ -181,9 +181,9 @@ test('a map is opened together with its image, driven in by the general policy, 
     await until(page, (now) => now.scenario === 'room.yaml' && now.env_steps > 0);
     await page.waitForFunction(() => location.hash.startsWith('#scenario='));
     const link = page.url();
-    await click(page, 'Watch an expert');
+    await click(page, 'Watch the general policy');
     const now = await until(page, (now) => now.mode === 'Compare');
-    assert.match(now.notice, /any scenario/);
+    assert.match(now.notice, /The general policy drives .* not trained in room\.yaml/);
     await page.waitForTimeout(4000);
     await picture(page, 'map');
     await closeWithoutErrors(page);
