@@ -17,7 +17,7 @@ pub const MAX_SMOOTHING: u64 = 10_000;
 /// Maximum number of stages of an arm.
 pub const MAX_STAGES: usize = 20;
 /// Maximum number of training runs. A larger plan would not finish.
-pub const MAX_TRAININGS: u64 = 10_000;
+pub const MAX_TRAINING_RUNS: u64 = 10_000;
 /// Maximum number of characters in a name or heading.
 pub const MAX_NAME_CHARS: usize = 200;
 /// Maximum number of characters in a path.

@@ -402,7 +402,7 @@ const COMMAND_LINE: &[Limit] = &[
 ];
 
 const EXPERIMENTS: &[Limit] = &[
-    Limit("training runs", Max(experiment::MAX_TRAININGS), "", "a larger plan would not finish"),
+    Limit("training runs", Max(experiment::MAX_TRAINING_RUNS), "", "a larger plan would not finish"),
     Limit("seeds", Max(experiment::MAX_SEEDS), "", "time of the plan"),
     Limit(
         "arms, conditions, figures, tables, claims; entries of their lists",

@@ -21,7 +21,7 @@ pub enum PolicyId {
 /// An arm under a condition with a seed: its training runs, one per stage that is needed.
 #[derive(Clone, Debug)]
 pub struct ArmRun {
-    /// For each stage, the index into [`RunPlan::trainings`](super::plan::RunPlan::trainings) and how much of that
+    /// For each stage, the index into [`RunPlan::training_runs`](super::plan::RunPlan::training_runs) and how much of that
     /// training run belongs to the stage.
     pub stages: Vec<(usize, Budget)>,
 }
@@ -48,7 +48,7 @@ impl ArmRun {
     #[must_use]
     pub fn policy(
         &self,
-        trainings: &[PlannedRun],
+        training_runs: &[PlannedRun],
         tested: TestedPolicy,
         point: TestPoint,
     ) -> Option<(usize, PolicyId)> {
@@ -56,7 +56,7 @@ impl ArmRun {
         if tested == TestedPolicy::Best {
             return Some((last, PolicyId::Best));
         }
-        if let Some(run) = &trainings[last].elsewhere {
+        if let Some(run) = &training_runs[last].elsewhere {
             return run.policy_at(point.after).map(|policy| (last, policy));
         }
         let (stage, length) = self.stage_at(point)?;

@@ -72,7 +72,7 @@ fn title_and_lead(
          on. All numbers below come from these runs, except those marked as the paper's, and every claim result is \
          computed from them.",
         env!("CARGO_PKG_VERSION"),
-        counted(plan.trainings.len() as f64, "training run")
+        counted(plan.training_runs.len() as f64, "training run")
     );
     if options.experiments.is_empty() {
         ("The paper, reproduced".to_string(), format!("Figures and tables of {PAPER}; {made}"))
@@ -160,7 +160,7 @@ fn settings(
     for arm in (0..selected.len()).flat_map(|index| rows(results, index)) {
         shown.extend(results.first_run(arm)?.stages.iter().map(|stage| stage.0));
     }
-    for (index, training) in shown.into_iter().map(|index| (index, &plan.trainings[index])) {
+    for (index, training) in shown.into_iter().map(|index| (index, &plan.training_runs[index])) {
         settings.push(Setting {
             heading: format!("Run {}: {}", training.name, used_by(index, selected, plan)),
             ron: to_ron(&training.config).map_err(failed)?,

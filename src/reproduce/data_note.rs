@@ -54,9 +54,9 @@ pub fn data_note(results: &Results<'_>, index: usize, point: TestPoint) -> Resul
 
 /// Whether a run of an arm was trained elsewhere and started from a policy, whose training is unknown.
 fn has_unknown_origin(results: &Results<'_>, row: ArmIndex) -> bool {
-    let mut trainings =
+    let mut training_runs =
         results.arm_runs(row).flat_map(|(_, run)| &run.stages).map(|stage| results.training(stage.0));
-    trainings.any(|training| training.elsewhere.is_some() && training.config.transfer.is_some())
+    training_runs.any(|training| training.elsewhere.is_some() && training.config.transfer.is_some())
 }
 
 fn transfer_note(results: &Results<'_>, arm: &Data) -> String {

@@ -139,7 +139,7 @@ pub fn check_scenarios(plan: &RunPlan, index: usize, source: &ExperimentSource) 
     let scenario = |name: &str| {
         let arm = arms.iter().position(|arm| arm.name == name)?;
         let (_, run) = plan.arm_runs.range((index, 0, arm, 0)..=(index, 0, arm, u64::MAX)).next()?;
-        Some(&plan.trainings[run.stages.last()?.0].config.scenario.name)
+        Some(&plan.training_runs[run.stages.last()?.0].config.scenario.name)
     };
     let has_runs = |name: &str| arms.iter().any(|arm| arm.name == name && !arm.runs.is_empty());
     for (better, than) in source.experiment.compared_arms() {

@@ -29,7 +29,7 @@ use crate::simulation::Extensions;
 /// # Errors
 /// A run failed (the others are stopped and keep their checkpoints), or `stop` was set.
 pub fn execute(plan: &RunPlan, folder: &Path, jobs: usize, stop: &AtomicBool) -> Result<(), RunError> {
-    let progress = OverallProgress::new(&plan.trainings);
+    let progress = OverallProgress::new(&plan.training_runs);
     let queue = Queue::new(plan);
     let worker = || {
         while let Some(index) = queue.next(stop) {
@@ -48,7 +48,7 @@ pub fn execute(plan: &RunPlan, folder: &Path, jobs: usize, stop: &AtomicBool) ->
         worker();
     });
     progress.finish();
-    let (done, all) = (queue.into_result()?, plan.trainings.len());
+    let (done, all) = (queue.into_result()?, plan.training_runs.len());
     if done < all {
         return Err(RunError::Stopped(format!(
             "stopped after {done} of {all} runs; help: the same command continues from there"
@@ -65,7 +65,7 @@ fn run(
     progress: &Arc<OverallProgress>,
     stop: &AtomicBool,
 ) -> Result<bool, RunError> {
-    let training = &plan.trainings[index];
+    let training = &plan.training_runs[index];
     let was_finished = is_trained(training, folder);
     let is_done = train_and_test(training, folder, &|| progress.listener(index, training), stop)?;
     if is_done {

@@ -59,7 +59,7 @@ impl OpenReport {
     /// The training runs of the plan, each before those that start from it, except those that were trained elsewhere.
     #[must_use]
     pub fn tasks(&self) -> Vec<TrainingTask> {
-        let own = self.plan.trainings.iter().filter(|training| training.elsewhere.is_none());
+        let own = self.plan.training_runs.iter().filter(|training| training.elsewhere.is_none());
         own.map(TrainingTask::from).collect()
     }
 
@@ -78,7 +78,7 @@ impl OpenReport {
         let wall_s = self.folder.record_time(began);
         done?;
         if let Some(part) = part {
-            let (claims, runs) = (Vec::new(), part.trainings.len());
+            let (claims, runs) = (Vec::new(), part.training_runs.len());
             return Ok(Reproduction { folder: self.path, page: None, claims, runs, wall_s: wall_s? });
         }
 
@@ -93,7 +93,7 @@ impl OpenReport {
         self.folder.write(&page)?;
         let wall_s = self.folder.record_time(began)?;
         let path = Some(self.folder.join("report.html"));
-        let runs = self.plan.trainings.len();
+        let runs = self.plan.training_runs.len();
         Ok(Reproduction { folder: self.path, page: path, claims: page.claims, runs, wall_s })
     }
 }

@@ -49,7 +49,7 @@ impl PlannedRun {
 #[derive(Debug, Default)]
 pub struct RunPlan {
     /// Every training run once, each before those that start from it.
-    pub trainings: Vec<PlannedRun>,
+    pub training_runs: Vec<PlannedRun>,
     /// The arm runs by experiment, condition and arm (indices) and seed.
     pub arm_runs: BTreeMap<(usize, usize, usize, u64), ArmRun>,
 }
@@ -136,10 +136,10 @@ impl RunPlan {
         let known = |training: &PlannedRun| {
             training.elsewhere.as_ref().is_some_and(|known| known.folder == run.folder)
         };
-        let index = self.trainings.iter().position(known).unwrap_or_else(|| {
+        let index = self.training_runs.iter().position(known).unwrap_or_else(|| {
             let (name, tests) = (run.name.clone(), BTreeSet::new());
-            self.trainings.push(PlannedRun { name, config, origin: None, tests, elsewhere: Some(run) });
-            self.trainings.len() - 1
+            self.training_runs.push(PlannedRun { name, config, origin: None, tests, elsewhere: Some(run) });
+            self.training_runs.len() - 1
         });
         ArmRun { stages: vec![(index, length)] }
     }
@@ -153,21 +153,21 @@ impl RunPlan {
         tested: TestedPolicy,
     ) -> Result<usize, RunError> {
         if let Some((training, length)) = origin {
-            let earlier = &mut self.trainings[training];
+            let earlier = &mut self.training_runs[training];
             save_policy_after(&mut earlier.config, length);
             let file = RunFolder::policy_after_file(length);
             config.transfer = Some(Transfer { policy: format!("{}/{file}", earlier.name), epsilon });
         }
         let name = run_name(&config, tested)?;
-        if let Some(index) = self.trainings.iter().position(|training| training.name == name) {
-            let budget = &mut self.trainings[index].config.preset.budget;
+        if let Some(index) = self.training_runs.iter().position(|training| training.name == name) {
+            let budget = &mut self.training_runs[index].config.preset.budget;
             // Both are in the same unit, which is part of the name.
             *budget = (*budget).max(config.preset.budget);
             return Ok(index);
         }
         let origin = origin.map(|(training, _)| training);
-        self.trainings.push(PlannedRun { name, config, origin, tests: BTreeSet::new(), elsewhere: None });
-        Ok(self.trainings.len() - 1)
+        self.training_runs.push(PlannedRun { name, config, origin, tests: BTreeSet::new(), elsewhere: None });
+        Ok(self.training_runs.len() - 1)
     }
 
     /// Checks that the scenario of every stage of an arm has a benchmark route.
@@ -177,7 +177,8 @@ impl RunPlan {
         arm: &Arm,
         source: &ExperimentSource,
     ) -> Result<(), RunError> {
-        let scenarios = arm_run.stages.iter().map(|&(training, _)| &self.trainings[training].config.scenario);
+        let scenarios =
+            arm_run.stages.iter().map(|&(training, _)| &self.training_runs[training].config.scenario);
         match scenarios.into_iter().find(|scenario| scenario.benchmark_route.is_none()) {
             None => Ok(()),
             Some(scenario) => Err(RunError::InvalidInput(format!(
@@ -190,7 +191,7 @@ impl RunPlan {
         }
     }
 
-    /// Adds the tests of an arm to its trainings. `points` maps each point to whether a policy is needed there.
+    /// Adds the tests of an arm to its training runs. `points` maps each point to whether a policy is needed there.
     fn add_tests(
         &mut self,
         arm_run: &ArmRun,
@@ -199,7 +200,7 @@ impl RunPlan {
         source: &ExperimentSource,
     ) -> Result<(), RunError> {
         for (&point, &needs_policy) in points {
-            let Some((index, policy)) = arm_run.policy(&self.trainings, arm.policy, point) else {
+            let Some((index, policy)) = arm_run.policy(&self.training_runs, arm.policy, point) else {
                 return Err(RunError::InvalidInput(format!(
                     "{}: a figure or table needs arm \"{}\" after {}, but its stages are shorter or not counted in the \
                      same unit; help: give them `budget: {}`, or the arm `policy: Best`",
@@ -216,7 +217,7 @@ impl RunPlan {
             if !needs_policy {
                 continue;
             }
-            let training = &mut self.trainings[index];
+            let training = &mut self.training_runs[index];
             training.tests.insert((policy, source.experiment.test));
             match (&training.elsewhere, policy) {
                 (None, PolicyId::After(length)) => save_policy_after(&mut training.config, length),

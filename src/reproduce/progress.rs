@@ -40,13 +40,13 @@ struct Inner {
 }
 
 impl OverallProgress {
-    /// The progress of `trainings`, all at 0.
+    /// The progress of `training_runs`, all at 0.
     #[must_use]
-    pub fn new(trainings: &[PlannedRun]) -> Arc<Self> {
+    pub fn new(training_runs: &[PlannedRun]) -> Arc<Self> {
         Arc::new(Self {
             inner: Mutex::new(Inner {
-                costs: trainings.iter().map(|t| gradient_steps(t, t.config.preset.budget)).collect(),
-                fractions: vec![0.0; trainings.len()],
+                costs: training_runs.iter().map(|t| gradient_steps(t, t.config.preset.budget)).collect(),
+                fractions: vec![0.0; training_runs.len()],
                 runs_done: 0,
                 running: BTreeMap::new(),
                 started: Instant::now(),

@@ -18,7 +18,7 @@ pub fn provenance(
     jobs: usize,
     wall_s: f64,
 ) -> Vec<(String, String)> {
-    let seeds: BTreeSet<u64> = plan.trainings.iter().map(|training| training.config.seed).collect();
+    let seeds: BTreeSet<u64> = plan.training_runs.iter().map(|training| training.config.seed).collect();
     let seeds: Vec<u64> = seeds.into_iter().collect();
     let entries = [
         ("Version", version()),
@@ -28,7 +28,7 @@ pub fn provenance(
             "Training runs",
             format!(
                 "{}: {} in {}",
-                plan.trainings.len(),
+                plan.training_runs.len(),
                 counted(results.total_env_steps() as f64, "env step"),
                 counted(results.total_episodes() as f64, "episode")
             ),
@@ -55,7 +55,7 @@ fn trained_elsewhere(plan: &RunPlan) -> Option<String> {
         let folder = &training.elsewhere.as_ref()?.folder;
         Some(format!("{} (wayfield {})", printable_path(folder), training.config.version))
     };
-    let runs: Vec<String> = plan.trainings.iter().filter_map(run).collect();
+    let runs: Vec<String> = plan.training_runs.iter().filter_map(run).collect();
     (!runs.is_empty()).then(|| runs.join(", "))
 }
 

@@ -25,11 +25,11 @@ struct State {
 
 impl<'a> Queue<'a> {
     pub fn new(plan: &'a RunPlan) -> Self {
-        let mut waiting: Vec<usize> = (0..plan.trainings.len()).collect();
+        let mut waiting: Vec<usize> = (0..plan.training_runs.len()).collect();
         // Runs that others start from come first, then the longest, so that all cores stay busy until the end.
         let urgency = |&index: &usize| {
-            let is_origin = plan.trainings.iter().any(|t| t.origin == Some(index));
-            let length = match plan.trainings[index].config.preset.budget {
+            let is_origin = plan.training_runs.iter().any(|t| t.origin == Some(index));
+            let length = match plan.training_runs[index].config.preset.budget {
                 Budget::Episodes(n) => n,
                 Budget::EnvSteps(n) => n / 2000,
             };
@@ -47,7 +47,7 @@ impl<'a> Queue<'a> {
             if stop.load(Ordering::Relaxed) || state.failed.is_some() || state.waiting.is_empty() {
                 return None;
             }
-            let ready = |&index: &usize| match self.plan.trainings[index].origin {
+            let ready = |&index: &usize| match self.plan.training_runs[index].origin {
                 Some(from) => state.done.contains(&from),
                 None => true,
             };
@@ -74,7 +74,7 @@ impl<'a> Queue<'a> {
             }
             Ok(false) => {}
             Err(error) => {
-                let name = &self.plan.trainings[index].name;
+                let name = &self.plan.training_runs[index].name;
                 let error = match error {
                     RunError::Failed(why) => RunError::Failed(format!("{name}: {why}")),
                     other => other,

@@ -58,8 +58,9 @@ impl<'a> Results<'a> {
     ) -> Result<Self, RunError> {
         let records =
             |training: &PlannedRun| Records::read(&training.folder(runs), training.config.preset.arenas);
-        let records = plan.trainings.iter().map(records).collect::<Result<_, _>>()?;
-        let tests = plan.trainings.iter().map(|t| policy_test::read_results(&runs.join(&t.name))).collect();
+        let records = plan.training_runs.iter().map(records).collect::<Result<_, _>>()?;
+        let tests =
+            plan.training_runs.iter().map(|t| policy_test::read_results(&runs.join(&t.name))).collect();
         Ok(Self { plan, selected, runs: runs.into(), optimal_times_cache, records, tests })
     }
 
@@ -107,7 +108,7 @@ impl<'a> Results<'a> {
         point: TestPoint,
     ) -> Result<(usize, PolicyId), RunError> {
         let tested = self.experiment(index.experiment).arms[index.arm].policy;
-        run.policy(&self.plan.trainings, tested, point)
+        run.policy(&self.plan.training_runs, tested, point)
             .ok_or_else(|| RunError::Failed(format!("a run has no policy after {}", point.words())))
     }
 
@@ -177,7 +178,7 @@ impl<'a> Results<'a> {
 
     /// The mean time in s; a failure counts as the time limit.
     fn mean_time_s(&self, training: usize, steps: &[Option<u32>]) -> f64 {
-        let task = &self.plan.trainings[training].config.scenario.task;
+        let task = &self.plan.training_runs[training].config.scenario.task;
         let sum: u64 = steps.iter().map(|steps| u64::from(steps.unwrap_or(task.max_episode_steps))).sum();
         round_to_microsecond(sum as f64 / steps.len() as f64 * period_s(task.control_period_s))
     }
@@ -233,12 +234,12 @@ impl<'a> Results<'a> {
 
     /// The path of a policy's file.
     pub fn policy_file(&self, training: usize, policy: PolicyId) -> PathBuf {
-        self.plan.trainings[training].folder(&self.runs).join(policy_test::policy_file(policy))
+        self.plan.training_runs[training].folder(&self.runs).join(policy_test::policy_file(policy))
     }
 
     /// The training at `index`.
     pub fn training(&self, index: usize) -> &'a PlannedRun {
-        &self.plan.trainings[index]
+        &self.plan.training_runs[index]
     }
 
     /// The records of the training at `index`.
@@ -263,7 +264,7 @@ impl<'a> Results<'a> {
 
     /// The policy at the end of a stage.
     pub fn end(&self, training: usize, length: Budget) -> PolicyId {
-        if self.plan.trainings[training].elsewhere.is_some() {
+        if self.plan.training_runs[training].elsewhere.is_some() {
             PolicyId::Last
         } else {
             PolicyId::After(length)
@@ -274,13 +275,13 @@ impl<'a> Results<'a> {
     pub fn total_wall_minutes(&self) -> f64 {
         let wall_s =
             |training: &PlannedRun| Summary::read(&training.folder(&self.runs)).map(|summary| summary.wall_s);
-        self.plan.trainings.iter().filter_map(wall_s).sum::<f64>() / 60.0
+        self.plan.training_runs.iter().filter_map(wall_s).sum::<f64>() / 60.0
     }
 
     /// The number of training runs on each kind of processor.
     pub fn processors(&self) -> BTreeMap<String, usize> {
         let mut counts = BTreeMap::new();
-        for training in &self.plan.trainings {
+        for training in &self.plan.training_runs {
             let kinds = processor::read(&training.folder(&self.runs));
             let kinds = if kinds.is_empty() { "an unknown processor".into() } else { kinds.join(", then ") };
             *counts.entry(kinds).or_default() += 1;

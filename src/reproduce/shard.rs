@@ -55,12 +55,12 @@ impl Shard {
         let mut part = RunPlan::default();
         let chains = self.chains(plan);
         let mut indices = BTreeMap::new();
-        for (index, training) in plan.trainings.iter().enumerate() {
+        for (index, training) in plan.training_runs.iter().enumerate() {
             if chains.contains(&root(plan, index)) {
-                indices.insert(index, part.trainings.len());
+                indices.insert(index, part.training_runs.len());
                 let mut training = training.clone();
                 training.origin = training.origin.and_then(|origin| indices.get(&origin).copied());
-                part.trainings.push(training);
+                part.training_runs.push(training);
             }
         }
         part
@@ -70,12 +70,12 @@ impl Shard {
     /// its weights, directly or not. The chains are distributed, the longest first, each to the part that has the least to do.
     fn chains(self, plan: &RunPlan) -> Vec<usize> {
         let mut costs: BTreeMap<usize, f64> = BTreeMap::new();
-        for (index, training) in plan.trainings.iter().enumerate() {
+        for (index, training) in plan.training_runs.iter().enumerate() {
             *costs.entry(root(plan, index)).or_default() +=
                 gradient_steps(training, training.config.preset.budget);
         }
         let mut chains: Vec<(usize, f64)> = costs.into_iter().collect();
-        let name = |index: usize| &plan.trainings[index].name;
+        let name = |index: usize| &plan.training_runs[index].name;
         chains.sort_by(|(a, x), (b, y)| y.total_cmp(x).then_with(|| name(*a).cmp(name(*b))));
         let mut loads = vec![0.0; self.count];
         let mut mine = Vec::new();
@@ -92,7 +92,7 @@ impl Shard {
 
 /// The index of the first training run in the chain of run `index`.
 fn root(plan: &RunPlan, mut index: usize) -> usize {
-    while let Some(origin) = plan.trainings[index].origin {
+    while let Some(origin) = plan.training_runs[index].origin {
         index = origin;
     }
     index

@@ -40,7 +40,7 @@ fn planned(options: &ReproduceOptions) -> (Vec<SelectedExperiment>, RunPlan) {
 }
 
 fn budgets(plan: &RunPlan, seed: u64) -> Vec<(String, Budget)> {
-    let of_seed = plan.trainings.iter().filter(|training| training.config.seed == seed);
+    let of_seed = plan.training_runs.iter().filter(|training| training.config.seed == seed);
     of_seed.map(|training| (training.config.preset_name(), training.config.preset.budget)).collect()
 }
 
@@ -50,8 +50,8 @@ fn all_shipped_experiments_can_be_planned_in_full_and_quickly() {
     assert_eq!(all.len(), 8);
     let (quick, quick_plan) = planned(&ReproduceOptions { quick: true, ..ReproduceOptions::default() });
     assert_eq!(
-        plan.trainings.len() / 5,
-        quick_plan.trainings.len() / 2,
+        plan.training_runs.len() / 5,
+        quick_plan.training_runs.len() / 2,
         "the number of training runs per seed is the same"
     );
     for selected in quick {
@@ -64,7 +64,7 @@ fn all_shipped_experiments_can_be_planned_in_full_and_quickly() {
         );
         assert_eq!(experiment.seeds, Seeds::First(2));
     }
-    for (index, training) in plan.trainings.iter().enumerate() {
+    for (index, training) in plan.training_runs.iter().enumerate() {
         assert!(
             training.origin.is_none_or(|from| from < index),
             "origins precede the runs that start from them"
@@ -107,25 +107,28 @@ fn a_training_run_shared_by_experiments_is_planned_once() {
             ("per_d3qn".into(), Budget::Episodes(1000)),
         ]
     );
-    let transferred =
-        plan.trainings.iter().find(|t| t.config.transfer.is_some()).expect("one run starts from a policy");
-    let origin = &plan.trainings[transferred.origin.expect("it has an origin")];
+    let transferred = plan
+        .training_runs
+        .iter()
+        .find(|t| t.config.transfer.is_some())
+        .expect("one run starts from a policy");
+    let origin = &plan.training_runs[transferred.origin.expect("it has an origin")];
     assert_eq!(origin.config.scenario.name, "Scenario I");
     assert!(
         origin.config.save_policy_after.contains(&Budget::Episodes(1000)),
         "the policy that it starts from is saved"
     );
-    let mut names: Vec<&str> = plan.trainings.iter().map(|training| training.name.as_str()).collect();
+    let mut names: Vec<&str> = plan.training_runs.iter().map(|training| training.name.as_str()).collect();
     names.sort_unstable();
     names.dedup();
-    assert_eq!(names.len(), plan.trainings.len(), "every training run has its own folder");
+    assert_eq!(names.len(), plan.training_runs.len(), "every training run has its own folder");
 }
 
 #[test]
 fn shards_are_a_plan_in_equal_parts_and_keep_transfers_together() {
     let (_, plan) = planned(&ReproduceOptions::default());
     let cost = |part: &RunPlan| -> f64 {
-        part.trainings.iter().map(|t| gradient_steps(t, t.config.preset.budget)).sum()
+        part.training_runs.iter().map(|t| gradient_steps(t, t.config.preset.budget)).sum()
     };
     let chains = |number| format!("{number}/1000").parse::<Shard>().expect("a shard").of(&plan);
     let largest_chain = (1..=1000).map(|number| cost(&chains(number))).fold(0.0, f64::max);
@@ -136,22 +139,22 @@ fn shards_are_a_plan_in_equal_parts_and_keep_transfers_together() {
             let part = shard.of(&plan);
             let most = 1.001 * (cost(&plan) / f64::from(count) + largest_chain);
             assert!(cost(&part) <= most, "part {shard} takes longer than its share and a chain of transfers");
-            for training in &part.trainings {
-                let whole = plan.trainings.iter().find(|t| t.name == training.name).expect("in the plan");
+            for training in &part.training_runs {
+                let whole = plan.training_runs.iter().find(|t| t.name == training.name).expect("in the plan");
                 let origin =
-                    |plan: &RunPlan, t: &PlannedRun| t.origin.map(|k| plan.trainings[k].name.clone());
+                    |plan: &RunPlan, t: &PlannedRun| t.origin.map(|k| plan.training_runs[k].name.clone());
                 assert_eq!(origin(&part, training), origin(&plan, whole), "{}", training.name);
                 assert_eq!((&training.config, &training.tests), (&whole.config, &whole.tests));
             }
-            names.extend(part.trainings.into_iter().map(|training| training.name));
+            names.extend(part.training_runs.into_iter().map(|training| training.name));
         }
-        let mut all: Vec<String> = plan.trainings.iter().map(|training| training.name.clone()).collect();
+        let mut all: Vec<String> = plan.training_runs.iter().map(|training| training.name.clone()).collect();
         all.sort();
         names.sort();
         assert_eq!(names, all, "every training run is in exactly one of {count} parts");
     }
     let part = "9/9".parse::<Shard>().expect("a shard").of(&planned(&only(&["fig8"])).1);
-    assert!(part.trainings.len() <= 2, "ten training runs in nine parts");
+    assert!(part.training_runs.len() <= 2, "ten training runs in nine parts");
     for wrong in ["0/2", "3/2", "2", "1/0", "a/b", "1/2/3", "-1/2", "1/200000"] {
         assert!(wrong.parse::<Shard>().is_err_and(|why| why.starts_with("give K/N")), "{wrong}");
     }
@@ -164,13 +167,13 @@ fn only_needed_episodes_and_seeds_are_trained() {
         budgets(&plan, 1),
         [("dqn".into(), Budget::Episodes(1000)), ("per_d3qn".into(), Budget::Episodes(1000))]
     );
-    assert_eq!(plan.trainings.len(), 10, "five seeds");
-    assert_eq!(plan.trainings[0].tests.len(), 1, "one test each");
+    assert_eq!(plan.training_runs.len(), 10, "five seeds");
+    assert_eq!(plan.training_runs[0].tests.len(), 1, "one test each");
     let (selected, _) = planned(&only(&["table7"]));
     let table = selected[0].tables.iter().map(|&i| &selected[0].source.experiment.tables[i].name);
     assert_eq!(table.collect::<Vec<_>>(), ["table6-7"], "a table is found by each of its aliases");
     let (_, plan) = planned(&ReproduceOptions { seeds: Some(Seeds::List(vec![3, 17])), ..only(&["fig8"]) });
-    let seeds: Vec<u64> = plan.trainings.iter().map(|training| training.config.seed).collect();
+    let seeds: Vec<u64> = plan.training_runs.iter().map(|training| training.config.seed).collect();
     assert_eq!(seeds, [3, 17, 3, 17], "two arms with the seeds of the list");
 }
 
@@ -244,7 +247,7 @@ fn measures_are_computed_from_the_records() {
     std::fs::write(&file, TWO_STAGES).expect("written");
     let (selected, plan) =
         planned(&ReproduceOptions { experiments: vec![file], ..ReproduceOptions::default() });
-    assert_eq!(plan.trainings.len(), 2);
+    assert_eq!(plan.training_runs.len(), 2);
 
     // No goals in the first stage. In the second, none in 100 episodes, then 4 in each of another 100.
     let second: Vec<u32> = (0..200).map(|i| if i < 100 { 0 } else { 4 }).collect();
@@ -255,8 +258,8 @@ fn measures_are_computed_from_the_records() {
         collisions: 1,
         benchmark_route_steps: vec![Some(60); policy_test::BENCHMARK_ROUTE_EPISODES],
     };
-    write_records(folder.path(), &plan.trainings[0], &[0; 100], &[]);
-    write_records(folder.path(), &plan.trainings[1], &second, &[result]);
+    write_records(folder.path(), &plan.training_runs[0], &[0; 100], &[]);
+    write_records(folder.path(), &plan.training_runs[1], &second, &[result]);
     let optimal_times = OptimalTimesCache::new(folder.path().join("optimum"), ReportProgress::new(1));
     let results =
         Results::read(&plan, &selected, folder.path(), optimal_times).expect("the results are read");
@@ -337,7 +340,7 @@ fn overrides_and_conditions_change_the_fields_that_they_name_in_the_arms_that_th
     std::fs::write(&file, text).expect("written");
     let (_, plan) = planned(&ReproduceOptions { experiments: vec![file], ..ReproduceOptions::default() });
     let config = |condition: usize, arm: usize| {
-        &plan.trainings[plan.arm_runs[&(0, condition, arm, 1)].stages.last().expect("a stage").0].config
+        &plan.training_runs[plan.arm_runs[&(0, condition, arm, 1)].stages.last().expect("a stage").0].config
     };
     let (changed, faster) = (config(0, 1), config(1, 1));
     assert_eq!((changed.preset.learning.gamma, config(2, 1).preset.learning.gamma), (0.97, 0.5));
@@ -362,8 +365,8 @@ fn settings_from_the_command_line_change_all_training_runs() {
     let settings = ["learning.gamma=0.97", "scenario.lidar.noise_std_m=0.02"];
     let settings = Settings(settings.iter().map(|text| text.parse().expect("a setting")).collect());
     let (_, changed) = planned(&ReproduceOptions { settings, ..only(&["fig8"]) });
-    assert_eq!(changed.trainings.len(), plan.trainings.len());
-    for (training, before) in changed.trainings.iter().zip(&plan.trainings) {
+    assert_eq!(changed.training_runs.len(), plan.training_runs.len());
+    for (training, before) in changed.training_runs.iter().zip(&plan.training_runs) {
         assert_eq!(training.config.preset.learning.gamma, 0.97);
         assert_eq!(training.config.scenario.lidar.noise_std_m, 0.02.into());
         assert_ne!(training.name, before.name, "a run without the settings is another run");

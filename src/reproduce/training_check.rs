@@ -27,8 +27,8 @@ impl Experiment {
         let check = |experiment: &Self, unknown: &[String]| {
             let mut found = check::diagnostics(experiment, unknown);
             if check::is_small(experiment) {
-                let (of_trainings, invalid) = experiment.check_trainings(path, unknown, &found);
-                notes.replace(of_trainings);
+                let (of_training_runs, invalid) = experiment.check_training_runs(path, unknown, &found);
+                notes.replace(of_training_runs);
                 found.extend(invalid);
             }
             found
@@ -39,7 +39,7 @@ impl Experiment {
 
     /// Notes on the questionable settings of the training runs, and the runs' problems. The values at the paths `unknown` could
     /// not be read, and `found` are the problems of the file itself.
-    fn check_trainings(
+    fn check_training_runs(
         &self,
         path: &Path,
         unknown: &[String],

@@ -140,7 +140,12 @@ mod tests {
 
     fn tasks() -> Vec<TrainingTask> {
         let selected = select(&ReproduceOptions::default()).expect("the selection works");
-        RunPlan::new(&selected).expect("the plan works").trainings.iter().map(TrainingTask::from).collect()
+        RunPlan::new(&selected)
+            .expect("the plan works")
+            .training_runs
+            .iter()
+            .map(TrainingTask::from)
+            .collect()
     }
 
     #[test]

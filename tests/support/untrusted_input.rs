@@ -246,10 +246,11 @@ pub fn experiment(bytes: &[u8]) -> bool {
     let known = stages.clone().all(|stage| {
         shipped(&stage.scenario, &["empty", "u-trap"]) && shipped(&stage.preset, &["fast", "dqn", "per_d3qn"])
     }) && experiment.conditions.iter().all(|condition| condition.scenario.is_none());
-    let trainings = experiment.seeds.count() as usize * stages.count() * experiment.conditions.len().max(1);
+    let training_runs =
+        experiment.seeds.count() as usize * stages.count() * experiment.conditions.len().max(1);
     // Finished runs are read from folders.
     let known = known && experiment.arms.iter().all(|arm| arm.runs.is_empty());
-    if known && trainings <= 6 && crc32c::crc32c(bytes).is_multiple_of(16) {
+    if known && training_runs <= 6 && crc32c::crc32c(bytes).is_multiple_of(16) {
         let selected = SelectedExperiment {
             figures: (0..experiment.figures.len()).collect(),
             tables: (0..experiment.tables.len()).collect(),

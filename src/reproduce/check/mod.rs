@@ -21,7 +21,7 @@ use super::measure::Measure;
 use super::table_spec::TableKind;
 use super::test_point::{TestPoint, contrast_points};
 use crate::limits::MAX_EVALUATION_EPISODES;
-use crate::limits::experiment::{MAX_ROUNDS, MAX_SEEDS, MAX_SMOOTHING, MAX_TEST_EPISODES, MAX_TRAININGS};
+use crate::limits::experiment::{MAX_ROUNDS, MAX_SEEDS, MAX_SMOOTHING, MAX_TEST_EPISODES, MAX_TRAINING_RUNS};
 use crate::scenario::{Diagnostic, closest_name, overlap};
 
 /// All diagnostics of `experiment`. The values at the paths `unknown` could not be read. If a list is too long, only what is
@@ -45,7 +45,7 @@ pub(super) fn is_small(experiment: &Experiment) -> bool {
     let mut found = Collector::default();
     sizes::check(&mut found, experiment);
     let stages: usize = experiment.arms.iter().map(|arm| arm.stages.len()).sum();
-    !found.is_too_large && (stages * experiment.conditions.len().max(1)) as u64 <= MAX_TRAININGS
+    !found.is_too_large && (stages * experiment.conditions.len().max(1)) as u64 <= MAX_TRAINING_RUNS
 }
 
 /// The check of a file within the size limits.

@@ -34,7 +34,7 @@ pub(super) fn check(found: &mut Collector, experiment: &Experiment) {
     for (i, table) in tables.iter().enumerate().take(MAX_ENTRIES) {
         check_table(found, &format!("tables[{i}]"), table);
     }
-    check_trainings(found, experiment);
+    check_training_runs(found, experiment);
 }
 
 fn check_arm(found: &mut Collector, at: &str, arm: &Arm) {
@@ -114,16 +114,16 @@ fn check_claims(found: &mut Collector, at: &str, claims: &[Claim]) {
     }
 }
 
-fn check_trainings(found: &mut Collector, experiment: &Experiment) {
+fn check_training_runs(found: &mut Collector, experiment: &Experiment) {
     let seeds = experiment.seeds.count();
     let stages: u64 = experiment.arms.iter().map(|arm| arm.stages.len() as u64).sum();
     let conditions = experiment.conditions.len().max(1) as u64;
-    let trainings = seeds.saturating_mul(stages).saturating_mul(conditions);
+    let training_runs = seeds.saturating_mul(stages).saturating_mul(conditions);
     // A number of seeds that is itself out of range has its own diagnostic.
-    if trainings > MAX_TRAININGS && seeds <= MAX_SEEDS {
+    if training_runs > MAX_TRAINING_RUNS && seeds <= MAX_SEEDS {
         let message = format!(
-            "is {seeds}, which makes {trainings} training runs with these arms and conditions; help: give fewer seeds, for at \
-             most {MAX_TRAININGS} training runs"
+            "is {seeds}, which makes {training_runs} training runs with these arms and conditions; help: give fewer seeds, for at \
+             most {MAX_TRAINING_RUNS} training runs"
         );
         found.add("seeds", message);
     }
