@@ -156,7 +156,7 @@ pub(super) fn decide(
                         network.q_values(observations.row(arena), 1, &mut row);
                         actions.0[arena] = greedy(&row);
                     }
-                    // The user and the drivers give no Q-values; a row of NaN keeps the rows of the other arenas in place.
+                    // The user has no Q-values, and a driver keeps its own; a row of NaN keeps the rows of the other arenas in place.
                     ActionSource::Manual(action) => {
                         fill_with_nan(&mut row, sources.num_actions);
                         actions.0[arena] = (*action).min(sources.num_actions.saturating_sub(1));

@@ -49,6 +49,16 @@ fn topic(command: &Command) -> NoticeTopic {
     }
 }
 
+/// Does what `open` does, and shows the confirmation that it returns.
+fn confirm(
+    world: &mut World,
+    open: impl FnOnce(&mut World) -> Result<String, RunError>,
+) -> Result<(), RunError> {
+    let text = open(world)?;
+    notify(world, NoticeTopic::General, Severity::Info, text);
+    Ok(())
+}
+
 fn try_execute(world: &mut World, command: Command) -> Result<(), RunError> {
     match command {
         Command::Pause(paused) => world.resource_mut::<Pacer>().set_paused(paused),
@@ -66,23 +76,11 @@ fn try_execute(world: &mut World, command: Command) -> Result<(), RunError> {
         Command::Move(request) => move_object(world, &request),
         Command::SetGoal(request) => set_goal(world, &request),
         Command::Steer(motion) => steer(world, motion),
-        Command::OpenExpert => {
-            let text = comparison::open_expert(world)?;
-            notify(world, NoticeTopic::General, Severity::Info, text);
-        }
+        Command::OpenExpert => confirm(world, comparison::open_expert)?,
         Command::OpenBest => comparison::open_best(world)?,
-        Command::OpenDriver(name) => {
-            let text = comparison::open_driver(world, name)?;
-            notify(world, NoticeTopic::General, Severity::Info, text);
-        }
-        Command::OpenWithMap => {
-            let text = comparison::open_with_map(world)?;
-            notify(world, NoticeTopic::General, Severity::Info, text);
-        }
-        Command::OpenExpertWithMap => {
-            let text = comparison::open_expert_with_map(world)?;
-            notify(world, NoticeTopic::General, Severity::Info, text);
-        }
+        Command::OpenDriver(name) => confirm(world, |world| comparison::open_driver(world, name))?,
+        Command::OpenWithMap => confirm(world, comparison::open_with_map)?,
+        Command::OpenExpertWithMap => confirm(world, comparison::open_expert_with_map)?,
         Command::Open(path) => open::open_or_notify(world, &path),
         Command::Save(what, path) => save_to(world, what, &path)?,
         Command::ApplyScenario { scenario, from, restart } => {

@@ -109,12 +109,12 @@ fn open(world: &mut World, path: &Path) -> Result<String, RunError> {
         Some("ron") => open_ron(world, path),
         Some(_) if crate::import::is_map_or_world(path) => open_map_or_world(world, path),
         Some(_) if crate::import::is_image(path) => {
-            let import = if cfg!(target_arch = "wasm32") {
+            let advice = if cfg!(target_arch = "wasm32") {
                 "together with it"
             } else {
                 "that names it, or import it with wayfield --import FILE --resolution METRES"
             };
-            let why = format!("an image does not state its scale\nhelp: open the map (.yaml) {import}");
+            let why = format!("an image does not state its scale\nhelp: open the map (.yaml) {advice}");
             Err(RunError::invalid_input(path, why))
         }
         None if !path_exists(path) && DriverConfig::shipped(&name).is_some() => open_driver(world, &name),

@@ -3,8 +3,7 @@
 //! In: the scene. Out: a cell with a small view of each arena; a click on one follows that arena and leaves
 //! the grid.
 
-use egui::text::{LayoutJob, TextWrapping};
-use egui::{Align2, Color32, CursorIcon, FontId, Rect, Sense, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
+use egui::{Align2, Color32, CursorIcon, Rect, Sense, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
 
 use super::canvas::Canvas;
 use super::single_arena::set_arena_name;
@@ -12,6 +11,7 @@ use super::transform::{ArenaBounds, ViewTransform};
 use super::{arena, beams, floor, trajectories};
 use crate::app::scene::{ArenaScene, Scene, Score};
 use crate::app::screen::theme::{Palette, SMALL};
+use crate::app::screen::widgets::text::paint_truncated;
 use crate::app::view_state::{ViewCamera, ViewState};
 
 const MARGIN: Vec2 = vec2(5.0, 5.0);
@@ -114,12 +114,9 @@ fn draw_caption(canvas: &Canvas, cell: Rect, y: f32, arena: &ArenaScene, index: 
     let at = pos2(right.left() - 8.0, y);
     let right = canvas.small_text(at, Align2::RIGHT_CENTER, &reached, canvas.palette.success);
     if let Some(member) = &arena.set_member {
-        let from = number.right() + 8.0;
-        let (font, color) = (FontId::proportional(SMALL), canvas.palette.weak_text);
-        let mut words = LayoutJob::simple_singleline(member.clone(), font, color);
-        words.wrap = TextWrapping::truncate_at_width((right.left() - 8.0 - from).max(0.0));
-        let galley = canvas.painter.layout_job(words);
-        canvas.painter.galley(pos2(from, y - galley.size().y / 2.0), galley, color);
+        let (from, to) = (number.right() + 8.0, right.left() - 8.0);
+        let at = (pos2(from, y), Align2::LEFT_CENTER);
+        paint_truncated(&canvas.painter, at, member, (SMALL, canvas.palette.weak_text), to - from);
     }
 }
 

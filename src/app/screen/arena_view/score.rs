@@ -1,11 +1,11 @@
 //! The score above an arena: the driver and its origin, the success rate, and the outcomes.
 
-use egui::text::{LayoutJob, TextWrapping};
 use egui::{Align2, Color32, FontId, Id, Rangef, Rect, Sense, Ui, WidgetInfo, WidgetType, pos2, vec2};
 
 use crate::app::scene::{ArenaScene, DriverLabel, Score};
 use crate::app::screen::numbers::format_percent;
 use crate::app::screen::theme::{BODY, HEADING, Palette, SMALL};
+use crate::app::screen::widgets::text::paint_truncated;
 
 /// The height of the score, in points.
 pub const HEIGHT: f32 = 46.0;
@@ -109,11 +109,8 @@ fn draw_columns(ui: &Ui, header: Rect, columns: &[Column]) -> f32 {
 fn draw_driver(ui: &Ui, area: Rect, name: &str, origin: &str) {
     let (palette, painter) = (Palette::from_ui(ui), ui.painter_at(area));
     let text = |text: &str, size, color, bottom: f32| {
-        let mut job = LayoutJob::simple_singleline(text.into(), FontId::proportional(size), color);
-        job.wrap = TextWrapping::truncate_at_width(area.width().max(0.0));
-        let galley = painter.layout_job(job);
-        let at = Align2::LEFT_BOTTOM.anchor_size(pos2(area.left(), bottom), galley.size());
-        painter.galley(at.min, galley, color);
+        let at = (pos2(area.left(), bottom), Align2::LEFT_BOTTOM);
+        paint_truncated(&painter, at, text, (size, color), area.width());
     };
     if origin.is_empty() {
         return text(name, HEADING, palette.text, area.center().y + HEADING / 2.0 + 2.0);

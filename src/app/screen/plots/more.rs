@@ -3,10 +3,10 @@
 use std::f32::consts::FRAC_PI_2;
 
 use egui::collapsing_header::CollapsingState;
-use egui::text::{LayoutJob, TextWrapping};
-use egui::{Align2, FontId, Sense, Vec2, WidgetInfo, WidgetType, pos2, vec2};
+use egui::{Align2, Sense, Vec2, WidgetInfo, WidgetType, pos2, vec2};
 
 use crate::app::screen::theme::{BODY, GAP, Palette, SMALL};
+use crate::app::screen::widgets::text::paint_truncated;
 
 /// Draws the row, and `body` below it while `open`.
 pub(super) fn more_ui(ui: &mut egui::Ui, open: &mut bool, body: impl FnOnce(&mut egui::Ui)) {
@@ -30,14 +30,9 @@ pub(super) fn more_ui(ui: &mut egui::Ui, open: &mut bool, body: impl FnOnce(&mut
     let color = if highlighted { palette.text } else { palette.weak_text };
     let corners = corners.map(|corner| middle + corner).to_vec();
     ui.painter().add(egui::Shape::convex_polygon(corners, color, egui::Stroke::NONE));
-    // Truncates text at the end of the row.
     let text = |x, words: &str, size, color| {
-        let mut job = LayoutJob::simple_singleline(words.into(), FontId::proportional(size), color);
-        job.wrap = TextWrapping::truncate_at_width(rect.right() - x);
-        let galley = ui.painter().layout_job(job);
-        let rect_of_text = Align2::LEFT_CENTER.anchor_size(pos2(x, rect.center().y), galley.size());
-        ui.painter().galley(rect_of_text.min, galley, color);
-        rect_of_text
+        let at = (pos2(x, rect.center().y), Align2::LEFT_CENTER);
+        paint_truncated(ui.painter(), at, words, (size, color), rect.right() - x)
     };
     let more = text(rect.left() + 16.0, "More", BODY, palette.text);
     text(more.right() + 2.0 * GAP, "loss, Q-values, exploration, reward", SMALL, palette.weak_text);

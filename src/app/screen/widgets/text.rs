@@ -1,6 +1,10 @@
 //! Text elements: section titles, secondary text, separators and key caps.
 
-use egui::{FontId, Label, Response, RichText, Sense, Stroke, StrokeKind, Ui, WidgetInfo, WidgetType, vec2};
+use egui::text::{LayoutJob, TextWrapping};
+use egui::{
+    Align2, Color32, FontId, Label, Painter, Pos2, Rect, Response, RichText, Sense, Stroke, StrokeKind, Ui,
+    WidgetInfo, WidgetType, vec2,
+};
 
 use crate::app::screen::theme::{BODY, GAP, Palette, SMALL};
 
@@ -15,6 +19,22 @@ pub fn section_title_ui(ui: &mut Ui, text: &str) -> Response {
 /// Small text in the weak colour: captions, explanations.
 pub fn weak_text(text: &str) -> RichText {
     RichText::new(text).size(SMALL).weak()
+}
+
+/// Paints one line of text of `size` points, anchored `at` a point and cut off at `max_width`. Returns the rectangle of the text.
+pub fn paint_truncated(
+    painter: &Painter,
+    (at, anchor): (Pos2, Align2),
+    text: &str,
+    (size, color): (f32, Color32),
+    max_width: f32,
+) -> Rect {
+    let mut job = LayoutJob::simple_singleline(text.into(), FontId::proportional(size), color);
+    job.wrap = TextWrapping::truncate_at_width(max_width.max(0.0));
+    let galley = painter.layout_job(job);
+    let rect = anchor.anchor_size(at, galley.size());
+    painter.galley(rect.min, galley, color);
+    rect
 }
 
 /// A short note that needs attention: small text after a dot in the warning colour.
