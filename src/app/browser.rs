@@ -114,14 +114,12 @@ pub(super) fn run_file_dialogs(
     }
     let files = std::mem::take(&mut *INBOX.lock().unwrap_or_else(PoisonError::into_inner));
     let has_map = files.iter().any(|(name, _)| is_map_or_world(Path::new(name)));
-    let mut names = Vec::new();
     for (name, bytes) in files {
         virtual_files::add_upload(name.clone(), bytes);
-        names.push(name);
-    }
-    // The image of a map is read with the map.
-    names.retain(|name| !(has_map && is_image(Path::new(name))));
-    for name in names {
+        // The image of a map is read with the map.
+        if has_map && is_image(Path::new(&name)) {
+            continue;
+        }
         let is_edited = view_state.0.editor.is_some() && name.ends_with(".ron");
         answers.push(if is_edited {
             Command::OpenInEditor(Some(name.into()))

@@ -89,6 +89,6 @@ pub use text::{is_noncharacter, is_unprintable, printable, printable_lines, prin
 pub use track::{MotionSpeed, Track};
 pub use uniform_grid::UniformGrid;
 #[cfg(target_arch = "wasm32")]
-pub use virtual_files::{contains as path_exists, is_file, is_special_file, read as read_bytes};
+pub use virtual_files::{contains as is_file, contains as path_exists, is_special_file, read as read_bytes};
 pub use wayfield_ron_patch::overlay;
 pub use write::to_text;

@@ -39,18 +39,14 @@ pub fn read(path: &Path, max_bytes: u64) -> std::io::Result<Vec<u8>> {
     let mut files = UPLOADS.lock().unwrap_or_else(PoisonError::into_inner);
     let found = files.iter().position(|(name, _)| Path::new(name) == path);
     let found = found.ok_or_else(|| Error::from(ErrorKind::NotFound))?;
-    let mut bytes = if is_removed_by_reading(&files[found].0) {
-        files.remove(found).map_or_else(Vec::new, |(_, bytes)| bytes)
-    } else {
-        files[found].1.clone()
-    };
-    bytes.truncate(usize::try_from(max_bytes).unwrap_or(usize::MAX));
+    let max_bytes = usize::try_from(max_bytes).unwrap_or(usize::MAX);
+    if !is_removed_by_reading(&files[found].0) {
+        let bytes = &files[found].1;
+        return Ok(bytes[..bytes.len().min(max_bytes)].to_vec());
+    }
+    let mut bytes = files.remove(found).map_or_else(Vec::new, |(_, bytes)| bytes);
+    bytes.truncate(max_bytes);
     Ok(bytes)
-}
-
-/// Whether there is an upload at `path`: a regular file.
-pub fn is_file(path: &Path) -> bool {
-    contains(path)
 }
 
 /// Whether there is a device or a pipe at `path`: never, in a browser.
