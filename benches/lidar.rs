@@ -1,5 +1,5 @@
-//! The cost of a scan of one arena with 24 beams: wayfield's casts against the arena's colliders, and the same beams in
-//! rapier's query pipeline.
+//! The cost of a scan of one arena with 24 beams, averaged over random poses: wayfield's casts against the arena's colliders,
+//! and the same beams in rapier's query pipeline.
 //!
 //! `cargo bench --bench lidar`; items are beams.
 
@@ -26,7 +26,8 @@ fn main() {
 const WORLDS: [&str; 4] = ["static", "moving", "barn", "office"];
 const BEAMS: usize = 24;
 const MAX_RANGE_M: f32 = 3.5;
-const POSE: Pose = Pose { x_m: 0.1, y_m: -1.1, heading_rad: 0.7 };
+/// The number of poses. With only a few, the processor would learn the branches of every cast.
+const POSES: usize = 500;
 
 #[divan::bench(args = WORLDS)]
 fn wayfield_scan(bencher: Bencher, obstacles: &str) {
@@ -51,10 +52,13 @@ fn scan(
 ) {
     let mut lab = lab_after_a_step(obstacles);
     let beams = Lidar { beams: BEAMS, ..Lidar::default() }.beam_directions();
+    let poses = poses(obstacles);
     lab.with_physics(0, |bodies, _, colliders| {
         let mut ranges_m = Vec::new();
-        bencher.counter(ItemsCount::new(BEAMS)).bench_local(|| {
-            cast(&colliders.colliders, bodies, black_box(&POSE), &beams, &mut ranges_m);
+        bencher.counter(ItemsCount::new(BEAMS * POSES)).bench_local(|| {
+            for pose in &poses {
+                cast(&colliders.colliders, bodies, black_box(pose), &beams, &mut ranges_m);
+            }
             ranges_m[0]
         });
     });
@@ -75,27 +79,39 @@ fn rapier_query_pipeline(bencher: Bencher, obstacles: &str) {
         &colliders.colliders,
         filter,
     );
+    let poses = poses(obstacles);
     let mut ranges_m = vec![0.0; BEAMS];
-    bencher.counter(ItemsCount::new(BEAMS)).bench_local(|| {
-        let pose = black_box(&POSE);
-        let heading = Vec2::from_angle(pose.heading_rad);
-        for (beam, range) in beams.iter().zip(&mut ranges_m) {
-            let ray = Ray::new(Vec2::new(pose.x_m, pose.y_m), heading.rotate(*beam));
-            *range = pipeline.cast_ray(&ray, MAX_RANGE_M, true).map_or(MAX_RANGE_M, |(_, distance)| distance);
+    bencher.counter(ItemsCount::new(BEAMS * POSES)).bench_local(|| {
+        for pose in black_box(&poses) {
+            let heading = Vec2::from_angle(pose.heading_rad);
+            for (beam, range) in beams.iter().zip(&mut ranges_m) {
+                let ray = Ray::new(Vec2::new(pose.x_m, pose.y_m), heading.rotate(*beam));
+                let hit = pipeline.cast_ray(&ray, MAX_RANGE_M, true);
+                *range = hit.map_or(MAX_RANGE_M, |(_, distance)| distance);
+            }
         }
         ranges_m[0]
     });
 }
 
+/// Random poses that a robot may have when an episode starts.
+fn poses(obstacles: &str) -> Vec<Pose> {
+    let mut lab = Lab::new(&scenario(obstacles), POSES, 1);
+    lab.states().iter().map(|state| state.pose).collect()
+}
+
 /// One arena after a step, so that rapier's query pipeline is up to date.
 fn lab_after_a_step(obstacles: &str) -> Lab {
-    let scenario: Scenario = match obstacles {
+    let mut lab = Lab::new(&scenario(obstacles), 1, 1);
+    lab.step(&[2]);
+    lab
+}
+
+fn scenario(obstacles: &str) -> Scenario {
+    match obstacles {
         "static" => common::four_cylinders(),
         "moving" => common::moving_obstacles(),
         "barn" => common::large_worlds::barn(),
         _ => common::large_worlds::office(),
-    };
-    let mut lab = Lab::new(&scenario, 1, 1);
-    lab.step(&[2]);
-    lab
+    }
 }

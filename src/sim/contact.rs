@@ -132,7 +132,7 @@ impl ContactQuery<'_> {
     /// The shapes in the grid at most `radius_m` from `at`, and possibly others.
     fn static_near(&self, at: Vec2, radius_m: f32) -> impl Iterator<Item = PlacedShape<'_>> {
         let near = self.bodies.static_shapes.iter().flat_map(move |shapes| shapes.near(at, radius_m));
-        near.map(|shape| (&shape.position, shape.shape()))
+        near.map(|shape| (&shape.position, &*shape.shape))
     }
 
     /// The longest distance that any point of an obstacle travels in a step, in m.

@@ -13,6 +13,7 @@
 //! | `obstacles.rs` | moving obstacles as a function of the clock, and generated obstacles |
 //! | `lidar.rs` | scans with noise, dropout and latency |
 //! | `ray_cast.rs` | exact ranges along the beams |
+//! | `four_shapes.rs` | casts against four shapes at once |
 //! | `static_shapes.rs` | a grid over the static shapes of large scenarios |
 //! | `probe.rs` | scans from arbitrary poses, for displays |
 
@@ -20,6 +21,7 @@ mod arena;
 mod colliders;
 mod contact;
 mod footprint;
+mod four_shapes;
 pub mod lidar;
 mod obstacles;
 mod physics;

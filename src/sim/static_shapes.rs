@@ -5,13 +5,13 @@
 
 use std::sync::Arc;
 
+use bevy::math::Vec4;
 use bevy::prelude::*;
-use bevy_rapier2d::rapier::geometry::{
-    Ball, ColliderHandle, ColliderSet, Cuboid, Ray, Segment, Shape, SharedShape, TypedShape,
-};
+use bevy_rapier2d::rapier::geometry::{ColliderHandle, ColliderSet, Ray, SharedShape};
 use bevy_rapier2d::rapier::math::Pose as BodyPose;
 
 use super::contact::distance_m;
+use super::four_shapes::{Beam, FourCircles, FourRectangles};
 use super::physics::Bodies;
 use super::ray_cast::{MARGIN, cast_ray};
 use crate::scenario::UniformGrid;
@@ -24,100 +24,66 @@ const ROUNDING: f32 = 1e-5;
 pub(super) struct StaticShapes {
     grid: UniformGrid,
     shapes: Vec<StaticShape>,
-    /// Boxes around the shapes, which are cheaper to test.
-    boxes: Vec<BeamBox>,
+    /// The shapes of every cell of the grid, cell by cell, in an order for casts.
+    circles: Vec<FourCircles>,
+    rectangles: Vec<FourRectangles>,
+    /// Shapes of other kinds, by their indices.
+    others: Vec<u32>,
+    /// Where the shapes of each cell begin; one more entry than cells.
+    starts: Vec<CellStart>,
     /// The longest beam, in m, for which the grid lists every shape that the beam hits.
     max_range_m: f32,
 }
 
-/// A shape at its position.
-#[derive(Clone, Debug)]
-pub(super) struct StaticShape {
-    pub(super) position: BodyPose,
-    /// Whether the shape is rotated. Without a rotation, a cast needs no transformation.
-    is_rotated: bool,
-    kind: Kind,
+/// The indices at which a cell's shapes begin in the lists of [`StaticShapes`].
+#[derive(Clone, Copy, Debug)]
+struct CellStart {
+    circles: u32,
+    rectangles: u32,
+    others: u32,
 }
 
-/// A box around a shape, with a margin above the rounding errors of a cast.
-#[derive(Clone, Copy, Debug)]
-struct BeamBox {
+/// A shape at its position.
+#[derive(Debug)]
+pub(super) struct StaticShape {
+    pub(super) position: BodyPose,
+    pub(super) shape: SharedShape,
+    /// A box around it, with a margin above the rounding errors of a cast: its lower left and upper right corners, in m.
     low: Vec2,
     high: Vec2,
 }
 
-/// A LIDAR beam. Heading and directions have length 1.
-struct Beam {
-    origin: Vec2,
-    /// The reciprocals of the coordinates of `direction`.
-    per_direction: Vec2,
-    /// The robot's heading.
-    heading: Vec2,
-    /// The beam's direction in the robot's frame.
-    in_robot: Vec2,
-    /// The beam's direction in the scenario's frame.
-    direction: Vec2,
-}
-
-/// A copy of a shape. Common kinds are stored inline, so that a cast follows no pointers.
-#[derive(Clone, Debug)]
-enum Kind {
-    Ball(Ball),
-    Cuboid(Cuboid),
-    Segment(Segment),
-    Other(SharedShape),
-}
-
 impl StaticShape {
-    fn new(position: BodyPose, shape: &SharedShape) -> Self {
-        let kind = match shape.as_typed_shape() {
-            TypedShape::Ball(ball) => Kind::Ball(*ball),
-            TypedShape::Cuboid(cuboid) => Kind::Cuboid(*cuboid),
-            TypedShape::Segment(segment) => Kind::Segment(*segment),
-            _ => Kind::Other(shape.clone()),
-        };
-        let is_rotated = position.rotation != BodyPose::IDENTITY.rotation;
-        Self { position, is_rotated, kind }
-    }
-
-    pub(super) fn shape(&self) -> &dyn Shape {
-        match &self.kind {
-            Kind::Ball(ball) => ball,
-            Kind::Cuboid(cuboid) => cuboid,
-            Kind::Segment(segment) => segment,
-            Kind::Other(shape) => &**shape,
-        }
-    }
-
     /// The distance along a beam, if it is at most `max_m`.
-    #[inline]
     fn cast(&self, beam: &Beam, max_m: f32) -> Option<f32> {
-        let ray = if self.is_rotated {
-            // Rounded as in casts without the grid.
-            let local_heading = self.position.inverse_transform_vector(beam.heading);
-            Ray::new(self.position.inverse_transform_point(beam.origin), local_heading.rotate(beam.in_robot))
-        } else {
-            Ray::new(beam.origin - self.position.translation, beam.direction)
-        };
-        let shape = match &self.kind {
-            Kind::Ball(ball) => TypedShape::Ball(ball),
-            Kind::Cuboid(cuboid) => TypedShape::Cuboid(cuboid),
-            Kind::Segment(segment) => TypedShape::Segment(segment),
-            Kind::Other(shape) => shape.as_typed_shape(),
-        };
-        cast_ray(&shape, &ray, max_m)
+        let local_heading = self.position.inverse_transform_vector(beam.heading);
+        let origin = self.position.inverse_transform_point(beam.origin);
+        cast_ray(&self.shape.as_typed_shape(), &Ray::new(origin, local_heading.rotate(beam.in_robot)), max_m)
     }
-}
 
-impl BeamBox {
     /// Whether a beam may hit the box within `max_m`. If not, it cannot hit the shape.
-    #[inline]
     fn may_be_hit(&self, beam: &Beam, max_m: f32) -> bool {
-        let to_side = |side: Vec2| (side - beam.origin) * beam.per_direction;
+        let to_side = |side: Vec2| (side - beam.origin) / beam.direction;
         let (a, b) = (to_side(self.low), to_side(self.high));
         let (enter, exit) = (a.min(b).max_element(), a.max(b).min_element());
         // Along a side of the box, these may be NaN, which is no reason to skip the cast.
         !(enter > exit || exit < 0.0 || enter > max_m)
+    }
+
+    /// Whether the shape may be at most `radius_m` from a point.
+    fn may_be_near(&self, at: Vec2, radius_m: f32) -> bool {
+        self.low.cmple(at + radius_m).all() && self.high.cmpge(at - radius_m).all()
+    }
+
+    /// The radius of a circle that is not rotated, in m.
+    fn circle(&self) -> Option<f32> {
+        let is_rotated = self.position.rotation != BodyPose::IDENTITY.rotation;
+        self.shape.as_ball().filter(|_| !is_rotated).map(|ball| ball.radius)
+    }
+
+    /// The half extents of a rectangle, in m.
+    fn rectangle(&self) -> Option<Vec2> {
+        self.shape.as_cuboid().map(|cuboid| cuboid.half_extents)
     }
 }
 
@@ -132,27 +98,65 @@ impl StaticShapes {
         if solids.len() < UniformGrid::MIN_ITEMS {
             return None;
         }
-        let boxes: Vec<_> = solids
-            .iter()
-            .map(|solid| solid.compute_aabb())
-            .map(|bounds| (bounds.mins, bounds.maxs))
-            .collect();
-        let shapes: Vec<_> =
-            solids.iter().map(|solid| StaticShape::new(*solid.position(), solid.shared_shape())).collect();
-        // As in `BeamFilter`.
-        let largest_m = shapes.iter().map(|one| one.shape().compute_local_bounding_sphere().radius);
-        let farthest_m = boxes.iter().flat_map(|(low, high)| [low, high]).map(|at| at.abs().max_element());
-        let margin_m = MARGIN * (max_range_m + largest_m.fold(0.0, f32::max))
-            + ROUNDING * farthest_m.fold(0.0, f32::max);
-        let distance_m = |item: usize, at| distance_m(&shapes[item].position, shapes[item].shape(), at);
-        let grid = UniformGrid::new(&boxes, margin_m, distance_m)?;
-        let with_margin = |(low, high): (Vec2, Vec2)| BeamBox { low: low - margin_m, high: high + margin_m };
-        Some(Self { grid, shapes, boxes: boxes.into_iter().map(with_margin).collect(), max_range_m })
+        let bounds: Vec<_> = solids.iter().map(|solid| solid.compute_aabb()).collect();
+        let farthest_m = bounds.iter().flat_map(|bounds| [bounds.mins, bounds.maxs]);
+        let farthest_m = farthest_m.map(|at| at.abs().max_element()).fold(0.0, f32::max);
+        // As in `BeamFilter`, for a shape that a beam reaches.
+        let margin_m = |shape: &SharedShape| {
+            MARGIN * (max_range_m + 2.0 * shape.compute_local_bounding_sphere().radius)
+                + ROUNDING * farthest_m
+        };
+        let shapes = solids.iter().zip(bounds).map(|(solid, bounds)| {
+            let (position, shape) = (*solid.position(), solid.shared_shape().clone());
+            let margin_m = margin_m(&shape);
+            StaticShape { position, shape, low: bounds.mins - margin_m, high: bounds.maxs + margin_m }
+        });
+        let shapes: Vec<_> = shapes.collect();
+        let boxes: Vec<_> = shapes.iter().map(|shape| (shape.low, shape.high)).collect();
+        let distance_m = |index: usize, at| {
+            let StaticShape { position, shape, .. } = &shapes[index];
+            distance_m(position, &**shape, at) - margin_m(shape)
+        };
+        let grid = UniformGrid::new(&boxes, distance_m)?;
+        let (circles, rectangles, others, starts) = Default::default();
+        let mut static_shapes = Self { grid, shapes, circles, rectangles, others, starts, max_range_m };
+        static_shapes.fill_cells();
+        Some(static_shapes)
+    }
+
+    /// Sorts the shapes of every cell of the grid by kind.
+    fn fill_cells(&mut self) {
+        for cell in self.grid.cells() {
+            self.starts.push(self.next_start());
+            let (mut circles, mut rectangles) = (Vec::new(), Vec::new());
+            for &index in cell {
+                let shape = &self.shapes[index as usize];
+                if let Some(radius_m) = shape.circle() {
+                    circles.push((&shape.position, radius_m));
+                } else if let Some(half_extents) = shape.rectangle() {
+                    rectangles.push((&shape.position, half_extents));
+                } else {
+                    self.others.push(index);
+                }
+            }
+            self.circles.extend(circles.chunks(4).map(FourCircles::new));
+            self.rectangles.extend(rectangles.chunks(4).map(FourRectangles::new));
+        }
+        self.starts.push(self.next_start());
+    }
+
+    fn next_start(&self) -> CellStart {
+        CellStart {
+            circles: self.circles.len() as u32,
+            rectangles: self.rectangles.len() as u32,
+            others: self.others.len() as u32,
+        }
     }
 
     /// The shapes at most `radius_m` from `at`, and possibly others. A shape may occur more than once.
     pub(super) fn near(&self, at: Vec2, radius_m: f32) -> impl Iterator<Item = &StaticShape> {
-        self.grid.near(at, radius_m).map(|item| &self.shapes[item])
+        let near = self.grid.near(at, radius_m).map(|index| &self.shapes[index]);
+        near.filter(move |shape| shape.may_be_near(at, radius_m))
     }
 
     /// Shortens `ranges_m`, one per beam, to the nearest shapes. `heading` and `beams` are unit vectors; `beams` are in the
@@ -161,7 +165,7 @@ impl StaticShapes {
         let is_inside = self.grid.contains(origin);
         for (&in_robot, range_m) in beams.iter().zip(ranges_m) {
             let direction = heading.rotate(in_robot);
-            let beam = Beam { origin, per_direction: direction.recip(), heading, in_robot, direction };
+            let beam = Beam { origin, heading, in_robot, direction };
             if is_inside && *range_m <= self.max_range_m {
                 *range_m = self.cast_along_cells(&beam, *range_m);
             } else {
@@ -172,18 +176,24 @@ impl StaticShapes {
     }
 
     /// The distance along a beam, at most `range_m`, to the nearest shape in the cells that it crosses.
+    #[inline(always)]
     fn cast_along_cells(&self, beam: &Beam, mut range_m: f32) -> f32 {
-        // The shapes of the previous cell, which are not tested again. If there are many, a search in them would take longer.
-        let mut tested: &[u32] = &[];
-        self.grid.walk(beam.origin, beam.direction, |items, exit_m| {
-            let known = if tested.len() <= 4 { tested } else { &[] };
-            for item in items {
-                let index = *item as usize;
-                if self.boxes[index].may_be_hit(beam, range_m) && !known.contains(item) {
-                    range_m = self.shapes[index].cast(beam, range_m).unwrap_or(range_m);
+        self.grid.walk(beam.origin, beam.direction, |cell, exit_m| {
+            let (start, end) = (self.starts[cell], self.starts[cell + 1]);
+            let mut nearest_m = Vec4::splat(range_m);
+            for circles in &self.circles[start.circles as usize..end.circles as usize] {
+                nearest_m = nearest_m.min(circles.cast(beam));
+            }
+            for rectangles in &self.rectangles[start.rectangles as usize..end.rectangles as usize] {
+                nearest_m = nearest_m.min(rectangles.cast(beam));
+            }
+            range_m = nearest_m.min_element();
+            for &index in &self.others[start.others as usize..end.others as usize] {
+                let shape = &self.shapes[index as usize];
+                if shape.may_be_hit(beam, range_m) {
+                    range_m = shape.cast(beam, range_m).unwrap_or(range_m);
                 }
             }
-            tested = items;
             range_m > exit_m
         });
         range_m

@@ -131,13 +131,15 @@ impl Surroundings {
             && hull.len() > 2
         {
             self.deviation_m = self.deviation_m.max(from_hull * scale.cell_m);
-            self.obstacles.push(polygon(&hull, scale));
+            self.obstacles.push(obstacle(&hull, scale));
             remove_inside(blocked, ring);
             return;
         }
         // Half of the wall's thickness lies on the floor.
         let (corners, deviation) = simplified(ring, tolerance - THICKNESS_M / 2.0 / scale.cell_m);
-        if is_the_box(&corners, bounds) {
+        let ((left, low), (right, high)) = bounds;
+        let floor = (dvec2(left as f64, low as f64), dvec2(right as f64, high as f64));
+        if as_box(&corners) == Some(floor) {
             self.deviation_m = self.deviation_m.max(deviation * scale.cell_m);
             return;
         }
@@ -162,15 +164,19 @@ fn is_counterclockwise(ring: &[DVec2]) -> bool {
     ends.map(|(a, b)| a.perp_dot(*b)).sum::<f64>() > 0.0
 }
 
-/// Whether the corners are those of the box from lower left to upper right.
-fn is_the_box(corners: &[DVec2], ((left, low), (right, high)): (Cell, Cell)) -> bool {
-    let (from, to) = (dvec2(left as f64, low as f64), dvec2(right as f64, high as f64));
+/// The lower left and upper right corners, if the corners are those of a box with sides along x and y.
+fn as_box(corners: &[DVec2]) -> Option<(DVec2, DVec2)> {
+    let (from, to) = corners.iter().fold((DVec2::MAX, DVec2::MIN), |(from, to), &c| (from.min(c), to.max(c)));
     let is_corner = |c: &DVec2| (c.x == from.x || c.x == to.x) && (c.y == from.y || c.y == to.y);
-    corners.len() == 4 && corners.iter().all(is_corner)
+    (corners.len() == 4 && corners.iter().all(is_corner)).then_some((from, to))
 }
 
-/// The obstacle with these corners. Its position is their mean.
-fn polygon(corners: &[DVec2], scale: Scale) -> Obstacle {
+/// The obstacle with these corners: a rectangle if its sides are along x and y, else a polygon. Its position is the mean of the
+/// corners.
+fn obstacle(corners: &[DVec2], scale: Scale) -> Obstacle {
+    if let Some((from, to)) = as_box(corners) {
+        return rectangle(scale.point_m(from), scale.point_m(to));
+    }
     let middle = corners.iter().copied().sum::<DVec2>() / corners.len() as f64;
     let position_m = point(scale.point_m(middle));
     let own = |&corner: &DVec2| point(scale.point_m(corner) - position_m.as_dvec2());

@@ -154,11 +154,26 @@ fn a_map_and_a_world_of_the_same_hall_agree_within_a_cell() {
 }
 
 #[test]
+fn a_desk_with_sides_along_x_and_y_becomes_a_rectangle() {
+    // A hall of 5 m x 3 m, and a desk of 1 m x 0.5 m in it.
+    let hall = pgm(120, 80, |column, row| {
+        let is_wall = !(10..110).contains(&column) || !(10..70).contains(&row);
+        let is_desk = (60..80).contains(&column) && (30..40).contains(&row);
+        if is_wall || is_desk { 0 } else { 254 }
+    });
+    let map = Folder::new(&[("map.yaml", YAML.as_bytes()), ("map.pgm", &hall)]).import("map.yaml");
+    let desks = map.expect("a map").scenario.obstacles;
+    assert_eq!(desks.len(), 1, "{desks:?}");
+    assert_eq!(desks[0].shape, Shape::Rectangle { width_m: 1.0, height_m: 0.5 });
+    assert_eq!(desks[0].position_m, vec2(0.5, 0.25));
+}
+
+#[test]
 fn simplified_walls_are_few_and_the_stated_deviation_is_true() {
     let folder = Folder::new(&[("map.yaml", YAML.as_bytes()), ("map.pgm", &hall())]);
     let map = folder.import("map.yaml").expect("a map").scenario;
     let pieces = map.obstacles.len() + map.walls.iter().map(|wall| wall.corners_m.len()).sum::<usize>();
-    assert!(pieces <= 3, "a pillar is one polygon, and the hall is the enclosure: {map:?}");
+    assert!(pieces <= 3, "a pillar is one obstacle, and the hall is the enclosure: {map:?}");
     assert!(map.about.contains("walls deviate from them by at most 0.0"), "{}", map.about);
     assert!(map.benchmark_route.is_some());
     let every_cell = ImportOptions { tolerance_m: Some(0.0), ..ImportOptions::default() };

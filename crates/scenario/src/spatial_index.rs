@@ -80,7 +80,9 @@ impl SpatialIndex {
         let boxes: Vec<_> = parts.iter().map(|part| part.bounds_m(scenario)).collect();
         let farthest_m = boxes.iter().flat_map(|(low, high)| [low, high]).map(|at| at.abs().max_element());
         let margin_m = ROUNDING * farthest_m.fold(1.0, f32::max);
-        let grid = UniformGrid::new(&boxes, margin_m, |part, point| parts[part].distance_m(scenario, point))?;
+        let boxes: Vec<_> = boxes.into_iter().map(|(low, high)| (low - margin_m, high + margin_m)).collect();
+        let distance_m = |part: usize, point| parts[part].distance_m(scenario, point) - margin_m;
+        let grid = UniformGrid::new(&boxes, distance_m)?;
         let is_moving = |index: &usize| scenario.obstacles[*index].motion != ObstacleMotion::Static;
         let moving = (0..scenario.obstacles.len()).filter(is_moving).collect();
         Some(Self { grid, parts, moving })

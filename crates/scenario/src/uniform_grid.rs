@@ -5,8 +5,8 @@
 
 use glam::{Vec2, vec2};
 
-/// The number of cells per item.
-const CELLS_PER_ITEM: f32 = 2.0;
+/// The number of cells per item. Items are cheaper to test than cells are to walk through.
+const CELLS_PER_ITEM: f32 = 0.35;
 /// The most cells along a side.
 const MAX_SIDE: f32 = 512.0;
 /// The most cells in all bounding boxes together. If many items are large, the grid is coarser.
@@ -31,16 +31,12 @@ impl UniformGrid {
     pub const MIN_ITEMS: usize = 32;
 
     /// A grid over items with these bounding boxes: their lower left and upper right corners, in m. `distance_m` gives the
-    /// distance of an item, by its index, from a point. Items are listed as if they were larger by `margin_m` on all sides.
+    /// distance of an item, by its index, from a point. Rounding errors are not considered: boxes and distances need a margin
+    /// for them.
     ///
     /// `None` if there are no items or if a coordinate is not finite.
     #[must_use]
-    pub fn new(
-        boxes: &[(Vec2, Vec2)],
-        margin_m: f32,
-        distance_m: impl Fn(usize, Vec2) -> f32,
-    ) -> Option<Self> {
-        let boxes: Vec<_> = boxes.iter().map(|(low, high)| (*low - margin_m, *high + margin_m)).collect();
+    pub fn new(boxes: &[(Vec2, Vec2)], distance_m: impl Fn(usize, Vec2) -> f32) -> Option<Self> {
         let (low, high) = boxes.iter().copied().reduce(|all, item| (all.0.min(item.0), all.1.max(item.1)))?;
         let extent = high - low;
         if !boxes.iter().all(|(low, high)| low.is_finite() && high.is_finite()) || !extent.is_finite() {
@@ -50,7 +46,7 @@ impl UniformGrid {
         while boxes.iter().map(|item| grid.box_cells(item)).sum::<f64>() > MAX_BOX_CELLS {
             grid = Self::with_cells(low, extent, 2.0 * grid.cell_m);
         }
-        grid.fill(&boxes, |item, point| distance_m(item, point) - margin_m);
+        grid.fill(boxes, distance_m);
         Some(grid)
     }
 
@@ -93,6 +89,7 @@ impl UniformGrid {
     }
 
     /// The column and row of the cell at `point`, or of the nearest cell if the point is outside.
+    #[inline]
     fn cell_at(&self, point: Vec2) -> (usize, usize) {
         let cell = (point - self.low) * self.cells_per_m;
         // The conversion gives 0 for negative numbers.
@@ -114,6 +111,7 @@ impl UniformGrid {
 
     /// Whether `point`, in m, is inside the grid.
     #[must_use]
+    #[inline]
     pub fn contains(&self, point: Vec2) -> bool {
         let cell = (point - self.low) * self.cells_per_m;
         cell.x >= 0.0 && cell.y >= 0.0 && cell.x < self.columns as f32 && cell.y < self.rows as f32
@@ -121,6 +119,7 @@ impl UniformGrid {
 
     /// All items within `radius_m` of `point`, and possibly others; an item may occur more than once. A negative radius
     /// counts as 0.
+    #[inline]
     pub fn near(&self, point: Vec2, radius_m: f32) -> impl Iterator<Item = usize> + '_ {
         let radius_m = radius_m.max(0.0);
         let (low, high) = (self.cell_at(point - radius_m), self.cell_at(point + radius_m));
@@ -131,26 +130,35 @@ impl UniformGrid {
         (low.1..=high.1).flat_map(of_row).map(|&item| item as usize)
     }
 
-    /// Walks along a ray from a point inside the grid, in a direction of length 1. Calls `visit` with the items of every cell
-    /// on its way and the distance, in m, at which the ray leaves the cell. Ends when `visit` returns false, or at the border.
+    /// The items that each cell lists, cell by cell.
+    pub fn cells(&self) -> impl Iterator<Item = &[u32]> {
+        self.starts.windows(2).map(|ends| &self.items[ends[0] as usize..ends[1] as usize])
+    }
+
+    /// Walks along a ray from a point inside the grid, in a direction of length 1. Calls `visit` with the index of every cell
+    /// on its way, in the order of [`Self::cells`], and the distance, in m, at which the ray leaves the cell. Ends when `visit`
+    /// returns false, or at the border.
     #[inline]
-    pub fn walk<'a>(&'a self, origin: Vec2, direction: Vec2, mut visit: impl FnMut(&'a [u32], f32) -> bool) {
+    pub fn walk(&self, origin: Vec2, direction: Vec2, mut visit: impl FnMut(usize, f32) -> bool) {
         let start = (origin - self.low) * self.cells_per_m;
         let (mut column, mut row) = self.cell_at(origin);
         let (step_x, mut next_x, each_x) = self.axis(start.x, column, direction.x);
         let (step_y, mut next_y, each_y) = self.axis(start.y, row, direction.y);
         while column < self.columns && row < self.rows {
-            let cell = row * self.columns + column;
-            let items = &self.items[self.starts[cell] as usize..self.starts[cell + 1] as usize];
             let exit_m = next_x.min(next_y);
-            if !visit(items, exit_m) || exit_m == f32::INFINITY {
+            if !visit(row * self.columns + column, exit_m) || exit_m == f32::INFINITY {
                 return;
             }
-            if next_x < next_y {
-                (column, next_x) = (column.wrapping_add_signed(step_x), next_x + each_x);
-            } else {
-                (row, next_y) = (row.wrapping_add_signed(step_y), next_y + each_y);
-            }
+            // Without a branch, which would often be predicted wrong.
+            let along_x = next_x < next_y;
+            (column, next_x) = (
+                column.wrapping_add_signed(if along_x { step_x } else { 0 }),
+                next_x + if along_x { each_x } else { 0.0 },
+            );
+            (row, next_y) = (
+                row.wrapping_add_signed(if along_x { 0 } else { step_y }),
+                next_y + if along_x { 0.0 } else { each_y },
+            );
         }
     }
 
