@@ -197,3 +197,30 @@ impl BeamFilter {
             && range_m * (beam.dot(self.gap) + self.margin_m) >= self.gap_squared
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// A number on a lattice of 0.25, so that rays start on sides and run along them, or any.
+    fn number() -> impl Strategy<Value = f32> {
+        prop_oneof![-3.0_f32..3.0, (-12_i8..=12).prop_map(|k| 0.25 * f32::from(k))]
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(10_000))]
+
+        #[test]
+        fn a_cast_to_a_cuboid_is_parrys(
+            half in (0.001_f32..2.0, prop_oneof![Just(0.5_f32), 0.001_f32..2.0]),
+            origin in (number(), number()),
+            direction in (number(), number()),
+            max_m in prop_oneof![Just(3.5_f32), 0.0_f32..4.0],
+        ) {
+            let (cuboid, ray) = (Cuboid::new(half.into()), Ray::new(origin.into(), direction.into()));
+            prop_assert_eq!(cast_to_cuboid(&cuboid, &ray, max_m), cuboid.cast_local_ray(&ray, max_m, true));
+        }
+    }
+}

@@ -28,7 +28,7 @@ const KEY: &str = "wayfield";
 pub struct Policy {
     shape: NetworkShape,
     parameters: Vec<f32>,
-    /// The same parameters, packed for forward passes.
+    /// The same parameters in the order of forward passes.
     weights: Weights,
     /// What the inputs and actions mean, and what the policy was trained with. `None` in files of format version 1.
     pub card: Option<Box<Card>>,
@@ -187,8 +187,7 @@ impl Policy {
             .map_err(not_safetensors)
     }
 
-    /// Reads the policy in the bytes of a safetensors file. Memory use is at most a few times the length of `bytes`, plus 5 MB
-    /// of padding in the packed weights.
+    /// Reads the policy in the bytes of a safetensors file. Memory use is at most a few times the length of `bytes`.
     ///
     /// # Errors
     /// The file is not a usable policy; [`PolicyError`] lists the reasons.

@@ -154,35 +154,27 @@ impl fmt::Display for NetworkShape {
     }
 }
 
-/// The number of outputs of a layer that are summed at the same time.
-const LANES: usize = 32;
-
-/// The parameters of a network as a forward pass reads them. Each weight matrix is in blocks of [`LANES`] outputs, the last one
-/// padded with zeros; within a block, the weights of the first input come first. So a processor sums the outputs of a block at
-/// once, and each sum is the same as if it were computed alone.
+/// The parameters of a network as a forward pass reads them: each weight matrix is transposed, so that the weights of one input
+/// follow each other.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Weights(Vec<f32>);
 
 impl Weights {
-    /// Packs flat `parameters`, [`NetworkShape::parameter_count`] of them.
+    /// Transposes the matrices of flat `parameters`, [`NetworkShape::parameter_count`] of them.
     pub(crate) fn new(shape: &NetworkShape, parameters: &[f32]) -> Self {
-        let mut packed = Vec::with_capacity(parameters.len());
+        let mut transposed = Vec::with_capacity(parameters.len());
         let mut rest = parameters;
         for (i, (inputs, outputs)) in shape.layers().enumerate() {
             let (weight, tail) = rest.split_at(inputs * outputs);
-            for first in (0..outputs).step_by(LANES) {
-                for input in 0..inputs {
-                    let weights = (first..first + LANES)
-                        .map(|output| if output < outputs { weight[output * inputs + input] } else { 0.0 });
-                    packed.extend(weights);
-                }
+            for input in 0..inputs {
+                transposed.extend((0..outputs).map(|output| weight[output * inputs + input]));
             }
             let norm = if shape.layer_norm && i < shape.hidden.len() { 2 * outputs } else { 0 };
             let (others, tail) = tail.split_at(outputs + norm);
-            packed.extend_from_slice(others);
+            transposed.extend_from_slice(others);
             rest = tail;
         }
-        Self(packed)
+        Self(transposed)
     }
 }
 
@@ -214,10 +206,9 @@ pub(crate) fn forward<'a>(
         tensor
     };
     for (i, (inputs, outputs)) in shape.layers().enumerate() {
-        let weight = take(inputs * outputs.next_multiple_of(LANES));
-        let bias = take(outputs);
+        let (weight, bias) = (take(inputs * outputs), take(outputs));
         list_active(units, active);
-        fully_connected(weight, bias, (inputs, active), next);
+        fully_connected(weight, bias, active, next);
         if i < shape.hidden.len() {
             if shape.layer_norm {
                 normalize(next, take(outputs), take(outputs));
@@ -250,22 +241,21 @@ fn list_active(units: &[f32], active: &mut Vec<(u32, f32)>) {
 }
 
 /// Writes the outputs of a fully connected layer into `outputs`: each is its bias plus the products of its weights and the units
-/// that are not 0, added in the order of the units. `weight` is [packed](Weights); `inputs` is the number of all units.
-fn fully_connected(
-    weight: &[f32],
-    bias: &[f32],
-    (inputs, active): (usize, &[(u32, f32)]),
-    outputs: &mut Vec<f32>,
-) {
+/// that are not 0, added in the order of the units. `weight` is [transposed](Weights).
+fn fully_connected(weight: &[f32], bias: &[f32], active: &[(u32, f32)], outputs: &mut Vec<f32>) {
     outputs.clear();
-    for (block, bias) in weight.chunks_exact(inputs * LANES).zip(bias.chunks(LANES)) {
-        let mut sums: [f32; LANES] = std::array::from_fn(|lane| bias.get(lane).copied().unwrap_or(0.0));
-        let rows = block.as_chunks::<LANES>().0;
-        for &(index, unit) in active {
-            let weights = &rows[index as usize];
-            sums = std::array::from_fn(|lane| sums[lane] + weights[lane] * unit);
+    outputs.extend_from_slice(bias);
+    let weights = |index: u32| &weight[index as usize * bias.len()..][..bias.len()];
+    // Four units at a time, so that the sums are loaded and stored less often.
+    let (fours, rest) = active.as_chunks::<4>();
+    for &[(i, a), (j, b), (k, c), (l, d)] in fours {
+        let rows = weights(i).iter().zip(weights(j)).zip(weights(k)).zip(weights(l));
+        for (sum, (((i, j), k), l)) in outputs.iter_mut().zip(rows) {
+            *sum = *sum + i * a + j * b + k * c + l * d;
         }
-        outputs.extend(sums.into_iter().take(bias.len()));
+    }
+    for &(index, unit) in rest {
+        outputs.iter_mut().zip(weights(index)).for_each(|(sum, weight)| *sum += weight * unit);
     }
 }
 
@@ -343,7 +333,7 @@ mod tests {
     }
 
     #[test]
-    fn packed_weights_give_the_same_bits_as_sums_one_by_one() {
+    fn transposed_weights_give_the_same_bits_as_sums_one_by_one() {
         let shape = NetworkShape { inputs: 7, actions: 21, ..shape(&[37, 16], false) };
         let mut parameters = Vec::new();
         parameters.extend((0..shape.parameter_count()).map(|k| (k as f32 * 0.37).sin()));

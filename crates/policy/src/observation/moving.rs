@@ -62,7 +62,8 @@ pub(super) struct MovingThing {
 
 impl MovingThing {
     /// The number of control steps until the robot, which moves from the origin by `step` in each of them, collides with it;
-    /// infinite if they do not collide.
+    /// infinite if they do not collide. Without branches, so that a loop over many steps is vectorized.
+    #[inline(always)]
     pub(super) fn steps_to_collision(&self, step: (f32, f32)) -> f32 {
         let Self { disc, velocity } = self;
         let relative = (step.0 - velocity.0, step.1 - velocity.1);
@@ -71,10 +72,9 @@ impl MovingThing {
         let reach = 1.0 + disc.radius;
         let apart_2 = disc.x * disc.x + disc.y * disc.y - reach * reach;
         let root_2 = along * along - speed_2 * apart_2;
-        if along <= 0.0 || speed_2 <= 1e-9 || root_2 <= 0.0 {
-            return f32::INFINITY;
-        }
-        if apart_2 <= 0.0 { 0.0 } else { (along - root_2.sqrt()) / speed_2 }
+        let steps = if apart_2 <= 0.0 { 0.0 } else { (along - root_2.sqrt()) / speed_2 };
+        let collide = (along > 0.0) & (speed_2 > 1e-9) & (root_2 > 0.0);
+        if collide { steps } else { f32::INFINITY }
     }
 }
 
@@ -102,8 +102,9 @@ pub(super) fn find_things(
         _ => false,
     };
     // A LIDAR that sees all around may see a thing with its first and last beams.
-    let Some(first) = (0..beams).find(|&beam| !is_linked((beam + beams - 1) % beams, beam)) else { return };
-    let at = |index: usize| (first + index) % beams;
+    let is_first = |beam: usize| !is_linked(beam.checked_sub(1).unwrap_or(beams - 1), beam);
+    let Some(first) = (0..beams).find(|&beam| is_first(beam)) else { return };
+    let at = |index: usize| if first + index < beams { first + index } else { first + index - beams };
     let mut start = 0;
     for end in 1..=beams {
         if end < beams && is_linked(at(end - 1), at(end)) {

@@ -93,6 +93,8 @@ pub struct SectorObserver {
     scans: VecDeque<EarlierScan>,
     /// The nearness of the earlier scan's points in each sector of the present frame; negative where there is none.
     earlier: Vec<f32>,
+    /// How far the robot can drive in the direction of each sector's centre, in units of the robot; infinite if nothing is in sight.
+    free: Vec<f32>,
     /// The nearness of a collision in the direction of each sector's centre; empty without free paths.
     collisions: Vec<f32>,
     /// Like `collisions`, if what moves goes on moving; empty without predicted paths.
@@ -106,10 +108,13 @@ pub struct SectorObserver {
     /// The ends of the newest scan's beams, and their things.
     ends: Vec<Option<BeamEnd>>,
     thing_of_beam: Vec<Option<u16>>,
-    /// The directions of the sectors' centres: unit vectors.
-    directions: Vec<(f32, f32)>,
+    /// The directions of the sectors' centres.
+    directions: Directions,
     twist: (f32, f32),
 }
+
+/// Sines and cosines of directions.
+type Directions = (Vec<f32>, Vec<f32>);
 
 #[derive(Clone, Debug, PartialEq)]
 struct Beam {
@@ -147,6 +152,7 @@ impl SectorObserver {
             spacing_rad: lidar.spacing_rad,
             scans: VecDeque::new(),
             earlier: vec![-1.0; count],
+            free: vec![f32::INFINITY; count],
             collisions: vec![0.0; if layout.free_paths { count } else { 0 }],
             predicted: vec![0.0; if layout.predicted_paths { count } else { 0 }],
             waiting: 0.0,
@@ -154,12 +160,7 @@ impl SectorObserver {
             frames: Vec::new(),
             ends: Vec::new(),
             thing_of_beam: Vec::new(),
-            directions: (0..count)
-                .map(|sector| {
-                    let (sin, cos) = libm::sincosf(layout.angle_rad(sector));
-                    (cos, sin)
-                })
-                .collect(),
+            directions: (0..count).map(|sector| libm::sincosf(layout.angle_rad(sector))).unzip(),
             twist: (0.0, 0.0),
         }
     }
@@ -211,14 +212,16 @@ impl SectorObserver {
         followed.max(usize::from(self.layout.earlier_steps))
     }
 
-    /// Finds collisions and motion from the newest scan and those before it.
+    /// Finds motion and collisions from the newest scan and those before it.
     fn compare(&mut self) {
-        self.find_collisions();
         if self.layout.earlier_steps > 0 {
             self.move_earlier_scan();
         }
         if self.layout.predicted_paths {
             self.find_moving_things();
+        }
+        self.find_free_distances();
+        if self.layout.predicted_paths {
             self.predict_collisions();
         }
     }
@@ -259,11 +262,22 @@ impl SectorObserver {
         }
     }
 
-    /// Finds the nearness of a collision in the direction of each sector's centre, for a disc with a radius of one unit.
-    fn find_collisions(&mut self) {
-        let Some(scan) = self.scans.back() else { return };
-        free_distances(&scan.hits, &self.directions, |_| true, &mut self.collisions);
-        self.collisions.iter_mut().for_each(|value| *value = collision_nearness(*value));
+    /// Finds how far a disc with a radius of one unit can drive in the direction of each sector's centre before it collides with
+    /// what is in sight, and with what of it does not move.
+    fn find_free_distances(&mut self) {
+        let Self { scans, moving, free, collisions, predicted, directions, .. } = self;
+        let Some(EarlierScan { hits, .. }) = scans.back() else { return };
+        let motion = |hit: &Hit| hit.thing.and_then(|thing| moving.get(usize::from(thing)));
+        let moves = |hit: &Hit| motion(hit).is_some_and(Option::is_some);
+        free.fill(f32::INFINITY);
+        shorten_paths(hits.iter().filter(|hit| !moves(hit)), directions, free);
+        if !predicted.is_empty() {
+            predicted.copy_from_slice(free);
+        }
+        if moving.iter().any(Option::is_some) {
+            shorten_paths(hits.iter().filter(|hit| moves(hit)), directions, free);
+        }
+        collisions.iter_mut().zip(&*free).for_each(|(value, &free)| *value = collision_nearness(free));
     }
 
     /// Finds which things of the newest scan move.
@@ -278,9 +292,12 @@ impl SectorObserver {
         for (index, &thing) in now.things.iter().enumerate() {
             // The thing is where the earlier scan saw nothing, or something farther away.
             let has_appeared = |(hit, &earlier): (&Hit, &f32)| {
+                if hit.thing != Some(index as u16) || earlier < 0.0 {
+                    return false;
+                }
                 let extent = hit.distance - distance_at(hit.nearness);
                 let before = if earlier > 0.0 { distance_at(earlier) + extent } else { f32::INFINITY };
-                hit.thing == Some(index as u16) && earlier >= 0.0 && before > hit.distance + MIN_APPEARANCE
+                before > hit.distance + MIN_APPEARANCE
             };
             if !now.hits.iter().zip(&*earlier).any(has_appeared) {
                 moving.push(None);
@@ -295,25 +312,25 @@ impl SectorObserver {
     /// Finds the nearness of collisions if what moves goes on moving: in the direction of each sector's centre at the robot's
     /// highest speed, and if it waits.
     fn predict_collisions(&mut self) {
-        let Self { scans, moving, predicted, collisions, directions, body, .. } = self;
-        self.waiting = 0.0;
+        let Self { moving, predicted, collisions, directions, body, .. } = self;
         if moving.iter().all(Option::is_none) && collisions.len() == predicted.len() {
             predicted.copy_from_slice(collisions);
+            self.waiting = 0.0;
             return;
         }
-        let Some(now) = scans.back() else { return };
+        self.waiting = f32::INFINITY;
+        // In control steps, then in units of the robot.
         let step = body.step_length();
-        let is_still = |hit: &Hit| hit.thing.is_none_or(|thing| moving[usize::from(thing)].is_none());
-        let steps_to_collision = |velocity: (f32, f32), at_most: f32| {
-            let steps = moving.iter().flatten().map(|thing| thing.steps_to_collision(velocity));
-            steps.fold(at_most, f32::min)
-        };
-        free_distances(&now.hits, directions, is_still, predicted);
-        for (predicted, &(cos, sin)) in predicted.iter_mut().zip(&*directions) {
-            let free = *predicted / step;
-            *predicted = collision_nearness(step * steps_to_collision((step * cos, step * sin), free));
+        predicted.iter_mut().for_each(|free| *free /= step);
+        for thing in moving.iter().flatten() {
+            for ((free, sin), cos) in predicted.iter_mut().zip(&directions.0).zip(&directions.1) {
+                let steps = thing.steps_to_collision((step * cos, step * sin));
+                *free = if steps < *free { steps } else { *free };
+            }
+            self.waiting = self.waiting.min(thing.steps_to_collision((0.0, 0.0)));
         }
-        self.waiting = collision_nearness(step * steps_to_collision((0.0, 0.0), f32::INFINITY));
+        predicted.iter_mut().for_each(|free| *free = collision_nearness(step * *free));
+        self.waiting = collision_nearness(step * self.waiting);
     }
 
     /// Moves the points of the earlier scan into the present frame, by odometry.
@@ -398,23 +415,23 @@ impl SectorObserver {
     }
 }
 
-/// Writes into `distances` how far, in units of the robot, a disc with a radius of one unit can drive in each of `directions`
-/// (unit vectors) before it collides with a hit for which `counts` is true; infinity if it never does. The inner loop has no
-/// branches, so that it is vectorized.
-fn free_distances(
-    hits: &[Hit],
-    directions: &[(f32, f32)],
-    counts: impl Fn(&Hit) -> bool,
-    distances: &mut [f32],
-) {
-    distances.fill(f32::INFINITY);
-    for hit in hits.iter().filter(|hit| hit.nearness > 0.0 && counts(hit)) {
-        for (distance, (cos, sin)) in distances.iter_mut().zip(directions) {
+/// Shortens `distances`, one per direction, to how far a disc with a radius of one unit can drive, in units of the robot, before
+/// it collides with one of `hits`. The inner loop has no branches, so that it is vectorized.
+fn shorten_paths<'a>(hits: impl Iterator<Item = &'a Hit>, directions: &Directions, distances: &mut [f32]) {
+    // A beam may belong to several neighbouring sectors.
+    let mut last = &NO_HIT;
+    for hit in hits.filter(|hit| hit.nearness > 0.0) {
+        if (hit.x, hit.y) == (last.x, last.y) {
+            continue;
+        }
+        last = hit;
+        for ((distance, sin), cos) in distances.iter_mut().zip(&directions.0).zip(&directions.1) {
             let (along, across) = (hit.x * cos + hit.y * sin, hit.x * sin - hit.y * cos);
             // The square of half the chord that the path cuts from the unit disc about the hit.
             let half_2 = 1.0 - across * across;
-            let free = along - half_2.max(0.0).sqrt();
-            *distance = if (along > 0.0) & (half_2 > 0.0) & (free < *distance) { free } else { *distance };
+            let collides = (along > 0.0) & (half_2 > 0.0);
+            let free = if collides { along - half_2.sqrt() } else { f32::INFINITY };
+            *distance = if free < *distance { free } else { *distance };
         }
     }
 }
