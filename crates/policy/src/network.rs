@@ -183,8 +183,8 @@ impl Weights {
 pub struct Scratch {
     units: Vec<f32>,
     next: Vec<f32>,
-    /// The units of a layer's input that are not 0, and their indices.
-    active: Vec<(u32, f32)>,
+    /// The indices of the units of a layer's input that are not 0, and unused elements.
+    active: Vec<u32>,
 }
 
 /// Computes the Q-values of one `observation` in `scratch`, for a network of this `shape` with these `weights`.
@@ -207,8 +207,7 @@ pub(crate) fn forward<'a>(
     };
     for (i, (inputs, outputs)) in shape.layers().enumerate() {
         let (weight, bias) = (take(inputs * outputs), take(outputs));
-        list_active(units, active);
-        fully_connected(weight, bias, active, next);
+        fully_connected(weight, bias, units, list_active(units, active), next);
         if i < shape.hidden.len() {
             if shape.layer_norm {
                 normalize(next, take(outputs), take(outputs));
@@ -227,35 +226,40 @@ pub(crate) fn forward<'a>(
     &units[1..]
 }
 
-/// Writes the units that are not 0, and their indices, into `active`. Half of an observation by sectors, and at least half of the
-/// units after a ReLU, are 0 and add nothing to the next layer.
-fn list_active(units: &[f32], active: &mut Vec<(u32, f32)>) {
-    active.resize(units.len(), (0, 0.0));
-    let mut count = 0;
-    for (index, &unit) in units.iter().enumerate() {
-        // Writing first and counting afterwards needs no branch, which a processor could not predict.
-        active[count] = (index as u32, unit);
-        count += usize::from(unit != 0.0);
+/// Lists the indices of the units that are not 0 in `active`, and returns them. Half of an observation by sectors, and at least half
+/// of the units after a ReLU, are 0 and add nothing to the next layer.
+fn list_active<'a>(units: &[f32], active: &'a mut Vec<u32>) -> &'a [u32] {
+    if active.len() < units.len() {
+        active.resize(units.len(), 0);
     }
-    active.truncate(count);
+    let mut count = 0;
+    for (index, unit) in units.iter().enumerate() {
+        // Writing first and counting afterwards needs no branch, which a processor could not predict. Without the sign, the bits
+        // of 0 are 0.
+        active[count] = index as u32;
+        count += usize::from(unit.to_bits() << 1 != 0);
+    }
+    &active[..count]
 }
 
-/// Writes the outputs of a fully connected layer into `outputs`: each is its bias plus the products of its weights and the units
-/// that are not 0, added in the order of the units. `weight` is [transposed](Weights).
-fn fully_connected(weight: &[f32], bias: &[f32], active: &[(u32, f32)], outputs: &mut Vec<f32>) {
+/// Writes the outputs of a fully connected layer into `outputs`: each is its bias plus the products of its weights and the
+/// `active` ones of `units`, added in the order of the units. `weight` is [transposed](Weights).
+fn fully_connected(weight: &[f32], bias: &[f32], units: &[f32], active: &[u32], outputs: &mut Vec<f32>) {
     outputs.clear();
     outputs.extend_from_slice(bias);
+    let unit = |index: u32| units[index as usize];
     let weights = |index: u32| &weight[index as usize * bias.len()..][..bias.len()];
     // Four units at a time, so that the sums are loaded and stored less often.
     let (fours, rest) = active.as_chunks::<4>();
-    for &[(i, a), (j, b), (k, c), (l, d)] in fours {
-        let rows = weights(i).iter().zip(weights(j)).zip(weights(k)).zip(weights(l));
-        for (sum, (((i, j), k), l)) in outputs.iter_mut().zip(rows) {
+    for four in fours {
+        let [a, b, c, d] = four.map(unit);
+        let [i, j, k, l] = four.map(weights);
+        for ((((sum, i), j), k), l) in outputs.iter_mut().zip(i).zip(j).zip(k).zip(l) {
             *sum = *sum + i * a + j * b + k * c + l * d;
         }
     }
-    for &(index, unit) in rest {
-        outputs.iter_mut().zip(weights(index)).for_each(|(sum, weight)| *sum += weight * unit);
+    for &index in rest {
+        outputs.iter_mut().zip(weights(index)).for_each(|(sum, weight)| *sum += weight * unit(index));
     }
 }
 
