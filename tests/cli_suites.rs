@@ -226,6 +226,10 @@ fn an_invalid_suite_is_rejected_with_line_and_fix() {
             "`families[0].levels` belongs to a generator: remove it",
         ),
         (
+            "(name: \"a\", generator: \"clutter\", first_level: 18446744073709551615)",
+            "`families[0].first_level` is too large for so many levels: give a smaller seed",
+        ),
+        (
             "(name: \"a\", scenarios: [\"maze\"], episodes: 0)",
             "`families[0].episodes` is 0: write a number from 1 to",
         ),

@@ -107,7 +107,7 @@ impl EnvOptions {
         let mut layout = ObservationLayout::default();
         layout.encoding = encoding;
         preset
-            .check_memory(scenario, &layout)
+            .check_env_memory(scenario, &layout)
             .map_err(|error| PyValueError::new_err(format!("num_envs={num_envs}: {error}")))?;
         let bounds = ObservationBounds::of(encoding, scenario, set.as_ref());
         let config = VecEnvConfig {

@@ -61,7 +61,9 @@ impl OptimalTimesCache {
         rule: TestRule,
         policy: &Path,
     ) -> Result<Rc<OptimalTimes>, RunError> {
-        let text = to_ron(&(scenario, rule)).map_err(|error| RunError::Failed(error.to_string()))?;
+        // Another version may plan otherwise.
+        let key = (scenario, rule, env!("CARGO_PKG_VERSION"));
+        let text = to_ron(&key).map_err(|error| RunError::Failed(error.to_string()))?;
         let name = format!("{:08x}.json", crc32c::crc32c(text.as_bytes()));
         if let Some(known) = self.known.borrow().get(&name) {
             return Ok(known.clone());

@@ -22,9 +22,17 @@ impl Preset {
     /// # Errors
     /// The run needs too much memory. The message names the fields to reduce.
     pub fn check_memory(&self, scenario: &Scenario, layout: &ObservationLayout) -> Result<(), String> {
-        self.check_bodies(scenario)?;
-        self.check_observations(scenario, layout)?;
+        self.check_env_memory(scenario, layout)?;
         self.check_replay(scenario, layout)
+    }
+
+    /// Checks that the preset's arenas in `scenario`, without a learner, need no more memory than allowed.
+    ///
+    /// # Errors
+    /// They need too much memory. The message names the fields to reduce.
+    pub fn check_env_memory(&self, scenario: &Scenario, layout: &ObservationLayout) -> Result<(), String> {
+        self.check_bodies(scenario)?;
+        self.check_observations(scenario, layout)
     }
 
     fn check_bodies(&self, scenario: &Scenario) -> Result<(), String> {

@@ -145,6 +145,12 @@ impl SuiteFamily {
             }
         }
         found.check_range(format_args!("families[{k}].levels"), self.levels(), SUITE_LEVELS, "");
+        if self.first_level().checked_add(u64::from(self.levels())).is_none() {
+            found.push(
+                format_args!("families[{k}].first_level"),
+                "is too large for so many levels: give a smaller seed",
+            );
+        }
         found.check_range(format_args!("families[{k}].episodes"), self.episodes(), SUITE_EPISODES, "");
         if let Some(limit_s) = self.time_limit_s {
             found.check_range(format_args!("families[{k}].time_limit_s"), limit_s, SUITE_TIME_LIMIT_S, " s");

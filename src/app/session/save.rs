@@ -150,8 +150,9 @@ pub(crate) fn unused_path(name: &str) -> PathBuf {
     let runs = std::path::absolute("runs").unwrap_or_else(|_| "runs".into());
     // If the folder cannot be created, saving reports the error.
     let _ = std::fs::create_dir_all(&runs);
-    let (stem, extension) =
-        name.rsplit_once('.').map_or((name, String::new()), |(a, b)| (a, format!(".{b}")));
+    // A folder of a run may end in a number with a decimal point.
+    let extension = name.rsplit_once('.').filter(|(_, end)| end.chars().all(char::is_alphabetic));
+    let (stem, extension) = extension.map_or((name, String::new()), |(stem, end)| (stem, format!(".{end}")));
     let numbered = (2..).map(|number| runs.join(format!("{stem}-{number}{extension}")));
     std::iter::once(runs.join(name)).chain(numbered).find(|path| !path.exists()).unwrap_or_default()
 }

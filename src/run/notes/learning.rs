@@ -66,8 +66,7 @@ pub(super) fn check(learning: &LearningConfig, length: RunLength, notes: &mut Ve
 fn no_gradient_step(learning: &LearningConfig, length: RunLength) -> Option<(&'static str, String)> {
     let most = length.most?;
     let (batch, train_freq) = (learning.batch_size as u64, learning.train_freq);
-    let first = learning.replay.learning_starts.max(batch).checked_next_multiple_of(train_freq);
-    let first = first.unwrap_or(u64::MAX);
+    let first = first_update(learning);
     if most >= first {
         return None;
     }
@@ -83,10 +82,17 @@ fn no_gradient_step(learning: &LearningConfig, length: RunLength) -> Option<(&'s
     Some((field, problem))
 }
 
+/// The number of env steps before the first gradient step.
+fn first_update(learning: &LearningConfig) -> u64 {
+    let enough = learning.replay.learning_starts.max(learning.batch_size as u64);
+    enough.checked_next_multiple_of(learning.train_freq).unwrap_or(u64::MAX)
+}
+
 /// The problem if the target network is never updated in the run.
 fn target_never_updated(learning: &LearningConfig, length: RunLength) -> Option<String> {
     let TargetUpdate::Hard { every } = learning.target_update else { return None };
-    let most = (length.most? / learning.train_freq).saturating_mul(u64::from(learning.gradient_steps));
+    let updates = length.most?.checked_sub(first_update(learning))? / learning.train_freq + 1;
+    let most = updates.saturating_mul(u64::from(learning.gradient_steps));
     (every > most).then(|| {
         format!(
             "is {every}, but the budget has at most {most} gradient steps, so the target network stays as it was at the \

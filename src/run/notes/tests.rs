@@ -211,13 +211,13 @@ fn questionable_values_of_the_learner_and_the_evaluation_are_noted() {
         "lose half of their value in 661 gradient steps",
     );
     assert_eq!(noted(|p| p.learning.weight_decay = 0.1), [""; 0]);
-    // 600,000 env steps have 37,500 updates of 2 gradient steps.
+    // The first of 600,000 env steps with an update is the 512th, then every 16th: 37,469 updates of 2 gradient steps.
     assert_noted(
-        |p| p.learning.target_update = TargetUpdate::Hard { every: 75_001 },
-        "note: `learning.target_update.every` is 75001, ",
-        "the budget has at most 75000 gradient steps",
+        |p| p.learning.target_update = TargetUpdate::Hard { every: 74_939 },
+        "note: `learning.target_update.every` is 74939, ",
+        "the budget has at most 74938 gradient steps",
     );
-    assert_eq!(noted(|p| p.learning.target_update = TargetUpdate::Hard { every: 75_000 }), [""; 0]);
+    assert_eq!(noted(|p| p.learning.target_update = TargetUpdate::Hard { every: 74_938 }), [""; 0]);
     assert_noted(
         |p| (p.learning.replay.learning_starts, p.learning.exploration) = (400_001, PER_EPISODE),
         "note: `learning.replay.learning_starts` is 400001, ",

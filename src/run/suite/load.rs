@@ -189,7 +189,7 @@ fn in_folder(folder: &Path) -> Result<Vec<SuiteScenario>, RunError> {
 fn levels(name: &str, generator: LevelGenerator, first: u64, count: u32) -> Vec<SuiteScenario> {
     let generator = Arc::new(generator);
     let level = |k: u32| {
-        let seed = first.wrapping_add(u64::from(k));
+        let seed = first + u64::from(k);
         let source = ScenarioSource::Level(generator.clone(), seed);
         SuiteScenario { name: format!("{name}:{seed}"), source, rules: FamilyRules::default() }
     };
