@@ -154,7 +154,7 @@ pub fn listener(
     })
 }
 
-/// Calls `callback` with the progress. Returns whether the run goes on.
+/// Calls `callback` with the progress. Returns whether the run continues.
 fn call(py: Python<'_>, callback: &Py<PyAny>, progress: &Progress) -> PyResult<bool> {
     let fields = PyDict::new(py);
     fields.set_item("episodes", progress.episodes)?;

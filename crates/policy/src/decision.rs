@@ -5,7 +5,7 @@
 //! with relative actions
 //!
 //! - turns on the spot to one side only, until it drives again;
-//! - goes on waiting only if something moves.
+//! - keeps waiting only if something moves.
 
 use crate::{MotionLimits, greedy};
 

@@ -142,7 +142,7 @@ fn a_change_shows_what_approaches_and_not_the_robot_s_own_motion() {
 
 #[test]
 fn predicted_paths_show_where_moving_things_will_be() {
-    // The robot turns on the spot; a disc of 2 units' radius comes from the left, 6 units ahead, and goes on to the right.
+    // The robot turns on the spot; a disc of 2 units' radius comes from the left, 6 units ahead, and continues to the right.
     let observe = |beams: usize, left_m: f32, disc_speed: f32| {
         let mut observer = observer(LAYOUT, beams, 0.1);
         for step in 0..6 {

@@ -154,7 +154,7 @@ impl Geodesic {
             self.bend_at_neighbour(free, cell);
         }
         self.settled[cell] = true;
-        // From a taken cell, the path goes on cell by cell.
+        // From a taken cell, the path continues cell by cell.
         let (bend, (end, length)) = if is_free {
             (self.bends[cell], self.end_of_line(free, self.bends[cell]))
         } else {

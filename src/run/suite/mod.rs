@@ -6,7 +6,7 @@
 //! |---|---|
 //! | `load.rs` | a suite by name: its file, a folder, a set, a level generator, a scenario |
 //! | `test.rs` | the episodes, on all cores |
-//! | `store.rs` | the finished tests in a folder, so that an interrupted suite can go on |
+//! | `store.rs` | the finished tests in a folder, so that an interrupted suite can be resumed |
 //! | `family_result.rs` | the results of a family |
 
 mod family_result;

@@ -97,7 +97,7 @@ pub struct SectorObserver {
     free: Vec<f32>,
     /// The nearness of a collision in the direction of each sector's centre; empty without free paths.
     collisions: Vec<f32>,
-    /// Like `collisions`, if what moves goes on moving; empty without predicted paths.
+    /// Like `collisions`, if what moves keeps moving; empty without predicted paths.
     predicted: Vec<f32>,
     /// The nearness of a collision if the robot waits.
     waiting: f32,
@@ -309,7 +309,7 @@ impl SectorObserver {
         }
     }
 
-    /// Finds the nearness of collisions if what moves goes on moving: in the direction of each sector's centre at the robot's
+    /// Finds the nearness of collisions if what moves keeps moving: in the direction of each sector's centre at the robot's
     /// highest speed, and if it waits.
     fn predict_collisions(&mut self) {
         let Self { moving, predicted, collisions, directions, body, .. } = self;

@@ -24,7 +24,7 @@ pub enum Quantity {
     NearnessChange,
     /// The nearness of a collision in the direction of a sector's centre.
     CollisionNearness,
-    /// Like [`CollisionNearness`](Self::CollisionNearness), at the robot's highest speed, if what moves goes on moving as it has.
+    /// Like [`CollisionNearness`](Self::CollisionNearness), at the robot's highest speed, if what moves keeps moving as it has.
     PredictedNearness,
     /// The cosine of the goal's bearing.
     GoalCosine,

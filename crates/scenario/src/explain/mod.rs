@@ -1,6 +1,6 @@
 //! The messages for ron's errors: the problem, its field, and the fix.
 //!
-//! In: the text and ron's [`SpannedError`]. Out: a [`Problem`] with a byte offset, a message, and how to go on reading;
+//! In: the text and ron's [`SpannedError`]. Out: a [`Problem`] with a byte offset, a message, and how to continue reading;
 //! from [`recover`], all problems of the text.
 //!
 //! | file | problems |
@@ -39,7 +39,7 @@ struct Problem {
     pub offset: usize,
     /// The problem and its fix.
     pub message: String,
-    /// A change of the text after which reading may go on after the problem.
+    /// A change of the text after which reading may continue after the problem.
     pub repair: Option<Repair>,
 }
 
