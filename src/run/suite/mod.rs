@@ -6,7 +6,7 @@
 //! |---|---|
 //! | `load.rs` | a suite by name: its file, a folder, a set, a level generator, a scenario |
 //! | `test.rs` | the episodes, on all cores |
-//! | `store.rs` | the finished tests in a folder, so that an interrupted suite can go on |
+//! | `store.rs` | the finished tests in a folder, so that an interrupted suite can continue |
 //! | `family_result.rs` | the results of a family |
 
 mod family_result;
@@ -36,7 +36,7 @@ pub struct Suite {
     pub families: Vec<Family>,
 }
 
-/// Scenarios whose results are given together.
+/// Scenarios whose results are reported together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Family {
     /// Name of the family.
@@ -99,8 +99,8 @@ impl Suite {
             return Ok(());
         }
         Err(RunError::InvalidInput(format!(
-            "{drivers} times {} episodes are {count}; help: give at most {MAX_EVAL_EPISODES} in total, with fewer episodes in each \
-             scenario",
+            "{} episodes for each driver are {count} in total; help: give at most {MAX_EVAL_EPISODES} in total, with fewer \
+             episodes in each scenario",
             self.episodes()
         )))
     }
