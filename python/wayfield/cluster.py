@@ -196,6 +196,8 @@ def _training(record: dict[str, Any], runs: Path, cpus: int, inputs: dict[str, b
 
 def _evaluation(case: dict[str, Any], folder: Path, cpus: int) -> Task:
     """The task of a test whose result is stored in ``folder``."""
+    if "policy" not in case:
+        raise ValueError("a case has no policy; help: give the file of a policy, or a classical driver, as its policy")
     if "trace" in case:
         raise ValueError("a case has a trace; help: leave it out, and use wayfield.evaluate for traces")
     (policy,), options = evaluation_options([case.pop("policy")], **case)

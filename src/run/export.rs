@@ -97,7 +97,10 @@ fn write(path: &Path, bytes: &[u8]) -> Result<(), RunError> {
 /// Whether there is something at `path` that this program did not write.
 fn is_foreign(path: &Path) -> bool {
     let Ok(found) = fs::symlink_metadata(path) else { return false };
+    if !found.is_file() {
+        return true;
+    }
     let mut text = Vec::new();
     let read = File::open(path).and_then(|file| file.take(MAX_SEARCHED_BYTES).read_to_end(&mut text));
-    !(found.is_file() && read.is_ok() && String::from_utf8_lossy(&text).contains(MODEL_CARD_MARK))
+    !(read.is_ok() && String::from_utf8_lossy(&text).contains(MODEL_CARD_MARK))
 }
