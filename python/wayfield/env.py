@@ -63,7 +63,7 @@ class NavigationEnv(gymnasium.Env):
         self.action_space = action_space(native)
         self.observation_space = observation_space(native)
         self.render_mode = render_mode
-        self.metadata = {**self.metadata, "render_fps": round(1 / native.control_period_s)}
+        self.metadata = {**self.metadata, "render_fps": max(1, round(1 / native.control_period_s))}
         self._native = native
         self._is_reset = False
 

@@ -63,7 +63,7 @@ class NavigationVectorEnv(VectorEnv):
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.metadata = {
             **self.metadata,
-            "render_fps": round(1 / native.control_period_s),
+            "render_fps": max(1, round(1 / native.control_period_s)),
             "autoreset_mode": mode,
         }
         self._native = native

@@ -107,6 +107,8 @@ fn print_findings(file: &Path, imported: &Imported) {
 /// The result of an import for `--json`.
 fn summary(scenario: &Path, imported: &Imported) -> Value {
     let Imported { deviation_m, path_length_m, findings, .. } = imported;
+    // A path that is not UTF-8 has no JSON form, and `json!` would panic.
+    let scenario = scenario.to_string_lossy();
     json!({ "scenario": scenario, "deviation_m": deviation_m, "path_length_m": path_length_m, "findings": findings })
 }
 
