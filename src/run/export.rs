@@ -102,5 +102,5 @@ fn is_foreign(path: &Path) -> bool {
     }
     let mut text = Vec::new();
     let read = File::open(path).and_then(|file| file.take(MAX_SEARCHED_BYTES).read_to_end(&mut text));
-    !(read.is_ok() && String::from_utf8_lossy(&text).contains(MODEL_CARD_MARK))
+    read.is_err() || !String::from_utf8_lossy(&text).contains(MODEL_CARD_MARK)
 }
