@@ -1,7 +1,7 @@
 //! The cost of a scan of one arena with 24 beams, averaged over random poses: wayfield's casts against the arena's colliders,
 //! and the same beams in rapier's query pipeline.
 //!
-//! `cargo bench --bench lidar`; items are beams.
+//! `cargo bench --bench lidar`; the throughput is in beams.
 
 #[path = "support/allocator.rs"]
 mod allocator;
@@ -26,7 +26,7 @@ fn main() {
 const WORLDS: [&str; 4] = ["static", "moving", "barn", "office"];
 const BEAMS: usize = 24;
 const MAX_RANGE_M: f32 = 3.5;
-/// The number of poses. With only a few, the processor would learn the branches of every cast.
+/// The number of poses. With only a few, the branch predictor would learn every cast.
 const POSES: usize = 500;
 
 #[divan::bench(args = WORLDS)]
@@ -36,7 +36,7 @@ fn wayfield_scan(bencher: Bencher, obstacles: &str) {
     });
 }
 
-/// Without the grid over static shapes.
+/// The same scan without the grid over static shapes.
 #[divan::bench(args = WORLDS)]
 fn without_grid(bencher: Bencher, obstacles: &str) {
     scan(bencher, obstacles, |colliders, bodies, pose, beams, ranges_m| {

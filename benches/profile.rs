@@ -1,9 +1,10 @@
-//! The time of each set of a control step.
+//! Measures the time of each system set in a control step.
 //!
-//! `cargo bench --no-default-features --bench profile` prints nanoseconds per env step in Scenario I, for several numbers of
-//! arenas: without gradient steps, then with those of the default preset, and in two large scenarios. The numbers are means over
-//! control steps in which the arenas are at all stages of an episode. A system between two sets reads the clock, which takes
-//! about 40 ns and matters for one arena only. `Decide` includes the start of the schedule, `Reset` the check for faults.
+//! `cargo bench --no-default-features --bench profile` prints nanoseconds per env step in Scenario I, for several
+//! numbers of arenas: without gradient steps, then with those of the default preset, and in two large scenarios. The
+//! numbers are means over control steps in which the arenas are at all stages of an episode. A system between two sets
+//! reads the clock, which takes about 40 ns and matters for one arena only. `Decide` includes the start of the
+//! schedule, `Reset` the check for faults.
 
 #[path = "support/allocator.rs"]
 mod allocator;
@@ -32,7 +33,7 @@ const SETS: [ControlSet; 8] = [
     ControlSet::Reset,
 ];
 const ARENAS: [usize; 6] = [1, 16, 64, 256, 512, 1024];
-/// Control steps before the measurement: more than an episode has.
+/// Control steps before the measurement: more than the longest episode has.
 const WARM_UP: usize = 600;
 /// Measured env steps without gradient steps.
 const ENV_STEPS: usize = 200_000;

@@ -1,5 +1,5 @@
 //! Complete training runs as with `--train`, with 500 episodes per evaluation for precise success rates.
-#![allow(dead_code)] // Each bench uses some of it.
+#![allow(dead_code)] // Each bench uses a part of it.
 
 use std::error::Error;
 use std::sync::atomic::AtomicBool;

@@ -1,4 +1,4 @@
-//! Steps without Python. `benches/throughput.py` compares steps from Python with these.
+//! Steps without Python, with which `benches/throughput.py` compares steps from Python.
 
 use pyo3::prelude::*;
 use wayfield::random::{stream, uniform_index};
@@ -8,7 +8,7 @@ use crate::env::NativeEnv;
 /// The number of different rows of actions.
 const ROWS: usize = 1000;
 
-/// Takes `steps` control steps with random actions in the environments of `env`, and resets those that wait for it.
+/// Takes `steps` control steps with random actions in the environments of `env`, and resets those that wait for a reset.
 #[pyfunction]
 pub fn benchmark(py: Python<'_>, mut env: PyRefMut<'_, NativeEnv>, steps: usize) -> PyResult<()> {
     let waits_for_resets = env.waits_for_resets();

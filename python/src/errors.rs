@@ -1,4 +1,4 @@
-//! Exceptions: wayfield's errors as Python exceptions, and the boundary that no panic crosses.
+//! Exceptions: converts wayfield's errors and panics to Python exceptions.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};

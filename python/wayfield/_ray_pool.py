@@ -6,7 +6,7 @@ from typing import Any
 
 class RayPool:
     """The nodes of a Ray cluster. The first task connects to the running cluster, or else starts Ray on this machine alone,
-    unless the caller did so by ``ray.init``.
+    unless the caller has already called ``ray.init``.
 
     Args:
         cpus: The CPUs that a task needs, at least 1.
@@ -55,8 +55,8 @@ class RayPool:
             raise RuntimeError(f"{name}: {error.cause}") from error
         except exceptions.RayError as error:
             raise RuntimeError(
-                f"{name}: its process or node was lost more than {self._retries} times; help: the same call continues, with "
-                f"what was finished ({type(error).__name__}: {str(error).splitlines()[0]})"
+                f"{name}: its process or node was lost more than {self._retries} times; help: make the same call again; "
+                f"finished work is kept ({type(error).__name__}: {(str(error).splitlines() or [''])[0]})"
             ) from error
         return handle, result, f"node {node[:8]}"
 

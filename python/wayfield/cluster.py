@@ -1,8 +1,8 @@
 """Reproductions, sweeps and sets of evaluations on several machines, with Ray (docs/cluster.md).
 
 Every training run is a task of its own. Its result, the run folder, comes back through Ray, so no shared file system is needed.
-It is stored under a name made from the task's content: what is stored already is not done again, so the same call continues
-after an interruption. The tasks of a lost node are repeated on another one.
+It is stored under a name derived from the task's content. Tasks whose results are stored are not run again, so the same call
+continues after an interruption. The tasks of a lost node are repeated on another one.
 """
 
 import hashlib
@@ -33,7 +33,7 @@ class Reproduction:
         folder: Its folder.
         report: Its page, ``report.html``.
         runs: The number of training runs.
-        wall_s: The wall time in s of all calls that worked on it.
+        wall_s: The wall time in s, summed over all calls that worked on it.
         claims: A dict for each claim, with the keys ``claim``, ``outcome`` and ``because``.
     """
 
@@ -196,6 +196,8 @@ def _training(record: dict[str, Any], runs: Path, cpus: int, inputs: dict[str, b
 
 def _evaluation(case: dict[str, Any], folder: Path, cpus: int) -> Task:
     """The task of a test whose result is stored in ``folder``."""
+    if "policy" not in case:
+        raise ValueError("a case has no policy; help: give the file of a policy, or a classical driver, as its policy")
     if "trace" in case:
         raise ValueError("a case has a trace; help: leave it out, and use wayfield.evaluate for traces")
     (policy,), options = evaluation_options([case.pop("policy")], **case)

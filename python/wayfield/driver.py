@@ -73,14 +73,14 @@ class Driver:
             twist: The robot's actual speed in m/s and turning rate in rad/s, left positive.
 
         Raises:
-            ValueError: The scan has another number of ranges than the LIDAR has beams, a number is not finite, or a range or the
-                distance is negative. The driver then remembers nothing of the call.
+            ValueError: The number of ranges is not the LIDAR's number of beams, a number is not finite, or a range or the
+                distance is negative. Such a call leaves the driver unchanged.
         """
         ranges = np.asarray(ranges_m, np.float32).ravel()
         return Motion(*self._native.act(ranges, tuple(goal), tuple(pose), tuple(twist)))
 
     @property
     def observation(self) -> np.ndarray:
-        """The policy's observation in the last call of ``act``: float32, (width,). The input ``observation`` of the ONNX file of a
-        policy that observes by sectors. All zeros before the first call of an episode."""
+        """The policy's observation in the last call of ``act``: float32, (width,). If the policy observes by sectors, this
+        is the input ``observation`` of its ONNX file. All zeros before the first call of an episode."""
         return self._native.observation

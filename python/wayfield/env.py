@@ -13,34 +13,35 @@ from ._spaces import action_space, check_render_mode, make_native, observation_s
 class NavigationEnv(gymnasium.Env):
     """A LIDAR robot that drives to a goal among obstacles: ``gymnasium.make("wayfield/Navigation-v0", ...)``.
 
-    **Observation**: float32, (beams + 4,); 28 numbers with 24 beams. The LIDAR's ranges, counterclockwise; the goal's bearing,
-    left positive; the goal's distance; the smallest range; the index of its beam. ``"scaled"``: divided by 3.5 m, pi, 4 m,
-    3.5 m and the number of beams. ``"raw"``: in m and rad. A preset may observe by sectors instead, with another width and
-    without bounds, as ``general`` does.
+    **Observation**: float32, (beams + 4,); 28 numbers with 24 beams. The LIDAR's ranges, counterclockwise; the goal's
+    bearing, left positive; the goal's distance; the smallest range; the index of its beam. ``"scaled"``: divided by 3.5 m,
+    pi, 4 m, 3.5 m and the number of beams. ``"raw"``: in m and rad. A preset such as ``general`` may observe by sectors
+    instead, with another width and without bounds.
 
-    **Action**: ``"discrete"``, the index of one of the robot's motions (``motions``), or ``"continuous"``, float32, (2,): speed
-    in m/s and turning rate in rad/s, limited to the action space, and to what the robot's minimum turning radius allows.
+    **Action**: ``"discrete"``, the index of one of the robot's motions (``motions``), or ``"continuous"``, float32, (2,):
+    speed in m/s and turning rate in rad/s, limited to the action space and by the robot's minimum turning radius.
 
     **Reward**: the sum of the terms in ``info``: ``reward_goal``, ``reward_collision``, ``reward_attraction`` and
     ``reward_repulsion``. ``info`` also has ``is_success`` and ``collision``.
 
-    **End**: a collision or a reached goal terminates an episode, the scenario's time limit (500 steps by default) truncates it. A
-    step is one control period (0.2 s by default).
+    **End**: a collision or a reached goal terminates an episode; the scenario's time limit (500 steps by default) truncates
+    it. A step is one control period (0.2 s by default).
 
     Args:
         scenario: A shipped scenario by name (``wayfield.scenarios()``), a file's path, or the text of a RON file.
-        task: ``"navigation"``: a reached goal ends the episode, and the next one starts elsewhere. ``"continuing"``: the next
-            episode starts where the robot is, with a new goal; only a collision or the time limit moves the robot.
-            wayfield's own learner trains in this task.
+        task: ``"navigation"``: a reached goal ends the episode, and the next one starts elsewhere. ``"continuing"``: the
+            next episode starts where the robot is, with a new goal; only a collision or the time limit moves the robot.
+            wayfield's own learner trains on this task.
         observation: ``"scaled"`` or ``"raw"``; None takes the preset's.
         actions: ``"discrete"`` or ``"continuous"``.
         preset: A training preset (``wayfield.presets()``, a path or RON text), whose reward and observation are used.
-        set: Fields of the preset or of the scenario with other values, as ``--set`` takes them: ``{"reward.mu": 50,
+        set: New values for fields of the preset or the scenario, as with ``--set``: ``{"reward.mu": 50,
             "reward.kind": "Traditional", "scenario.lidar.noise_std_m": 0.02}``. A string is RON text; a tuple, a RON tuple.
-        render_mode: None, or ``"rgb_array"``: an image of 960 x 720 pixels from above, with obstacles, goal, robot and beams.
+        render_mode: None, or ``"rgb_array"``: an image of 960 x 720 pixels, seen from above, with obstacles, goal, robot
+            and beams.
 
     Raises:
-        ValueError: An option or the scenario is invalid; the message has file, line and a fix.
+        ValueError: An option or the scenario is invalid; the message gives the file, the line and a fix.
         FileNotFoundError: There is no such scenario or preset.
     """
 
@@ -62,13 +63,13 @@ class NavigationEnv(gymnasium.Env):
         self.action_space = action_space(native)
         self.observation_space = observation_space(native)
         self.render_mode = render_mode
-        self.metadata = {**self.metadata, "render_fps": round(1 / native.control_period_s)}
+        self.metadata = {**self.metadata, "render_fps": max(1, round(1 / native.control_period_s))}
         self._native = native
         self._is_reset = False
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
-        """Starts an episode. With a seed, its random numbers are those of Rust's ``VecEnv::reset(seed)``; without one, the
-        random numbers of the previous episodes continue.
+        """Starts an episode. With a seed, its random numbers are those of Rust's ``VecEnv::reset(seed)``; without one, they
+        continue the sequence of the previous episodes.
 
         Returns:
             The observation and an empty dict.

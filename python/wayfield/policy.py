@@ -90,12 +90,12 @@ class Policy:
     def driver(
         self, scenario: str | os.PathLike[str], *, with_map: bool = False, set: Mapping[str, Any] | None = None
     ) -> Driver:
-        """Makes a driver for a robot outside wayfield, which this policy drives step by step.
+        """Makes a driver, with which this policy drives a robot outside wayfield step by step.
 
         Args:
             scenario: A shipped name, a path or RON text. Its robot, LIDAR, control period and goal radius must be the real ones;
                 its obstacles do not matter.
-            with_map: Whether it builds a map as it drives, and so leaves dead ends (docs/drivers.md).
+            with_map: Whether it builds a map as it drives, so that it finds its way out of dead ends (docs/drivers.md).
             set: Fields of the scenario with other values, as ``--set`` takes them: ``{"scenario.lidar.beams": 360}``.
 
         Warns:

@@ -22,8 +22,8 @@ class NavigationVectorEnv(VectorEnv):
     """``num_envs`` robots in one scenario: ``gymnasium.make_vec("wayfield/Navigation-v0", num_envs=64, ...)``.
 
     Observations, actions, rewards and options are those of :class:`wayfield.NavigationEnv`, with a first axis of length
-    ``num_envs``. The results of environment k do not depend on ``num_envs``; with the same seed, they are those of environment k
-    of Rust's ``VecEnv``.
+    ``num_envs``. The results of environment k do not depend on ``num_envs``. With the same seed, they equal those of
+    environment k of Rust's ``VecEnv``.
 
     ``info`` is a dict of arrays, filled when it is first read: float64 ``reward_goal``, ``reward_collision``,
     ``reward_attraction`` and ``reward_repulsion``, bool ``is_success`` and ``collision``. As in Gymnasium, the mask ``_key``
@@ -31,9 +31,10 @@ class NavigationVectorEnv(VectorEnv):
 
     Args:
         num_envs: The number of robots, 1 to 4096.
-        autoreset_mode: When the next episode begins: ``NEXT_STEP``, in the step after the end, which ignores the action and has
-            a reward of 0; ``SAME_STEP``, in the step of the end, with the last observation in ``info["final_obs"]`` and its
-            info in ``info["final_info"]``; ``DISABLED``, by ``reset(options={"reset_mask": mask})``.
+        autoreset_mode: When the next episode begins. ``NEXT_STEP``: in the step after the last one of the episode; that step
+            ignores the action and has a reward of 0. ``SAME_STEP``: in the last step itself, with the last observation in
+            ``info["final_obs"]`` and its info in ``info["final_info"]``. ``DISABLED``: only when
+            ``reset(options={"reset_mask": mask})`` is called.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 5, "autoreset_mode": AutoresetMode.NEXT_STEP}
@@ -62,15 +63,15 @@ class NavigationVectorEnv(VectorEnv):
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.metadata = {
             **self.metadata,
-            "render_fps": round(1 / native.control_period_s),
+            "render_fps": max(1, round(1 / native.control_period_s)),
             "autoreset_mode": mode,
         }
         self._native = native
         self._is_reset = False
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
-        """Starts new episodes: in all environments, or in those that the bool array ``options["reset_mask"]`` selects. With a
-        seed, environment k gets the random numbers of environment k of Rust's ``VecEnv::reset(seed)``.
+        """Starts new episodes: in all environments, or in those that the bool array ``options["reset_mask"]`` selects. With
+        a seed, environment k gets the same random numbers as environment k after Rust's ``VecEnv::reset(seed)``.
 
         Returns:
             All observations, float32, (num_envs, width), and an empty dict.
@@ -93,7 +94,7 @@ class NavigationVectorEnv(VectorEnv):
             actions: int, (num_envs,), or with continuous actions float32, (num_envs, 2).
 
         Returns:
-            Observations (float32), rewards (float64), terminated and truncated (bool), info. All arrays are new ones.
+            Observations (float32), rewards (float64), terminated and truncated (bool), info. The arrays are newly allocated.
         """
         if not self._is_reset:
             raise RuntimeError("the environments were not reset; help: call reset() before step()")

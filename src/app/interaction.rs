@@ -1,4 +1,4 @@
-//! The user's unfinished actions: a drag, the motion steered last, choices not started yet, which plots are
+//! The user's unfinished actions: a drag, the last steering command, choices that have not been applied, and which plots are
 //! open.
 //!
 //! Written by the widgets of the screen and read by them in the next frame. Never saved.

@@ -51,7 +51,7 @@ pub struct MoveRequest {
 /// The parts of an arena that decide where an object may go.
 #[derive(Clone, Copy, Debug)]
 pub struct MoveContext<'a> {
-    /// The scenario as its file would have it, without generated obstacles.
+    /// The scenario as it would be saved, without generated obstacles.
     pub scenario: &'a Scenario,
     /// The scenario as it is laid out in this arena, with generated obstacles.
     pub layout: &'a Scenario,

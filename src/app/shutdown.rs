@@ -1,6 +1,7 @@
-//! Exits that the user did not ask for in the window: by a signal, a lost display, a lost GPU, or a panic.
+//! Exits that the user did not start in the window: after a signal, a lost display, a lost GPU, or a panic.
 //!
-//! In: what ended the app. Out: the training run is saved if the Bevy world still exists, and stderr tells where.
+//! In: the cause of the exit. Out: the training run is saved if the Bevy world still exists, and its path is printed on
+//! stderr.
 
 use std::sync::Once;
 
@@ -77,7 +78,7 @@ fn report_autosave_after_panic() {
 /// The result of the app that ended with `exit`.
 ///
 /// # Errors
-/// A signal or a failure ended it. The message tells where the autosave is.
+/// A signal or a failure ended it. The message has the path of the autosave.
 pub(super) fn result(exit: &AppExit) -> Result<(), RunError> {
     let with_autosave = |text: &str| match latest::describe() {
         Some(autosave) => format!("{text}: {autosave}"),
@@ -98,7 +99,8 @@ pub(super) fn result(exit: &AppExit) -> Result<(), RunError> {
 pub(super) fn watch_display(connection: impl x11rb::connection::Connection + Send + 'static) {
     use std::time::Duration;
 
-    /// Time for the X library to end the process. If the main thread does not use the display meanwhile, this thread ends it.
+    /// Time for the X library to end the process. If the main thread does not use the display meanwhile, this thread ends
+    /// the process.
     const TIME_TO_EXIT: Duration = Duration::from_secs(2);
 
     let watch = move || {

@@ -1,7 +1,7 @@
 //! Text from an input method, an emoji picker or a virtual keyboard in a browser. They write into a hidden text field of the
 //! page (`web/text_input.js`).
 //!
-//! In: text from the page. Out: events for egui; for the page, where egui edits text.
+//! In: text from the page. Out: events for egui, and, for the page, the position of egui's text cursor.
 
 use std::cell::RefCell;
 use std::sync::{Mutex, PoisonError};
@@ -69,7 +69,7 @@ fn pass_on_text(mut inputs: Query<&mut EguiInput>) {
     }
 }
 
-/// Reports to the page where egui edits text, when that has changed.
+/// Reports the position of egui's text cursor to the page when it has changed.
 fn report_cursor(outputs: Query<&EguiOutput>, mut reported: Local<Option<egui::Rect>>) {
     let cursor = outputs.iter().find_map(|output| Some(output.platform_output.ime?.cursor_rect));
     if *reported != cursor {

@@ -22,8 +22,8 @@ pub enum TestDriver {
 }
 
 impl TestDriver {
-    /// The policy in the file at `path`, the driver whose parameters are in that RON file, or the shipped policy or driver of
-    /// that name. A file takes precedence over a name. `+map` after a policy gives it a map.
+    /// The policy in the file at `path`, the driver whose parameters are in that RON file, or the shipped policy or driver
+    /// with that name. A file takes precedence over a name. `+map` after a policy gives it a map.
     ///
     /// # Errors
     /// There is no such file or name, or the file is neither a policy nor a driver.
@@ -99,7 +99,7 @@ impl TestDriver {
         }
     }
 
-    /// This driver, as the evaluator takes it.
+    /// This driver, in the form that the evaluator takes.
     pub fn evaluated(&self) -> Evaluated<'_> {
         match self {
             Self::Policy(policy) => policy.into(),

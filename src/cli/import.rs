@@ -52,8 +52,8 @@ pub struct ImportArgs {
     robot: Option<String>,
 }
 
-/// Imports `file` into the scenario file that `--out` names, and prints its path, and on stderr what was not imported. If `--out`
-/// names a folder, imports all worlds of a `.json` file into it, and prints their paths.
+/// Imports `file` into the scenario file that `--out` names, and prints its path; prints on stderr what was not imported.
+/// If `--out` names a folder, imports all worlds of a `.json` file into it, and prints their paths.
 ///
 /// # Errors
 /// No output is given, `file` cannot be imported, or a scenario file cannot be written.
@@ -96,8 +96,8 @@ fn all_worlds(file: &Path, options: &ImportOptions, folder: &Path, as_json: bool
     if as_json { print_json(&summaries) } else { print_stdout(&paths) }
 }
 
-/// Prints on stderr what the import left out or changed, with the name of `file`: the imported file, or of several worlds in one
-/// file the written scenario.
+/// Prints on stderr what the import left out or changed, with the name of `file`: the imported file or, if that file has
+/// several worlds, the written scenario.
 fn print_findings(file: &Path, imported: &Imported) {
     for finding in &imported.findings {
         print_stderr(&format!("note: {}: {finding}", printable_path(file)));
@@ -107,6 +107,8 @@ fn print_findings(file: &Path, imported: &Imported) {
 /// The result of an import for `--json`.
 fn summary(scenario: &Path, imported: &Imported) -> Value {
     let Imported { deviation_m, path_length_m, findings, .. } = imported;
+    // A path that is not UTF-8 has no JSON form, and `json!` would panic.
+    let scenario = scenario.to_string_lossy();
     json!({ "scenario": scenario, "deviation_m": deviation_m, "path_length_m": path_length_m, "findings": findings })
 }
 

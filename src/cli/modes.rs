@@ -18,11 +18,11 @@ pub struct ModeArgs {
 
     /// Test policies (files, or shipped ones by name) and classical drivers (field, dwa, dwa-cv, grid-dwa, astar-dwa,
     /// astar, orca, or RON files) over rounds of episodes that they have not been trained on; all drive the same episodes
-    /// and act greedily. POLICY+map gives a policy a map that it builds, and points of a path to drive to (class B)
+    /// and act greedily. With POLICY+map, the policy builds a map and drives to waypoints on a path planned in it (class B)
     #[arg(long, value_name = "POLICY", num_args = 1..)]
     pub eval: Vec<PathBuf>,
 
-    /// Print a policy's card as JSON: inputs, actions, scenario, training, and an example to check a program with
+    /// Print a policy's card as JSON: inputs, actions, scenario, training, and a worked example to verify other programs
     #[arg(long, value_name = "POLICY")]
     pub card: Option<PathBuf>,
 

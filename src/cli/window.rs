@@ -136,7 +136,7 @@ fn check_start_files(start: &StartOptions, screenshot: bool) -> Result<(), RunEr
     Ok(())
 }
 
-/// Checks the file of the screenshot before the training, which may take hours.
+/// Checks the screenshot's file before training begins, because training may take hours.
 fn check_screenshot_file(path: &Path) -> Result<(), RunError> {
     if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
         let why = "screenshots are PNG files; help: give a file name that ends in .png";

@@ -1,6 +1,6 @@
 //! The references of the file formats in `docs/`, generated from the doc comments and defaults of the types.
 //!
-//! The tests fail if a page is out of date; `cargo xtask docs` renews it.
+//! The tests fail if a page is out of date; `cargo xtask docs` regenerates it.
 
 mod defaults;
 mod markdown;

@@ -27,8 +27,8 @@ pub struct ArmRun {
 }
 
 impl ArmRun {
-    /// The stage that the arm is in at `point`, as an index into `stages`, and how much of the stage comes before it. `None`
-    /// if the arm is shorter, or if a stage's length is not given in the same unit.
+    /// The stage that the arm is in at `point`, as an index into `stages`, and how much of that stage is done by then.
+    /// `None` if the arm is shorter, or if a stage's length is not given in the same unit.
     #[must_use]
     pub fn stage_at(&self, point: TestPoint) -> Option<(usize, Budget)> {
         let last = self.stages.len().checked_sub(1)?;
@@ -44,7 +44,7 @@ impl ArmRun {
         None
     }
 
-    /// The index of the training run, and its policy that is tested at `point`. `None` if the arm is shorter.
+    /// The index of the training run, and which of its policies is tested at `point`. `None` if the arm is shorter.
     #[must_use]
     pub fn policy(
         &self,

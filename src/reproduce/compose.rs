@@ -25,7 +25,7 @@ const PAPER: &str = "Li, Yue, Shangguan, Jin: Navigation of Mobile Robots Based 
                      Systems 21(2), 2023, 563-574, doi 10.1007/s12555-021-0642-7";
 
 const QUICK_WARNING: &str = "this is a quick report (--quick), with a tenth of the training and tests. Its numbers \
-                             mean nothing for the claims.";
+                             say nothing about the claims.";
 
 /// Composes the page of the report.
 ///
@@ -54,7 +54,7 @@ pub fn page(
     })
 }
 
-/// The warning that a reader needs before any number, if there is one.
+/// The warning to show before all numbers, if there is one.
 fn warning(results: &Results<'_>, experiments: usize, quick: bool) -> Option<String> {
     let fewest = (0..experiments).map(|index| fewest_seeds(results, index)).min();
     let parts = [quick.then(|| QUICK_WARNING.to_string()), fewest.and_then(small_sample_note)];

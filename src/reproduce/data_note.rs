@@ -1,4 +1,4 @@
-//! How much data the arms learned from: whether they are compared on equal data, and over how many seeds.
+//! The amount of data that the arms learned from: whether they are compared on equal data, and over how many seeds.
 
 use super::results::{ArmIndex, Results};
 use super::rows::{row_name, rows};
@@ -9,18 +9,18 @@ use crate::run::RunError;
 /// Numbers of env steps or episodes that differ by at most this fraction count as equal.
 const TOLERANCE: f64 = 0.01;
 
-/// The data that an arm learned from until a point, as means over its seeds.
+/// The data that an arm learned from up to a point, as means over its seeds.
 struct Data {
     row: ArmIndex,
     episodes: f64,
     env_steps: f64,
 }
 
-/// A sentence about the data that the arms learned from until `point`: whether they are equal, and in which unit, and each
-/// arm's env steps and episodes.
+/// A sentence about the data that the arms learned from up to `point`: whether the amounts are equal, and in which unit, and
+/// each arm's env steps and episodes.
 ///
 /// # Errors
-/// An arm is too short. Planning rules this out.
+/// An arm's training is too short to reach `point`. The plan rules this out.
 pub fn data_note(results: &Results<'_>, index: usize, point: TestPoint) -> Result<String, RunError> {
     let data = rows(results, index)
         .into_iter()
@@ -52,7 +52,7 @@ pub fn data_note(results: &Results<'_>, index: usize, point: TestPoint) -> Resul
     Ok(format!("{lead} (means over the seeds): {}.{transfers}", measured.join("; ")))
 }
 
-/// Whether a run of an arm was trained elsewhere and started from a policy, whose training is unknown.
+/// Whether a run of an arm was trained elsewhere and started from a policy whose training is unknown.
 fn has_unknown_origin(results: &Results<'_>, row: ArmIndex) -> bool {
     let mut training_runs =
         results.arm_runs(row).flat_map(|(_, run)| &run.stages).map(|stage| results.training(stage.0));

@@ -3,9 +3,9 @@
 //! In: a RON file from `assets/experiments/` or from the user. Out: an [`Experiment`].
 //!
 //! An **arm** is one way to learn: a stage of training, or several stages, each of which starts from the weights of the
-//! stage before it (knowledge transfer), or runs that exist already. A **condition** changes all arms, or some of them, in the
-//! same way; with conditions, every arm is trained under each of them. **Figures** and **tables** show the results, and
-//! **claims** are tested against them.
+//! stage before it (knowledge transfer), or runs that exist already. A **condition** changes all arms, or some of them,
+//! in the same way; with conditions, every arm is trained under each of them. **Figures** and **tables** show the
+//! results, and **claims** are tested against them.
 
 use serde::{Deserialize, Serialize};
 

@@ -11,8 +11,8 @@ pub enum Measure {
     BenchmarkRouteTime,
     /// The mean time of all test episodes, in s; a failed episode counts as the time limit.
     MeanTime,
-    /// The time of the successful test episodes over the planner's time for the same episodes; 1 is optimal if the
-    /// planner's paths are.
+    /// The time of the successful test episodes over the planner's time for the same episodes; if the planner's paths are
+    /// optimal, 1 is optimal.
     TimeRatio,
     /// The time of the successful test episodes over the proven lower bounds for the same episodes. The ratio to the
     /// true optimum lies between this and [`TimeRatio`](Self::TimeRatio).

@@ -87,7 +87,7 @@ fn machine() -> String {
         if let Some(cpu) = cpus.first() {
             parts.push(cpu.brand().trim().to_string());
         }
-        parts.push(format!("{} cores", cpus.len()));
+        parts.push(counted(cpus.len() as f64, "core"));
         parts.push(format!("{:.0} GiB", system.total_memory() as f64 / f64::from(1 << 30)));
     }
     parts.push(sysinfo::System::long_os_version().unwrap_or_else(|_| std::env::consts::OS.into()));

@@ -30,7 +30,7 @@ pub fn prepare(folder: &Path) -> Result<(), RunError> {
     remove_temporary_files(folder);
     for sub in [folder.join(FIGURES), folder.join(TABLES)] {
         remove_temporary_files(&sub);
-        // A link is refused, because outdated files in this folder will be deleted.
+        // A link is refused, because outdated files in its target would be deleted.
         if fs::symlink_metadata(&sub).is_ok_and(|found| !found.is_dir()) {
             let why = "is not a folder, but must be one; help: move it, or choose another folder with --out";
             return Err(RunError::invalid_input(&sub, why));
@@ -45,8 +45,8 @@ pub fn prepare(folder: &Path) -> Result<(), RunError> {
 /// Writes the report `page` to `folder`, and deletes the figures and tables that only an earlier report had.
 ///
 /// # Errors
-/// A figure cannot be drawn, or a file cannot be written. An earlier report is then unchanged, unless all new files are complete
-/// and one of them cannot replace an earlier one.
+/// A figure cannot be drawn, or a file cannot be written. An earlier report is then unchanged, unless the failure was in the
+/// last step, in which the complete new files replace the earlier ones.
 pub fn write(folder: &Path, page: &Page) -> Result<(), RunError> {
     for sub in [folder.join(FIGURES), folder.join(TABLES)] {
         fs::create_dir_all(&sub).map_err(|error| RunError::not_written(&sub, error))?;

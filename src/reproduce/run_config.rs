@@ -57,8 +57,8 @@ pub fn run_config(
     Ok(RunConfig::new((scenario_from, scenario), (stage.preset.clone(), preset), seed))
 }
 
-/// The name of a run's folder: equal configurations have equal names. The length is not part of it, because a longer
-/// run contains the shorter one; but it is if the best policy is tested.
+/// The name of a run's folder: equal configurations have equal names. The name depends on the budget only if the best
+/// policy is tested. Otherwise a longer run contains the shorter one.
 pub fn run_name(config: &RunConfig, tested: TestedPolicy) -> Result<String, RunError> {
     // A report can be continued by a program of the same version from another commit.
     let mut identity = RunConfig { commit: None, ..config.clone() };
@@ -98,7 +98,7 @@ fn resolve_as(experiment: &str, name: &str, exists: fn(&Path) -> bool) -> String
     if exists(&path) { path.display().to_string() } else { name.into() }
 }
 
-/// Checks that a file is no pipe or device: an untrusted experiment might name one, and reading it might never end.
+/// Checks that a file is not a pipe or device: an untrusted experiment might name one, and reading it might never end.
 fn check_no_pipe(experiment: &str, name: &str) -> Result<(), RunError> {
     let path = resolve(experiment, name);
     let path = Path::new(&path);

@@ -59,7 +59,7 @@ impl Seeds {
         }
     }
 
-    /// A seed that is given twice.
+    /// A seed that is given more than once; `None` if all are different.
     #[must_use]
     pub fn duplicate(&self) -> Option<u64> {
         let Self::List(seeds) = self else { return None };

@@ -3,8 +3,8 @@
 //! In: candidate policies. Out: their evaluations, in the same order. Evaluations use a separate simulation
 //! and separate random streams, so that a run's result does not depend on how fast they are.
 //!
-//! The evaluator has its own thread (`threaded.rs`). If none can be started, as in a browser or at the limit of processes, it
-//! works in time slices on the caller's thread (`sliced.rs`).
+//! The evaluator has its own thread (`threaded.rs`). If no thread can be started, as in a browser or when the process limit
+//! is reached, it works in time slices on the caller's thread (`sliced.rs`).
 
 mod sliced;
 #[cfg(not(target_arch = "wasm32"))]

@@ -14,15 +14,15 @@ use super::{RunError, policy_card};
 
 /// The file name of a model card on Hugging Face.
 const MODEL_CARD: &str = "README.md";
-/// How much of an existing page is searched for [`MODEL_CARD_MARK`], in bytes.
+/// The length of the part of an existing page that is searched for [`MODEL_CARD_MARK`], in bytes.
 const MAX_SEARCHED_BYTES: u64 = 1 << 16;
 
-/// What became of the model card.
+/// The outcome for the model card.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ModelCardFile {
     /// It was written.
     Written(PathBuf),
-    /// The folder has a page of this name that wayfield did not write; it was left alone.
+    /// The folder has a file of this name that wayfield did not write; it was not changed.
     Kept(PathBuf),
     /// The ONNX file went to a device or a pipe, which has no folder of its own.
     None,
@@ -91,13 +91,16 @@ fn check_extension(onnx: &Path) -> Result<(), RunError> {
 }
 
 fn write(path: &Path, bytes: &[u8]) -> Result<(), RunError> {
-    write_atomic(path, |file| file.write_all(bytes)).map_err(|error| RunError::failed(path, error))
+    write_atomic(path, |file| file.write_all(bytes)).map_err(|error| RunError::not_written(path, error))
 }
 
 /// Whether there is something at `path` that this program did not write.
 fn is_foreign(path: &Path) -> bool {
     let Ok(found) = fs::symlink_metadata(path) else { return false };
+    if !found.is_file() {
+        return true;
+    }
     let mut text = Vec::new();
     let read = File::open(path).and_then(|file| file.take(MAX_SEARCHED_BYTES).read_to_end(&mut text));
-    !(found.is_file() && read.is_ok() && String::from_utf8_lossy(&text).contains(MODEL_CARD_MARK))
+    read.is_err() || !String::from_utf8_lossy(&text).contains(MODEL_CARD_MARK)
 }

@@ -21,7 +21,7 @@ pub(super) const EVALUATIONS: &str = "evaluations.csv";
 /// The tags of an evaluation's scalars start with this.
 const EVALUATION_TAGS: &str = "evaluation/";
 
-/// The interval at which other programs see new rows.
+/// The interval between flushes, each of which makes new rows visible to other programs.
 const FLUSH_INTERVAL: Duration = Duration::from_secs(1);
 
 /// The open metrics files of a run.
@@ -127,7 +127,7 @@ impl MetricsWriter {
         self.flush()
     }
 
-    /// Does what [`flush`](Self::flush) does, if it is due.
+    /// Calls [`flush`](Self::flush) if the last call was at least a second ago.
     ///
     /// # Errors
     /// A file cannot be written.
@@ -146,8 +146,8 @@ impl MetricsWriter {
         self.events.flush().map_err(|error| self.failed("events", error))
     }
 
-    /// Like [`flush`](Self::flush), but also makes the rows survive a power cut, as a checkpoint will refer to them. Returns the
-    /// lengths of `episodes.csv` and `evaluations.csv`, in bytes.
+    /// Like [`flush`](Self::flush), but also makes the rows survive a power cut, because a checkpoint will refer to them.
+    /// Returns the lengths of `episodes.csv` and `evaluations.csv`, in bytes.
     ///
     /// # Errors
     /// A file cannot be written.

@@ -120,8 +120,8 @@ mod tests {
         assert_eq!(images_of(&one_sided), Err(Motion { v_m_s: 0.1, w_rad_s: 1.0 }));
     }
 
-    /// The mirror of a run in an empty room with these relative motions and the robot's `turns` at full speed, or why there is
-    /// none.
+    /// The mirror of a run in an empty arena with these relative motions and a robot with these turning rates at full speed;
+    /// or the error.
     fn mirror(relative: &[(f32, f32)], turns: &[f32]) -> Result<Mirror, String> {
         let mut preset = Preset {
             observation: Encoding::Sectors {
@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn what_plugins_sense_has_no_known_mirror_image() {
+    fn the_mirror_image_of_a_plugin_sensor_is_unknown() {
         let mut preset = Preset {
             observation: Encoding::Sectors {
                 count: 4,

@@ -23,7 +23,7 @@
 //! | `output_file/` | output files, written whole or not at all |
 //! | `image_file.rs` | image files: SVG, PNG, PDF |
 //! | `lock.rs` | the lock that keeps a second process out of a folder |
-//! | `write_points.rs` | named places between writes, where a test can abort the process |
+//! | `write_points.rs` | named points between writes, where a test can abort the process |
 //! | `metric_rows.rs`, `metrics_writer.rs` | the rows of `episodes.csv` and `evaluations.csv`, and their writer |
 //! | `policy_card/` | the card in a policy file, and its comparison with a scenario |
 //! | `export.rs` | a policy for other programs, as an ONNX file with a model card |

@@ -36,8 +36,8 @@ pub fn read(folder: &Path) -> Vec<String> {
     serde_json::from_str(&text).unwrap_or_default()
 }
 
-/// The processor of this machine with the instruction set that decides how matrix products are summed, such as "AMD EPYC 7763
-/// (AVX2 and FMA)".
+/// The processor of this machine with the instruction set that decides how matrix products are summed, such as "AMD
+/// EPYC 7763 (AVX2 and FMA)".
 fn this_processor() -> &'static str {
     static KIND: OnceLock<String> = OnceLock::new();
     KIND.get_or_init(|| {

@@ -1,4 +1,4 @@
-//! Provenance: what a record of results names, so that it can be traced to a program and a scenario.
+//! Provenance: the program and the scenario that a record of results comes from.
 
 use serde::{Deserialize, Serialize};
 

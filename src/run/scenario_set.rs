@@ -11,7 +11,7 @@ use crate::scenario::{
     read_text, resemblance,
 };
 
-/// Whether the text of a file is meant as a set of scenarios, by its fields.
+/// Whether the fields of a file's text resemble those of a set of scenarios more than those of a scenario or a preset.
 #[must_use]
 pub fn is_meant_by(text: &str) -> bool {
     let others = [resemblance::<Scenario>(text, "Scenario"), resemblance::<Preset>(text, "Preset")];

@@ -42,7 +42,7 @@ pub fn write_point(name: &str) {
 /// The pass of a write point at which the process aborts.
 struct AbortAt {
     name: String,
-    /// The passes until the abort.
+    /// The number of passes up to the abort.
     remaining: AtomicU64,
 }
 

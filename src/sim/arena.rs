@@ -56,7 +56,7 @@ pub fn spawn_arenas(world: &mut World, scenario: &Arc<Scenario>, arenas: usize, 
 }
 
 /// Starts a new episode in every arena, with the streams and clock that `start` returns for the arena's index. An arena
-/// for which it returns None becomes inactive.
+/// for which it returns `None` becomes inactive.
 pub fn reset_arenas(world: &mut World, mut start: impl FnMut(usize) -> Option<(Streams, Clock)>) {
     let mut arenas = world.query::<(&Arena, &mut Streams, &mut Clock, &mut Episode)>();
     for (arena, mut streams, mut clock, mut episode) in arenas.iter_mut(world) {
@@ -89,8 +89,8 @@ pub(crate) fn seed_scenarios(world: &mut World, seed: u64, is_selected: impl Fn(
     }
 }
 
-/// Restarts the arenas for whose index `reset` returns a reset. If it also returns streams, the arena gets them, and a clock
-/// at 0. The other arenas stay as they are.
+/// Restarts each arena for whose index `reset` returns a pending reset. If it also returns streams, the arena gets them, and
+/// its clock starts at 0. The other arenas stay as they are.
 pub fn restart_arenas(
     world: &mut World,
     mut reset: impl FnMut(usize) -> Option<(PendingReset, Option<Streams>)>,
@@ -243,7 +243,7 @@ pub fn change_scenario(world: &mut World, scenario: &Arc<Scenario>) {
 pub fn reset_with_scenario(world: &mut World, scenario: &Arc<Scenario>) {
     let (states, fault) = (snapshot(world), world.resource::<TaskFault>().clone());
     spawn_arenas(world, scenario, states.len(), 0);
-    // Discards a fault of the temporary draws above.
+    // Discards any fault of the temporary episodes above.
     world.insert_resource(fault);
     reset_arenas(world, |arena| states.get(arena).map(|state| (state.streams.clone(), state.clock)));
 }

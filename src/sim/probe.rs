@@ -21,7 +21,7 @@ pub struct Probe<'w, 's> {
 }
 
 impl Probe<'_, '_> {
-    /// A function that casts a scan from a pose in `arena` and writes its ranges, in m, into the given [`Scan`]. None if
+    /// A function that casts a scan from a pose in `arena` and writes its ranges, in m, into the given [`Scan`]. `None` if
     /// the arena does not exist.
     #[must_use]
     pub fn of(&self, arena: usize) -> Option<impl Fn(&Pose, &mut Scan) + '_> {

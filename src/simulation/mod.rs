@@ -19,8 +19,9 @@ use crate::control_step::ControlStep;
 use crate::learning::DivergenceError;
 use crate::task::{Fault, TaskFault};
 
-/// Gives Bevy's task pools one thread in all, which is enough for headless simulations. Call it before the first simulation is
-/// built, in a process that opens no window. Returns whether the thread could be started. (Builds without the app start none.)
+/// Gives Bevy's task pools a single thread in total, which is enough for headless simulations. Call it before the first
+/// simulation is built, in a process that opens no window. Returns whether the thread could be started. (Builds without
+/// the app start no thread.)
 #[must_use]
 pub fn use_one_task_thread() -> bool {
     let threads = |count| TaskPoolThreadAssignmentPolicy {

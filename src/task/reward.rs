@@ -17,15 +17,15 @@ pub enum RewardKind {
     Optimized,
 }
 
-/// How the distance to the goal is measured for the attraction. It is d_g in eq. (5). The policy always observes the straight
-/// distance, which also decides whether a goal is reached. Evaluations do not use the reward.
+/// How the distance to the goal is measured for the attraction. It is d_g in eq. (5). The policy always observes the
+/// straight distance, which also decides whether a goal is reached. Evaluations do not use the reward.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum GoalDistance {
     /// The straight distance, as in the paper.
     #[default]
     Straight,
-    /// The length of the shortest path around walls and static obstacles, for a disc as large as the robot. Then the attraction
-    /// leads out of dead ends instead of into them. Moving obstacles are left out.
+    /// The length of the shortest path around walls and static obstacles, for a disc as large as the robot. Then the
+    /// attraction leads out of dead ends instead of into them. Moving obstacles are left out.
     Geodesic,
 }
 
@@ -45,8 +45,8 @@ pub enum RewardLengths {
     /// Metres, as in the paper.
     #[default]
     Metres,
-    /// Lengths are scaled to the paper's robot: with a robot that is twice as large, 2 m count as 1 m. So a reward means the same
-    /// for robots of all sizes.
+    /// Lengths are scaled to the paper's robot: with a robot that is twice as large, 2 m count as 1 m. So a reward
+    /// means the same for robots of all sizes.
     Robot,
 }
 
@@ -144,8 +144,8 @@ impl RewardConfig {
     /// The potential of eqs. (4) to (6): U = mu d_g^2 / 2 + sigma (1 - d_o/l_r)^2 / 2, where the second term is 0 for
     /// d_o > l_r. A linear attraction is mu d_g.
     ///
-    /// `d_g` is the distance to the goal, measured as [`RewardConfig::distance`] says, and `d_o` the smallest LIDAR range. Both
-    /// are in m, times [`scale`](Self::scale).
+    /// `d_g` is the distance to the goal, measured as [`RewardConfig::distance`] says, and `d_o` the smallest LIDAR
+    /// range. Both are in m, times [`scale`](Self::scale).
     #[must_use]
     pub fn potential(&self, d_g: f32, d_o: f32) -> Potential {
         let attraction = match self.attraction {

@@ -2,9 +2,9 @@
 //!
 //! Source: D. Fox, W. Burgard and S. Thrun, *The dynamic window approach to collision avoidance*, IEEE Robotics and Automation
 //! Magazine 4(1), 1997. The score is their eq. (13) without smoothing: heading, clearance (as time until a collision) and
-//! speed. The window is the robot's set of motions, with the lag of its drive. A motion is admissible if the robot can stop
-//! after it before it collides; for a robot that cannot stop, it must be free over the whole horizon. If no motion is admissible,
-//! the one with the latest collision is chosen.
+//! speed. The window is the robot's set of motions, with the lag of its drive. A motion is admissible if, after it, the
+//! robot can still stop before it collides; for a robot that cannot stop, the motion must be free of collisions over the
+//! whole horizon. If no motion is admissible, the one with the latest collision is chosen.
 
 use std::collections::VecDeque;
 use std::f32::consts::PI;
@@ -18,7 +18,7 @@ use crate::percept::{Odometry, Percept};
 use crate::robot::{Robot, first_least};
 use crate::tracks::Tracks;
 
-/// The most samples of a simulated motion.
+/// The maximum number of samples of a simulated motion.
 const MAX_SAMPLES: f32 = 100.0;
 
 /// A point of an obstacle, with its velocity, in the robot's frame.
@@ -52,11 +52,11 @@ impl Dwa {
     pub(crate) fn new(robot: Robot, parameters: DwaParameters) -> Self {
         let Robot { control_period_s, drive, .. } = robot;
         let samples = (parameters.horizon_s / control_period_s)
-            .max(2.0 * robot.max_speed_m_s() * parameters.horizon_s / robot.keep_out_m)
+            .max(2.0 * fastest_m_s(&robot) * parameters.horizon_s / robot.keep_out_m)
             .ceil()
             .clamp(1.0, MAX_SAMPLES);
         let can_stop = robot.motions.iter().any(|motion| motion.v_m_s == 0.0);
-        let stopping_s = 2.0 * control_period_s + drive.settling_time_s(robot.max_speed_m_s());
+        let stopping_s = 2.0 * control_period_s + drive.settling_time_s(fastest_m_s(&robot));
         let admissible_s = if can_stop { stopping_s.min(parameters.horizon_s) } else { parameters.horizon_s };
         let sample_s = parameters.horizon_s / samples;
         Self { sample_s, drive: drive.over(sample_s), admissible_s, robot, parameters }
@@ -73,14 +73,14 @@ impl Dwa {
         clearance: impl Fn(Vec2, f32) -> f32,
     ) -> usize {
         let DwaParameters { heading, clearance: weight, speed, horizon_s, margin, .. } = self.parameters;
-        // Inside the margin, the robot must not come closer still.
+        // A robot that is already inside the margin must not come any closer.
         let keep_m = self.robot.keep_out_m;
         let limit_m = (keep_m * (1.0 + margin)).min(clearance(Vec2::ZERO, 0.0) - 1e-4);
         let max_speed = self.robot.max_speed_m_s();
         let cost = |motion: &Motion| {
             let rollout = self.simulate(twist, motion, target_m, target_radius_m, limit_m, &clearance);
             if rollout.free_s < self.admissible_s {
-                // Worse than any admissible motion; of these, the latest collision is the best.
+                // Worse than any admissible motion. Among inadmissible ones, the latest collision is the best.
                 let all = heading + weight + speed;
                 return 1.0 + all + 1.0 - rollout.free_s / horizon_s;
             }
@@ -133,7 +133,7 @@ impl Dwa {
         points: I,
     ) -> impl Fn(Vec2, f32) -> f32 + use<I> {
         let DwaParameters { horizon_s, margin, .. } = self.parameters;
-        let reach_m = self.robot.keep_out_m * (1.0 + margin) + self.robot.max_speed_m_s() * horizon_s;
+        let reach_m = self.robot.keep_out_m * (1.0 + margin) + fastest_m_s(&self.robot) * horizon_s;
         let near: Vec<MovingPoint> = points
             .filter(|point| point.at_m.length() <= reach_m + point.velocity_m_s.length() * horizon_s)
             .collect();
@@ -145,7 +145,12 @@ impl Dwa {
     }
 }
 
-/// How well a robot at `pose` points to `target_m`: 1 if it lies straight ahead, 0 if it lies behind.
+/// The highest speed of the robot's motions, forward or backward, in m/s; at least 0.001.
+fn fastest_m_s(robot: &Robot) -> f32 {
+    robot.motions.iter().map(|motion| motion.v_m_s.abs()).fold(0.001, f32::max)
+}
+
+/// How well a robot at `pose` points at `target_m`: 1 if the target lies straight ahead, 0 if it lies behind.
 fn alignment(pose: &Odometry, target_m: Vec2) -> f32 {
     let target = pose.to_inner(target_m);
     1.0 - libm::atan2f(target.y, target.x).abs() / PI
@@ -253,10 +258,10 @@ mod tests {
 
     #[test]
     fn a_motion_is_admissible_only_if_the_robot_can_stop_after_it() {
-        // At 0.5 m/s it covers 0.2 m in two periods and then stops: a wall 0.13 + 0.25 m ahead allows that, one 0.13 + 0.15 m
-        // ahead doesn't.
+        // At 0.5 m/s the robot covers 0.2 m in two periods and then stops: a wall 0.13 + 0.25 m ahead allows that, one
+        // 0.13 + 0.15 m ahead does not.
         let dwa = dwa(&[(0.0, 0.0), (0.25, 0.0), (0.5, 0.0)]);
-        assert_eq!(choose(&dwa, (5.0, 0.0), &[]), 2, "as fast as it can where nothing is");
+        assert_eq!(choose(&dwa, (5.0, 0.0), &[]), 2, "as fast as possible without obstacles");
         let free_s = |distance_m: f32, motion: usize| {
             let motion = dwa.robot.motions[motion];
             let clearance = dwa.clearance_from([point(0.13 + distance_m, 0.0, (0.0, 0.0))].into_iter());
@@ -286,9 +291,9 @@ mod tests {
     fn the_velocity_of_an_obstacle_decides_whether_the_path_is_free() {
         let dwa = dwa(&[(0.0, 0.0), (0.5, 0.0)]);
         let crossing = |velocity| choose(&dwa, (5.0, 0.0), &[point(0.5, 0.5, velocity)]);
-        assert_eq!(crossing((0.0, 0.0)), 1, "still, it is beside the way");
+        assert_eq!(crossing((0.0, 0.0)), 1, "an obstacle that stands still is not in the way");
         assert_eq!(crossing((0.0, -1.0)), 1, "it has passed before the robot arrives, or it can still stop");
         let coming = point(0.6, 0.0, (-1.0, 0.0));
-        assert_eq!(choose(&dwa, (5.0, 0.0), &[coming]), 0, "on collision course in two periods");
+        assert_eq!(choose(&dwa, (5.0, 0.0), &[coming]), 0, "on a collision course, within two periods");
     }
 }

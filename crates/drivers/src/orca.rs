@@ -1,4 +1,4 @@
-//! The ORCA driver: a robot that is told the true poses and velocities, and heads for the velocity of [`wayfield_orca`].
+//! The ORCA driver: it knows the true poses and velocities, and steers towards the velocity that [`wayfield_orca`] returns.
 
 use glam::{Vec2, vec2};
 use wayfield_orca::{Avoidance, Disc, avoiding_velocity};
@@ -9,7 +9,7 @@ use crate::config::OrcaParameters;
 use crate::percept::{Odometry, Percept, Truth};
 use crate::robot::Robot;
 
-/// A robot that is told the true poses and velocities.
+/// A driver that knows the true poses and velocities.
 pub(crate) struct OrcaDriver {
     pub(crate) robot: Robot,
     pub(crate) parameters: OrcaParameters,

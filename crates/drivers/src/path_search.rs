@@ -8,8 +8,8 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// The extra cost of a cell that is too close to something. It is passable, so that there is a path even if the robot or its
-/// goal is in such a cell; but long detours are cheaper.
+/// The extra cost of a cell that is too close to an obstacle or a wall. It is passable, so that there is a path even if the
+/// robot or its goal is in such a cell, but even a long detour is cheaper.
 pub(crate) const TOO_CLOSE: u16 = 200;
 /// The cost of a horizontal or vertical step, without extra costs.
 const SIDE: u32 = 10;

@@ -1,4 +1,4 @@
-//! The drivers with a map: a path by A*, and a way of steering along it.
+//! The drivers with a map: they plan a path by A*, and steer along it by the dynamic window approach or pure pursuit.
 
 use glam::Vec2;
 
@@ -24,7 +24,7 @@ pub(crate) trait Map {
     /// Whether the straight line from `from_m` to `to_m` is free in the map of the last plan.
     fn sees(&self, from_m: Vec2, to_m: Vec2) -> bool;
 
-    /// The function `clearance` of [`Dwa::choose`]. Things farther than `reach_m` from the robot may be left out.
+    /// The function `clearance` of [`Dwa::choose`]. Obstacles farther than `reach_m` from the robot may be left out.
     fn clearance(&self, reach_m: f32) -> impl Fn(Vec2, f32) -> f32;
 
     /// The centres of the occupied cells of a map that was built from scans, and the side of a cell, in m.
@@ -44,7 +44,7 @@ pub(crate) fn closeness_cost(distance_m: f32, margin_m: f32) -> u16 {
     }
 }
 
-/// A way of steering along a path.
+/// A method of steering along a path.
 #[derive(Clone, Copy)]
 pub(crate) enum Steering {
     /// The dynamic window approach.

@@ -1,4 +1,4 @@
-//! A policy as a driver, from a percept to the network's inputs and its greedy action; and the same policy with a map.
+//! A policy as a driver: converts a percept to the network's inputs and takes the greedy action. Optionally with a map.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use crate::robot::Robot;
 use crate::waypoints::{Waypoint, Waypoints};
 use crate::{Driver, DriverClass, DriverPlan};
 
-/// A policy that drives by percepts. It must have been trained without sensors from plugins.
+/// A policy that acts on percepts. It must have been trained without sensors from plugins.
 #[derive(Clone, Debug)]
 pub struct DrivingPolicy {
     /// The policy.
@@ -22,13 +22,13 @@ pub struct DrivingPolicy {
     pub encoding: Encoding,
     /// The motions that it chooses among.
     pub actions: ActionSet,
-    /// Whether it builds a map as it drives. While the straight line to the goal is not free in the map, it drives to a point of
-    /// the cheapest path instead, with the same weights.
+    /// Whether it builds a map as it drives. While the straight line to the goal is not free in the map, it drives to a
+    /// point on the cheapest path instead, with the same weights.
     pub has_map: bool,
 }
 
 impl DrivingPolicy {
-    /// What it may perceive.
+    /// Its class, which states what it may perceive.
     #[must_use]
     pub fn class(&self) -> DriverClass {
         if self.has_map { DriverClass::B } else { DriverClass::A }
@@ -46,7 +46,7 @@ impl DrivingPolicy {
     }
 }
 
-/// What turns percepts into observations.
+/// Converts percepts to observations.
 enum Observer {
     /// The paper's observation, which needs no memory.
     Paper,
@@ -88,7 +88,7 @@ impl PolicyDriver {
         };
         let motions = (*actions != ActionSet::Robot).then(|| action_motions(actions, &scenario.robot));
         let width = encoding.width(scenario.lidar.beams);
-        // A policy that does not fit one of the scenarios of a set drives badly there, but it drives.
+        // A policy that does not fit one of the scenarios of a set drives badly there, but does not fail.
         let observation = vec![0.0; width.max(policy.shape().inputs)];
         Self {
             policy: policy.clone(),
@@ -162,7 +162,7 @@ impl Driver for MapDriver {
             Some(Waypoint { at_m, way_m }) => {
                 let bearing_rad = libm::atan2f(at_m.y, at_m.x);
                 let distance_m = match self.driver.observer {
-                    // Paths are longer than any distance in its training, so it gets the distance to the waypoint.
+                    // A path may be longer than any distance in its training, so it gets the distance to the waypoint.
                     Observer::Paper => at_m.length(),
                     Observer::Sectors { .. } => way_m,
                 };

@@ -5,7 +5,8 @@
 //! is high enough and it is where an earlier beam had passed: a wall also seems to move when other beams hit it. All other
 //! hits are taken as static.
 //!
-//! Source of the filter: P. R. Kalata, *The tracking index*, IEEE Transactions on Aerospace and Electronic Systems 20(2), 1984.
+//! Source of the filter: P. R. Kalata, *The tracking index*, IEEE Transactions on Aerospace and Electronic Systems
+//! 20(2), 1984.
 
 use std::ops::Range;
 
@@ -17,23 +18,23 @@ use crate::free_space::FreeSpace;
 use crate::percept::{Odometry, Percept};
 use crate::robot::Robot;
 
-/// A thing is forgotten if it was missed in more than this many scans in a row.
+/// A track is dropped if its object was missed in more than this many scans in a row.
 const MAX_MISSED: u32 = 3;
 
-/// The things that may move.
+/// The tracks of objects that may move.
 pub(crate) struct Tracks {
     parameters: TrackingParameters,
     tracks: Vec<Track>,
     free_space: FreeSpace,
 }
 
-/// A thing that may move, in the robot's present frame.
+/// The track of an object that may move, in the robot's present frame.
 struct Track {
     at_m: Vec2,
     velocity_m_s: Vec2,
-    /// The number of scans in which it was seen.
+    /// The number of scans in which the object was seen.
     seen: u32,
-    /// The number of scans since it was last seen.
+    /// The number of scans since the object was last seen.
     missed: u32,
 }
 
@@ -156,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn the_velocity_of_a_disc_is_found_while_the_robot_drives_and_turns() {
+    fn the_velocity_of_a_disc_is_estimated_while_the_robot_drives_and_turns() {
         let scenario = Scenario { lidar: Lidar { beams: 180, ..Lidar::default() }, ..Scenario::default() };
         let robot = Robot::of(&scenario);
         let mut tracks = Tracks::new(TrackingParameters::default());

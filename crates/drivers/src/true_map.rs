@@ -1,5 +1,5 @@
-//! A map of the true scenario: the clearance of its static parts on a grid, and its moving obstacles as they are. Pedestrians are
-//! expected to keep their velocities.
+//! A map of the true scenario: the clearance of its static parts on a grid, and the exact poses of its moving obstacles.
+//! Pedestrians are assumed to keep their velocities.
 
 use glam::Vec2;
 use wayfield_scenario::{
@@ -35,7 +35,7 @@ pub(crate) struct TrueMap {
 struct Moving {
     index: usize,
     obstacle: Obstacle,
-    /// Its position in m and its velocity in m/s, if it is a pedestrian.
+    /// Position in m and velocity in m/s of a pedestrian; `None` for other obstacles.
     walk: Option<(Vec2, Vec2)>,
 }
 
@@ -110,7 +110,7 @@ impl TrueMap {
         along(0.0) * (1.0 - part.y) + along(1.0) * part.y
     }
 
-    /// The distance in m from a point to the nearest moving obstacle after `after_s`.
+    /// The distance in m from a point to the nearest moving obstacle, `after_s` seconds from now.
     fn moving_clearance_m(&self, point_m: Vec2, after_s: f32) -> f32 {
         let steps = (after_s / self.period_s) as u64;
         let distance = |moving: &Moving| {

@@ -119,7 +119,7 @@ fn write_page(
     write_use(page, card, scenario, onnx_file)?;
     writeln!(
         page,
-        "The metadata of `{file}` contains the complete policy card as JSON under the key `wayfield`: every input and \
+        "The metadata of {file} contains the complete policy card as JSON under the key `wayfield`: every input and \
          action, the scenario, and a worked example to verify an implementation."
     )
 }
@@ -187,7 +187,7 @@ fn write_tensors(page: &mut String, card: &Card, scenario: &TrainedScenario) -> 
     writeln!(page, "| `action` | n, i64 | the best action |")?;
     writeln!(
         page,
-        "| `velocity` | n x 2, f32 | the best action's speed in m/s and turn rate in rad/s, left positive; hold it for {} s |\n",
+        "| `velocity` | n x 2, f32 | the best action's speed in m/s and turning rate in rad/s, left positive; hold it for {} s |\n",
         card.control_period_s
     )
 }
@@ -241,7 +241,7 @@ fn write_results(page: &mut String, results: &[EvalResults], has_relative_action
     }
     writeln!(page, "## Evaluation\n\nMeasured by `wayfield --eval`, in simulation.")?;
     if has_relative_actions {
-        writeln!(page, "It also keeps the robot from staying in one place, which this file does not do.")?;
+        writeln!(page, "Unlike this file, it also keeps the robot from staying in one place.")?;
     }
     writeln!(page)?;
     writeln!(page, "| scenario | success (95 %) | collisions | timeouts | mean time | episodes | seed |")?;

@@ -11,7 +11,7 @@ use crate::limits::MAX_WORLD_BYTES;
 use crate::options::ImportOptions;
 use crate::{Imported, barn, stages};
 
-/// The key that tells a file of stages from a file of BARN worlds.
+/// The key that distinguishes a file of stages from a file of BARN worlds.
 #[derive(Deserialize)]
 struct Probe {
     stages: Option<IgnoredAny>,
@@ -65,10 +65,12 @@ fn chosen<T>(
     path: &Path,
     options: &ImportOptions,
 ) -> Result<BTreeMap<u32, T>, FileError> {
-    let numbers = (worlds.keys().next().copied(), worlds.keys().last().copied());
+    let (Some(least), Some(most)) = (worlds.keys().next().copied(), worlds.keys().next_back().copied())
+    else {
+        return Err(FileError::for_file(path, "it contains no worlds; help: see docs/import.md"));
+    };
     worlds.retain(|number, _| options.world.is_none_or(|world| world == *number));
     if worlds.is_empty() {
-        let (least, most) = (numbers.0.unwrap_or(0), numbers.1.unwrap_or(0));
         let message = format!(
             "it has no such world; help: --world takes a number from {least} to {most} that the file contains"
         );

@@ -12,7 +12,7 @@ pub const MAX_RING_CORNERS: usize = 50_000;
 pub const MAX_WORLD_BYTES: u64 = 1 << 25;
 /// Maximum number of nodes of an XML file: elements, texts and comments, but not attributes.
 pub const MAX_XML_NODES: u32 = 1 << 20;
-/// Maximum depth of models nested in models: the models around one, whether it is included or in the same file.
+/// Maximum nesting depth of models: the number of models around one, whether it is included or in the same file.
 pub const MAX_MODEL_NESTING: usize = 8;
 /// Maximum number of models that a world includes.
 pub const MAX_INCLUDES: usize = 1_000;

@@ -115,7 +115,7 @@ impl Map {
         Frame { origin_m: corner.to_source(centre * self.cell_m), yaw_rad }
     }
 
-    /// The scenario of the map.
+    /// Converts the map to a scenario.
     ///
     /// # Errors
     /// The robot fits nowhere, or the scenario would be invalid or too large.
@@ -146,7 +146,7 @@ impl Map {
                 Ok((scenario, deviation_m)) => {
                     let mut findings = Findings::default();
                     if tolerance_m < asked_m {
-                        let what = "a gap would have closed, so the walls are closer to the map than asked";
+                        let what = "a gap would have closed, so the walls follow the map more closely than requested";
                         findings.add(what, &format!("{tolerance_m} m"));
                     }
                     let findings = findings.lines();
@@ -170,6 +170,7 @@ impl Map {
     fn about(&self, deviation_m: f64, dropped: usize) -> String {
         let specks = match dropped {
             0 => String::new(),
+            1 => " 1 speck became floor.".into(),
             n => format!(" {n} specks became floor."),
         };
         format!(
@@ -187,7 +188,7 @@ fn scale(path: &Path, resolution_m: Option<f64>) -> Result<f64, FileError> {
     })
 }
 
-/// `free` with the specks added, which are connected blocked parts of up to `max_cells` cells; and the number of specks.
+/// `free` together with the specks (connected groups of at most `max_cells` blocked cells), and the number of specks.
 fn without_specks(free: Grid<bool>, max_cells: usize) -> (Grid<bool>, usize) {
     if max_cells == 0 {
         return (free, 0);

@@ -1,11 +1,11 @@
-//! A shape of a world, seen from above.
+//! A static solid of an imported world, seen from above.
 
 use glam::DVec2;
 use wayfield_scenario::{Obstacle, ObstacleMotion, Shape};
 
 use crate::round::{metres, point};
 
-/// A solid that stands still, in the source's frame.
+/// A static solid, in the source's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solid {
     /// Its outline.
@@ -87,7 +87,7 @@ impl Solid {
     }
 }
 
-/// A rotation of a rectangle in rad, -pi/2 to pi/2, rounded.
+/// The rotation of a rectangle in rad, wrapped to -pi/2 to pi/2 and rounded.
 fn turned(yaw_rad: f64) -> f32 {
     let half = std::f64::consts::PI;
     let turned = yaw_rad - half * (yaw_rad / half).round();
@@ -108,7 +108,7 @@ mod tests {
     use std::f64::consts::FRAC_PI_2;
 
     #[test]
-    fn the_distances_and_bounds_of_a_turned_box_are_those_of_its_turned_outline() {
+    fn distances_and_bounds_of_a_box_account_for_its_rotation() {
         let wall = Solid {
             outline: Outline::Rectangle(dvec2(5.0, 0.2)),
             centre_m: dvec2(2.0, 0.0),

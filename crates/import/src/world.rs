@@ -1,5 +1,5 @@
-//! The import of a world of solids: those beside the floor are kept exactly, and the space between them that the robot can't
-//! reach is filled.
+//! The import of a world of solids: those that border the floor are kept exactly, and the space between them that the robot
+//! can't reach is filled.
 
 use std::path::Path;
 
@@ -45,8 +45,8 @@ impl Raster {
         let cell_m = (collision_m / 8.0).max((size.x * size.y / MAX_GRID_CELLS).sqrt());
         if cell_m > collision_m / 2.0 || !cell_m.is_finite() {
             return Err(format!(
-                "the world is {:.0} m x {:.0} m, too large for a robot of {collision_m} m; help: remove what is far away, or take a \
-                 larger robot (--robot)",
+                "the world is {:.0} m x {:.0} m, too large for a robot with a collision range of {collision_m} m; help: \
+                 remove what is far away, or use a larger robot (--robot)",
                 size.x, size.y
             ));
         }
@@ -57,7 +57,7 @@ impl Raster {
             let ((left, bottom), (right, top)) = raster.around(solid);
             tests += (right - left) as f64 * (top - bottom) as f64;
             if tests > MAX_TESTS {
-                return Err("too many large shapes; help: remove those that cover each other".into());
+                return Err("too many large shapes; help: remove shapes that overlap others".into());
             }
             for row in bottom..top {
                 for column in left..right {
@@ -117,7 +117,7 @@ pub struct World<'a> {
 }
 
 impl World<'_> {
-    /// Its scenario, with the robot of `base`.
+    /// The scenario of the world, with the robot of `base`.
     ///
     /// # Errors
     /// The robot fits nowhere, or the scenario would be invalid or too large.

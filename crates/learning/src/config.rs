@@ -55,12 +55,14 @@ pub struct LearningConfig {
     /// Mirror augmentation: each sampled transition is mirrored, left for right, with probability 1/2. It needs an observation
     /// and actions that can be mirrored. The paper: `false`.
     pub mirror: bool,
-    /// Advantage learning: the weight, at least 0 and below 1, with which a TD target loses the gap max Q(s, .) - Q(s, a) of the
-    /// target network (Bellemare et al. 2016). The best action stays the best and keeps its value, and the others fall behind
-    /// it by 1 / (1 - weight) times as much, so that small errors of the network confuse them less. The paper: 0.
+    /// Advantage learning: the weight, at least 0 and below 1, of the gap max Q(s, .) - Q(s, a) of the target network, which is
+    /// subtracted from a TD target (Bellemare et al. 2016). The best action stays the best and keeps its value; the gaps to
+    /// the other actions grow by the factor 1 / (1 - weight), so that small errors of the network change the greedy action
+    /// less often. The paper: 0.
     pub advantage_learning: f32,
-    /// The number of quantiles of the return that are learned for each action, 1 to 200 (QR-DQN, Dabney et al. 2018). Their mean
-    /// is the Q-value, and the policy keeps only that. More than 1 need a `Huber` loss. The paper: 1, the Q-value itself.
+    /// The number of quantiles of the return that are learned for each action, 1 to 200 (QR-DQN, Dabney et al. 2018). Their
+    /// mean is the Q-value, and the policy keeps only that. More than 1 requires a `Huber` loss. The paper: 1, the Q-value
+    /// itself.
     pub quantiles: usize,
 }
 
@@ -248,8 +250,8 @@ pub enum Exploration {
 }
 
 impl Default for LearningConfig {
-    /// PER-D3QN as in Table 1 and algorithm 1 of the paper. What they leave open follows PyTorch's defaults, and learning
-    /// starts with the first full batch.
+    /// PER-D3QN as in Table 1 and algorithm 1 of the paper. Values that these leave open are PyTorch's defaults, and
+    /// learning starts with the first full batch.
     fn default() -> Self {
         Self {
             network: NetworkConfig::default(),

@@ -1,4 +1,4 @@
-//! RMSProp and Adam over flat slices, with decoupled weight decay, and the clipping of gradients.
+//! RMSProp and Adam over flat slices, with decoupled weight decay, and gradient clipping.
 //!
 //! In: parameters, their gradient, a learning rate. Out: updated parameters and moments. The formulas are those of PyTorch
 //! (`torch.optim.RMSprop`, `torch.optim.AdamW`, `torch.nn.utils.clip_grad_norm_`); RMSProp's weight decay is AdamW's.

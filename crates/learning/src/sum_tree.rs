@@ -4,7 +4,7 @@
 //! weights are laid end to end (Schaul et al. 2016, appendix B.2.1).
 //!
 //! Weights are f64. In f32, the sum of 10^6 weights has a resolution of 1 part in 10^7, so small weights would be lost at
-//! the default replay capacity of 10^6. There the f64 tree takes 8 MB more.
+//! the default replay capacity of 10^6. At that capacity, the f64 tree takes 8 MB more.
 
 /// A binary tree over the weights of `capacity` indices: each node is the sum of its children.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The activation function of the hidden layers. It applies to each unit alone.
+/// The activation function of the hidden layers. It is applied to each unit separately.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Activation {
     /// max(0, x) (the paper, fig. 5).
@@ -123,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn the_tangent_and_the_functions_from_it_are_as_exact_as_documented() {
+    fn tanh_and_the_functions_computed_from_it_are_as_accurate_as_documented() {
         for i in -200_000..=200_000 {
             let x = i as f32 * 1e-4;
             let (exact, f64_x) = (f64::from(x).tanh(), f64::from(x));

@@ -154,8 +154,8 @@ impl fmt::Display for NetworkShape {
     }
 }
 
-/// The parameters of a network as a forward pass reads them: each weight matrix is transposed, so that the weights of one input
-/// follow each other.
+/// The parameters of a network as a forward pass reads them: each weight matrix is transposed, so that the weights of one
+/// input are contiguous.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Weights(Vec<f32>);
 
@@ -183,7 +183,7 @@ impl Weights {
 pub struct Scratch {
     units: Vec<f32>,
     next: Vec<f32>,
-    /// The indices of the units of a layer's input that are not 0, and unused elements.
+    /// The indices of a layer's nonzero inputs, followed by unused elements.
     active: Vec<u32>,
 }
 
@@ -226,16 +226,16 @@ pub(crate) fn forward<'a>(
     &units[1..]
 }
 
-/// Lists the indices of the units that are not 0 in `active`, and returns them. Half of an observation by sectors, and at least half
-/// of the units after a ReLU, are 0 and add nothing to the next layer.
+/// Writes the indices of the nonzero units into `active`, and returns them. Half of an observation by sectors, and at least
+/// half of the units after a ReLU, are 0 and add nothing to the next layer.
 fn list_active<'a>(units: &[f32], active: &'a mut Vec<u32>) -> &'a [u32] {
     if active.len() < units.len() {
         active.resize(units.len(), 0);
     }
     let mut count = 0;
     for (index, unit) in units.iter().enumerate() {
-        // Writing first and counting afterwards needs no branch, which a processor could not predict. Without the sign, the bits
-        // of 0 are 0.
+        // Writing first and counting afterwards avoids an unpredictable branch. The shift drops the sign bit, so that -0
+        // counts as 0.
         active[count] = index as u32;
         count += usize::from(unit.to_bits() << 1 != 0);
     }

@@ -4,7 +4,7 @@ use crate::set_field::Edit;
 use crate::source_map::SourceMap;
 
 /// `base`, overridden by the fields of `text`. Both are RON texts of the same struct type. A nested struct that `base` writes
-/// without its name is overridden field by field; any other value (an enum, a list, a tuple) is replaced as a whole.
+/// without a type name is overridden field by field; any other value (an enum, a list, a tuple) is replaced as a whole.
 ///
 /// ```
 /// use wayfield_ron_patch::overlay;
@@ -46,7 +46,7 @@ fn collect(maps: (&SourceMap, &SourceMap), entries: (usize, usize), edits: &mut 
     }
 }
 
-/// Whether the value of `entry` is a struct without a name.
+/// Whether the value of `entry` is a struct without a type name.
 fn is_struct(map: &SourceMap, entry: usize) -> bool {
     map.text_of(entry).starts_with('(') && map.elements_of(entry).next().is_none()
 }

@@ -1,8 +1,8 @@
 //! The checks of a scenario: ranges of numbers, geometry inside the enclosure, free space, reachability.
 //!
-//! In: a [`Scenario`], read from a file or built in code. Out: a [`Diagnostic`] with field path and fix for each problem and,
-//! if all values are valid, a [`Note`] for each questionable setting.
-//! The limits also keep a hostile file from taking too much memory or time: a scenario without diagnostics is safe to run.
+//! In: a [`Scenario`], read from a file or built in code. Out: a [`Diagnostic`] with field path and fix for each
+//! problem and, if all values are valid, a [`Note`] for each questionable setting. The limits also keep a hostile file
+//! from taking too much memory or time: a scenario without diagnostics is safe to run.
 //!
 //! | file | duty |
 //! |---|---|
@@ -15,8 +15,8 @@
 //! | `extent.rs` | how far an obstacle reaches outside the enclosure along its whole path |
 //! | `reachability.rs`, `grid.rs` | a path for the robot from every start to every goal |
 //! | `valid_part.rs` | the valid part of a scenario, for the checks from `motions.rs` to `reachability.rs` |
-//! | `time_limit.rs`, `turning.rs` | notes: goals out of reach within the time limit, a robot that can't turn round |
-//! | `overlaps.rs`, `swept_path.rs`, `convex.rs` | notes: obstacles that overlap walls or other obstacles, or pass through them |
+//! | `time_limit.rs`, `turning.rs` | notes: goals out of reach within the time limit, a robot that can't turn around |
+//! | `overlaps.rs`, `swept_path.rs`, `convex.rs` | notes: obstacles that overlap walls or obstacles, or pass through them |
 
 mod convex;
 mod extent;
@@ -55,7 +55,7 @@ use glam::Vec2;
 
 pub(crate) const METRES: &str = " (metres)";
 pub(crate) const METRES_PER_SECOND: &str = " (metres per second)";
-// Lengths that others must exceed: the words for messages, and the path.
+// Lengths that other lengths must exceed: the description for messages, and the path.
 const ROBOT_RADIUS: (&str, &str) = ("the robot's radius", "robot.radius_m");
 const GOAL_RADIUS: (&str, &str) = ("the goal radius", "task.goal_radius_m");
 const COLLISION_RANGE: (&str, &str) = ("the collision range", "task.collision_range_m");
@@ -154,12 +154,12 @@ pub(crate) struct Diagnostics {
 }
 
 impl Diagnostics {
-    /// Whether there are none.
+    /// Whether no problem was found.
     pub(crate) fn is_empty(&self) -> bool {
         self.found.is_empty()
     }
 
-    /// All of them, in the order of the checks.
+    /// All diagnostics, in the order of the checks.
     pub(crate) fn into_vec(self) -> Vec<Diagnostic> {
         self.found
     }
@@ -267,7 +267,7 @@ impl Diagnostics {
         }
     }
 
-    /// Reports `value` if it is not greater than `bound`. `(what, bound_path)` are the words for the bound, and its path. Nothing
+    /// Reports `value` if it is not greater than `bound`. `what` describes the bound, and `bound_path` is its path. Nothing
     /// is reported if the field at `path` has been reported before, or if the bound is out of range or unknown.
     pub(crate) fn check_above(
         &mut self,
@@ -285,7 +285,8 @@ impl Diagnostics {
     }
 }
 
-/// `most` rounded down to three decimals, or to three significant digits if it is small, so that the printed number is allowed.
+/// `most` rounded down to three decimals, or to three significant digits if it is small, so that the printed number is
+/// allowed.
 pub(crate) fn rounded_down(most: f32) -> String {
     let most = f64::from(most);
     let places = if most > 0.0 { (-libm::log10(most).floor()).clamp(0.0, 9.0) as usize + 2 } else { 3 };

@@ -8,11 +8,12 @@ use super::schema::Scenario;
 use super::spatial_index::Part;
 use glam::vec2;
 
-/// Side of a cell relative to the distance that the robot keeps, unless there would be too many cells.
+/// Side of a cell relative to the robot's smallest distance from surfaces, unless there would be too many cells.
 const CELL: f32 = 0.75;
-/// The most cells, without those at the border.
+/// Maximum number of cells, without those at the border.
 const MAX_CELLS: f32 = 40_000.0;
-/// The least distance of a free cell's centre from walls, in cells. Below it, paths could pass between the cells of a thin wall.
+/// The minimum distance of a free cell's centre from walls, in cells. If it were smaller, paths could pass between the cells
+/// of a thin wall.
 const MIN_KEPT_CELLS: f32 = 0.75;
 
 /// The cells of a grid, numbered row by row from the lower left. Positions are in cells from the lower left corner. A border
@@ -40,7 +41,8 @@ pub(super) enum Cell {
 }
 
 impl FreeCells {
-    /// The cells of `scenario`. Free ones are about as far from everything as the robot must be ([`Scenario::sure_collision_m`]).
+    /// The cells of `scenario`. The centre of a free cell is about as far from all surfaces as the robot must be
+    /// ([`Scenario::sure_collision_m`]).
     #[must_use]
     pub fn new(scenario: &Scenario) -> Self {
         let kept_m = scenario.sure_collision_m().max(scenario.robot.inner_radius_m());
@@ -51,7 +53,7 @@ impl FreeCells {
         let (columns, rows) = (count(size.x), count(size.y));
         let cells = vec![Cell::Border; columns * rows];
         let mut grid = Self { min_m: low - cell_m, cell_m, columns, rows, cells };
-        // A passage that the robot fits through with a quarter of a cell to spare on both sides has free cells.
+        // There are free cells in every passage that the robot fits through with a quarter of a cell to spare on both sides.
         grid.fill(scenario, (kept_m - cell_m / 4.0).max(MIN_KEPT_CELLS * cell_m));
         grid
     }
@@ -101,8 +103,8 @@ impl FreeCells {
         self.cells[cell] == Cell::Free
     }
 
-    /// Whether the straight line from `from` to `to` leads through free cells, at points up to a cell apart. `to` must be in a
-    /// free cell. What is in the cell of `from` does not matter.
+    /// Whether the straight line from `from` to `to` leads through free cells, at points up to a cell apart. `to` must
+    /// be in a free cell. What is in the cell of `from` does not matter.
     pub(super) fn sees(&self, from: Vec2, to: Vec2) -> bool {
         let way = to - from;
         let parts = way.abs().max_element().ceil();

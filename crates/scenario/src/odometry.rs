@@ -1,5 +1,5 @@
-//! Wheel slip, and the drift of odometry: how the motion of the wheels, the motion of the robot, and the motion that odometry
-//! reports differ.
+//! Wheel slip and odometry drift: the differences between the motion of the wheels, the motion of the robot, and the
+//! motion that odometry reports.
 
 use wayfield_random::{normal, stream};
 
@@ -7,8 +7,8 @@ use super::ranged::Ranged;
 use super::schema::{Motion, OdometryDrift, Slip};
 
 impl Slip {
-    /// The motion of the robot in the control step that ends at `clock` if its wheels have the motion `wheels`. The slip of a
-    /// step is a function of the episode's layout seed and the clock.
+    /// The motion of the robot in the control step that ends at `clock` if its wheels have the motion `wheels`. The
+    /// slip of a step is a function of the episode's layout seed and the clock.
     #[must_use]
     pub fn robot_motion(&self, wheels: &Motion, layout_seed: u64, clock: u64) -> Motion {
         let mut stream = stream(layout_seed, "slip", clock);
@@ -19,11 +19,12 @@ impl Slip {
 }
 
 impl OdometryDrift {
-    /// The motion that odometry reports if the wheels have the motion `wheels`. For an error that is a range, it uses the middle.
+    /// The motion that odometry reports if the wheels have the motion `wheels`. If an error is given as a range, its middle
+    /// is used.
     #[must_use]
     pub fn reported_motion(&self, wheels: &Motion) -> Motion {
         let v_m_s = wheels.v_m_s * (1.0 + self.distance_error.value());
-        let turned = wheels.w_rad_s * (1.0 + self.rotation_error.value());
-        Motion { v_m_s, w_rad_s: turned + wheels.v_m_s.abs() * self.heading_drift_rad_m.value() }
+        let rotation = wheels.w_rad_s * (1.0 + self.rotation_error.value());
+        Motion { v_m_s, w_rad_s: rotation + wheels.v_m_s.abs() * self.heading_drift_rad_m.value() }
     }
 }

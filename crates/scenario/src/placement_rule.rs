@@ -4,7 +4,7 @@ use super::schema::{PlacementRule, Region};
 use glam::Vec2;
 
 impl PlacementRule {
-    /// The positions that the rule names, in m; none for a random rule.
+    /// The positions that the rule lists, in m; empty for a random rule.
     #[must_use]
     pub fn positions_m(&self) -> &[Vec2] {
         match self {
@@ -23,7 +23,7 @@ impl PlacementRule {
         }
     }
 
-    /// The rectangle of a rule that has one.
+    /// The rectangle of a `Within` rule.
     #[must_use]
     pub fn region(&self) -> Option<Region> {
         match *self {

@@ -138,7 +138,7 @@ impl<'de, T: RangeNumber + Deserialize<'de>> Visitor<'de> for RangedVisitor<T> {
     type Value = Ranged<T>;
 
     fn expecting(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let number = if T::from_f64(0.5).is_some() { "a number" } else { "a whole number from 0 on" };
+        let number = if T::from_f64(0.5).is_some() { "a number" } else { "a non-negative whole number" };
         write!(to, "{number}, or a range (lowest, highest)")
     }
 
@@ -219,8 +219,8 @@ impl Scenario {
             || self.robot.slip.is_some_and(|slip| slip.std.ends() != [0.0; 2])
     }
 
-    /// The scenario with each range replaced by a number that is drawn with `layout_seed`. Each range has its own random stream,
-    /// so that no range changes what is drawn from another.
+    /// The scenario with each range replaced by a number that is drawn with `layout_seed`. Each range has its own random
+    /// stream, so that adding or removing one does not change the numbers drawn from the others.
     #[must_use]
     pub(super) fn with_drawn_numbers(&self, layout_seed: u64) -> Self {
         let mut drawn = self.clone();

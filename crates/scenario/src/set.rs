@@ -1,7 +1,7 @@
 //! Sets of scenarios: several scenarios and level generators in one training run, each with its share of the episodes.
 //!
-//! In: a set's file ([`ScenarioSetFile`]), which names scenarios. Out, once these are read: a [`ScenarioSet`]. Whether one policy
-//! can drive in all members depends on the policy ([`SetFit`]).
+//! In: a set's file ([`ScenarioSetFile`]), which names scenarios. Out, once these are read: a [`ScenarioSet`]. Whether
+//! one policy can drive in all members depends on the policy ([`SetFit`]).
 
 use std::path::Path;
 
@@ -26,8 +26,9 @@ pub struct ScenarioSetFile {
     /// Purpose of the set, at most 2,000 characters.
     #[serde(default)]
     pub about: String,
-    /// The scenarios and level generators, 1 to 64. For a policy with the paper's observation, they must have the same LIDAR beams and
-    /// field of view and the same control period; for one whose actions are the robot's motions, the same motions.
+    /// The scenarios and level generators, 1 to 64. For a policy with the paper's observation, they must have the same
+    /// LIDAR beams and field of view and the same control period; for one whose actions are the robot's motions, the
+    /// same motions.
     pub scenarios: Vec<SetEntry>,
 }
 
@@ -37,7 +38,8 @@ pub struct ScenarioSetFile {
 pub struct SetEntry {
     /// A scenario: its file, relative to the folder of the set's file, or the name of a shipped one.
     pub scenario: Option<String>,
-    /// A level generator instead of a scenario: its file, relative to the folder of the set's file. Each episode has a level.
+    /// A level generator instead of a scenario: its file, relative to the folder of the set's file. Each episode has a
+    /// level.
     pub generator: Option<String>,
     /// Number of levels of the generator that episodes draw from, 1 to 1,000,000: those with the seeds 0, 1, and so on.
     /// Evaluations use other levels [default: 1,000].
@@ -106,7 +108,11 @@ impl SetEntry {
 
     /// Checks entry `k`.
     fn check(&self, k: usize, found: &mut Diagnostics) {
-        if self.scenario.is_some() == self.generator.is_some() || column_name(&self.name()).is_empty() {
+        let names_one_file = self.scenario.is_some() != self.generator.is_some();
+        if names_one_file && self.name.as_deref() == Some("") {
+            let message = "is empty: write a name, or leave it out to use the file's name";
+            found.push(format_args!("scenarios[{k}].name"), message);
+        } else if !names_one_file || self.name().is_empty() {
             let message = "must name one file: write either `scenario: \"FILE\"` or `generator: \"FILE\"`";
             found.push(format_args!("scenarios[{k}]"), message);
         }
@@ -216,8 +222,8 @@ impl ScenarioSet {
         found.into_vec()
     }
 
-    /// The index of the first member in which a policy for member 0 cannot drive, and the reason, as the rest of a sentence that
-    /// begins with the member; `None` if there is none.
+    /// The index of the first member in which a policy for member 0 cannot drive, and the reason, as the rest of a sentence
+    /// whose subject is the member; `None` if a policy for member 0 can drive in all members.
     #[must_use]
     pub fn misfit(&self, fit: SetFit) -> Option<(usize, String)> {
         let members = self.members.iter().enumerate();
@@ -243,7 +249,7 @@ impl ScenarioSet {
     }
 }
 
-/// What the scenarios of a set must have in common, so that a policy can drive in all of them.
+/// The fields that the scenarios of a set must have in common, so that one policy can drive in all of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SetFit {
     /// The LIDAR's beams and field of view, and the control period.

@@ -1,6 +1,7 @@
-//! The spatial index of a scenario with many wall segments and static obstacles: a clearance tests only those near a point.
+//! The spatial index of a scenario with many wall segments and static obstacles: the clearance of a point is computed from
+//! those near it only.
 //!
-//! In: a [`Scenario`]. Out: a [`SpatialIndex`], which gives the same results as a test of all of them, to the bit.
+//! In: a [`Scenario`]. Out: a [`SpatialIndex`], which gives bit-identical results to a test of all of them.
 
 use super::crowd::{Crowd, Pedestrian};
 use super::geometry::{enclosure_distance, is_clear, nearest_of, shape_distance};
@@ -70,7 +71,7 @@ impl Part {
 }
 
 impl SpatialIndex {
-    /// The index of `scenario`. None if the scenario has so few static parts that testing all of them is as fast.
+    /// The index of `scenario`. `None` if the scenario has so few static parts that testing all of them is as fast.
     #[must_use]
     pub fn new(scenario: &Scenario) -> Option<Self> {
         let parts: Vec<Part> = Part::static_parts(scenario).collect();
@@ -112,8 +113,8 @@ impl SpatialIndex {
     }
 }
 
-/// A scenario with its spatial index, if it has one, and the current state of its pedestrians. A `&Scenario` converts into one
-/// without an index, and with the pedestrians as at the start of an episode.
+/// A scenario with its spatial index, if it has one, and the current state of its pedestrians. A `&Scenario` converts into
+/// one without an index, whose pedestrians are as at the start of an episode.
 #[derive(Clone, Copy, Debug)]
 pub struct IndexedScenario<'a> {
     /// The scenario.
@@ -174,7 +175,7 @@ impl<'a> IndexedScenario<'a> {
         let mut radius_m = index.grid.cell_m();
         loop {
             best = index.near(self.scenario, point_m, radius_m).fold(best, nearer);
-            // Beyond the farthest cell there is nothing to find.
+            // There are no parts beyond the farthest cell.
             if best.1 <= radius_m || radius_m > index.grid.reach_m(point_m) {
                 return best;
             }

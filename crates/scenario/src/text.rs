@@ -41,7 +41,7 @@ fn escaped(text: &str, is_escaped: impl Fn(char) -> bool) -> Cow<'_, str> {
     Cow::Owned(escaped)
 }
 
-/// Whether `c` should not be printed as it is: a control character (of which terminal escapes are made), a mark that
+/// Whether `c` should not be printed as it is: a control character (terminal escapes begin with one), a mark that
 /// reverses the direction of text, an invisible character, a line break other than `\n`, or a noncharacter.
 #[must_use]
 pub fn is_unprintable(c: char) -> bool {
@@ -94,7 +94,7 @@ pub fn quoted(word: impl AsRef<OsStr>) -> String {
     quoted + "'"
 }
 
-/// Whether no shell gives `c` a meaning inside a word.
+/// Whether `c` has no special meaning inside a word in any shell.
 fn is_plain(c: char) -> bool {
     c.is_alphanumeric() || "-_./,:@%+".contains(c)
 }

@@ -118,7 +118,8 @@ impl Editor {
     }
 
     /// Deselects the tool if it no longer fits after a change. The path and positions tools need the selection to be
-    /// `selected` as before; the positions tool also needs a rule that lists positions or is of the same kind as in `before`.
+    /// `selected` as before; the positions tool also needs a rule that lists positions or is of the same kind as in
+    /// `before`.
     pub(super) fn check_tool(&mut self, before: &Scenario, selected: Selection) {
         let role = PlacementRole::from_selection(selected);
         let kind = |scenario: &Scenario| role.map(|role| PlacementKind::from_rule(role.of(scenario)));

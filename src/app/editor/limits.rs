@@ -27,8 +27,8 @@ pub(super) const NEW_CLEARANCE_M: f32 = 0.35;
 pub(super) const MAX_ITEMS_CHECKED_WHILE_DRAGGING: usize = 1_000;
 /// Maximum number of undo steps.
 pub(super) const MAX_UNDO_STEPS: usize = 500;
-/// Number of items in all undo snapshots together above which old steps are dropped, down to a minimum number of steps. Very
-/// large scenarios therefore have fewer undo steps.
+/// Maximum total number of items in the undo snapshots. Beyond it, old steps are dropped, down to a minimum number of steps:
+/// very large scenarios have fewer undo steps.
 pub(super) const MAX_SNAPSHOT_ITEMS: usize = 1_000_000;
 
 /// Number of obstacles, wall corners, rows and rectangles of cells, and key frames in a scenario.

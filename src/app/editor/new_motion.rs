@@ -78,8 +78,8 @@ fn orbit(scenario: &Scenario, obstacle: &Obstacle) -> ObstacleMotion {
     }
 }
 
-/// Waypoints for obstacle `index`: a square, or one straight line. If possible, the path is clear of other items, or
-/// else at least inside the enclosure.
+/// Waypoints for obstacle `index`: a square, or one straight line. If possible, the path is clear of other items;
+/// otherwise, if possible, it is inside the enclosure.
 fn path(scenario: &Scenario, index: usize, square: bool) -> Vec<Vec2> {
     let mut others = scenario.clone();
     let obstacle = others.obstacles.remove(index);

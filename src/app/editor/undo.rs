@@ -90,7 +90,7 @@ impl UndoStack {
         Some(snapshot)
     }
 
-    /// The versions before and after the present one, up to where the document was replaced.
+    /// The versions before and after the present one, up to the steps that replaced the document.
     pub fn snapshots_of_document(&self) -> impl Iterator<Item = &Arc<Scenario>> {
         let same = |snapshot: &&EditSnapshot| snapshot.origin.is_none();
         let before = self.before.iter().rev().take_while(same);

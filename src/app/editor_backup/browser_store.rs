@@ -12,15 +12,15 @@ use crate::run::RunError;
 pub(super) struct Store;
 
 impl Store {
-    /// No backup yet.
+    /// A store without a backup.
     pub(super) fn new(_: &Path) -> Self {
         Self
     }
 
-    /// The backup of an earlier visit, which becomes that of this tab.
+    /// A store that takes over the backup of an earlier visit.
     ///
     /// # Errors
-    /// None.
+    /// Never; only the store on disk can fail.
     pub(super) fn of(_: FoundBackup) -> Result<Self, RunError> {
         page::adopt_backup();
         Ok(Self)

@@ -22,8 +22,7 @@ pub struct LearningCurves {
     pub goals: DownsampledSeries,
     /// Moving average of the goals per episode.
     pub goal_mean: MovingAverage,
-    /// Base-10 logarithm of the loss, so that a bucket's mean is the geometric mean, as suits a logarithmic
-    /// axis.
+    /// Base-10 logarithm of the loss. A bucket's mean is then the geometric mean, which suits a logarithmic axis.
     pub loss_log: DownsampledSeries,
     /// Base-10 logarithm of the mean absolute TD error.
     pub td_error_log: DownsampledSeries,

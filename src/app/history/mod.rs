@@ -109,8 +109,8 @@ impl History {
         annotations::add(&mut self.annotations, env_steps, text);
     }
 
-    /// Extends the x axis to `env_steps`. It starts at 0 if its first row `is_first` in the training run, or else at that
-    /// row: then the run was resumed.
+    /// Extends the x axis to `env_steps`. The axis starts at 0 if its first row is also the first of the training run
+    /// (`is_first`), and otherwise, after a resume, at that row.
     fn extend_to(&mut self, env_steps: u64, is_first: bool) {
         let first = if is_first { 0 } else { env_steps };
         let (from, to) = self.range.unwrap_or((first, env_steps));

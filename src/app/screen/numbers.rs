@@ -5,7 +5,7 @@
 pub fn format_count(n: u64) -> String {
     if n >= 1_000_000 {
         let scaled = n as f64;
-        return if n < 1_000_000_000 {
+        return if n < 999_995_000 {
             format!("{:.2}M", scaled / 1e6)
         } else {
             format!("{:.2}G", scaled / 1e9)
@@ -73,7 +73,7 @@ mod tests {
             ["0", "999", "1,000", "12,345", "999,999"]
         );
         assert_eq!([0, 1, 12_345].map(format_episodes), ["0 episodes", "1 episode", "12,345 episodes"]);
-        assert_eq!([1_234_567, 2_500_000_000].map(format_count), ["1.23M", "2.50G"]);
+        assert_eq!([1_234_567, 999_999_999, 2_500_000_000].map(format_count), ["1.23M", "1.00G", "2.50G"]);
         assert_eq!([f64::NAN, -3.0, 1234.5].map(format_rate), ["–", "0", "1,235"]);
         assert_eq!([0.97, 12.4, 1234.0].map(format_factor), ["1.0×", "12×", "1,234×"]);
     }

@@ -1,4 +1,4 @@
-//! Saving and opening of scenario files for the editor.
+//! Saves and opens scenario files for the editor.
 //!
 //! In: a scenario and a path. Out: a file, or a scenario to edit; the editor learns the result from an [`EditorReply`].
 

@@ -147,7 +147,7 @@ pub(super) fn notify_saved(world: &mut World, path: &Path) {
     notify(world, NoticeTopic::File(path.display().to_string()), Severity::Info, text);
 }
 
-/// Moves an object that the user drags, if it may go there.
+/// Moves an object that the user drags, if the requested position is allowed.
 fn move_object(world: &mut World, request: &MoveRequest) {
     let intervention = match interventions::resolve(world, request) {
         Ok(intervention) => intervention,
@@ -163,7 +163,7 @@ fn move_object(world: &mut World, request: &MoveRequest) {
     record(world, &intervention);
 }
 
-/// Gives all robots of a demo a goal, if it may be there.
+/// Sets the goal of all robots of a demo, if it may be at the requested position.
 fn set_goal(world: &mut World, request: &MoveRequest) {
     if world.resource::<ActiveMode>().is_training() {
         return;

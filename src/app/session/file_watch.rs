@@ -45,7 +45,7 @@ impl FileWatches {
         Self { scenario: FileWatch::new(from), waiting: None }
     }
 
-    /// Watches the scenario file `from`, if it is a file. Its current content is known already.
+    /// Watches the scenario file `from`, if it is a file. Its current content is already known, so it is not read again.
     pub fn watch_known(&mut self, from: &str) {
         self.scenario = FileWatch::new(from).map(|watch| FileWatch { read: watch.stamp, ..watch });
     }
@@ -67,7 +67,7 @@ struct FileWatch {
     checked: Option<Duration>,
     /// Stamp at the last check; `None` while the file does not exist.
     stamp: Option<Stamp>,
-    /// Stamp when the file was read last.
+    /// Stamp when the file was last read.
     read: Option<Stamp>,
 }
 
@@ -82,7 +82,7 @@ impl FileWatch {
         is_file.then_some(Self { path, checked: None, stamp, read: None })
     }
 
-    /// The file's path, if the file should be read at time `now`: it has changed since it was read last, but not between the
+    /// The file's path, if the file should be read at time `now`: it has changed since it was last read, but not between the
     /// last two checks, so probably no program is still writing it.
     fn changed(&mut self, now: Duration) -> Option<PathBuf> {
         if now - *self.checked.get_or_insert(now) < CHECK_INTERVAL {

@@ -15,7 +15,7 @@
 //! | `file_watch.rs` | `FileWatches` | files that the user edits in another program |
 //! | `open.rs` | [`OpenedFiles`] | files opened by the user |
 //! | `comparison.rs` | | the second driver, to compare with |
-//! | `notices.rs`, `run_notices.rs` | [`Notices`] | messages to the user; the one about questionable settings |
+//! | `notices.rs`, `run_notices.rs` | [`Notices`] | messages to the user; the message about questionable settings |
 //! | `trails.rs` | [`Trails`] | the robots' paths |
 //! | `advance.rs` | | a frame: commands, then control steps |
 //! | `execute.rs` | | the execution of each command |
@@ -27,8 +27,8 @@
 //! | `quit.rs` | [`QuitQuestion`] | the end of the app |
 //! | `session_policy.rs` | | the policies that can be tested, saved or transferred |
 //!
-//! What is learnt depends on the configuration, the journal and the number of steps; not on when the steps were taken, nor on
-//! what was displayed.
+//! What is learned depends on the configuration, the journal and the number of steps, but not on when the steps were taken
+//! or on what was displayed.
 
 pub mod active_mode;
 mod advance;
@@ -92,7 +92,7 @@ pub struct StartOptions {
     pub scenario: String,
     /// The preset: a file or a shipped name.
     pub preset: String,
-    /// Settings of the preset; the scenario must stay that of its file, which the app follows.
+    /// Settings of the preset. They must not change the scenario, which the app keeps equal to its file.
     pub settings: Settings,
     /// Seed of every random draw.
     pub seed: u64,
@@ -102,7 +102,7 @@ pub struct StartOptions {
     pub paused: bool,
     /// A file or a run folder to open at the start.
     pub open: Option<PathBuf>,
-    /// Index of the episode, in an evaluation with this seed, with which demos begin.
+    /// Index of the first episode of a demo, among the episodes of an evaluation with this seed.
     pub episode: u64,
     /// Whether to open the scenario in the editor. The scenario may then be invalid.
     pub edit: bool,

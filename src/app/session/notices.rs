@@ -1,7 +1,7 @@
 //! Notices: messages to the user, one per topic.
 //!
-//! In: events. Out: the [`Notice`]s that the screen shows. A confirmation disappears after a while. A warning or an error stays
-//! until it is dismissed, replaced or no longer true.
+//! In: events. Out: the [`Notice`]s that the screen shows. A confirmation disappears after a while. A warning or an
+//! error stays until it is dismissed, replaced or no longer true.
 
 use std::time::Duration;
 

@@ -35,7 +35,7 @@ pub struct OpenedFiles {
     pub scenarios: Vec<Choice>,
     /// The user's own presets.
     pub presets: Vec<Choice>,
-    /// A path that the user has asked once to open, although unsaved training would be lost.
+    /// A path that the user has tried to open once; a second attempt opens it, although unsaved training is lost.
     pub(super) requested_once: Option<PathBuf>,
 }
 

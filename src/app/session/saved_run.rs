@@ -46,7 +46,7 @@ pub(super) struct SavedRun {
     journal: Journal,
     episodes: Vec<EpisodeRow>,
     evaluations: Vec<EvaluationRow>,
-    /// Newer checkpoints that could not be read.
+    /// Newer checkpoints that could not be read, with the errors.
     skipped: Vec<(PathBuf, RunError)>,
 }
 
@@ -144,7 +144,7 @@ impl SavedRun {
                 .for_each(|env_steps| curves.annotate(env_steps, SCENARIO_CHANGED.into()));
         });
         for (_, error) in skipped {
-            let text = format!("{error}\nThe checkpoint before it was used instead");
+            let text = format!("{error}\nThe previous checkpoint was used instead");
             notify(world, NoticeTopic::General, Severity::Error, text);
         }
     }

@@ -97,7 +97,7 @@ pub(super) fn insert_run(world: &mut World, prepared: PreparedTraining) {
     world.insert_resource(TrainingRun::new(config, initial_policy, trainer_state));
 }
 
-/// Replaces the current training run. What the user has opened or saved is kept, and so are notices that are not about the run.
+/// Replaces the current training run. Keeps what the user has opened or saved, and the notices that are not about the run.
 pub(super) fn replace(world: &mut World, prepared: PreparedTraining) {
     if let Some(pace) = world.resource::<ActiveMode>().suspended_pace() {
         world.resource_mut::<Pacer>().pace = pace;
@@ -163,8 +163,8 @@ pub(super) fn start_in_scenario(
     Ok(())
 }
 
-/// The configuration of the current training run with this scenario, preset and seed. If the scenario or the preset has the same
-/// name as now, it is kept with the user's changes.
+/// The configuration of the current training run with this scenario, preset and seed. If the scenario or the preset has
+/// the same name as now, it is kept with the user's changes.
 ///
 /// # Errors
 /// The scenario or the preset is invalid.
@@ -187,8 +187,8 @@ pub(super) fn transfer_config(
     Ok(config)
 }
 
-/// Starts the training run of `config` from a policy. Exploration starts at `epsilon`, limited to 0..=1. If the policy is the
-/// current or the best one, the curves of the run that it comes from stay in the background.
+/// Starts the training run of `config` from a policy. Exploration starts at `epsilon`, limited to 0..=1. If the policy
+/// is the current or the best one, the curves of the run that it comes from stay in the background.
 ///
 /// # Errors
 /// There is no such policy, or it does not fit the scenario or the preset.

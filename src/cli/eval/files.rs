@@ -1,6 +1,7 @@
 //! The files of a test: episodes as CSV, and a trace of every control step as JSON lines.
 //!
-//! A file appears when the whole test is done, or not at all. It is written during the test, so it may be larger than memory.
+//! A file appears when the whole test is done, or not at all. It is written as the test runs, so it may be larger than
+//! memory.
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};

@@ -109,7 +109,7 @@ pub struct OptimumReport {
 }
 
 impl OptimumReport {
-    /// The report on `comparison`, which is `None` if no episode could be compared. `is_supported` tells whether the planner
+    /// The report on `comparison`, which is `None` if no episode could be compared. `is_supported` is whether the planner
     /// supports the scenario.
     pub fn new(comparison: Option<OptimumComparison>, is_supported: bool) -> Self {
         Self {

@@ -43,7 +43,7 @@ pub fn make(results: &Results<'_>, index: usize, spec: &TableSpec) -> Result<Tab
     };
     notes.extend(notes::notes(results, index, spec)?);
     if rows.iter().flatten().any(Cell::is_cut) {
-        notes.push("(a to b): the 95 % interval, cut at an end beyond which no value is possible.".into());
+        notes.push("(a to b): the 95 % interval, cut off at the limit of possible values.".into());
     }
     Ok(Table { name: spec.name.clone(), title: spec.title.clone(), columns, rows, notes })
 }

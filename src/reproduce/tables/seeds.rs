@@ -89,7 +89,7 @@ fn paper_cells(paper: Option<f64>, mean: Option<Estimate>, measure: Measure) -> 
         Some((paper, mean)) => Cell::Signed {
             value: mean.mean - paper,
             half_width: mean.half_width,
-            // The limits of the measure, also minus the paper's value.
+            // The measure's limits, minus the paper's value.
             limits: measure.limits().map(|(low, high)| (low - paper, high - paper)),
             digits,
         },
@@ -108,7 +108,7 @@ fn optimal_time_note(scenario: &str, (plan_s, bound_s): (f64, f64)) -> String {
     )
 }
 
-/// The planner's mean time and the mean lower bound, in s, over the episodes that the measure is about. `None` if
+/// The planner's mean time and the mean lower bound, in s, over the episodes that `measure` refers to. `None` if
 /// there are no such episodes, or the planner found no path for one of them.
 fn mean_optimal_time(
     results: &Results<'_>,
@@ -135,5 +135,6 @@ fn mean_optimal_time(
 
 /// The number of decimals of a number in the paper, at most 3.
 fn decimals(value: f64) -> usize {
-    (0..3).find(|&digits| (value * 10_f64.powi(digits)).fract().abs() < 1e-6).unwrap_or(3) as usize
+    let is_whole = |x: f64| (x - x.round()).abs() < 1e-6;
+    (0..3).find(|&digits| is_whole(value * 10_f64.powi(digits))).unwrap_or(3) as usize
 }

@@ -148,35 +148,35 @@ impl TrainerState {
         self.arena_scenarios = self.arenas.iter().filter_map(|arena| arena.scenario.clone()).collect();
     }
 
-    /// Copies the same back into the arenas.
+    /// Copies these data back into the arenas.
     pub(super) fn distribute_extensions(&mut self) -> Result<(), String> {
         if !self.arena_extensions.is_empty() && self.arena_extensions.len() != self.arenas.len() {
-            return Err("is damaged: it has plugin data of a different number of arenas".into());
+            return Err("is damaged: it has plugin data for a different number of arenas".into());
         }
         for (arena, extension) in self.arenas.iter_mut().zip(&self.arena_extensions) {
             arena.readings.clone_from(&extension.readings);
             arena.episode.extra_rewards.clone_from(&extension.extra_rewards);
         }
         if !self.arena_scenarios.is_empty() && self.arena_scenarios.len() != self.arenas.len() {
-            return Err("is damaged: it has scenarios of a different number of arenas".into());
+            return Err("is damaged: it has scenarios for a different number of arenas".into());
         }
         for (arena, scenario) in self.arenas.iter_mut().zip(&self.arena_scenarios) {
             arena.scenario = Some(scenario.clone());
         }
         if !self.estimated_poses.is_empty() && self.estimated_poses.len() != self.arenas.len() {
-            return Err("is damaged: it has estimated poses of a different number of arenas".into());
+            return Err("is damaged: it has estimated poses for a different number of arenas".into());
         }
         for (k, arena) in self.arenas.iter_mut().enumerate() {
             arena.estimated_pose = self.estimated_poses.get(k).copied().unwrap_or(arena.pose);
         }
         if !self.pedestrians.is_empty() && self.pedestrians.len() != self.arenas.len() {
-            return Err("is damaged: it has pedestrians of a different number of arenas".into());
+            return Err("is damaged: it has pedestrians for a different number of arenas".into());
         }
         for (arena, pedestrians) in self.arenas.iter_mut().zip(&self.pedestrians) {
             arena.pedestrians.clone_from(pedestrians);
         }
         if !self.earlier_scans.is_empty() && self.earlier_scans.len() != self.arenas.len() {
-            return Err("is damaged: it has earlier scans of a different number of arenas".into());
+            return Err("is damaged: it has earlier scans for a different number of arenas".into());
         }
         for (arena, scans) in self.arenas.iter_mut().zip(&self.earlier_scans) {
             arena.earlier_scans.clone_from(scans);

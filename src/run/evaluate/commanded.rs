@@ -28,8 +28,8 @@ impl Evaluator {
         EvaluationRun::new(seed, count)
     }
 
-    /// The observations in the current parallel episodes of `run`, one row each, in the order of the episodes. If none are in
-    /// progress, the next ones begin. The rows of episodes that have ended have no meaning.
+    /// The observations in the current parallel episodes of `run`, one row each, in the order of the episodes. If none
+    /// are in progress, the next ones begin. The rows of episodes that have ended have no meaning.
     pub fn observations<'a>(&'a mut self, run: &mut EvaluationRun) -> &'a [f32] {
         self.begin_if_needed(run);
         let world = self.world_mut();

@@ -42,14 +42,14 @@ pub const PHYSICS: &str = "kinematic, rapier contact";
 pub enum Evaluated<'a> {
     /// The greedy actions of a policy.
     Policy(&'a Policy),
-    /// A policy that builds a map, with which it drives around what blocks the straight line to the goal.
+    /// A policy that builds a map, and uses it to drive around anything that blocks the straight line to the goal.
     PolicyWithMap(&'a DrivingPolicy),
     /// A classical driver.
     Driver(&'a DriverConfig),
 }
 
 impl Evaluated<'_> {
-    /// What it may perceive. A policy has class A; with a map, B.
+    /// What it may perceive: class A for a policy, B for a policy with a map.
     #[must_use]
     pub fn class(&self) -> DriverClass {
         match self {
@@ -205,8 +205,8 @@ impl Evaluation {
         }
     }
 
-    /// The evaluation of `episodes`, whose scenarios are those of [`ScenarioPool::in_fixed_shares`]; with `round` episodes per
-    /// round.
+    /// The evaluation of `episodes`, with `round` episodes per round. Their scenarios are those of
+    /// [`ScenarioPool::in_fixed_shares`].
     #[must_use]
     pub fn over_pool(episodes: &[EpisodeResult], round: usize, pool: &ScenarioPool, seed: u64) -> Self {
         let mut groups = vec![Vec::new(); pool.members()];

@@ -9,7 +9,7 @@ const MAX_LINKS: usize = 40;
 
 /// The target of an output.
 pub enum OutputTarget {
-    /// A regular file that can be replaced, or a free name.
+    /// A regular file that can be replaced, or a name that does not exist yet.
     File(PathBuf),
     /// A device or a pipe, such as `/dev/stdout`, or an open file of a process.
     Stream,
@@ -37,7 +37,7 @@ impl OutputTarget {
                 Err(_) => return Self::file(target),
             }
         }
-        Err(io::Error::other("the link leads to too many other links"))
+        Err(io::Error::other("too many links lead from one to the next"))
     }
 
     fn file(target: PathBuf) -> io::Result<Self> {
@@ -83,8 +83,8 @@ pub(super) fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Whether `folder` holds the open files of a process. They look like links, but lead to what was opened, even if that no
-/// longer has a name.
+/// Whether `folder` holds the open files of a process. Its entries look like links, but lead to the open files even if these
+/// no longer have a name.
 fn holds_descriptors(folder: &Path) -> bool {
     folder.canonicalize().is_ok_and(|folder| {
         folder == Path::new("/dev/fd") || (folder.starts_with("/proc") && folder.ends_with("fd"))

@@ -1,4 +1,4 @@
-//! Temporary files: what is written before it gets its name.
+//! Temporary files: files under a provisional name, until they are complete.
 
 use std::fs::{self, DirEntry};
 use std::path::Path;

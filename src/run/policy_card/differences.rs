@@ -1,8 +1,8 @@
 //! The comparison of a card with the scenario in which its policy is used.
 //!
-//! A policy whose actions turn or drive the other way, or are in another order, is useless and is refused. Other differences
-//! in the robot, the LIDAR or the rules can make sense (a test of robustness, transfer): they give a warning that lists the
-//! values on the card and in the scenario.
+//! A policy is rejected if an action turns or drives the other way in the scenario, or if the actions are in another order.
+//! Other differences in the robot, the LIDAR or the rules can make sense (a test of robustness, transfer): they give a
+//! warning that lists the values on the card and in the scenario.
 
 use super::{angles_rad, parse_scenario, printable, scenario_name, write};
 use crate::policy::card::Action;
@@ -62,7 +62,7 @@ pub fn warning(policy: &Policy, scenario: &Scenario) -> Result<Option<String>, R
     let name = printable(&scenario.name);
     let Some(card) = &policy.card else {
         return Ok(Some(format!(
-            "this policy has no card (wayfield 0.1.0 wrote none), so nobody can tell whether the robot, the LIDAR and the \
+            "this policy has no card (wayfield 0.1.0 wrote none), so it is unknown whether the robot, the LIDAR and the \
              control period of \"{name}\" are those it was trained with"
         )));
     };

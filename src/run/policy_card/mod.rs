@@ -219,7 +219,7 @@ fn contradiction(why: &str) -> RunError {
     ))
 }
 
-/// The directions of the beams of `lidar`, in rad, as cards have them.
+/// The directions of the beams of `lidar`, in rad, as on a card.
 fn angles_rad(lidar: &Lidar) -> Vec<f32> {
     (0..lidar.beams).map(|beam| lidar.beam_angle_rad(beam) as f32).collect()
 }

@@ -130,7 +130,7 @@ fn file_of(name: &str, path: &Path) -> PathBuf {
     path.parent().unwrap_or(Path::new("")).join(name)
 }
 
-/// The same path for every spelling of `path`, to compare files.
+/// The canonical form of `path`, to compare files whose paths are spelled differently.
 fn identity(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.into())
 }

@@ -88,7 +88,7 @@ impl View<'_> {
     }
 }
 
-/// A count: exact up to four digits, then as [`short`].
+/// A count: exact up to four digits, otherwise as by [`short`].
 fn count(n: u64) -> String {
     if n < 10_000 { n.to_string() } else { short(n as f64) }
 }

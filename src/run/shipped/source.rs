@@ -1,4 +1,4 @@
-//! What a name after `--scenario` stands for: a scenario, a level of a generator, a level generator, or a set of scenarios.
+//! The meaning of a name after `--scenario`: a scenario, a level of a generator, a level generator, or a set of scenarios.
 
 use std::path::Path;
 
@@ -25,7 +25,7 @@ impl Source {
     ///
     /// # Errors
     /// As for [`Scenario::load`] and [`LevelGenerator::load`]; for an unknown name, the message names the closest shipped one.
-    /// Also if there is a seed, but no generator or no level for it.
+    /// It is also an error if there is a seed, but `wanted` is not a generator or has no level with this seed.
     pub fn load(wanted: &str) -> Result<Self, FileError> {
         let (file, seed) = split_seed(wanted);
         let path = Path::new(file);

@@ -28,10 +28,10 @@ use crate::policy::Policy;
 use crate::scenario::NoteLevel;
 use crate::simulation::{Extensions, Simulation};
 
-/// The default interval between checkpoints. A new run also writes one before its first step; every run writes one at its end.
+/// The default interval between checkpoints. A new run also writes one before its first step, and every run at its end.
 pub const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(30);
 
-/// The most notes about questionable settings that a run prints.
+/// Maximum number of notes about questionable settings that a run prints.
 const MAX_PRINTED_NOTES: usize = 10;
 
 /// A new run, or one to resume.
@@ -58,8 +58,9 @@ pub enum Job {
 
 /// Runs `job` until its budget is used up or `stop` is set. Returns the run folder and the summary.
 ///
-/// Checkpoints are written at `checkpoint_interval` and at the end; a new run also writes one before its first step. Wall
-/// time is counted from `began`, the start of the process. Progress is shown on stderr, or passed to `listener` if there is one.
+/// Checkpoints are written at `checkpoint_interval` and at the end; a new run also writes one before its first step.
+/// Wall time is counted from `began`, the start of the process. Progress is shown on stderr, or passed to `listener` if
+/// there is one.
 ///
 /// # Errors
 /// A file is invalid or cannot be written, or learning diverged. Earlier checkpoints are kept.
@@ -262,8 +263,8 @@ impl Run {
         Ok(())
     }
 
-    /// Tests the best policy of a finished run on episodes that were not used to select it. `None` if there is no such policy,
-    /// or the preset asks for no test.
+    /// Tests the best policy of a finished run on episodes that were not used to select it. `None` if there is no such
+    /// policy, or the preset asks for no test.
     fn final_test(&mut self) -> Result<Option<FinalTest>, RunError> {
         let began = Instant::now();
         let Some(candidate) = final_test::candidate(&self.config, &self.trainer_state)? else {

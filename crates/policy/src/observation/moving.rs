@@ -1,29 +1,32 @@
-//! Things that move, found by comparing scans.
+//! Moving objects, found by comparing scans.
 //!
-//! Neighbouring hits form a thing, if they are compact together. A thing where an earlier scan saw nothing has moved. It is
-//! followed back in time, in each scan to the thing nearest to where it is expected; its velocity is the slope of the line fitted
-//! to its positions. Everything else is taken to be still. With few beams, only what is near is found in time.
+//! A *thing* is a compact cluster of neighbouring hits. A thing at a place where an earlier scan saw nothing has moved.
+//! It is followed back in time: in each earlier scan, to the thing nearest to the position where it is expected. Its
+//! velocity is the slope of the line fitted to its positions. Everything else is taken to be static. With few beams,
+//! only near objects are found in time.
 //!
 //! Lengths are in units of the robot, which `sectors.rs` defines.
 
 use serde::{Deserialize, Serialize};
 
-/// How many control steps a thing is followed back.
+/// The number of control steps that a thing is followed back.
 pub(super) const FOLLOWED_STEPS: usize = 5;
-/// The fewest positions that give a velocity.
+/// The minimum number of positions for a velocity.
 const MIN_POSITIONS: usize = 3;
-/// Neighbouring hits belong to one thing if their distance is at most this many times the distance between beams at that range.
+/// Neighbouring hits belong to one thing if their distance is at most this many times the distance between beams at
+/// that range.
 const LINK: f32 = 2.0;
 /// Neighbouring hits also belong to one thing if their distance is at most this, in units of the robot.
 const MIN_LINK: f32 = 0.5;
 /// The largest extent of a thing that may move, in units of the robot. Larger things are taken for walls.
 const MAX_EXTENT: f32 = 5.0;
-/// A thing in a scan can be up to this far from where it is expected, however slow the robot is, in units of the robot.
+/// The distance, in units of the robot, that a thing in a scan may always have from its expected position, even if the robot
+/// is slow.
 const MIN_GATE: f32 = 1.0;
-/// The least displacement over all positions that counts as motion, in units of the robot.
+/// The minimum displacement over all positions that counts as motion, in units of the robot.
 const MIN_DISPLACEMENT: f32 = 0.3;
 
-/// A compact thing in a scan: a disc in the robot's frame at that moment, in units of the robot.
+/// A compact cluster of hits in a scan: a disc in the robot's frame at the time of the scan, in units of the robot.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Thing {
     pub(super) x: f32,
@@ -53,7 +56,7 @@ impl BeamEnd {
     }
 }
 
-/// A thing that moves, in the robot's present frame: its disc, and its displacement in a control step, in units of the robot.
+/// A moving thing in the robot's present frame: its disc, and its displacement in a control step, in units of the robot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MovingThing {
     disc: Thing,
@@ -61,8 +64,8 @@ pub(super) struct MovingThing {
 }
 
 impl MovingThing {
-    /// The number of control steps until the robot, which moves from the origin by `step` in each of them, collides with it;
-    /// infinite if they do not collide. Without branches, so that a loop over many steps is vectorized.
+    /// The number of control steps until the robot collides with the thing if it moves from the origin by `step` in each of
+    /// them; infinite if they do not collide. Without branches, so that a loop over many steps is vectorized.
     #[inline(always)]
     pub(super) fn steps_to_collision(&self, step: (f32, f32)) -> f32 {
         let Self { disc, velocity } = self;
@@ -82,8 +85,8 @@ fn length(x: f32, y: f32) -> f32 {
     (x * x + y * y).sqrt()
 }
 
-/// Finds the compact things among `ends`, the ends of a scan's beams in the order of the beams, and writes to `thing_of_beam`
-/// which one each beam has hit, if any.
+/// Finds the things in a scan, and for each beam the index of the thing that it has hit, if any. `ends` are the ends of the
+/// beams, in the order of the beams.
 pub(super) fn find_things(
     ends: &[Option<BeamEnd>],
     spacing_rad: f32,
@@ -101,7 +104,7 @@ pub(super) fn find_things(
         }
         _ => false,
     };
-    // A LIDAR that sees all around may see a thing with its first and last beams.
+    // A LIDAR with a field of view of 360 degrees may see one thing with its first and last beams.
     let is_first = |beam: usize| !is_linked(beam.checked_sub(1).unwrap_or(beams - 1), beam);
     let Some(first) = (0..beams).find(|&beam| is_first(beam)) else { return };
     let at = |index: usize| if first + index < beams { first + index } else { first + index - beams };
@@ -136,8 +139,8 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// The robot's frame at the pose `then`, relative to its frame at the pose `now`, in units of `unit_m`. Poses are x in m, y
-    /// in m and heading in rad.
+    /// The robot's frame at the pose `then`, relative to its frame at the pose `now`, in units of `unit_m`. Poses are x
+    /// in m, y in m and heading in rad.
     pub(super) fn between(then: (f32, f32, f32), now: (f32, f32, f32), unit_m: f32) -> Self {
         let (sin, cos) = libm::sincosf(now.2);
         let (dx, dy) = (then.0 - now.0, then.1 - now.1);
@@ -153,8 +156,8 @@ impl Frame {
     }
 }
 
-/// Follows a thing of the present scan back through `earlier` scans, the newest first, and returns it if it moves. In each scan
-/// it can be up to `gate` (at least [`MIN_GATE`]) from where it is expected, in units of the robot.
+/// Follows a thing of the present scan back through the `earlier` scans, the newest first, and returns it if it moves.
+/// In each scan it may be up to `gate` (at least [`MIN_GATE`]) away from its expected position, in units of the robot.
 pub(super) fn follow<'a>(
     disc: Thing,
     earlier: impl Iterator<Item = (Frame, &'a [Thing])>,
@@ -207,8 +210,8 @@ mod tests {
         let earlier = || scans.iter().map(|things| (PRESENT, things.as_slice()));
         let moving = follow(disc(2.0, 0.0), earlier(), 0.0).expect("it moves");
         assert!((moving.velocity.0 + 0.2).abs() < 1e-5 && moving.velocity.1.abs() < 1e-5, "{moving:?}");
-        assert_eq!(follow(disc(4.0, 3.0), earlier(), 0.0), None, "it is still");
-        assert_eq!(follow(disc(2.0, 0.0), earlier().take(1), 0.0), None, "two places say too little");
+        assert_eq!(follow(disc(4.0, 3.0), earlier(), 0.0), None, "it is static");
+        assert_eq!(follow(disc(2.0, 0.0), earlier().take(1), 0.0), None, "two positions are too few");
         assert_eq!(follow(disc(-3.0, 0.0), earlier(), 0.0), None, "it was not seen before");
     }
 
@@ -233,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn compact_things_are_told_from_walls_even_across_the_first_beam() {
+    fn compact_things_are_distinguished_from_walls_even_across_the_first_beam() {
         let beams = 36;
         let spacing_rad = std::f32::consts::TAU / beams as f32;
         let end = |beam: usize| {

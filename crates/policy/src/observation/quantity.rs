@@ -1,8 +1,8 @@
-//! What the numbers of an observation measure.
+//! The quantities that the numbers of an observation measure.
 
 use serde::{Deserialize, Serialize};
 
-/// What an input measures.
+/// The quantity that an input measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
@@ -24,7 +24,12 @@ pub enum Quantity {
     NearnessChange,
     /// The nearness of a collision in the direction of a sector's centre.
     CollisionNearness,
+<<<<<<< HEAD
     /// Like [`CollisionNearness`](Self::CollisionNearness), at the robot's highest speed, if what moves keeps moving as it has.
+=======
+    /// Like [`CollisionNearness`](Self::CollisionNearness), at the robot's highest speed, if moving objects keep their
+    /// velocities.
+>>>>>>> read19
     PredictedNearness,
     /// The cosine of the goal's bearing.
     GoalCosine,
@@ -34,9 +39,9 @@ pub enum Quantity {
     GoalNearness,
     /// The logarithm of the distance to the goal's edge: ln(1 + d) / 4 with d in units of the robot.
     GoalLogDistance,
-    /// The robot's speed, in units of its highest.
+    /// The robot's speed, as a fraction of its highest speed.
     Speed,
-    /// The robot's turning rate, in units of its highest.
+    /// The robot's turning rate, as a fraction of its highest turning rate.
     TurningRate,
     /// The longest distance that the robot drives in a control step, in units of the robot.
     StepLength,

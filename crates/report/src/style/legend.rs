@@ -60,7 +60,7 @@ impl Legend {
         self.rows * ROW_HEIGHT
     }
 
-    /// Draws the legend with its upper left corner at the given point.
+    /// Draws the legend with its upper left corner at the given point. `width` is that of [`Legend::new`].
     pub(crate) fn draw(&self, root: &Canvas, (left, top): Pixel, width: i32) -> DrawResult {
         for (entry, (x, y)) in &self.entries {
             let (x, y) = (left + x, top + y);

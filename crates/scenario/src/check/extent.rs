@@ -48,7 +48,7 @@ impl<'a> EnclosureExtent<'a> {
         let start = obstacle.position_m;
         let path = match obstacle.actual_track() {
             Track::Point => vec![start],
-            // It rotates with the revolution, so its farthest point describes a circle about the centre.
+            // The obstacle rotates as it orbits, so its farthest point moves on a circle about the centre.
             Track::Circle { centre_m } => {
                 return obstacle.max_distance_from(centre_m) - enclosure_distance(self.enclosure, centre_m);
             }
@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bar_across_a_notch_is_outside_though_its_ends_are_inside() {
+    fn a_bar_across_a_notch_is_outside_although_its_ends_are_inside() {
         let bar = Shape::Rectangle { width_m: 2.0, height_m: 0.1 };
         let still = |y| obstacle(bar.clone(), vec2(0.0, y), ObstacleMotion::Static);
         // At the centre of the notch both of its walls are 0.5 m away.

@@ -1,6 +1,6 @@
-//! The notes on obstacles that overlap walls or other obstacles, or pass through them.
+//! Notes on obstacles that overlap walls or other obstacles, or pass through them.
 //!
-//! Obstacles do not stop each other, so such a scenario can be run. Moving obstacles that meet are not noted: they are
+//! Obstacles do not stop each other, so such a scenario can be run. Moving obstacles that meet are not reported: they are
 //! like people who pass each other.
 
 use std::collections::HashSet;
@@ -21,7 +21,7 @@ enum SolidId {
 }
 
 impl fmt::Display for SolidId {
-    /// The number in the app, which counts from 1, and the field in the file.
+    /// The number that the app shows, from 1, and the field in the file.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Wall(k) => write!(f, "wall {} (`walls[{k}]`)", k + 1),

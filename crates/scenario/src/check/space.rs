@@ -15,8 +15,8 @@ use glam::{Vec2, vec2};
 const SAMPLED_STEPS: u64 = 4;
 /// Maximum number of generated layouts that are checked.
 const MAX_SAMPLED_LAYOUTS: usize = 4;
-/// Work (obstacles to place times sides to test) spent on generating layouts; the more one takes, the fewer are checked. The
-/// editor runs this check during a drag, so it must be quick.
+/// Work (obstacles to place times sides to test) spent on generating layouts; the more work a layout takes, the fewer are
+/// checked. The editor runs this check during a drag, so it must be quick.
 const GENERATION_WORK_BUDGET: usize = 20_000;
 /// One in this many random starts must have a goal that is far enough away.
 const FAR_START_DIVISOR: usize = 4;
@@ -151,7 +151,7 @@ fn check_benchmark_route(valid: &ValidPart, route: &BenchmarkRoute, diagnostics:
     );
 }
 
-/// Reports a position at which the robot may collide with what is `near`. The message names `near` as in the whole scenario.
+/// Reports a position at which the robot may collide with the solid `near`. The message names it as in the whole scenario.
 fn check_clearance(
     path: std::fmt::Arguments<'_>,
     (near, clear): (Solid, f32),
@@ -199,8 +199,8 @@ fn check_free_space(valid: &ValidPart, diagnostics: &mut Diagnostics) {
     too_narrow &= has_goals;
     if too_narrow {
         let message = format!(
-            "is {}, but the free space for goals is less than twice as long, so that no goal is far enough from some robot \
-             positions: write a smaller distance, or free more space",
+            "is {}, but the free space for goals extends over less than twice that, so that no goal is far enough from some \
+             robot positions: write a smaller distance, or free more space",
             scenario.task.min_goal_distance_m
         );
         diagnostics.push(format_args!("task.min_goal_distance_m"), message);
@@ -247,7 +247,7 @@ impl FreeSpace {
     }
 }
 
-/// Checks that free space is left in a few generated layouts, too.
+/// Checks that a few generated layouts leave free space, too.
 fn check_layouts(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     let made = scenario.max_obstacles() - scenario.obstacles.len();
     if made == 0 {

@@ -1,6 +1,6 @@
-//! The note on goals that are farther away than the robot gets within the time limit.
+//! The note on goals that the robot cannot reach within the time limit.
 //!
-//! A goal counts as out of reach only if the straight line to it is too long, so walls make the true fraction larger.
+//! A goal counts as out of reach only if the straight line to it is too long. With walls, the true fraction may be larger.
 
 use super::motions::{more_steps, step_m, steps_to};
 use super::space::{possible_positions, without_moving_obstacles};
@@ -11,7 +11,7 @@ use glam::Vec2;
 
 /// Maximum number of starts, and of goals, that are compared.
 const MAX_POSITIONS: usize = 512;
-/// Smallest fraction of goals out of reach that is noted.
+/// Smallest fraction of goals out of reach for which there is a note.
 const MIN_FRACTION: f64 = 0.01;
 
 pub(super) fn check(scenario: &Scenario, notes: &mut Vec<Note>) {

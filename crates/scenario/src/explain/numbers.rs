@@ -1,4 +1,4 @@
-//! Numbers of which ron reads only a part, or which it reads as several.
+//! Explains errors at numbers that ron reads only in part, or as several numbers.
 
 use std::ops::Range;
 
@@ -8,7 +8,7 @@ use super::number_text::{comma_problem, cut_number, cut_number_problem, pair_pro
 use super::{Place, Problem, Repair, is_about_a_name, last_of};
 
 impl Place<'_> {
-    /// The problem of a number that ron reads differently from people.
+    /// The problem with a number that ron does not read as a person would.
     pub(super) fn number(&self, code: &Error) -> Option<Problem> {
         use Error as E;
         let is_cut = matches!(

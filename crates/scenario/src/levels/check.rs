@@ -225,8 +225,8 @@ fn check_cells(
 ) {
     if generator.width_m.1 * generator.height_m.1 / (side_m * side_m) > most as f32 {
         let message = format!(
-            "is {side_m} m at the least, of which the largest enclosure would have more than {most}: write a larger side, or a \
-             smaller enclosure"
+            "can be as small as {side_m} m, so the largest enclosure could have more than {most} cells: write a larger \
+             minimum, or a smaller enclosure"
         );
         diagnostics.push(path, message);
     }

@@ -1,4 +1,4 @@
-//! A level under construction: its scenario, and the areas that are taken.
+//! A level under construction: its scenario, and the areas that are occupied.
 
 use glam::{Vec2, vec2};
 use wayfield_random::{Stream, uniform};

@@ -1,6 +1,6 @@
 //! The body of an obstacle: its position, rotation and size.
 //!
-//! Resizing works in the obstacle's local frame and keeps the opposite side in place. Where that moves the obstacle's
+//! Resizing works in the obstacle's local frame and keeps the opposite side in place. If this moves the obstacle's
 //! centre, its path moves with it.
 
 use bevy::math::{Vec2, vec2};

@@ -26,8 +26,8 @@ pub(super) fn handles(obstacle: &Obstacle) -> Vec<Handle> {
     }
 }
 
-/// Handles of the path: new waypoints on its legs, then its start and waypoints. A path with more waypoints than can be drawn
-/// has a handle only at its start.
+/// Handles of the path: new waypoints on its legs, then its start and waypoints. A path with more waypoints than can be
+/// drawn has a handle only at its start.
 fn path_handles(path: &[Vec2], closed: bool) -> Vec<Handle> {
     let mut handles = Vec::new();
     let path = if path.len() > MAX_POINTS + 1 { &path[..1] } else { path };

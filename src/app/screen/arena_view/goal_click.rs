@@ -1,4 +1,4 @@
-//! A click on free floor while a policy, a driver or the user drives: it gives the robots their goal.
+//! Sets the goal by a click on free floor, while a policy, a driver or the user drives.
 //!
 //! In: the pointer over an arena. Out: [`Command::SetGoal`], and a preview of the goal under the pointer.
 

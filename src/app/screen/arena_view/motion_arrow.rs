@@ -1,5 +1,5 @@
-//! The symbol of a motion: an arrow that bends in the direction of the turn and is longer for a higher speed, or a square for a
-//! stop.
+//! The symbol of a motion: an arrow that bends in the direction of the turn and is longer for a higher speed, or a
+//! square for a stop.
 
 use egui::{Color32, Pos2, Rect, Shape, Stroke, Vec2, pos2};
 

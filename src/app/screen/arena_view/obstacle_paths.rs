@@ -9,7 +9,7 @@ use crate::scenario::{MotionKind, MotionSpeed, Obstacle, Track};
 
 /// Lengths of a dash and of the gap after it, in points.
 const DASH: (f32, f32) = (6.0, 4.0);
-/// A path with more corners, as recordings have, is drawn without dots and arrows.
+/// A path with more corners than this (from a recording, for example) is drawn without dots and arrows.
 const MAX_MARKED_CORNERS: usize = 300;
 
 /// Draws the path of `obstacle`; nothing for a static one.
@@ -19,7 +19,7 @@ pub fn draw(canvas: &Canvas, obstacle: &Obstacle, color: Color32) {
     match obstacle.track() {
         Track::Point => {}
         Track::Circle { centre_m } => orbit(canvas, canvas.to_screen(centre_m.into()), obstacle, stroke),
-        Track::Lines { corners_m, closed } => legs(canvas, corners_m, ways(obstacle, closed), stroke),
+        Track::Lines { corners_m, closed } => legs(canvas, corners_m, traversal(obstacle, closed), stroke),
         Track::Disc { radius_m } => {
             let reach = canvas.transform.to_screen_length(radius_m);
             canvas.painter.circle_filled(at, reach, color.gamma_multiply(0.08));
@@ -46,29 +46,29 @@ fn orbit(canvas: &Canvas, centre: Pos2, obstacle: &Obstacle, stroke: Stroke) {
     }
 }
 
-/// The directions in which an obstacle moves along its path.
+/// How an obstacle moves along its path.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Ways {
+enum Traversal {
     /// From corner to corner, and from the last to the first.
-    Round,
+    Loop,
     /// From corner to corner, and back.
-    Both,
-    /// From corner to corner.
-    There,
+    BackAndForth,
+    /// From the first corner to the last.
+    OneWay,
 }
 
-fn ways(obstacle: &Obstacle, closed: bool) -> Ways {
+fn traversal(obstacle: &Obstacle, closed: bool) -> Traversal {
     match obstacle.motion.kind() {
-        _ if closed => Ways::Round,
-        MotionKind::KeyFrames | MotionKind::Pedestrian => Ways::There,
-        _ => Ways::Both,
+        _ if closed => Traversal::Loop,
+        MotionKind::KeyFrames | MotionKind::Pedestrian => Traversal::OneWay,
+        _ => Traversal::BackAndForth,
     }
 }
 
-/// Draws a dashed line through the corners, with an arrow on each long leg for each way.
-fn legs(canvas: &Canvas, corners: Vec<math::Vec2>, ways: Ways, stroke: Stroke) {
+/// Draws a dashed line through the corners. Each long leg has an arrow for each direction of travel.
+fn legs(canvas: &Canvas, corners: Vec<math::Vec2>, traversal: Traversal, stroke: Stroke) {
     let mut points: Vec<Pos2> = corners.into_iter().map(|corner| canvas.to_screen(corner.into())).collect();
-    if ways == Ways::Round {
+    if traversal == Traversal::Loop {
         points.extend(points.first().copied());
     }
     if points.len() > MAX_MARKED_CORNERS {
@@ -88,7 +88,7 @@ fn legs(canvas: &Canvas, corners: Vec<math::Vec2>, ways: Ways, stroke: Stroke) {
         // Not in the middle, where the editor has its handle for a new corner.
         let position = from.lerp(to, 0.7);
         canvas.arrow_head(position + along * 4.0, along, 8.0, stroke.color);
-        if ways == Ways::Both {
+        if traversal == Traversal::BackAndForth {
             canvas.arrow_head(from.lerp(to, 0.3) - along * 4.0, -along, 8.0, stroke.color);
         }
     }

@@ -9,8 +9,8 @@ use crate::app::commands::{Command, SessionMode};
 use crate::app::screen::input::ScreenInput;
 use crate::scenario::Motion;
 
-/// In Drive mode, sends the motion that the arrow keys ask for whenever it changes; `last` is the scenario and the index of the
-/// motion sent last.
+/// In Drive mode, sends the motion selected by the arrow keys whenever it changes; `last` is the scenario and the index of
+/// the motion that was sent last.
 pub fn handle(
     ui: &Ui,
     view: &ScreenInput<'_>,
@@ -24,8 +24,8 @@ pub fn handle(
     let typing = ui.ctx().text_edit_focused();
     let held = |key| !typing && ui.input(|i| i.key_down(key));
     let (left, right) = (held(Key::ArrowLeft), held(Key::ArrowRight));
-    // The user drives in the first arena. Another scenario, also one of the same set, may have other motions, so the motion is
-    // then sent again.
+    // The user drives in the first arena. Another scenario, even one of the same set, may have other motions, so the motion
+    // is then sent again.
     let Some(arena) = view.scene.arenas.first() else { return };
     let Some(motion) = steered(&arena.scenario.robot.motions, left, right, held(Key::ArrowUp)) else {
         return;

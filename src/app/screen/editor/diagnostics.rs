@@ -78,7 +78,7 @@ fn field_name(path: &str) -> String {
         let mut pieces = part.split(['[', ']']).filter(|piece| !piece.is_empty());
         let Some(name) = pieces.next().filter(|&name| name != "shape") else { continue };
         let numbers: Vec<usize> = pieces.filter_map(|piece| piece.parse().ok()).collect();
-        let units = ["_m_s", "_rad_s", "_rad", "_m", "_s"];
+        let units = ["_m_s2", "_rad_s2", "_m_s", "_rad_s", "_rad_m", "_rad", "_m", "_s"];
         let bare = units.iter().find_map(|unit| name.strip_suffix(unit)).unwrap_or(name);
         let name = bare.replace('_', " ");
         words.push(match numbers[..] {
@@ -102,6 +102,8 @@ mod tests {
             ("walls[0]", "Wall 1"),
             ("starts.clearance_m", "Starts, clearance"),
             ("robot.motions[0].w_rad_s", "Robot, motion 1, w"),
+            ("robot.max_acceleration_m_s2", "Robot, max acceleration"),
+            ("robot.odometry_drift.heading_drift_rad_m", "Robot, odometry drift, heading drift"),
             ("generators[1].within.min_m[0]", "Generator 2, within, min 1"),
             ("name", "Name"),
             ("", ""),

@@ -122,8 +122,8 @@ impl<'u> FieldRows<'u> {
         self.pair(name, tip, [("x", x), ("y", y)], NumberSpec::POSITION);
     }
 
-    /// Adds a list with two numbers per entry, and a button to remove each entry while there are more than `min`. `elsewhere`
-    /// tells the user how to edit the entries beyond [`MAX_SHOWN`].
+    /// Adds a list with two numbers per entry, and a button to remove each entry while there are more than `min`.
+    /// `elsewhere` is shown if there are entries beyond [`MAX_SHOWN`]: a hint on how to edit them.
     pub fn list<T>(
         &mut self,
         name: &str,

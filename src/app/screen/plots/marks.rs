@@ -1,4 +1,4 @@
-//! The texts at the vertical marks of a plot.
+//! The labels of the vertical marks in a plot.
 
 use egui::{Align2, FontId, Rect, pos2, vec2};
 use egui_plot::PlotTransform;
@@ -6,7 +6,7 @@ use egui_plot::PlotTransform;
 use crate::app::history::Annotation;
 use crate::app::screen::theme::{Palette, SMALL};
 
-/// Draws the texts of the marks at the bottom of the plot, each next to its line, as far as there is space.
+/// Labels the marks at the bottom of the plot, each next to its line. Labels that do not fit are left out.
 pub(super) fn label_marks(ui: &egui::Ui, transform: &PlotTransform, marks: &[Annotation], palette: Palette) {
     let frame = *transform.frame();
     let painter = ui.painter().with_clip_rect(frame.intersect(ui.clip_rect()));

@@ -22,8 +22,8 @@ impl Writing {
         Self { slot, failed }
     }
 
-    /// The slot and the result, or `self` if the page has not stored the autosave yet. A page cannot wait for it: with
-    /// `wait`, success is assumed.
+    /// The slot and the result, or `self` if the page has not stored the autosave yet. The app cannot block until then, so
+    /// with `wait`, success is assumed.
     pub(super) fn poll(self, wait: bool) -> Result<Written, Self> {
         let Self { slot, failed } = self;
         match failed.map(Err).or_else(sessions::take_stored).or(wait.then_some(Ok(()))) {

@@ -91,7 +91,7 @@ impl Slot {
         if let Some(folder) = self.folder.take() {
             let path = folder.path().to_path_buf();
             drop(folder);
-            // If it cannot be deleted, a later session does it.
+            // If it cannot be deleted, a later session deletes it.
             let _ = fs::remove_dir_all(path);
         }
         self.known_bytes = 0;
@@ -106,7 +106,7 @@ fn open_locked(path: &Path) -> Result<RunFolder, RunError> {
 fn swap(written: &Path, path: &Path) -> io::Result<()> {
     let folder = path.parent().unwrap_or(path);
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    // Not the name of a folder that an earlier process left when it was killed during this function.
+    // An unused name: a process that was killed during this function may have left a folder.
     let previous = unused_path(folder, &format!("{name}-previous"));
     let has_earlier = match fs::rename(path, &previous) {
         Ok(()) => true,
@@ -115,7 +115,7 @@ fn swap(written: &Path, path: &Path) -> io::Result<()> {
     };
     let swapped = fs::rename(written, path);
     if has_earlier {
-        // If the previous one cannot be deleted, a later session does it.
+        // If the previous one cannot be deleted, a later session deletes it.
         let _ = if swapped.is_ok() { fs::remove_dir_all(&previous) } else { fs::rename(&previous, path) };
     }
     swapped

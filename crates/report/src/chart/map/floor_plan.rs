@@ -169,7 +169,7 @@ impl FloorPlan {
         Ok(())
     }
 
-    /// Draws the enclosing walls, and covers what lies outside them up to the edges of `field`.
+    /// Draws the enclosing walls, and covers the area outside them up to the edges of `field`.
     pub(super) fn draw_enclosure(
         &self,
         root: &Canvas,

@@ -83,6 +83,6 @@ pub struct MapTrajectory {
     pub name: String,
     /// The colour's index in the palette, modulo the palette's length.
     pub colour: usize,
-    /// The positions x and y in m, in order of time.
+    /// The positions x and y in m, in chronological order.
     pub points: Vec<(f64, f64)>,
 }
