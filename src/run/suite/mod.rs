@@ -36,7 +36,7 @@ pub struct Suite {
     pub families: Vec<Family>,
 }
 
-/// Scenarios whose results are given together.
+/// Scenarios whose results are reported together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Family {
     /// Name of the family.

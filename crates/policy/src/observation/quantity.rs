@@ -24,12 +24,8 @@ pub enum Quantity {
     NearnessChange,
     /// The nearness of a collision in the direction of a sector's centre.
     CollisionNearness,
-<<<<<<< HEAD
-    /// Like [`CollisionNearness`](Self::CollisionNearness), at the robot's highest speed, if what moves keeps moving as it has.
-=======
     /// Like [`CollisionNearness`](Self::CollisionNearness), at the robot's highest speed, if moving objects keep their
     /// velocities.
->>>>>>> read19
     PredictedNearness,
     /// The cosine of the goal's bearing.
     GoalCosine,
