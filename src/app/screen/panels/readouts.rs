@@ -141,7 +141,7 @@ fn frames(status: &AppSnapshot) -> Readout {
 
 /// A duration of `s` seconds in one unit: 42 s, 3 min, 2.2 h.
 fn short_duration(s: f64) -> String {
-    let s = s.max(0.0);
+    let s = s.max(0.0).round();
     match s {
         _ if s < 60.0 => format!("{s:.0} s"),
         _ if s < 3600.0 => format!("{} min", (s / 60.0) as u64),
@@ -152,10 +152,22 @@ fn short_duration(s: f64) -> String {
 
 /// A duration of `s` seconds in hours and minutes: 42 s, 3 min, 2 h 10 min.
 fn duration(s: f64) -> String {
-    let minutes = (s.max(0.0) / 60.0) as u64;
+    let s = s.max(0.0).round();
+    let minutes = (s / 60.0) as u64;
     match minutes {
         0 => format!("{s:.0} s"),
         1..60 => format!("{minutes} min"),
         _ => format!("{} h {} min", minutes / 60, minutes % 60),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn durations_never_show_sixty_seconds() {
+        assert_eq!([59.4, 59.5, 3599.0].map(duration), ["59 s", "1 min", "59 min"]);
+        assert_eq!([59.4, 59.5, 7_920.0].map(short_duration), ["59 s", "1 min", "2.2 h"]);
     }
 }
