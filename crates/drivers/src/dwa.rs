@@ -52,11 +52,11 @@ impl Dwa {
     pub(crate) fn new(robot: Robot, parameters: DwaParameters) -> Self {
         let Robot { control_period_s, drive, .. } = robot;
         let samples = (parameters.horizon_s / control_period_s)
-            .max(2.0 * fastest_m_s(&robot) * parameters.horizon_s / robot.keep_out_m)
+            .max(2.0 * robot.top_speed_m_s() * parameters.horizon_s / robot.keep_out_m)
             .ceil()
             .clamp(1.0, MAX_SAMPLES);
         let can_stop = robot.motions.iter().any(|motion| motion.v_m_s == 0.0);
-        let stopping_s = 2.0 * control_period_s + drive.settling_time_s(fastest_m_s(&robot));
+        let stopping_s = 2.0 * control_period_s + drive.settling_time_s(robot.top_speed_m_s());
         let admissible_s = if can_stop { stopping_s.min(parameters.horizon_s) } else { parameters.horizon_s };
         let sample_s = parameters.horizon_s / samples;
         Self { sample_s, drive: drive.over(sample_s), admissible_s, robot, parameters }
@@ -133,7 +133,7 @@ impl Dwa {
         points: I,
     ) -> impl Fn(Vec2, f32) -> f32 + use<I> {
         let DwaParameters { horizon_s, margin, .. } = self.parameters;
-        let reach_m = self.robot.keep_out_m * (1.0 + margin) + fastest_m_s(&self.robot) * horizon_s;
+        let reach_m = self.robot.keep_out_m * (1.0 + margin) + self.robot.top_speed_m_s() * horizon_s;
         let near: Vec<MovingPoint> = points
             .filter(|point| point.at_m.length() <= reach_m + point.velocity_m_s.length() * horizon_s)
             .collect();
@@ -143,11 +143,6 @@ impl Dwa {
             near.iter().map(squared).fold(f32::INFINITY, f32::min).sqrt()
         }
     }
-}
-
-/// The highest speed of the robot's motions, forward or backward, in m/s; at least 0.001.
-fn fastest_m_s(robot: &Robot) -> f32 {
-    robot.motions.iter().map(|motion| motion.v_m_s.abs()).fold(0.001, f32::max)
 }
 
 /// How well a robot at `pose` points at `target_m`: 1 if the target lies straight ahead, 0 if it lies behind.

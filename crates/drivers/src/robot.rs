@@ -52,6 +52,12 @@ impl Robot {
         self.motions.iter().map(|motion| motion.v_m_s).fold(0.001, f32::max)
     }
 
+    /// The highest speed of the motions, forward or backward, in m/s; at least 0.001.
+    #[must_use]
+    pub fn top_speed_m_s(&self) -> f32 {
+        self.motions.iter().map(|motion| motion.v_m_s.abs()).fold(0.001, f32::max)
+    }
+
     /// The highest turning rate of the motions, in rad/s; at least 0.001.
     #[must_use]
     pub fn max_turn_rad_s(&self) -> f32 {
