@@ -5,7 +5,7 @@
 //! other panic remains a panic.
 
 use std::panic::{self, AssertUnwindSafe};
-use std::sync::{Mutex, PoisonError};
+use std::thread;
 
 use crate::run::RunError;
 
@@ -38,16 +38,19 @@ pub fn connect_to_display() -> Result<x11rb::rust_connection::RustConnection, Ru
 /// # Panics
 /// `app` panics for another reason.
 pub fn catch<T>(app: impl FnOnce() -> T) -> Result<T, RunError> {
-    static FAILURE: Mutex<Option<RunError>> = Mutex::new(None);
-    let failure = || FAILURE.lock().unwrap_or_else(PoisonError::into_inner);
     let default_hook = panic::take_hook();
-    panic::set_hook(Box::new(move |info| match explanation(info.payload_as_str().unwrap_or_default()) {
-        Some(error) => *failure() = Some(error),
-        None => default_hook(info),
+    let window_thread = thread::current().id();
+    panic::set_hook(Box::new(move |info| {
+        // The panic of another thread may end that thread alone: then only the hook can report it.
+        let is_of_window = thread::current().id() == window_thread;
+        if !is_of_window || explanation(info.payload_as_str().unwrap_or_default()).is_none() {
+            default_hook(info);
+        }
     }));
-    panic::catch_unwind(AssertUnwindSafe(app)).map_err(|payload| match failure().take() {
-        Some(error) => error,
-        None => panic::resume_unwind(payload),
+    panic::catch_unwind(AssertUnwindSafe(app)).map_err(|payload| {
+        let text = payload.downcast_ref::<String>().map(String::as_str);
+        let text = text.or_else(|| payload.downcast_ref::<&str>().copied());
+        explanation(text.unwrap_or_default()).unwrap_or_else(|| panic::resume_unwind(payload))
     })
 }
 
@@ -112,5 +115,18 @@ mod tests {
         assert_eq!(explanation("index out of bounds: the len is 3 but the index is 7"), None);
         let caught = panic::catch_unwind(|| catch(|| panic!("not about the window")));
         assert!(caught.is_err(), "the panic propagates");
+    }
+
+    #[test]
+    fn only_the_panic_that_ends_the_app_is_explained() {
+        let error = catch(|| panic!("Failed to create wgpu surface")).expect_err("the app panics");
+        assert!(error.to_string().contains("no graphics driver"), "{error}");
+        let app = || {
+            let other = thread::spawn(|| panic!("failed to spawn thread")).join();
+            assert!(other.is_err(), "the other thread panics");
+            panic!("not about the window");
+        };
+        let caught = panic::catch_unwind(|| catch(app));
+        assert!(caught.is_err(), "the panic propagates, although another thread had a known one before");
     }
 }
