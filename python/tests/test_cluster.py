@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+import types
 import warnings
 
 import numpy as np
@@ -160,6 +161,38 @@ def test_ray_is_optional(folder, monkeypatch):
     with pytest.raises(ImportError, match=r"help: pip install 'wayfield\[cluster\]'"):
         cluster.reproduce("own.ron", out="report")
     assert not (folder / "report").exists()
+
+
+def test_an_error_of_ray_says_what_happened(monkeypatch):
+    class Ray(types.ModuleType):
+        class exceptions:
+            RayError = type("RayError", (Exception,), {})
+            RayTaskError = type("RayTaskError", (RayError,), {})
+            WorkerCrashedError = type("WorkerCrashedError", (RayError,), {})
+            NodeDiedError = type("NodeDiedError", (RayError,), {})
+            RuntimeEnvSetupError = type("RuntimeEnvSetupError", (RayError,), {})
+
+        def wait(self, handles, num_returns):
+            return handles[:num_returns], handles[num_returns:]
+
+        def get(self, handle):
+            raise self.error
+
+    ray = Ray("ray")
+    monkeypatch.setitem(sys.modules, "ray", ray)
+    pool = cluster.RayPool(cpus=1, retries=5)
+
+    def message(error):
+        ray.error, pool._names = error, {"handle": "run"}
+        with pytest.raises(RuntimeError) as caught:
+            pool.wait(["handle"])
+        return str(caught.value)
+
+    kept = "; help: make the same call again; finished work is kept"
+    lost = "run: its process or node was lost more than 5 times"
+    assert message(Ray.exceptions.NodeDiedError("gone\nlog")) == f"{lost} (NodeDiedError: gone){kept}"
+    assert message(Ray.exceptions.WorkerCrashedError()) == f"{lost} (WorkerCrashedError: ){kept}"
+    assert message(Ray.exceptions.RuntimeEnvSetupError("no pip")) == f"run: RuntimeEnvSetupError: no pip{kept}"
 
 
 def test_a_sweep_gives_the_same_policies_as_train(folder):

@@ -54,10 +54,10 @@ class RayPool:
         except exceptions.RayTaskError as error:
             raise RuntimeError(f"{name}: {error.cause}") from error
         except exceptions.RayError as error:
-            raise RuntimeError(
-                f"{name}: its process or node was lost more than {self._retries} times; help: make the same call again; "
-                f"finished work is kept ({type(error).__name__}: {(str(error).splitlines() or [''])[0]})"
-            ) from error
+            reason = f"{type(error).__name__}: {(str(error).splitlines() or [''])[0]}"
+            if isinstance(error, (exceptions.WorkerCrashedError, exceptions.NodeDiedError)):
+                reason = f"its process or node was lost more than {self._retries} times ({reason})"
+            raise RuntimeError(f"{name}: {reason}; help: make the same call again; finished work is kept") from error
         return handle, result, f"node {node[:8]}"
 
     def cancel(self, handles: Sequence[Hashable]) -> None:

@@ -1,8 +1,8 @@
 """Reproductions, sweeps and sets of evaluations on several machines, with Ray (docs/cluster.md).
 
 Every training run is a task of its own. Its result, the run folder, comes back through Ray, so no shared file system is needed.
-It is stored under a name derived from the task's content. Tasks whose results are stored are not run again, so the same call
-continues after an interruption. The tasks of a lost node are repeated on another one.
+It is stored under a name derived from the task's content. Tasks whose results are stored are not run again: after an
+interruption, the same call runs only the others. The tasks of a lost node are repeated on another one.
 """
 
 import hashlib
@@ -72,7 +72,7 @@ def reproduce(
 
     Raises:
         ValueError: An option or a file is invalid, or the folder is in use.
-        RuntimeError: A training run failed. Finished runs stay; the same call continues.
+        RuntimeError: A training run failed. Finished runs stay: the same call, made again, trains only the others.
         ImportError: Ray is not installed.
     """
     pool = pool or RayPool(cpus, retries)
@@ -115,7 +115,7 @@ def sweep(
 
     Raises:
         ValueError: An option is invalid.
-        RuntimeError: A training run failed. Finished runs stay; the same call continues.
+        RuntimeError: A training run failed. Finished runs stay: the same call, made again, trains only the others.
         ImportError: Ray is not installed.
     """
     folder, pool = Path(out), pool or RayPool(cpus, retries)
@@ -156,7 +156,7 @@ def evaluate(
 
     Raises:
         ValueError: An option is invalid.
-        RuntimeError: A test failed. Finished tests stay; the same call continues.
+        RuntimeError: A test failed. Finished tests stay: the same call, made again, tests only the others.
         ImportError: Ray is not installed.
     """
     folder, pool = Path(out), pool or RayPool(cpus, retries)
