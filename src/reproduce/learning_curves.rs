@@ -99,20 +99,16 @@ impl LearningCurves<'_> {
 
     /// Markers where arms continue in another stage (on average over the seeds).
     fn stage_markers(&self, results: &Results<'_>, index: usize) -> Result<Vec<EventMarker>, RunError> {
-        let mut markers: Vec<EventMarker> = Vec::new();
+        let mut changes = Vec::new();
         for row in rows(results, index) {
-            let arm = &results.experiment(index).arms[row.arm].name;
+            let arm = results.experiment(index).arms[row.arm].name.as_str();
             let stages = &results.first_run(row)?.stages;
             for (before, &(next, _)) in stages.iter().enumerate().skip(1) {
-                let scenario = &results.training(next).config.scenario.name;
-                let label = format!("{arm} continues in {scenario}");
-                let x = self.mean_length(results, row, before);
-                if !markers.iter().any(|marker| marker.x == x) {
-                    markers.push(EventMarker { x, label });
-                }
+                let scenario = results.training(next).config.scenario.name.as_str();
+                changes.push(StageChange { x: self.mean_length(results, row, before), scenario, arm });
             }
         }
-        Ok(markers)
+        Ok(merged_markers(&changes))
     }
 
     /// The mean length of the first `stages` stages of an arm over its seeds, in units of the axis.
@@ -124,6 +120,38 @@ impl LearningCurves<'_> {
             results.arm_runs(row).map(|(_, run)| run.stages.iter().take(stages).map(length).sum()).collect();
         lengths.iter().sum::<f64>() / lengths.len().max(1) as f64
     }
+}
+
+/// An arm that continues in another stage.
+pub(super) struct StageChange<'a> {
+    /// Where, in units of the axis.
+    pub(super) x: f64,
+    /// The name of the scenario of the stage.
+    pub(super) scenario: &'a str,
+    /// The name of the arm.
+    pub(super) arm: &'a str,
+}
+
+/// One marker for all arms that continue in the same scenario at the same x.
+pub(super) fn merged_markers(changes: &[StageChange<'_>]) -> Vec<EventMarker> {
+    let mut merged: Vec<(f64, &str, Vec<&str>)> = Vec::new();
+    for &StageChange { x, scenario, arm } in changes {
+        match merged.iter_mut().find(|other| other.0 == x && other.1 == scenario) {
+            Some((.., arms)) if arms.contains(&arm) => {}
+            Some((.., arms)) => arms.push(arm),
+            None => merged.push((x, scenario, vec![arm])),
+        }
+    }
+    let marker = |(x, scenario, arms): (f64, &str, Vec<&str>)| {
+        let label = match arms.split_last() {
+            Some((last, others)) if !others.is_empty() => {
+                format!("{} and {last} continue in {scenario}", others.join(", "))
+            }
+            _ => format!("{} continues in {scenario}", arms.join("")),
+        };
+        EventMarker { x, label }
+    };
+    merged.into_iter().map(marker).collect()
 }
 
 /// The moving mean of the values of a curve.

@@ -7,6 +7,7 @@ use super::ReproduceOptions;
 use super::arm_run::{ArmRun, PolicyId};
 use super::experiment::{Experiment, TestRule};
 use super::figure_spec::{Axis, Series};
+use super::learning_curves::{StageChange, merged_markers};
 use super::measure::Measure;
 use super::measured_value::MeasuredValue;
 use super::optimal_times::OptimalTimesCache;
@@ -175,6 +176,16 @@ fn only_needed_episodes_and_seeds_are_trained() {
     let (_, plan) = planned(&ReproduceOptions { seeds: Some(Seeds::List(vec![3, 17])), ..only(&["fig8"]) });
     let seeds: Vec<u64> = plan.training_runs.iter().map(|training| training.config.seed).collect();
     assert_eq!(seeds, [3, 17, 3, 17], "two arms with the seeds of the list");
+}
+
+#[test]
+fn arms_that_continue_together_share_a_marker() {
+    let change = |(x, arm, scenario)| StageChange { x, scenario, arm };
+    let changes =
+        [(9.0, "a", "hall"), (9.0, "b", "hall"), (9.0, "c", "maze"), (9.0, "d", "hall"), (9.0, "a", "hall")];
+    let labels: Vec<String> =
+        merged_markers(&changes.map(change)).into_iter().map(|marker| marker.label).collect();
+    assert_eq!(labels, ["a, b and d continue in hall", "c continues in maze"]);
 }
 
 #[test]

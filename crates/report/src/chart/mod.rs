@@ -100,6 +100,20 @@ mod tests {
     }
 
     #[test]
+    fn labels_of_markers_at_the_same_place_can_all_be_read() {
+        let labels = ["a continues in the hall", "b continues in the maze", "c continues in the field"];
+        for x in [[700.0, 700.0, 700.0], [700.0, 702.0, 704.0], [1500.0, 1500.0, 1500.0]] {
+            let marker = |(x, label): (f64, &str)| EventMarker { x, label: label.to_owned() };
+            let markers = x.into_iter().zip(labels).map(marker).collect();
+            let svg = CurveChart { markers, ..curve_chart(1, 2, 1500) }.svg().expect("the figure is drawn");
+            check("markers at the same place", &svg);
+            for label in labels {
+                assert!(svg.lines().any(|line| line == label), "{label} at {x:?}");
+            }
+        }
+    }
+
+    #[test]
     fn wide_intervals_show_no_impossible_values_and_are_labelled_as_cut_off() {
         let wide = |mean: f64| BandPoint { x: mean, mean, low: mean - 40.0, high: mean + 40.0 };
         let lines = vec![CurveLine { points: [0.0, 1.0, 2.0].map(wide).to_vec(), ..CurveLine::default() }];

@@ -10,6 +10,8 @@ use crate::style::{Axis, Canvas, DrawResult, HAIRLINE, SOFT_INK, TEXT, ellipsize
 
 /// The minimum space for a shortened label, in drawn pixels.
 const MIN_LABEL: i32 = 90;
+/// The maximum number of rows of labels.
+const MAX_MARKER_ROWS: usize = 3;
 
 /// The frame of a curve chart: the x axis and the edges that all panels share.
 pub(super) struct Frame {
@@ -34,16 +36,34 @@ impl Frame {
         write(root, &name, ((LEFT + self.right) / 2, top + 76), TEXT, &SOFT_INK, HPos::Center)
     }
 
-    /// Writes the labels of the markers in one row, each shortened to end before the next marker. One without space for
-    /// a few letters is left out.
-    pub(super) fn draw_marker_labels(&self, root: &Canvas, markers: &[&EventMarker], y: i32) -> DrawResult {
+    /// The labels of the markers, each with its position, in rows from the plot upwards. A label is in the lowest row that has
+    /// space for at least a few of its letters before the next label; one without space in any row is left out.
+    pub(super) fn marker_rows<'a>(&self, markers: &[&'a EventMarker]) -> Vec<Vec<(i32, &'a str)>> {
         let mut labels: Vec<(i32, &str)> =
             markers.iter().map(|m| (self.pixel_x(m.x), m.label.as_str())).collect();
         labels.sort_unstable();
+        let mut rows: Vec<Vec<(i32, &str)>> = Vec::new();
+        for &(at, label) in labels.iter().rev() {
+            let width = text_width(label, TEXT).min(MIN_LABEL);
+            let has_space =
+                |row: &&mut Vec<(i32, &str)>| row.last().is_none_or(|next| at + width <= next.0 - 16);
+            match rows.iter_mut().find(has_space) {
+                Some(row) => row.push((at, label)),
+                None if rows.len() < MAX_MARKER_ROWS => rows.push(vec![(at, label)]),
+                None => {}
+            }
+        }
+        rows.iter_mut().for_each(|row| row.reverse());
+        rows
+    }
+
+    /// Writes a row of labels, each shortened to end before the next one. The last one is left out if it has no space for a
+    /// few letters before the edge of the figure.
+    pub(super) fn draw_marker_labels(&self, root: &Canvas, labels: &[(i32, &str)], y: i32) -> DrawResult {
         for (i, &(at, label)) in labels.iter().enumerate() {
             let end = labels.get(i + 1).map_or(WIDTH - 16, |next| next.0 - 16);
             let width = text_width(label, TEXT);
-            // A label is written to the right of its line, or to the left if it is the only one and fits only there.
+            // A label is written to the right of its line, or to the left if it is alone in its row and fits only there.
             if labels.len() == 1 && at + width > end && at - width > LEFT {
                 write(root, label, (at, y), TEXT, &SOFT_INK, HPos::Right)?;
             } else if width.min(MIN_LABEL) <= end - at {

@@ -47,20 +47,23 @@ impl CurveChart {
         let width = WIDTH - LEFT - 32;
         let legend = Legend::new(self.legend_entries(&panels), width);
         let title_end = title_height(&self.title, width);
-        let marker_row = if markers.is_empty() { 0 } else { LINE_HEIGHT };
-        let top = title_end + legend.height() + marker_row;
-        let height = top + panels.len() as i32 * PANEL_HEIGHT + X_AXIS_HEIGHT;
         let label_width = panels.iter().map(ChartPanel::label_width).max().unwrap_or(0);
         let frame = Frame { x: self.x_axis(&panels, &markers), right: WIDTH - 24 - LABEL_TEXT - label_width };
+        let marker_rows = frame.marker_rows(&markers);
+        let marker_height = marker_rows.len() as i32 * LINE_HEIGHT;
+        let top = title_end + legend.height() + marker_height;
+        let height = top + panels.len() as i32 * PANEL_HEIGHT + X_AXIS_HEIGHT;
 
         picture((WIDTH as u32, height as u32), |root| {
             draw_title(root, &self.title, (LEFT, width))?;
             legend.draw(root, (LEFT, title_end), width)?;
-            frame.draw_marker_labels(root, &markers, top + HEADING_HEIGHT - 16)?;
+            for (i, labels) in (0..).zip(&marker_rows) {
+                frame.draw_marker_labels(root, labels, top + HEADING_HEIGHT - 16 - i * LINE_HEIGHT)?;
+            }
             for (i, panel) in (0..).zip(&panels) {
                 let upper = top + i * PANEL_HEIGHT + HEADING_HEIGHT;
                 // The first panel's heading is above the labels of the markers.
-                let raised = if i == 0 { marker_row } else { 0 };
+                let raised = if i == 0 { marker_height } else { 0 };
                 let heading = ellipsized(&panel.heading, HEADING, frame.right - LEFT);
                 write(root, &heading, (LEFT, upper - 32 - raised), HEADING, &INK, HPos::Left)?;
                 PanelDrawing::new(&frame, panel, (upper, upper + PLOT_HEIGHT)).draw(root, &markers)?;
