@@ -257,6 +257,11 @@ fn an_invalid_generator_is_reported_with_line_and_fix() {
         ("(name: \"a\", width_m: (5.0, 4.0))", "`width_m` is (5, 4): write the smaller number first"),
         ("(name: \"a\", route: Random(clearance_m: 0.18))", "write at least 0.1925, 0.55 times gap_m"),
         ("(name: \"a\", route: Across(margin_m: 3.0))", "a third of the smallest height"),
+        (
+            "(name: \"a\", gap_m: 0.5, height_m: (2.0, 6.0), route: Across())",
+            "`height_m` can be as small as 2 m, so no margin_m of route is at least twice gap_m and at most a third of \
+             the height: write a minimum of more than 3.00 m, or a smaller gap_m",
+        ),
         ("(name: \"a\", clutter: [Automaton(cell_m: (0.03, 0.1))])", "more than 4000"),
         ("(name: \"a\", wall_layouts: [Rooms(door_m: (0.3, 0.5))])", "write more than gap_m, 0.35 m"),
         ("(name: \"a\", traffic: [Lanes(speed_m_s: (0.1, 4.0))])", "write a number from 0 to 2.5"),

@@ -86,7 +86,15 @@ fn check_sizes(generator: &LevelGenerator, diagnostics: &mut Diagnostics) {
             let path = format_args!("route.margin_m");
             diagnostics.check_range(path, margin_m, LEVEL_MARGIN_M, METRES);
             let (least, most) = (2.0 * generator.gap_m, height_m.0 / 3.0);
-            if !(least..=most).contains(&margin_m) {
+            if least > most {
+                let message = format!(
+                    "can be as small as {} m, so no margin_m of route is at least twice gap_m and at most a third of the \
+                     height: write a minimum of more than {:.2} m, or a smaller gap_m",
+                    height_m.0,
+                    3.0 * least
+                );
+                diagnostics.push(format_args!("height_m"), message);
+            } else if !(least..=most).contains(&margin_m) {
                 let message = format!(
                     "is {margin_m}: write at least {least}, twice gap_m, and at most {most}, a third of the smallest height"
                 );
