@@ -42,7 +42,7 @@ fn with(fields: &str) -> String {
     edited(SCENARIO_1, &[("    obstacles: [", &format!("    {fields},\n    obstacles: ["))])
 }
 
-/// Scenario I with motions at 0.15 m/s and these turn rates, in rad/s.
+/// Scenario I with motions at 0.15 m/s and these turning rates, in rad/s.
 fn turning(rates_rad_s: [f32; 5]) -> String {
     let motions = rates_rad_s.map(|w| format!("(v_m_s: 0.15, w_rad_s: {w:?})"));
     with(&format!("robot: (motions: [{}])", motions.join(", ")))

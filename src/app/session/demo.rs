@@ -204,8 +204,8 @@ pub(super) fn watchable_pace(pace: Pace, mode: SessionMode) -> Pace {
     }
 }
 
-/// Index of the motion with the smallest absolute turn rate.
+/// Index of the motion with the smallest absolute turning rate.
 fn straightest_motion(motions: &[Motion]) -> usize {
-    let turn_rate = |k: &usize| motions[*k].w_rad_s.abs();
-    (0..motions.len()).min_by(|a, b| turn_rate(a).total_cmp(&turn_rate(b))).unwrap_or(0)
+    let turning_rate = |k: &usize| motions[*k].w_rad_s.abs();
+    (0..motions.len()).min_by(|a, b| turning_rate(a).total_cmp(&turning_rate(b))).unwrap_or(0)
 }

@@ -69,7 +69,7 @@ pub fn robot_ui(ui: &mut Ui, editor: &mut Editor) {
     odometry_rows(&mut rows, &mut robot.odometry_drift);
     let units = [NumberSpec::VELOCITY, NumberSpec::ANGULAR_VELOCITY];
     rows.list("Motion", &mut robot.motions, *MOTIONS.start(), "edit them in the file", units, |motion| {
-        [("speed", &mut motion.v_m_s), ("turn rate", &mut motion.w_rad_s)]
+        [("speed", &mut motion.v_m_s), ("turning rate", &mut motion.w_rad_s)]
     });
     if robot.motions.len() < *MOTIONS.end()
         && button_row_ui(rows.ui, &[("Add motion", "Add an action that the policy can choose", true)])
