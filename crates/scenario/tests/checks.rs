@@ -392,7 +392,7 @@ fn obstacles_faster_than_the_robot_are_noted() {
         with(patrol(0.3)),
         [
             "note: `obstacles[0].motion.speed_m_s` moves the obstacle at up to 0.300 m/s, faster than the robot at 0.150 \
-          m/s, which can't evade it: slow it down, unless that is meant"
+          m/s, which can't evade it: slow it down, unless that is intended"
         ]
     );
     assert_eq!(with(orbit(0.13)), [""; 0], "1.118 m from the centre, that is 0.145 m/s");
@@ -462,9 +462,9 @@ fn key_frames_have_increasing_times_and_no_jumps() {
         noted(&with(&[(4.0, -0.5, 0.5)], KeyFrameEnd::Stop)),
         [
             "note: `obstacles[0].motion` moves the obstacle at up to 0.250 m/s, faster than the robot at 0.150 m/s, which \
-             can't evade it: slow it down, unless that is meant",
+             can't evade it: slow it down, unless that is intended",
             "note: `obstacles[0].motion` stops after 4 s, but the obstacles' clock runs on between episodes, and evaluations \
-             begin at random times: write end: Loop(period_s: ...), unless that is meant"
+             begin at random times: write end: Loop(period_s: ...), unless that is intended"
         ]
     );
 }
@@ -492,7 +492,7 @@ fn obstacles_that_overlap_or_cross_something_are_noted_with_the_place() {
     let crosses = |verb: &str, what: &str, at: &str| {
         [format!(
             "note: `obstacles[0].motion` {verb} {what} at {at}: moving obstacles pass through everything; change the \
-             path, unless that is meant"
+             path, unless that is intended"
         )]
     };
     assert_eq!(

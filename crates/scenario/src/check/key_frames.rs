@@ -85,7 +85,7 @@ pub(super) fn note_stops(scenario: &Scenario, notes: &mut Vec<Note>) {
         {
             let message = format!(
                 "stops after {} s, but the obstacles' clock runs on between episodes, and evaluations begin at random times: \
-                 write end: Loop(period_s: ...), unless that is meant",
+                 write end: Loop(period_s: ...), unless that is intended",
                 last.time_s
             );
             notes.push(Note::new(NoteLevel::Note, format!("obstacles[{k}].motion"), message));

@@ -79,7 +79,7 @@ fn note(scenario: &Scenario, k: usize, path: &SweptPath<'_>, (id, solid): (Solid
         let why = if scenario.obstacles[k].motion.is_pedestrian() {
             "pedestrians don't find a way around; add goals on the way"
         } else {
-            "moving obstacles pass through everything; change the path, unless that is meant"
+            "moving obstacles pass through everything; change the path, unless that is intended"
         };
         let message = format!("{crosses} {id} at {at}: {why}");
         (format!("obstacles[{k}].motion"), message)

@@ -88,7 +88,7 @@ pub(super) fn note_fast_obstacles(scenario: &Scenario, notes: &mut Vec<Note>) {
             };
             let message = format!(
                 "moves the obstacle at up to {speed_m_s:.3} m/s, faster than the robot at {robot_m_s:.3} m/s, which can't \
-                 evade it: slow it down, unless that is meant"
+                 evade it: slow it down, unless that is intended"
             );
             notes.push(Note::new(NoteLevel::Note, format!("obstacles[{k}].motion{field}"), message));
         }
