@@ -1,5 +1,5 @@
 //! Tests of training over sets of scenarios on the command line: every episode draws a scenario, and runs are repeated and
-//! resumed to the bit.
+//! resumed bit for bit.
 
 mod cli_support;
 

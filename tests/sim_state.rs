@@ -1,4 +1,4 @@
-//! No scan or observation is stale, and a restored simulation continues to the bit.
+//! No scan or observation is stale, and a restored simulation continues bit for bit.
 
 mod common;
 
@@ -10,7 +10,7 @@ use wayfield::task::{
     observation::RANGE_SCALE_M,
 };
 
-/// Asserts that the scan and observation of every arena are current. The scan equals a new cast to the bit, and the closed
+/// Asserts that the scan and observation of every arena are current. The scan equals a new cast bit for bit, and the closed
 /// form at the arena's clock to 1e-5 m.
 fn assert_current(lab: &mut Lab, when: &str) {
     lab.assert_observations_current(when);

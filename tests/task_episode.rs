@@ -187,7 +187,7 @@ fn assert_rewards_add_up(scenario: &Scenario, reward: &RewardConfig) {
             assert_eq!(
                 (episode.rewards, episode.steps, episode.goals),
                 (rewards, steps, goals),
-                "an episode's rewards, steps and goals are those of its steps, to the bit"
+                "an episode's rewards, steps and goals are those of its steps, bit for bit"
             );
             assert_eq!(lab.outcomes()[episode.arena].collided, episode.end == EpisodeEnd::Collided);
             ended.push(episode);

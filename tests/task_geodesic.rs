@@ -1,4 +1,4 @@
-//! The attraction along the shortest path: in the reward and nowhere else, and continued to the bit after a checkpoint.
+//! The attraction along the shortest path: in the reward and nowhere else, and continued bit for bit after a checkpoint.
 
 mod common;
 

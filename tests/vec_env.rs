@@ -293,7 +293,7 @@ fn a_run_with_plugins_resumes_to_the_bit_only_with_the_same_plugins() {
     let policy = |name: &str| {
         std::fs::read(folder.path().join(name).join("policy-last.safetensors")).expect("a file of the run")
     };
-    assert!(policy("whole") == policy("parts"), "both runs have the same weights to the bit");
+    assert!(policy("whole") == policy("parts"), "both runs have the same weights bit for bit");
     let rows = |name: &str| {
         let text = std::fs::read_to_string(folder.path().join(name).join("episodes.csv"))
             .expect("a file of the run");

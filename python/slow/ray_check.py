@@ -114,7 +114,7 @@ def check_sweep() -> None:
         alone = wayfield.train(out=f"alone-{index}", progress=False, **run)
         same = filecmp.cmp(result.folder / "policy-last.safetensors", alone.folder / "policy-last.safetensors", False)
         assert same, run
-    print(f"a sweep of {len(runs)} training runs: the policies of wayfield.train, to the bit")
+    print(f"a sweep of {len(runs)} training runs: the policies of wayfield.train, bit for bit")
 
 
 def check_evaluations() -> None:

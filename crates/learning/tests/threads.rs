@@ -1,4 +1,4 @@
-//! Reproducibility on any number of threads: the learned weights are the same to the bit.
+//! Reproducibility on any number of threads: the learned weights are the same bit for bit.
 
 use std::process::Command;
 

@@ -83,7 +83,7 @@ pub fn to_text<T: Serialize>(value: &T, style: &Style) -> Result<String, Unsuppo
 /// - A new list element is inserted at its position in the list. A removed element is removed with its comments.
 /// - Line endings follow the first line of `text`.
 ///
-/// The result is checked: `read` parses it back to `value`, to the bit. If that fails, or if `read` rejects `text`, the
+/// The result is checked: `read` parses it back to `value`, bit for bit. If that fails, or if `read` rejects `text`, the
 /// result is [`to_text`] instead.
 ///
 /// # Errors

@@ -1,7 +1,7 @@
 //! The pose of an obstacle as a pure function of the step count.
 //!
 //! In: an [`Obstacle`], a step, the control period. Out: its pose. The arithmetic is f64 with `libm`, so that all platforms
-//! agree to the bit. Poses are computed from the step count, not accumulated, so nothing drifts: after 10^9 steps the angle
+//! agree bit for bit. Poses are computed from the step count, not accumulated, so nothing drifts: after 10^9 steps the angle
 //! is accurate to about 1e-8 rad.
 //!
 //! A new motion needs: a variant of [`ObstacleMotion`], its pose here, the methods in `motion_fields.rs` and `track.rs`, and

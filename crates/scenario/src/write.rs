@@ -11,7 +11,7 @@ use super::schema::{
 };
 use super::text::without_mark;
 
-/// `scenario` as the text of a RON file, which [`Scenario::load`] reads back as the same scenario, to the bit.
+/// `scenario` as the text of a RON file, which [`Scenario::load`] reads back as the same scenario, bit for bit.
 ///
 /// `old_text` is the file that the scenario was read from, or any older version of it. Everything that has not changed
 /// keeps its bytes, comments included; see [`patch`]. Without `old_text`, or if that is not a scenario, the text is

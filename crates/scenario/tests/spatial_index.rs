@@ -1,4 +1,4 @@
-//! The spatial index gives the same clearances, starts and goals as a test of every wall and obstacle, to the bit.
+//! The spatial index gives the same clearances, starts and goals as a test of every wall and obstacle, bit for bit.
 
 use proptest::prelude::*;
 use wayfield_random::stream;

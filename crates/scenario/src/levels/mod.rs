@@ -1,7 +1,7 @@
 //! Level generators: families of whole scenarios, of which each seed gives one.
 //!
 //! In: a [`LevelGenerator`], read from a file or built in code, and a seed. Out: a level, which is a [`Scenario`] without
-//! generators, the same to the bit on every platform. Its passages are wide enough for the robot, so that every goal can be
+//! generators, the same bit for bit on every platform. Its passages are wide enough for the robot, so that every goal can be
 //! reached from every start.
 //!
 //! | file | duty |
