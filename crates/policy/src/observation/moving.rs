@@ -1,7 +1,7 @@
 //! Moving objects, found by comparing scans.
 //!
-//! A *thing* is a compact cluster of neighbouring hits. A thing at a place where an earlier scan saw nothing has moved.
-//! It is followed back in time: in each earlier scan, to the thing nearest to the position where it is expected. Its
+//! A *cluster* is a compact group of neighbouring hits. A cluster at a place where an earlier scan saw nothing has moved.
+//! It is followed back in time: in each earlier scan, to the cluster nearest to the position where it is expected. Its
 //! velocity is the slope of the line fitted to its positions. Everything else is taken to be static. With few beams,
 //! only near objects are found in time.
 //!
@@ -9,32 +9,32 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The number of control steps that a thing is followed back.
+/// The number of control steps that a cluster is followed back.
 pub(super) const FOLLOWED_STEPS: usize = 5;
 /// The minimum number of positions for a velocity.
 const MIN_POSITIONS: usize = 3;
-/// Neighbouring hits belong to one thing if their distance is at most this many times the distance between beams at
+/// Neighbouring hits belong to one cluster if their distance is at most this many times the distance between beams at
 /// that range.
 const LINK: f32 = 2.0;
-/// Neighbouring hits also belong to one thing if their distance is at most this, in units of the robot.
+/// Neighbouring hits also belong to one cluster if their distance is at most this, in units of the robot.
 const MIN_LINK: f32 = 0.5;
-/// The largest extent of a thing that may move, in units of the robot. Larger things are taken for walls.
+/// The largest extent of a cluster that may move, in units of the robot. Larger clusters are taken for walls.
 const MAX_EXTENT: f32 = 5.0;
-/// The distance, in units of the robot, that a thing in a scan may always have from its expected position, even if the robot
+/// The distance, in units of the robot, that a cluster in a scan may always have from its expected position, even if the robot
 /// is slow.
 const MIN_GATE: f32 = 1.0;
 /// The minimum displacement over all positions that counts as motion, in units of the robot.
 const MIN_DISPLACEMENT: f32 = 0.3;
 
-/// A compact cluster of hits in a scan: a disc in the robot's frame at the time of the scan, in units of the robot.
+/// A compact group of hits in a scan: a disc in the robot's frame at the time of the scan, in units of the robot.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Thing {
+pub(super) struct Cluster {
     pub(super) x: f32,
     pub(super) y: f32,
     pub(super) radius: f32,
 }
 
-impl Thing {
+impl Cluster {
     /// Whether its numbers are in range.
     pub(super) fn is_valid(&self) -> bool {
         let in_reach = |value: f32| value.is_finite() && value.abs() < 1e6;
@@ -56,15 +56,15 @@ impl BeamEnd {
     }
 }
 
-/// A moving thing in the robot's present frame: its disc, and its displacement in a control step, in units of the robot.
+/// A moving cluster in the robot's present frame: its disc, and its displacement in a control step, in units of the robot.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct MovingThing {
-    disc: Thing,
+pub(super) struct MovingCluster {
+    disc: Cluster,
     velocity: (f32, f32),
 }
 
-impl MovingThing {
-    /// The number of control steps until the robot collides with the thing if it moves from the origin by `step` in each of
+impl MovingCluster {
+    /// The number of control steps until the robot collides with the cluster if it moves from the origin by `step` in each of
     /// them; infinite if they do not collide. Without branches, so that a loop over many steps is vectorized.
     #[inline(always)]
     pub(super) fn steps_to_collision(&self, step: (f32, f32)) -> f32 {
@@ -85,18 +85,18 @@ fn length(x: f32, y: f32) -> f32 {
     (x * x + y * y).sqrt()
 }
 
-/// Finds the things in a scan, and for each beam the index of the thing that it has hit, if any. `ends` are the ends of the
+/// Finds the clusters in a scan, and for each beam the index of the cluster that it has hit, if any. `ends` are the ends of the
 /// beams, in the order of the beams.
-pub(super) fn find_things(
+pub(super) fn find_clusters(
     ends: &[Option<BeamEnd>],
     spacing_rad: f32,
-    thing_of_beam: &mut Vec<Option<u16>>,
-    things: &mut Vec<Thing>,
+    cluster_of_beam: &mut Vec<Option<u16>>,
+    clusters: &mut Vec<Cluster>,
 ) {
     let beams = ends.len();
-    things.clear();
-    thing_of_beam.clear();
-    thing_of_beam.resize(beams, None);
+    clusters.clear();
+    cluster_of_beam.clear();
+    cluster_of_beam.resize(beams, None);
     let is_linked = |one: usize, other: usize| match (ends[one], ends[other]) {
         (Some(one), Some(other)) => {
             let between_beams = spacing_rad * one.distance.min(other.distance);
@@ -104,7 +104,7 @@ pub(super) fn find_things(
         }
         _ => false,
     };
-    // A LIDAR with a field of view of 360 degrees may see one thing with its first and last beams.
+    // A LIDAR with a field of view of 360 degrees may see one cluster with its first and last beams.
     let is_first = |beam: usize| !is_linked(beam.checked_sub(1).unwrap_or(beams - 1), beam);
     let Some(first) = (0..beams).find(|&beam| is_first(beam)) else { return };
     let at = |index: usize| if first + index < beams { first + index } else { first + index - beams };
@@ -116,14 +116,14 @@ pub(super) fn find_things(
         let hits = || (start..end).filter_map(|index| ends[at(index)]);
         if let (Some(one), Some(other)) = (hits().next(), hits().next_back()) {
             let extent = one.distance_to(other);
-            if extent <= MAX_EXTENT && things.len() < usize::from(u16::MAX) {
+            if extent <= MAX_EXTENT && clusters.len() < usize::from(u16::MAX) {
                 let count = (end - start) as f32;
                 let (x, y) =
                     hits().fold((0.0, 0.0), |sum, hit| (sum.0 + hit.x / count, sum.1 + hit.y / count));
                 // The scan shows only the near side. The centre of a disc lies about half its width behind it.
                 let behind = 1.0 + 0.5 * extent / length(x, y).max(0.1);
-                (start..end).for_each(|index| thing_of_beam[at(index)] = Some(things.len() as u16));
-                things.push(Thing { x: x * behind, y: y * behind, radius: 0.5 * extent });
+                (start..end).for_each(|index| cluster_of_beam[at(index)] = Some(clusters.len() as u16));
+                clusters.push(Cluster { x: x * behind, y: y * behind, radius: 0.5 * extent });
             }
         }
         start = end;
@@ -156,23 +156,23 @@ impl Frame {
     }
 }
 
-/// Follows a thing of the present scan back through the `earlier` scans, the newest first, and returns it if it moves.
+/// Follows a cluster of the present scan back through the `earlier` scans, the newest first, and returns it if it moves.
 /// In each scan it may be up to `gate` (at least [`MIN_GATE`]) away from its expected position, in units of the robot.
 pub(super) fn follow<'a>(
-    disc: Thing,
-    earlier: impl Iterator<Item = (Frame, &'a [Thing])>,
+    disc: Cluster,
+    earlier: impl Iterator<Item = (Frame, &'a [Cluster])>,
     gate: f32,
-) -> Option<MovingThing> {
+) -> Option<MovingCluster> {
     let gate = gate.max(MIN_GATE);
     let (mut at, mut velocity) = ((disc.x, disc.y), (0.0, 0.0));
     // The sums of the least-squares fit of positions over times, with the present at time 0.
     let mut positions = 1.0;
     let (mut t_sum, mut tt_sum) = (0.0, 0.0);
     let (mut sum, mut t_at_sum) = (at, (0.0, 0.0));
-    for (step, (frame, things)) in earlier.enumerate() {
+    for (step, (frame, clusters)) in earlier.enumerate() {
         let expected = (at.0 - velocity.0, at.1 - velocity.1);
-        let candidates = things.iter().map(|thing| {
-            let position = frame.to_present((thing.x, thing.y));
+        let candidates = clusters.iter().map(|cluster| {
+            let position = frame.to_present((cluster.x, cluster.y));
             (length(position.0 - expected.0, position.1 - expected.1), position)
         });
         let nearest = candidates.filter(|(away, _)| *away <= gate).min_by(|a, b| a.0.total_cmp(&b.0));
@@ -190,7 +190,7 @@ pub(super) fn follow<'a>(
     }
     let displacement = length(velocity.0, velocity.1) * (positions - 1.0);
     let moves = positions >= MIN_POSITIONS as f32 && displacement >= MIN_DISPLACEMENT;
-    moves.then_some(MovingThing { disc, velocity })
+    moves.then_some(MovingCluster { disc, velocity })
 }
 
 #[cfg(test)]
@@ -199,15 +199,15 @@ mod tests {
 
     const PRESENT: Frame = Frame { cos: 1.0, sin: 0.0, origin: (0.0, 0.0) };
 
-    fn disc(x: f32, y: f32) -> Thing {
-        Thing { x, y, radius: 0.5 }
+    fn disc(x: f32, y: f32) -> Cluster {
+        Cluster { x, y, radius: 0.5 }
     }
 
     #[test]
-    fn a_thing_is_followed_to_its_velocity() {
-        let scans: Vec<Vec<Thing>> =
+    fn a_cluster_is_followed_to_its_velocity() {
+        let scans: Vec<Vec<Cluster>> =
             (1..=5).map(|k| vec![disc(4.0, 3.0), disc(2.0 + 0.2 * k as f32, 0.0)]).collect();
-        let earlier = || scans.iter().map(|things| (PRESENT, things.as_slice()));
+        let earlier = || scans.iter().map(|clusters| (PRESENT, clusters.as_slice()));
         let moving = follow(disc(2.0, 0.0), earlier(), 0.0).expect("it moves");
         assert!((moving.velocity.0 + 0.2).abs() < 1e-5 && moving.velocity.1.abs() < 1e-5, "{moving:?}");
         assert_eq!(follow(disc(4.0, 3.0), earlier(), 0.0), None, "it is static");
@@ -225,18 +225,18 @@ mod tests {
 
     #[test]
     fn steps_to_a_collision_match_a_calculation_by_hand() {
-        // A thing 6 units ahead comes nearer by 0.5 a step; contact is at 1 + 0.5 units.
-        let moving = MovingThing { disc: disc(6.0, 0.0), velocity: (-0.5, 0.0) };
+        // A cluster 6 units ahead comes nearer by 0.5 a step; contact is at 1 + 0.5 units.
+        let moving = MovingCluster { disc: disc(6.0, 0.0), velocity: (-0.5, 0.0) };
         assert_eq!(moving.steps_to_collision((0.0, 0.0)), 4.5 / 0.5);
         assert_eq!(moving.steps_to_collision((1.0, 0.0)), 4.5 / 1.5);
         assert_eq!(moving.steps_to_collision((-0.5, 0.0)), f32::INFINITY, "it never catches up");
         assert_eq!(moving.steps_to_collision((0.0, 1.0)), f32::INFINITY, "the robot is out of its way");
-        let touching = MovingThing { disc: disc(1.4, 0.0), velocity: (-0.5, 0.0) };
+        let touching = MovingCluster { disc: disc(1.4, 0.0), velocity: (-0.5, 0.0) };
         assert_eq!(touching.steps_to_collision((0.0, 0.0)), 0.0);
     }
 
     #[test]
-    fn compact_things_are_distinguished_from_walls_even_across_the_first_beam() {
+    fn compact_clusters_are_distinguished_from_walls_even_across_the_first_beam() {
         let beams = 36;
         let spacing_rad = std::f32::consts::TAU / beams as f32;
         let end = |beam: usize| {
@@ -251,12 +251,12 @@ mod tests {
             Some(BeamEnd { x: cos * distance, y: sin * distance, distance })
         };
         let ends: Vec<Option<BeamEnd>> = (0..beams).map(end).collect();
-        let (mut of_beam, mut things) = (Vec::new(), Vec::new());
-        find_things(&ends, spacing_rad, &mut of_beam, &mut things);
-        assert_eq!(things.len(), 2, "{things:?}");
-        let ahead = of_beam[0].expect("a thing is ahead");
+        let (mut of_beam, mut clusters) = (Vec::new(), Vec::new());
+        find_clusters(&ends, spacing_rad, &mut of_beam, &mut clusters);
+        assert_eq!(clusters.len(), 2, "{clusters:?}");
+        let ahead = of_beam[0].expect("a cluster is ahead");
         assert_eq!((of_beam[35], of_beam[1]), (Some(ahead), Some(ahead)));
-        assert!(things[usize::from(ahead)].y.abs() < 1e-5, "{things:?}");
+        assert!(clusters[usize::from(ahead)].y.abs() < 1e-5, "{clusters:?}");
         assert!(of_beam[6..=12].iter().all(Option::is_none), "the wall is {of_beam:?}");
         assert!(of_beam[20].is_some_and(|behind| behind != ahead), "{of_beam:?}");
     }

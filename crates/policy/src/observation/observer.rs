@@ -8,16 +8,16 @@ use std::f32::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
-use super::moving::{BeamEnd, FOLLOWED_STEPS, Frame, MovingThing, Thing, find_things, follow};
+use super::moving::{BeamEnd, Cluster, FOLLOWED_STEPS, Frame, MovingCluster, find_clusters, follow};
 use super::sectors::{
     BodyScale, LidarBeams, OTHER_COLUMNS, SectorLayout, distance_at, nearness, sectors_of_beams,
 };
 
 /// The factor that the change of nearness is multiplied by.
 const CHANGE_GAIN: f32 = 4.0;
-/// A thing has appeared if it is nearer by more than this than what was in its direction before, in units of the robot.
+/// A cluster has appeared if it is nearer by more than this than what was in its direction before, in units of the robot.
 const MIN_APPEARANCE: f32 = 0.25;
-/// The distance beyond which things are too far away for their motion to matter, in units of the robot.
+/// The distance beyond which hits are too far away for their motion to matter, in units of the robot.
 const MOTION_RANGE: f32 = distance_at(0.12);
 
 /// What a robot senses at one moment, besides its goal.
@@ -41,19 +41,21 @@ struct Hit {
     distance: f32,
     /// Nearness.
     nearness: f32,
-    /// The index in [`EarlierScan::things`] of the compact thing that it belongs to.
-    thing: Option<u16>,
+    /// The index in [`EarlierScan::clusters`] of the cluster that it belongs to.
+    #[serde(rename = "thing")]
+    cluster: Option<u16>,
 }
 
-const NO_HIT: Hit = Hit { x: 0.0, y: 0.0, distance: f32::INFINITY, nearness: 0.0, thing: None };
+const NO_HIT: Hit = Hit { x: 0.0, y: 0.0, distance: f32::INFINITY, nearness: 0.0, cluster: None };
 
 /// A scan of an earlier step, as an observer remembers it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EarlierScan {
     pose: (f32, f32, f32),
     hits: Vec<Hit>,
-    /// The compact things; empty without predicted paths.
-    things: Vec<Thing>,
+    /// The clusters; empty without predicted paths.
+    #[serde(rename = "things")]
+    clusters: Vec<Cluster>,
 }
 
 impl EarlierScan {
@@ -65,12 +67,15 @@ impl EarlierScan {
                 && hit.y.is_finite()
                 && hit.distance >= 0.0
                 && (0.0..=1.0).contains(&hit.nearness)
-                && hit.thing.is_none_or(|thing| usize::from(thing) < self.things.len())
+                && hit.cluster.is_none_or(|cluster| usize::from(cluster) < self.clusters.len())
         };
         let (x, y, heading) = self.pose;
         let is_pose = x.is_finite() && y.is_finite() && heading.is_finite();
-        let are_things = self.things.iter().all(Thing::is_valid);
-        is_pose && are_things && self.hits.len() == usize::from(layout.count) && self.hits.iter().all(is_hit)
+        let are_clusters = self.clusters.iter().all(Cluster::is_valid);
+        is_pose
+            && are_clusters
+            && self.hits.len() == usize::from(layout.count)
+            && self.hits.iter().all(is_hit)
     }
 
     /// The nearest hit of each sector that a beam sees.
@@ -101,13 +106,13 @@ pub struct SectorObserver {
     predicted: Vec<f32>,
     /// The nearness of a collision if the robot waits.
     waiting: f32,
-    /// For each compact thing of the newest scan, its motion; `None` if it is still.
-    moving: Vec<Option<MovingThing>>,
+    /// For each cluster of the newest scan, its motion; `None` if it is still.
+    moving: Vec<Option<MovingCluster>>,
     /// The frames of the scans before the newest one, the newest first.
     frames: Vec<Frame>,
-    /// The ends of the newest scan's beams, and their things.
+    /// The ends of the newest scan's beams, and their clusters.
     ends: Vec<Option<BeamEnd>>,
-    thing_of_beam: Vec<Option<u16>>,
+    cluster_of_beam: Vec<Option<u16>>,
     /// The directions of the sectors' centres.
     directions: Directions,
     twist: (f32, f32),
@@ -159,7 +164,7 @@ impl SectorObserver {
             moving: Vec::new(),
             frames: Vec::new(),
             ends: Vec::new(),
-            thing_of_beam: Vec::new(),
+            cluster_of_beam: Vec::new(),
             directions: (0..count).map(|sector| libm::sincosf(layout.angle_rad(sector))).unzip(),
             twist: (0.0, 0.0),
         }
@@ -199,7 +204,7 @@ impl SectorObserver {
     pub fn sense(&mut self, sensed: &Sensed) {
         self.twist = sensed.twist;
         let mut scan = if self.scans.len() > self.steps_back() { self.scans.pop_front() } else { None }
-            .unwrap_or_else(|| EarlierScan { pose: sensed.pose, hits: Vec::new(), things: Vec::new() });
+            .unwrap_or_else(|| EarlierScan { pose: sensed.pose, hits: Vec::new(), clusters: Vec::new() });
         scan.pose = sensed.pose;
         self.pool(sensed.ranges_m, &mut scan);
         self.scans.push_back(scan);
@@ -218,7 +223,7 @@ impl SectorObserver {
             self.move_earlier_scan();
         }
         if self.layout.predicted_paths {
-            self.find_moving_things();
+            self.find_moving_clusters();
         }
         self.find_free_distances();
         if self.layout.predicted_paths {
@@ -226,7 +231,7 @@ impl SectorObserver {
         }
     }
 
-    /// Finds the nearest hit in each sector, and the compact things.
+    /// Finds the nearest hit in each sector, and the clusters.
     fn pool(&mut self, ranges_m: &[f32], scan: &mut EarlierScan) {
         assert_eq!(ranges_m.len(), self.beams.len(), "one range per beam");
         if self.layout.predicted_paths {
@@ -238,7 +243,7 @@ impl SectorObserver {
             };
             ends.clear();
             ends.extend(beams.iter().zip(ranges_m).map(end));
-            find_things(&self.ends, self.spacing_rad, &mut self.thing_of_beam, &mut scan.things);
+            find_clusters(&self.ends, self.spacing_rad, &mut self.cluster_of_beam, &mut scan.clusters);
         }
         let hits = &mut scan.hits;
         let count = usize::from(self.layout.count);
@@ -251,8 +256,8 @@ impl SectorObserver {
             }
             let distance = range_m * per_unit;
             let nearness = nearness(distance - beam.extent);
-            let thing = self.thing_of_beam.get(index).copied().flatten();
-            let hit = Hit { x: beam.cos * distance, y: beam.sin * distance, distance, nearness, thing };
+            let cluster = self.cluster_of_beam.get(index).copied().flatten();
+            let hit = Hit { x: beam.cos * distance, y: beam.sin * distance, distance, nearness, cluster };
             for &sector in &beam.sectors {
                 let sector = &mut hits[sector];
                 if nearness > sector.nearness {
@@ -267,7 +272,7 @@ impl SectorObserver {
     fn find_free_distances(&mut self) {
         let Self { scans, moving, free, collisions, predicted, directions, .. } = self;
         let Some(EarlierScan { hits, .. }) = scans.back() else { return };
-        let motion = |hit: &Hit| hit.thing.and_then(|thing| moving.get(usize::from(thing)));
+        let motion = |hit: &Hit| hit.cluster.and_then(|cluster| moving.get(usize::from(cluster)));
         let moves = |hit: &Hit| motion(hit).is_some_and(Option::is_some);
         free.fill(f32::INFINITY);
         shorten_paths(hits.iter().filter(|hit| !moves(hit)), directions, free);
@@ -280,8 +285,8 @@ impl SectorObserver {
         collisions.iter_mut().zip(&*free).for_each(|(value, &free)| *value = collision_nearness(free));
     }
 
-    /// Finds which things of the newest scan move.
-    fn find_moving_things(&mut self) {
+    /// Finds which clusters of the newest scan move.
+    fn find_moving_clusters(&mut self) {
         let Self { scans, moving, earlier, body, spacing_rad, frames, .. } = self;
         moving.clear();
         let Some(now) = scans.back() else { return };
@@ -289,10 +294,10 @@ impl SectorObserver {
         frames.clear();
         frames.extend(before().map(|scan| Frame::between(scan.pose, now.pose, body.unit_m)));
         let step = body.step_length();
-        for (index, &thing) in now.things.iter().enumerate() {
-            // The thing is where the earlier scan saw nothing, or something farther away.
+        for (index, &cluster) in now.clusters.iter().enumerate() {
+            // The cluster is where the earlier scan saw nothing, or something farther away.
             let has_appeared = |(hit, &earlier): (&Hit, &f32)| {
-                if hit.thing != Some(index as u16) || earlier < 0.0 {
+                if hit.cluster != Some(index as u16) || earlier < 0.0 {
                     return false;
                 }
                 let extent = hit.distance - distance_at(hit.nearness);
@@ -303,9 +308,9 @@ impl SectorObserver {
                 moving.push(None);
                 continue;
             }
-            let earlier_things = frames.iter().copied().zip(before().map(|scan| scan.things.as_slice()));
-            let distance = (thing.x * thing.x + thing.y * thing.y).sqrt();
-            moving.push(follow(thing, earlier_things, (2.0 * step).max(*spacing_rad * distance)));
+            let earlier_clusters = frames.iter().copied().zip(before().map(|scan| scan.clusters.as_slice()));
+            let distance = (cluster.x * cluster.x + cluster.y * cluster.y).sqrt();
+            moving.push(follow(cluster, earlier_clusters, (2.0 * step).max(*spacing_rad * distance)));
         }
     }
 
@@ -322,12 +327,12 @@ impl SectorObserver {
         // In control steps, then in units of the robot.
         let step = body.step_length();
         predicted.iter_mut().for_each(|free| *free /= step);
-        for thing in moving.iter().flatten() {
+        for cluster in moving.iter().flatten() {
             for ((free, sin), cos) in predicted.iter_mut().zip(&directions.0).zip(&directions.1) {
-                let steps = thing.steps_to_collision((step * cos, step * sin));
+                let steps = cluster.steps_to_collision((step * cos, step * sin));
                 *free = if steps < *free { steps } else { *free };
             }
-            self.waiting = self.waiting.min(thing.steps_to_collision((0.0, 0.0)));
+            self.waiting = self.waiting.min(cluster.steps_to_collision((0.0, 0.0)));
         }
         predicted.iter_mut().for_each(|free| *free = collision_nearness(step * *free));
         self.waiting = collision_nearness(step * self.waiting);
