@@ -33,8 +33,8 @@ struct Inner {
     /// The names of the runs in progress, by index.
     running: BTreeMap<usize, String>,
     started: Instant,
-    /// The cost of the runs that were finished before this process started.
-    done_before: f64,
+    /// The fraction of each run that was finished before this process started, 0 to 1.
+    before: Vec<f64>,
     next_line: Duration,
     bar: Option<ProgressBar>,
 }
@@ -50,7 +50,7 @@ impl OverallProgress {
                 runs_done: 0,
                 running: BTreeMap::new(),
                 started: Instant::now(),
-                done_before: 0.0,
+                before: vec![0.0; training_runs.len()],
                 next_line: Duration::ZERO,
                 bar: bar(BAR_STEPS),
             }),
@@ -68,6 +68,7 @@ impl OverallProgress {
         self.lock().running.insert(index, printable(&name).into_owned());
         let overall = self.clone();
         let training = training.clone();
+        let mut is_first = true;
         Box::new(move |progress: &Progress| {
             let budget = training.config.preset.budget;
             let so_far = match budget {
@@ -75,8 +76,13 @@ impl OverallProgress {
                 Budget::EnvSteps(_) => Budget::EnvSteps(progress.env_steps),
             };
             let fraction = gradient_steps(&training, so_far) / gradient_steps(&training, budget);
+            let fraction = fraction.clamp(0.0, 1.0);
             let mut inner = overall.lock();
-            inner.fractions[index] = fraction.clamp(0.0, 1.0);
+            inner.fractions[index] = fraction;
+            // The first call is after one control step: a resumed run starts with the fraction of its checkpoint.
+            if std::mem::take(&mut is_first) {
+                inner.before[index] = fraction;
+            }
             inner.show(false);
         })
     }
@@ -88,7 +94,7 @@ impl OverallProgress {
         inner.runs_done += 1;
         inner.running.remove(&index);
         if was_finished {
-            inner.done_before += inner.costs[index];
+            inner.before[index] = 1.0;
         }
         inner.show(false);
     }
@@ -112,15 +118,9 @@ impl Inner {
         }
         self.next_line = elapsed + LINE_INTERVAL;
         let total: f64 = self.costs.iter().sum();
-        let done: f64 = self.costs.iter().zip(&self.fractions).map(|(cost, fraction)| cost * fraction).sum();
-        let fraction = if total > 0.0 { done / total } else { 1.0 };
-        let here = done - self.done_before;
-        let left = if fraction < 1.0 && here > 0.0 && elapsed.as_secs() >= 5 {
-            let left = elapsed.mul_f64(((total - done) / here).clamp(0.0, 1e6));
-            format!(", {} left", HumanDuration(left))
-        } else {
-            String::new()
-        };
+        let fraction = if total > 0.0 { self.cost_of(&self.fractions) / total } else { 1.0 };
+        let left =
+            self.time_left(elapsed).map_or(String::new(), |left| format!(", {} left", HumanDuration(left)));
         let (runs, all) = (self.runs_done, self.costs.len());
         let prefix = format!("{:>3.0}%  {runs} of {all} runs{left}", (100.0 * fraction).floor());
         let running: Vec<&str> = self.running.values().map(String::as_str).collect();
@@ -133,6 +133,21 @@ impl Inner {
             }
             None => print_stderr(format!("{prefix}  {}", running.join("; ")).trim_end()),
         }
+    }
+
+    /// The cost of these fractions of the runs.
+    fn cost_of(&self, fractions: &[f64]) -> f64 {
+        self.costs.iter().zip(fractions).map(|(cost, fraction)| cost * fraction).sum()
+    }
+
+    /// The estimated time until all runs are finished, from what this process has done in the time `elapsed`. `None` if it
+    /// has done nothing yet, in the first 5 s, or if nothing is left to do.
+    fn time_left(&self, elapsed: Duration) -> Option<Duration> {
+        let done = self.cost_of(&self.fractions);
+        let left = self.costs.iter().sum::<f64>() - done;
+        let here = done - self.cost_of(&self.before);
+        let is_known = left > 0.0 && here > 0.0 && elapsed.as_secs() >= 5;
+        is_known.then(|| elapsed.mul_f64((left / here).clamp(0.0, 1e6)))
     }
 }
 
@@ -150,4 +165,41 @@ pub fn gradient_steps(training: &PlannedRun, budget: Budget) -> f64 {
     let per_step = f64::from(learning.gradient_steps) / learning.train_freq as f64;
     // An env step without learning costs a tenth of a gradient step with one arena, a thirtieth with sixteen.
     env_steps * (per_step + 0.1) + 1.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reproduce::ReproduceOptions;
+    use crate::reproduce::plan::RunPlan;
+    use crate::reproduce::select::select;
+
+    #[test]
+    fn the_time_left_follows_from_the_work_of_this_process_alone() {
+        let options = ReproduceOptions { only: vec!["fig8".into()], ..ReproduceOptions::default() };
+        let plan = RunPlan::new(&select(&options).expect("the selection works")).expect("the plan works");
+        let runs = &plan.training_runs[..2];
+        let Budget::Episodes(episodes) = runs[1].config.preset.budget else {
+            panic!("figure 8 counts episodes")
+        };
+        let progress = OverallProgress::new(runs);
+        progress.lock().next_line = Duration::MAX;
+        let minute = Duration::from_secs(60);
+        let left = || progress.lock().time_left(minute);
+        progress.finish_run(0, true);
+        assert_eq!(left(), None, "a run that was finished before says nothing about the speed");
+        let mut listener = progress.listener(1, &runs[1]);
+        let mut report = |episodes| listener(&Progress { episodes, ..Progress::default() });
+        report(episodes / 2);
+        assert_eq!(left(), None, "nor does the checkpoint of a resumed run");
+        report(episodes * 3 / 4);
+        let cost = |episodes| gradient_steps(&runs[1], Budget::Episodes(episodes));
+        let here = cost(episodes * 3 / 4) - cost(episodes / 2);
+        let expected_s = 60.0 * (cost(episodes) - cost(episodes * 3 / 4)) / here;
+        let left_s = left().expect("a part of a run is done").as_secs_f64();
+        assert!((left_s / expected_s - 1.0).abs() < 1e-6, "{left_s} s, not {expected_s} s");
+        report(episodes);
+        progress.finish_run(1, false);
+        assert_eq!(left(), None, "nothing is left");
+    }
 }
