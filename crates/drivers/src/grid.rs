@@ -2,7 +2,7 @@
 
 use glam::{Vec2, vec2};
 
-/// The maximum number of cells of a grid, except for very elongated ones.
+/// The maximum number of cells of a grid.
 pub(crate) const MAX_CELLS: usize = 200_000;
 
 /// A grid of square cells over a rectangle. Cells are numbered row by row from the lower left.
@@ -21,9 +21,16 @@ impl Grid {
     pub(crate) fn over(min_m: Vec2, max_m: Vec2, cell_m: f32) -> Self {
         let size = (max_m - min_m).max(Vec2::splat(cell_m));
         let least_m = (size.x * size.y / MAX_CELLS as f32).sqrt();
-        let cell_m = cell_m.max(least_m * 1.01);
-        let count = |length: f32| ((length / cell_m).ceil() as usize).clamp(1, MAX_CELLS);
-        Self { min_m, cell_m, columns: count(size.x), rows: count(size.y) }
+        let mut cell_m = cell_m.max(least_m * 1.01);
+        loop {
+            let count = |length: f32| (length / cell_m).ceil().max(1.0) as usize;
+            let (columns, rows) = (count(size.x), count(size.y));
+            if columns.saturating_mul(rows) <= MAX_CELLS {
+                return Self { min_m, cell_m, columns, rows };
+            }
+            // The last row or column of an elongated rectangle is mostly outside it.
+            cell_m *= 1.05;
+        }
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -68,5 +75,27 @@ impl Grid {
         let line = to_m - from_m;
         let samples = (2.0 * line.length() / self.cell_m).ceil().clamp(1.0, MAX_CELLS as f32);
         (0..=samples as usize).all(|k| is_free(self.cell(from_m + line * (k as f32 / samples))))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_grid_covers_any_rectangle_with_a_limited_number_of_cells() {
+        for (width_m, height_m) in
+            [(5.0, 4.0), (100.0, 100.0), (20_000.0, 0.104), (0.104, 20_000.0), (1e6, 0.01)]
+        {
+            let grid = Grid::over(Vec2::ZERO, vec2(width_m, height_m), 0.05);
+            assert!(grid.len() <= MAX_CELLS, "{width_m} m x {height_m} m: {} cells", grid.len());
+            let covered_m = vec2(grid.columns as f32, grid.rows as f32) * grid.cell_m;
+            assert!(covered_m.x > 0.999 * width_m && covered_m.y > 0.999 * height_m, "{covered_m}");
+        }
+        assert_eq!(
+            Grid::over(Vec2::ZERO, vec2(5.0, 4.0), 0.05).len(),
+            8_000,
+            "small cells where there are few"
+        );
     }
 }
