@@ -173,6 +173,8 @@ pub(super) fn restore(world: &mut World) -> Result<(), RunError> {
     let Some(found) = state.found.take() else { return Ok(()) };
     let Backup { from, edited, in_file } = found.backup.clone();
     let (edited, in_file) = (Arc::new(edited), in_file.map(Arc::new));
+    // The screen offers this only while nothing is unsaved, so this session has no backup yet. If a program sends the command
+    // nevertheless, the backup of what is replaced stays, and the next start offers it.
     state.store = Some(Store::of(found)?);
     (state.written, state.last_attempt) = (Some(edited.clone()), Some(Instant::now()));
     if let Some(in_file) = &in_file {
