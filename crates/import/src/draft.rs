@@ -9,7 +9,7 @@ use wayfield_scenario::{
     is_unprintable, to_text,
 };
 
-use crate::floor::{Floor, Margins};
+use crate::floor::{Floor, MIN_CLEARANCE, Margins};
 use crate::frame::Frame;
 use crate::grid::Cell;
 use crate::round::{metres, point};
@@ -30,10 +30,15 @@ pub struct Source {
     pub frame: Frame,
 }
 
+/// The free space that the robot of `base` needs to each side, in m, to start anywhere: it must have more than this.
+pub fn needed_m(base: &Scenario) -> f64 {
+    MIN_CLEARANCE * f64::from(base.keep_out_m())
+}
+
 /// The margins of the robot of `base` in cells of `cell_m`.
 pub fn margins(base: &Scenario, cell_m: f64) -> Margins {
     let usual = |rule: &PlacementRule| rule.clearance_m().map_or(0.0, f64::from);
-    let clearance_m = usual(&base.starts).max(usual(&base.goals)).max(1.1 * f64::from(base.keep_out_m()));
+    let clearance_m = usual(&base.starts).max(usual(&base.goals)).max(needed_m(base));
     Margins { collision: f64::from(base.keep_out_m()) / cell_m, clearance: clearance_m / cell_m }
 }
 

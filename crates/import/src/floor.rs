@@ -10,6 +10,9 @@ use crate::grid::{Cell, Grid};
 /// A clearance is chosen if at least this share of the reachable positions has it.
 const ROOMY_SHARE: f64 = 0.2;
 
+/// The smallest clearance of starts and goals, in collision ranges: the robot has 10 % to spare.
+pub const MIN_CLEARANCE: f64 = 1.1;
+
 /// What the robot needs, in cells.
 #[derive(Clone, Copy, Debug)]
 pub struct Margins {
@@ -72,7 +75,7 @@ fn clearance(wall_distances: &[f64], Margins { collision, clearance }: Margins) 
     };
     let smaller = [1.8, 1.5, 1.25].map(|factor| factor * collision).into_iter();
     let mut choices = std::iter::once(clearance).chain(smaller.filter(|&smaller| smaller < clearance));
-    choices.find(|&least| share(least) >= ROOMY_SHARE).unwrap_or(1.1 * collision)
+    choices.find(|&least| share(least) >= ROOMY_SHARE).unwrap_or(MIN_CLEARANCE * collision)
 }
 
 /// The cells of `free` that are at most `steps` steps from the cells `from`. Every other step may be diagonal, so that n steps

@@ -161,9 +161,9 @@ impl Map {
 
     fn no_floor(&self, base: &Scenario) -> String {
         format!(
-            "the robot fits nowhere on this map: it needs {:.2} m of free cells to each side; help: check the resolution, the \
-             thresholds and `negate`, or use a smaller robot (--robot)",
-            base.keep_out_m()
+            "the robot fits nowhere on this map: it needs more than {:.3} m of free cells to each side; help: check \
+             the resolution, the thresholds and `negate`, or use a smaller robot (--robot)",
+            draft::needed_m(base)
         )
     }
 

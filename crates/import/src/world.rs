@@ -127,9 +127,10 @@ impl World<'_> {
         let raster = Raster::new(solids, f64::from(base.keep_out_m())).map_err(fail)?;
         let margins = draft::margins(base, raster.cell_m);
         let no_floor = || {
-            let needed_m = base.keep_out_m();
+            let needed_m = draft::needed_m(base);
             fail(format!(
-                "the robot fits nowhere in this world: it needs {needed_m:.2} m to each side; help: use a smaller robot (--robot)"
+                "the robot fits nowhere in this world: it needs more than {needed_m:.3} m to each side; help: use a smaller \
+                 robot (--robot)"
             ))
         };
         let floor = Floor::new(&raster.free, margins, raster.inner()).ok_or_else(no_floor)?;

@@ -413,7 +413,7 @@ fn invalid_maps_are_rejected_with_the_file_and_the_problem() {
         (
             YAML.into(),
             &black,
-            "map.yaml: the robot fits nowhere on this map: it needs 0.13 m of free cells to each side; help: ",
+            "map.yaml: the robot fits nowhere on this map: it needs more than 0.143 m of free cells to each side; help: ",
         ),
         (String::new(), &whole, "map.yaml: `image` is missing; help: "),
     ] {
