@@ -42,14 +42,13 @@ pub fn check_start() -> Result<(), RunError> {
 /// # Errors
 /// It does not fit. The message names the limit, the memory needed, and how to raise or reduce them.
 pub fn check(config: &RunConfig) -> Result<(), RunError> {
-    let learner_and_bodies = training_bytes(config);
     let cores = std::thread::available_parallelism().map_or(1, usize::from) as u64;
     let threads = (EXTRA_THREADS + cores) * THREAD_ADDRESS_SPACE;
     for (resource, flag, base) in
         [(Resource::As, "-v", BASE_ADDRESS_SPACE + threads), (Resource::Data, "-d", BASE_DATA)]
     {
         let Some(limit) = getrlimit(resource).current else { continue };
-        let needed = base + learner_and_bodies;
+        let needed = base + training_bytes(config);
         if limit < needed {
             let or = ", or use a smaller `learning.replay.capacity` or fewer `arenas`";
             return Err(too_small(limit, flag, needed, or));
@@ -66,7 +65,8 @@ fn too_small(limit: u64, flag: &str, needed: u64, or: &str) -> RunError {
     ))
 }
 
-/// Memory of the learner and of all bodies, in training and in evaluations, in bytes.
+/// Memory of the learner and of all bodies, in training and in evaluations, in bytes. Of a set, it is enough for the scenario with
+/// the most bodies.
 fn training_bytes(config: &RunConfig) -> u64 {
     let (preset, scenario) = (&config.preset, &config.scenario);
     let learning = &preset.learning;
@@ -76,9 +76,37 @@ fn training_bytes(config: &RunConfig) -> u64 {
     let shape = learning.network.shape(inputs, preset.actions.len(scenario.robot.motions.len()));
     let parameters = shape.map_or(0, |shape| shape.parameter_count());
     let evaluation_arenas = Evaluator::parallel_arenas(scenario, preset.evaluation.episodes);
-    let bodies = bodies_per_arena(scenario) * (preset.arenas + evaluation_arenas);
+    // The scenarios of a set have the same inputs and actions, but not the same walls and obstacles.
+    let members = config.scenario_set.iter().flat_map(|set| &set.members);
+    let others = members.filter_map(|member| member.source.first().ok());
+    let most_bodies =
+        others.map(|other| bodies_per_arena(&other)).fold(bodies_per_arena(scenario), usize::max);
+    let bodies = most_bodies * (preset.arenas + evaluation_arenas);
     // A state has its values and an 8-byte reference. A transition has up to 24 bytes, and up to four f64 nodes in the sum tree.
     (states * (4 * inputs + 8) + learning.replay.capacity * (24 + 32)) as u64
         + parameters as u64 * 4 * PARAMETER_COPIES
         + bodies as u64 * BYTES_PER_BODY
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::{Scenario, ScenarioSet, SetMember, SetSource};
+
+    #[test]
+    fn a_set_needs_the_memory_of_its_scenario_with_the_most_bodies() {
+        let small = RunConfig::resolve("scenario-1", "fast", 0).expect("shipped");
+        let mut large = small.clone();
+        large.scenario.obstacles = vec![small.scenario.obstacles[0].clone(); 1000];
+        let member = |scenario: &Scenario| SetMember {
+            name: scenario.name.clone(),
+            share: 1.0,
+            source: SetSource::Scenario(Box::new(scenario.clone())),
+        };
+        let members = vec![member(&small.scenario), member(&large.scenario)];
+        let set = ScenarioSet { name: "both".into(), members };
+        let of_set = RunConfig { scenario_set: Some(set), ..small.clone() };
+        assert!(training_bytes(&small) < training_bytes(&large));
+        assert_eq!(training_bytes(&of_set), training_bytes(&large));
+    }
 }
