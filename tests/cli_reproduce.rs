@@ -97,6 +97,11 @@ fn report(workspace: &Workspace, folder: &str) -> BTreeMap<PathBuf, Vec<u8>> {
     files
 }
 
+/// Makes the folder of a report one of an earlier version, which did not record what the report shows: any report may replace it.
+fn forget_contents(workspace: &Workspace, folder: &str) {
+    workspace.write(&format!("{folder}/spent.json"), r#"{"wall_s": 0.0}"#);
+}
+
 /// The time at which each training run finished.
 fn finished_at(root: &Path) -> BTreeMap<PathBuf, std::time::SystemTime> {
     let runs = fs::read_dir(root.join("runs")).unwrap();
@@ -182,7 +187,15 @@ fn an_experiment_gives_a_report_and_finished_runs_are_not_repeated() {
         assert!(config.contains("gamma: 0.5,"), "{config}");
     }
 
+    // A part of the experiment must not replace all of it.
+    let done = workspace.run("--reproduce --experiment mine/own.ron --out one --only clock");
+    let message = "error: one: holds a full report with more than --only names: all, course, curves, dots, rounds, which; help: ";
+    assert_eq!((done.status, done.stdout.as_str()), (Some(2), ""), "{}", done.stderr);
+    assert!(done.stderr.starts_with(message), "{}", done.stderr);
+    assert!(report(&workspace, "one") == one, "the report is as it was");
+
     // A part of the experiment needs no new runs.
+    forget_contents(&workspace, "one");
     let json = workspace.run_ok("--reproduce --experiment mine/own.ron --out one --only clock --json");
     let json: serde_json::Value = serde_json::from_str(&json.stdout).unwrap();
     assert_eq!((json["runs"].as_u64(), json["claims"].as_array().unwrap().len()), (Some(6), 0));
@@ -241,6 +254,7 @@ fn a_full_disk_leaves_the_last_report_as_it_was() {
     let workspace = workspace();
     let command = "--reproduce --experiment mine/own.ron --jobs 1 --seeds 1";
     workspace.run_ok(&format!("{command} --out before"));
+    forget_contents(&workspace, "before");
     let reproduce = format!("$WAYFIELD {command} --only dots,times --out small/report 2>&1");
     let done = small_disk::with_small_disk(
         &workspace,
@@ -279,6 +293,7 @@ fn a_report_that_is_killed_while_it_is_written_consists_of_whole_files() {
     let mut aborted = 0;
     for point in ["file: contents written", "file: replaced"] {
         for pass in 1.. {
+            forget_contents(&workspace, "report");
             let done = workspace.run_until(&other, &format!("{point}:{pass}"));
             if done.status == Some(0) {
                 break;

@@ -1,6 +1,6 @@
 //! The contents of a report, as its folder records them, and the check whether another report may replace it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
@@ -13,6 +13,9 @@ use crate::scenario::printable_path;
 /// Stands for the shipped experiments in the list of files.
 const SHIPPED: &str = "the paper's experiments";
 
+/// The fix for a folder whose report must stay.
+pub const OTHER_FOLDER: &str = "choose another folder with --out";
+
 /// The contents of a report.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct ReportContents {
@@ -22,6 +25,12 @@ pub struct ReportContents {
     pub experiments: Vec<String>,
     /// The number of seeds of each experiment in the report, by the experiment's name.
     pub seeds: BTreeMap<String, u64>,
+    /// The names of the figures and tables; empty in the file of a version that did not record them.
+    #[serde(default)]
+    pub items: BTreeSet<String>,
+    /// Whether the user has selected them with `--only`.
+    #[serde(skip)]
+    pub is_selection: bool,
 }
 
 impl ReportContents {
@@ -32,23 +41,43 @@ impl ReportContents {
             experiments.push(SHIPPED.into());
         }
         let seeds = |of: &SelectedExperiment| (of.source.name(), of.source.experiment.seeds.count());
-        Self { quick: options.quick, experiments, seeds: selected.iter().map(seeds).collect() }
+        Self {
+            quick: options.quick,
+            experiments,
+            seeds: selected.iter().map(seeds).collect(),
+            items: selected.iter().flat_map(SelectedExperiment::items).map(String::from).collect(),
+            is_selection: !options.only.is_empty(),
+        }
     }
 
-    /// Why this report must not replace the full report `old`: it leaves out an experiment file, or seeds of an experiment in both.
-    /// `None` if it may.
+    /// Why this report must not replace the full report `old`, with the fix: it leaves out an experiment file, seeds of an experiment
+    /// in both, or, because of `--only`, figures or tables. `None` if it may.
     pub fn cannot_replace(&self, old: &Self) -> Option<String> {
         if let Some(other) = old.experiments.iter().find(|other| !self.includes(other)) {
             let other = printable_path(Path::new(other));
-            return Some(format!("holds a full report of {other}, which this one would replace"));
+            let why = format!("holds a full report of {other}, which this one would replace");
+            return Some(format!("{why}; help: {OTHER_FOLDER}"));
         }
         let fewer = |(name, &more): (&String, &u64)| {
             let now = *self.seeds.get(name)?;
-            (now < more).then(|| {
-                format!("holds a full report with {more} seeds of {name}, which one with {now} would replace")
-            })
+            let why = format!(
+                "holds a full report with {more} seeds of {name}, which one with {now} would replace"
+            );
+            (now < more).then(|| format!("{why}; help: {OTHER_FOLDER}"))
         };
-        old.seeds.iter().find_map(fewer)
+        old.seeds.iter().find_map(fewer).or_else(|| self.leaves_out(old))
+    }
+
+    /// Why `--only` selects too little to replace `old`; `None` if it leaves out no figure and no table.
+    fn leaves_out(&self, old: &Self) -> Option<String> {
+        let left_out: Vec<&str> = old.items.difference(&self.items).map(String::as_str).collect();
+        (self.is_selection && !left_out.is_empty()).then(|| {
+            format!(
+                "holds a full report with more than --only names: {}; help: name them as well, leave --only out (finished \
+                 runs are not repeated), or {OTHER_FOLDER}",
+                left_out.join(", ")
+            )
+        })
     }
 
     /// Whether `other` is one of these experiments, perhaps under the path that it had before it was moved.

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
-use super::report_contents::ReportContents;
+use super::report_contents::{OTHER_FOLDER, ReportContents};
 use super::report_files;
 use super::shard::Shard;
 use crate::report::page::Page;
@@ -52,8 +52,8 @@ struct Spent {
 
 impl ReportFolder {
     /// Creates the folder, or continues one that an earlier reproduction created. Checks that the report can be written to it. A
-    /// full report must not be replaced by a quick one, nor by one that leaves out experiments or seeds. Several shards can use
-    /// the folder at the same time.
+    /// full report must not be replaced by a quick one, nor by one that leaves out experiments or seeds, or with `--only` figures
+    /// or tables. Several shards can use the folder at the same time.
     ///
     /// # Errors
     /// Another process uses the folder, it holds other files or a report that must not be replaced, or it cannot be written.
@@ -71,7 +71,6 @@ impl ReportFolder {
         }
         let earlier = Spent::read(&path.join(spent_file(None)));
         if let Some(why) = earlier.as_ref().and_then(|earlier| earlier.keeps_out(&contents)) {
-            let why = format!("{why}; help: choose another folder with --out");
             return Err(RunError::invalid_input(path, why));
         }
         let shown = earlier.and_then(|earlier| earlier.report);
@@ -127,10 +126,10 @@ impl Spent {
         Some(serde_json::from_str(&text).unwrap_or_default())
     }
 
-    /// Why a report of `contents` must not be made in the folder of this file; `None` if it may.
+    /// Why a report of `contents` must not be made in the folder of this file, with the fix; `None` if it may.
     fn keeps_out(&self, contents: &ReportContents) -> Option<String> {
         if contents.quick && !self.quick {
-            return Some("holds a full report, which --quick would overwrite".into());
+            return Some(format!("holds a full report, which --quick would overwrite; help: {OTHER_FOLDER}"));
         }
         contents.cannot_replace(self.report.as_ref()?)
     }

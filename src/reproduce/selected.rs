@@ -40,6 +40,13 @@ pub struct SelectedExperiment {
 }
 
 impl SelectedExperiment {
+    /// The names of the selected figures and tables.
+    pub fn items(&self) -> impl Iterator<Item = &str> {
+        let experiment = &self.source.experiment;
+        let figures = self.figures.iter().map(|&i| experiment.figures[i].name.as_str());
+        figures.chain(self.tables.iter().map(|&i| experiment.tables[i].name.as_str()))
+    }
+
     /// Whether a selected figure, table or claim is about `arm`.
     #[must_use]
     pub fn needs(&self, arm: &str) -> bool {
