@@ -224,6 +224,44 @@ fn arrow_keys_steer_in_drive_mode_only_and_send_each_motion_once() {
 }
 
 #[test]
+fn no_key_acts_behind_an_open_question() {
+    let keys = [Key::Space, Key::Period, Key::Num2, Key::G, Key::T, Key::E, Key::L, Key::H, Key::Tab];
+    let ignores_keys = |window: &mut Window| {
+        let before = window.state().view_state.clone();
+        for key in keys {
+            assert_eq!(press(window, key), [], "{key:?}");
+        }
+        for key in [Key::S, Key::O] {
+            window.key_press_modifiers(Modifiers::COMMAND, key);
+            assert_eq!(sent_commands(window), [], "Ctrl+{key:?}");
+        }
+        assert_eq!(window.state().view_state, before, "the view is as it was");
+    };
+    let mut window = window(ScreenFixture::default());
+    window.state_mut().status.quit_question = true;
+    settle(&mut window);
+    ignores_keys(&mut window);
+    assert_eq!(press(&mut window, Key::Escape), [Command::KeepOpen]);
+    window.state_mut().status.mode = SessionMode::Drive;
+    window.key_down(Key::ArrowLeft);
+    assert_eq!(sent_commands(&mut window), [Command::Steer(2)], "straight ahead");
+    window.state_mut().status.quit_question = false;
+    assert_eq!(sent_commands(&mut window), [Command::Steer(0)], "the key is held down");
+
+    // The question in place of the editor of a set.
+    let mut window = self::window(ScreenFixture::default());
+    let ScreenFixture { scene, status, .. } = window.state_mut();
+    status.is_set = true;
+    scene.arenas.iter_mut().for_each(|arena| arena.set_member = Some("Clutter, level 17".into()));
+    settle(&mut window);
+    press(&mut window, Key::E);
+    ignores_keys(&mut window);
+    press(&mut window, Key::Escape);
+    assert!(window.query_by_label_contains("A set of scenarios cannot be edited here").is_none());
+    assert_eq!(press(&mut window, Key::Num2), [Command::SetPace(Pace::Times(5.0))], "keys act again");
+}
+
+#[test]
 fn keys_and_switches_change_the_same_settings() {
     let mut window = window(ScreenFixture::default());
     assert!(!window.state().view_state.overlays.trails);

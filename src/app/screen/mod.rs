@@ -67,7 +67,8 @@ pub fn screen_ui(
     open_requested_editor(view, view_state, commands);
     shortcuts::handle(ui, view, view_state, commands);
     if view_state.editor.is_none() {
-        arena_view::steer::handle(ui, view, &mut view_state.interaction.steered, commands);
+        let asked = shortcuts::question_is_open(view, view_state);
+        arena_view::steer::handle(ui, view, asked, &mut view_state.interaction.steered, commands);
     }
     toolbar_and_panels_ui(ui, view, view_state, commands);
     let middle = middle_ui(ui, view, view_state, commands);

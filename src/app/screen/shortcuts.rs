@@ -1,8 +1,8 @@
 //! The keyboard: handles the keys of a frame according to the table in `key_bindings.rs`.
 //!
 //! In: key events. Out: commands, and changes of the [`ViewState`]. Keys are ignored while a text field is being
-//! edited. Space and Tab are left to egui while a widget has the focus (Shift+Tab focuses one, Escape removes
-//! the focus).
+//! edited, and while a question in the middle of the window is open, which handles its own keys. Space and Tab are left to egui
+//! while a widget has the focus (Shift+Tab focuses one, Escape removes the focus).
 
 use egui::{Context, Event, Key, Modifiers, Ui};
 
@@ -15,11 +15,11 @@ use crate::app::view_state::{ThemeChoice, ViewCamera, ViewState};
 /// Handles the keys of this frame.
 pub fn handle(ui: &Ui, view: &ScreenInput<'_>, view_state: &mut ViewState, commands: &mut Vec<Command>) {
     let ctx = ui.ctx().clone();
-    if ctx.text_edit_focused() {
+    if ctx.text_edit_focused() || question_is_open(view, view_state) {
         return;
     }
-    let dialog_open = view_state.help_open || view.status.quit_question || confirm_exit::is_open(view_state);
-    if let Some(editor) = view_state.editor.as_mut().filter(|_| !dialog_open) {
+    let help_open = view_state.help_open;
+    if let Some(editor) = view_state.editor.as_mut().filter(|_| !help_open) {
         editor::shortcuts::handle(ui, editor, view.status, commands);
     }
     let editing = view_state.editor.is_some();
@@ -34,6 +34,11 @@ pub fn handle(ui: &Ui, view: &ScreenInput<'_>, view_state: &mut ViewState, comma
     if !editing {
         handle_digits(&ctx, commands);
     }
+}
+
+/// Whether a question in the middle of the window is open.
+pub fn question_is_open(view: &ScreenInput<'_>, view_state: &ViewState) -> bool {
+    view.status.quit_question || view_state.interaction.set_question || confirm_exit::is_open(view_state)
 }
 
 /// Whether `shortcut` works in the editor. The others would act on hidden arenas, or mean something else there.

@@ -10,10 +10,11 @@ use crate::app::screen::input::ScreenInput;
 use crate::scenario::Motion;
 
 /// In Drive mode, sends the motion selected by the arrow keys whenever it changes; `last` is the scenario and the index of
-/// the motion that was sent last.
+/// the motion that was sent last. While a question is open (`asked`) or a text is being edited, no key counts as held.
 pub fn handle(
     ui: &Ui,
     view: &ScreenInput<'_>,
+    asked: bool,
     last: &mut Option<(String, usize)>,
     commands: &mut Vec<Command>,
 ) {
@@ -21,8 +22,8 @@ pub fn handle(
         *last = None;
         return;
     }
-    let typing = ui.ctx().text_edit_focused();
-    let held = |key| !typing && ui.input(|i| i.key_down(key));
+    let ignored = asked || ui.ctx().text_edit_focused();
+    let held = |key| !ignored && ui.input(|i| i.key_down(key));
     let (left, right) = (held(Key::ArrowLeft), held(Key::ArrowRight));
     // The user drives in the first arena. Another scenario, even one of the same set, may have other motions, so the motion
     // is then sent again.

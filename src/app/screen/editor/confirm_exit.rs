@@ -109,5 +109,5 @@ pub fn confirm_exit_ui(
 
 /// Whether the question is open.
 pub fn is_open(view_state: &ViewState) -> bool {
-    view_state.interaction.editor.exit_request.is_some()
+    view_state.editor.is_some() && view_state.interaction.editor.exit_request.is_some()
 }
