@@ -317,6 +317,7 @@ fn transfer_keeps_the_weights_and_can_be_replayed() {
     let earlier = app.world().resource::<TrainingHistory>().0.to_earlier();
     assert!(!earlier.return_mean.points().is_empty());
     app.command(transfer(PolicySource::Current, 42));
+    app.command(Command::Pause(true));
     app.frame(Duration::from_millis(10));
     assert_eq!(app.error_notices(), Vec::<String>::new());
     assert!(weights(&mut app) == before, "the weights are kept");

@@ -90,7 +90,10 @@ fn the_best_policy_can_be_saved_tested_compared_and_transferred() {
         seed: 12,
         epsilon: 0.5,
     });
+    // Before the first step.
+    app.command(Command::Pause(true));
     frame(&mut app);
+    assert_eq!(app.steps(), 0);
     let policy = Policy::from_bytes(&read(&best)).expect("a policy");
     let learner = &app.world().resource::<ActiveLearner>().0;
     assert!(learner.network().parameters() == policy.parameters(), "the weights of the best policy");
@@ -98,6 +101,27 @@ fn the_best_policy_can_be_saved_tested_compared_and_transferred() {
         format!("Empty, {} steps, seed 3", wayfield::report::format::number(shown.env_steps as f64, 0));
     assert_eq!(app.shown().1.transfer_from, Some(from));
     assert_eq!((app.run().config.seed, app.shown().1.tested), (12, PolicySource::Current));
+}
+
+#[test]
+fn a_training_run_from_a_policy_runs_even_if_time_was_paused() {
+    let start = StartOptions { scenario: "empty".into(), paused: true, ..StartOptions::default() };
+    let mut app = HeadlessApp::new(start);
+    frame(&mut app);
+    assert!(app.shown().1.paused);
+    app.command(Command::Transfer {
+        policy: PolicySource::Current,
+        scenario: "doorway".into(),
+        preset: "fast".into(),
+        seed: 12,
+        epsilon: 0.5,
+    });
+    frame(&mut app);
+    assert_eq!((app.run().config.seed, app.shown().1.paused), (12, false));
+    for _ in 0..100 {
+        frame(&mut app);
+    }
+    assert!(app.steps() > 0, "it trains");
 }
 
 #[test]

@@ -187,8 +187,8 @@ pub(super) fn transfer_config(
     Ok(config)
 }
 
-/// Starts the training run of `config` from a policy. Exploration starts at `epsilon`, limited to 0..=1. If the policy
-/// is the current or the best one, the curves of the run that it comes from stay in the background.
+/// Starts the training run of `config` from a policy, and time if it was paused. Exploration starts at `epsilon`, limited to
+/// 0..=1. If the policy is the current or the best one, the curves of the run that it comes from stay in the background.
 ///
 /// # Errors
 /// There is no such policy, or it does not fit the scenario or the preset.
@@ -203,6 +203,7 @@ pub(super) fn start_from_policy(
     config.transfer = Some(Transfer { policy: name, epsilon: Some(epsilon.clamp(0.0, 1.0)) });
     let prepared = prepare(config, Some(policy))?;
     let earlier = world.resource::<TrainingHistory>().0.to_earlier();
+    world.resource_mut::<Pacer>().set_paused(false);
     replace(world, prepared);
     if source != PolicySource::Opened {
         world.resource_mut::<TrainingHistory>().0.set_earlier(earlier);
