@@ -75,7 +75,7 @@ fn the_command_of_a_failure_repeats_it_exactly_in_the_window() {
     let rows: Vec<BTreeMap<String, String>> = rows.map(|row| row.expect("a row")).collect();
     let failed: Vec<_> = rows.into_iter().filter(|row| row["outcome"] != "success").collect();
     assert!(failed.len() > 2, "{} failed", failed.len());
-    // The links to the picture's files follow the command.
+    // The links to the image files follow the command, in parentheses.
     let command = |line| str::split_once(line, "To repeat it: ")?.1.split(" (").next();
     let commands: Vec<&str> = page.lines().filter_map(command).collect();
     assert_eq!(commands.len(), failed.len(), "{page}");

@@ -176,7 +176,7 @@ fn png_size(bytes: &[u8]) -> [u32; 2] {
 }
 
 #[test]
-fn a_picture_has_the_format_of_its_name_and_the_size_that_is_asked_for() {
+fn an_image_has_the_format_of_its_name_and_the_size_that_is_asked_for() {
     let workspace = Workspace::new();
     for (arguments, size) in
         [("--plain", [480, 360]), ("--size 300x500", [300, 500]), ("--plain --size 64x32", [64, 32])]
@@ -198,7 +198,7 @@ fn a_picture_has_the_format_of_its_name_and_the_size_that_is_asked_for() {
 }
 
 #[test]
-fn a_picture_of_a_scenario_has_its_name_a_legend_and_a_scale() {
+fn an_image_of_a_scenario_has_its_name_a_legend_and_a_scale() {
     let workspace = Workspace::new();
     workspace.run_ok("--draw map.svg --scenario hall");
     let labels = ["Hall", "start", "goal", "moving obstacle on its path", "x and y in m"];
@@ -207,7 +207,7 @@ fn a_picture_of_a_scenario_has_its_name_a_legend_and_a_scale() {
         assert!(svg.lines().any(|line| line == label), "`{label}` is not in\n{svg}");
     }
     workspace.run_ok("--draw map.svg --scenario hall --plain");
-    assert!(!workspace.text("map.svg").contains("<text"), "only the picture");
+    assert!(!workspace.text("map.svg").contains("<text"), "only the image");
 }
 
 #[test]

@@ -67,7 +67,7 @@ impl DrawOptions {
         Ok(ImageSize::Pixels(width.into(), height.into()))
     }
 
-    /// The levels of the contact sheet.
+    /// The number of levels on the contact sheet; `None` for no contact sheet.
     fn levels(&self) -> PyResult<Option<u64>> {
         match self.levels {
             Some(_) if self.is_plain || self.over.is_some() => Err(PyValueError::new_err(

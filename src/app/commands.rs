@@ -102,7 +102,7 @@ pub enum Command {
     /// While testing, driving or comparing: gives all robots the goal at the requested position, and restarts their time
     /// limits.
     SetGoal(MoveRequest),
-    /// Sets the motion of the robot that the user drives, an index into the robot's motions.
+    /// Sets the motion of the robot that the user drives, as an index into its motions.
     Steer(usize),
     /// Opens a dialog for a file that [`Command::Open`] opens.
     OpenDialog,
@@ -123,7 +123,7 @@ pub enum Command {
     SaveDialog(SaveKind),
     /// Saves to a file or folder.
     Save(SaveKind, PathBuf),
-    /// Saves the run under `runs/`, in a browser the policy; then executes the command, which would discard the training.
+    /// Saves the run under `runs/` (in a browser, the policy), then executes the command, which would discard the training.
     SaveFirst(Box<Command>),
     /// Continues the last session from its autosave.
     ContinueLastSession,

@@ -52,17 +52,17 @@ impl Preset {
         let [_, latency_steps] = lidar.latency_steps.ends();
         // The current observation and the next; the sensors' readings; the current scan and the delayed ones.
         let scans = (latency_steps as usize + 2) * observation::width(lidar.beams);
-        let numbers = layout
+        let floats_per_arena = layout
             .width(lidar.beams)
             .saturating_mul(2)
             .saturating_add(layout.extra_width())
             .saturating_add(scans);
-        let floats = arenas.saturating_mul(numbers);
+        let floats = arenas.saturating_mul(floats_per_arena);
         if floats <= MAX_OBSERVED_FLOATS {
             return Ok(());
         }
         Err(format!(
-            "the scans and observations of {arenas} arenas with {} beams, a latency of {} steps and {} numbers from plugins' \
+            "the scans and observations of {arenas} arenas with {} beams, a latency of {} steps and {} values from plugins' \
              sensors have {floats} floats, more than {MAX_OBSERVED_FLOATS}; help: use fewer `arenas`, `lidar.beams` or \
              `lidar.latency_steps`",
             lidar.beams,
@@ -71,7 +71,7 @@ impl Preset {
         ))
     }
 
-    /// Number of observations that the learner stores: the replay buffer, and the transitions that are not yet complete.
+    /// Number of observations that the learner stores: in the replay buffer, and in the transitions that are not yet complete.
     pub(super) fn stored_states(&self) -> usize {
         self.learning.replay.capacity + self.arenas * (self.learning.n_step + 1)
     }
@@ -150,7 +150,7 @@ mod tests {
         let many = Preset { arenas: MAX_ARENAS, ..fast() };
         let error = many.check_memory(&scenario, &layout(30_000)).expect_err("too much");
         assert!(
-            error.contains("30000 numbers from plugins' sensors") && error.contains("`arenas`"),
+            error.contains("30000 values from plugins' sensors") && error.contains("`arenas`"),
             "{error}"
         );
     }

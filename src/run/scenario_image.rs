@@ -89,7 +89,7 @@ pub fn thumbnail(scenario: &Scenario) -> Result<String, DrawError> {
     map(scenario, LAYOUT_SEED, 0).thumbnail_svg()
 }
 
-/// The figure of `levels` at control step 0, one next to the other under their names, as SVG.
+/// The figure of `levels` at control step 0, side by side under their names, as SVG.
 ///
 /// # Errors
 /// The drawing library failed. No input is known to cause this.

@@ -30,7 +30,7 @@ pub(super) struct Sweep {
 }
 
 impl Footprint {
-    /// The footprint of `robot`; None for a disc.
+    /// The footprint of `robot`; `None` for a disc.
     pub(super) fn of(robot: &Robot) -> Option<Self> {
         let shape = robot.shape.as_ref()?;
         let (points_m, radius_m) = shape.support_points(0.0);

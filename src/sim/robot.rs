@@ -13,8 +13,8 @@
 //! after the step is exact.
 //!
 //! The body is a disc with locked rotation: only the wheels turn it, never a contact. The heading is integrated here,
-//! with `libm`, so that its bits are the same on every platform. A body of another shape (`footprint.rs`) stops and stops
-//! turning where it first touches something.
+//! with `libm`, so that its bits are the same on every platform. A body of another shape (`footprint.rs`) stops both
+//! moving and turning where it first touches something.
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;

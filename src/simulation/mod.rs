@@ -1,4 +1,4 @@
-//! Simulations: arenas of one scenario, stepped by their caller.
+//! Simulations: arenas of a scenario or of a set of scenarios, stepped by their caller.
 //!
 //! [`SimulationBuilder`] combines the plugins of a simulation with a user's plugins ([`Extensions`]). Training,
 //! evaluation, [`VecEnv`](crate::env::VecEnv) and the app all use it. A [`Simulation`] is headless.

@@ -39,7 +39,7 @@ fn choices_take_effect_when_a_button_is_clicked() {
     );
     let restart = Command::StartTraining { scenario, preset, seed };
     assert_eq!(click(&mut window, "Train from scratch in Scenario II"), [restart]);
-    // The chosen training runs now: nothing is left to start.
+    // The chosen run has started: no choice is left to apply.
     let status = &mut window.state_mut().status;
     (status.scenario_from, status.preset_from, status.seed) = ("scenario-2".into(), "dqn".into(), 42_000);
     settle(&mut window);
@@ -48,7 +48,7 @@ fn choices_take_effect_when_a_button_is_clicked() {
 }
 
 #[test]
-fn a_choice_can_be_undone_and_says_what_its_button_starts() {
+fn a_choice_can_be_undone_and_its_button_names_what_it_starts() {
     let mut window = window(ScreenFixture::default());
     for (list, choice, button) in [
         ("Scenario", "Scenario II", "Train from scratch in Scenario II"),
@@ -68,7 +68,7 @@ fn a_choice_can_be_undone_and_says_what_its_button_starts() {
 }
 
 #[test]
-fn a_transfer_is_confirmed_and_says_where_its_policy_comes_from() {
+fn a_transfer_is_confirmed_and_shows_where_its_policy_comes_from() {
     let mut window = window(ScreenFixture::default());
     window.state_mut().status.restart_loses_training = true;
     click(&mut window, "Scenario");
@@ -91,7 +91,7 @@ fn a_transfer_is_confirmed_and_says_where_its_policy_comes_from() {
 }
 
 #[test]
-fn a_training_worth_keeping_is_discarded_only_after_a_confirmation() {
+fn a_training_run_worth_keeping_is_discarded_only_after_a_confirmation() {
     let mut window = window(ScreenFixture::default());
     window.state_mut().status.restart_loses_training = true;
     assert_eq!(click(&mut window, "Restart training"), []);
@@ -173,7 +173,7 @@ fn the_seed_can_be_typed_or_drawn_at_random() {
         _ => panic!("{commands:?}"),
     };
     assert_eq!(seed(click(&mut window, "Train from scratch with seed 1")), 1);
-    // Exact beyond the integers of an f64, and refused with a message if it is no seed.
+    // Exact beyond the integers of an f64, and refused with a message if it is not a seed.
     type_seed(&mut window, "18446744073709551615");
     assert_eq!(seed(click(&mut window, "Train from scratch with seed 18446744073709551615")), u64::MAX);
     for (text, problem) in [
@@ -231,7 +231,7 @@ fn an_expert_can_be_opened_by_its_button_and_by_compare() {
     let mut window = window(ScreenFixture::default());
     assert_eq!(click(&mut window, "Watch an expert"), [Command::OpenExpert]);
     assert_eq!(click(&mut window, "Compare"), [Command::OpenExpert]);
-    // An expert of another scenario says so.
+    // The button names the scenario if the expert is from another one.
     window.state_mut().status.expert.as_mut().expect("there is one").is_new_here = true;
     settle(&mut window);
     assert_eq!(click(&mut window, "Watch the Scenario I expert"), [Command::OpenExpert]);
@@ -286,7 +286,7 @@ fn without_a_disk_no_run_can_be_saved_and_the_curves_are_an_svg() {
 }
 
 #[test]
-fn the_last_session_is_offered_with_what_it_is() {
+fn the_last_session_is_offered_with_a_description() {
     let mut window = window(ScreenFixture::default());
     assert!(window.query_by_label("Continue where you left off?").is_none());
     window.state_mut().status.last_session = Some(LastSession {

@@ -1,4 +1,4 @@
-//! A made-up training to draw, without a session, a world or a learner behind it.
+//! A made-up training run to draw, without a session, a `World` or a learner behind it.
 //!
 //! In: nothing. Out: a plausible [`ScreenFixture`], always the same.
 #![allow(dead_code, reason = "no test needs all of it")]
@@ -82,7 +82,7 @@ impl ScreenFixture {
         screen_fixture
     }
 
-    /// The training in another scenario, each arena with its own generated obstacles. The beams hit nothing.
+    /// The training run in another scenario, each arena with its own generated obstacles. The beams hit nothing.
     pub fn with_scenario(mut self, scenario: Scenario) -> Self {
         for (layout_seed, arena) in (0..).zip(&mut self.scene.arenas) {
             let layout = scenario.with_generated_obstacles(layout_seed);

@@ -22,7 +22,7 @@ pub fn action_motion(set: &ActionSet, action: usize, robot: &Robot) -> Motion {
     }
 }
 
-/// The motion of `robot`, which has these [`motion_limits`], that `relative` stands for.
+/// The motion of `robot` that `relative` stands for. `limits` are the robot's [`motion_limits`].
 #[must_use]
 pub fn relative_motion(relative: RelativeMotion, robot: &Robot, limits: &MotionLimits) -> Motion {
     let (v_m_s, w_rad_s) = relative.of(limits);

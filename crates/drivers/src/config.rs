@@ -68,7 +68,7 @@ pub struct FieldParameters {
     pub influence_distance: f32,
     /// Distance from the keep-out circle below which the robot slows down, above 0, at most 100 keep-out distances.
     pub slow_distance: f32,
-    /// Time to turn into the direction of the force, 0.001 to 100 s.
+    /// Time to turn to the direction of the force, 0.001 to 100 s.
     pub turn_time_s: f32,
 }
 
@@ -131,8 +131,8 @@ pub struct TrackingParameters {
     pub min_scans: u32,
     /// Lowest speed that counts as motion, 0 to 5 m/s.
     pub min_speed_m_s: f32,
-    /// A thing moves only if a beam of the last second ended at least this far behind its present place, 0 to 100 keep-out
-    /// distances.
+    /// A thing counts as moving only if a beam of the last second ended at least this far behind its present position, 0 to
+    /// 100 keep-out distances.
     pub free_margin: f32,
 }
 
@@ -207,7 +207,7 @@ pub struct OrcaParameters {
     pub responsibility: f32,
     /// Distance to keep in addition, 0 to 10 keep-out distances.
     pub margin: f32,
-    /// Time to turn into the direction of the velocity, 0.001 to 100 s.
+    /// Time to turn to the direction of the velocity, 0.001 to 100 s.
     pub turn_time_s: f32,
 }
 

@@ -33,7 +33,7 @@ pub(crate) trait Map {
     }
 }
 
-/// The extra cost of a cell whose centre is `distance_m` beyond the keep-out distance of the nearest surface.
+/// The extra cost of a cell whose centre is `distance_m` beyond the keep-out distance from the nearest surface.
 pub(crate) fn closeness_cost(distance_m: f32, margin_m: f32) -> u16 {
     if distance_m < 0.0 {
         TOO_CLOSE

@@ -159,12 +159,12 @@ struct MapDriver {
 impl Driver for MapDriver {
     fn act(&mut self, percept: &Percept) -> usize {
         match self.waypoints.update(percept) {
-            Some(Waypoint { at_m, way_m }) => {
+            Some(Waypoint { at_m, path_length_m }) => {
                 let bearing_rad = libm::atan2f(at_m.y, at_m.x);
                 let distance_m = match self.driver.observer {
                     // A path may be longer than any distance in its training, so it gets the distance to the waypoint.
                     Observer::Paper => at_m.length(),
-                    Observer::Sectors { .. } => way_m,
+                    Observer::Sectors { .. } => path_length_m,
                 };
                 self.driver.act_towards(percept, (bearing_rad, distance_m))
             }

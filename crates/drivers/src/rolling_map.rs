@@ -137,16 +137,16 @@ impl RollingMap {
     }
 
     /// Whether the straight line from `from_m`, the robot's position, to `to_m` passes only through cells with extra costs of at
-    /// most `most`. Costlier cells at its start, within the keep-out distance of the robot, are ignored; so is everything outside
-    /// the window.
-    pub(crate) fn is_clear(&self, from_m: Vec2, to_m: Vec2, most: u16) -> bool {
+    /// most `max_cost`. Costlier cells at its start, within the keep-out distance of the robot, are ignored; so is everything
+    /// outside the window.
+    pub(crate) fn is_clear(&self, from_m: Vec2, to_m: Vec2, max_cost: u16) -> bool {
         let way = to_m - from_m;
         let samples = (2.0 * way.length() / self.cell_m).ceil().clamp(1.0, MAX_CELLS as f32);
         let mut is_leaving = true;
         (0..=samples as usize).all(|k| {
             let step = way * (k as f32 / samples);
             let at_m = from_m + step;
-            if !self.window.contains(at_m) || self.costs[self.window.cell(at_m)] <= most {
+            if !self.window.contains(at_m) || self.costs[self.window.cell(at_m)] <= max_cost {
                 is_leaving = false;
                 return true;
             }

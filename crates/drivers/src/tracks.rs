@@ -91,7 +91,7 @@ impl Tracks {
         points
     }
 
-    /// Moves all tracks into the frame of the robot, which has moved by `odometry` in `seconds`.
+    /// Predicts all tracks, in the frame of the robot, which has moved by `odometry` in `seconds`.
     fn predict(&mut self, odometry: &Odometry, seconds: f32) {
         let turn = Odometry { translation_m: Vec2::ZERO, ..*odometry };
         for track in &mut self.tracks {
@@ -152,8 +152,8 @@ mod tests {
     fn range(beam: Vec2, from: Vec2, at: Vec2) -> f32 {
         let along = beam.dot(at - from);
         let off = beam.perp_dot(at - from);
-        let half = 0.2_f32 * 0.2 - off * off;
-        if along > 0.0 && half > 0.0 { along - half.sqrt() } else { 3.5 }
+        let half_squared = 0.2_f32 * 0.2 - off * off;
+        if along > 0.0 && half_squared > 0.0 { along - half_squared.sqrt() } else { 3.5 }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The waypoint: the point to drive to while the goal is out of sight. The map is built as the robot drives.
 //!
-//! While the straight way to the goal is free in the map, there is no waypoint. Otherwise it is the farthest point in sight on
+//! While the straight line to the goal is free in the map, there is no waypoint. Otherwise it is the farthest point in sight on
 //! the cheapest path, up to a lookahead distance along it. Unknown cells are free.
 
 use glam::Vec2;
@@ -24,18 +24,19 @@ const LOOKAHEAD: f32 = 8.0;
 const NEAREST: f32 = 2.0;
 /// The highest extra cost of a cell on a line that counts as in sight: just below that of a cell too close to something.
 const IN_SIGHT: u16 = TOO_CLOSE - 1;
-/// The same for a goal that was out of sight: the cost at half the margin. A goal on the edge of sight does not come and go.
+/// Like [`IN_SIGHT`], for a goal that was out of sight: the cost at half the margin, so that a goal on the edge of sight does
+/// not come and go.
 const IN_SIGHT_AGAIN: u16 = 4;
-/// A path is kept until another costs less than this fraction of its cost, so that the robot does not waver between equal ways.
+/// A path is kept until another costs less than this fraction of its cost, so that the robot does not waver between equal paths.
 const BETTER: f32 = 0.8;
 
 /// A point to drive to.
 pub(crate) struct Waypoint {
     /// The point in the robot's frame, in m.
     pub(crate) at_m: Vec2,
-    /// The length of the way to the goal through the point, in m. A policy that observes it as the goal distance does not hurry
+    /// The length of the path to the goal through the point, in m. A policy that observes it as the goal distance does not hurry
     /// to the point as if the episode ended there.
-    pub(crate) way_m: f32,
+    pub(crate) path_length_m: f32,
 }
 
 /// The choice of waypoints in one episode, and its map.
@@ -86,11 +87,11 @@ impl Waypoints {
         self.steps_left -= 1;
         self.waypoint_m.map(|point_m| Waypoint {
             at_m: self.pose.to_inner(point_m),
-            way_m: (point_m - self.pose.translation_m).length() + self.rest_m,
+            path_length_m: (point_m - self.pose.translation_m).length() + self.rest_m,
         })
     }
 
-    /// What it plans with, as [`crate::Driver::plan`].
+    /// The path and the map, as for [`crate::Driver::plan`].
     pub(crate) fn plan(&self, pose: (f32, f32, f32)) -> DriverPlan {
         DriverPlan::seen_from(pose, &self.pose, &self.path, self.map.built())
     }
@@ -98,8 +99,8 @@ impl Waypoints {
     fn choose(&mut self) {
         self.map.make_costs();
         let at_m = self.pose.translation_m;
-        let most = if self.waypoint_m.is_some() { IN_SIGHT_AGAIN } else { IN_SIGHT };
-        if self.map.is_clear(at_m, self.goals_edge_m(), most) {
+        let max_cost = if self.waypoint_m.is_some() { IN_SIGHT_AGAIN } else { IN_SIGHT };
+        if self.map.is_clear(at_m, self.goals_edge_m(), max_cost) {
             self.waypoint_m = None;
             self.path.clear();
             return;
@@ -165,21 +166,21 @@ mod tests {
     }
 
     /// A robot at `at_m` that always faces along x, and its goal at (2, 0). A wall, if any, is on the line x = 1.
-    struct Place {
+    struct Scene {
         robot: Robot,
         waypoints: Waypoints,
         at_m: Vec2,
-        /// The length of the way through the last waypoint.
-        way_m: f32,
+        /// The length of the path through the last waypoint.
+        path_length_m: f32,
     }
 
-    impl Place {
+    impl Scene {
         fn new(at_m: Vec2) -> Self {
             let robot = robot();
-            Self { waypoints: Waypoints::new(&robot), robot, at_m, way_m: 0.0 }
+            Self { waypoints: Waypoints::new(&robot), robot, at_m, path_length_m: 0.0 }
         }
 
-        /// The waypoint in the world after the robot has moved to `to_m` and seen the wall, if any.
+        /// The waypoint in the world frame after the robot has moved to `to_m` and seen the wall, if any.
         fn waypoint(&mut self, to_m: Vec2, wall: Option<(f32, f32)>) -> Option<Vec2> {
             let range = |beam: &Vec2| {
                 let range_m = (1.0 - to_m.x) / beam.x;
@@ -199,7 +200,7 @@ mod tests {
             };
             self.at_m = to_m;
             let waypoint = self.waypoints.update(&percept)?;
-            self.way_m = waypoint.way_m;
+            self.path_length_m = waypoint.path_length_m;
             Some(waypoint.at_m + to_m)
         }
 
@@ -210,61 +211,61 @@ mod tests {
     }
 
     #[test]
-    fn the_waypoint_is_the_farthest_point_in_sight_of_the_way_around() {
+    fn the_waypoint_is_the_farthest_point_in_sight_on_the_path_around() {
         let wall = Some((-0.9, 0.3));
-        let mut place = Place::new(Vec2::ZERO);
-        assert_eq!(place.waypoint(Vec2::ZERO, None), None, "the goal is in sight");
-        // The shorter way leads past the upper end, (1, 0.3), and turns there at the keep-out distance, after 1.04 m or more. So
+        let mut scene = Scene::new(Vec2::ZERO);
+        assert_eq!(scene.waypoint(Vec2::ZERO, None), None, "the goal is in sight");
+        // The shorter path leads past the upper end, (1, 0.3), and turns there at the keep-out distance, after 1.04 m or more. So
         // the waypoint is near the end of the lookahead, 8 x 0.13 = 1.04 m along the path.
-        let point = place.planned(Vec2::ZERO, wall).expect("the wall is in the way");
+        let point = scene.planned(Vec2::ZERO, wall).expect("the wall is in the way");
         assert!((0.9..=1.05).contains(&point.length()), "{point}");
         assert!((0.35..=0.75).contains(&point.y), "{point}");
-        // The whole way leads around the end at a distance of 0.13 to 0.26 m.
-        assert!((2.1..=2.5).contains(&place.way_m), "{}", place.way_m);
-        // The straight way to the waypoint keeps clear of the end of the wall.
+        // The whole path leads around the end at a distance of 0.13 to 0.26 m.
+        assert!((2.1..=2.5).contains(&scene.path_length_m), "{}", scene.path_length_m);
+        // The straight line to the waypoint keeps clear of the end of the wall.
         let end = vec2(1.0, 0.3);
         let along = end.dot(point.normalize()).min(point.length());
         assert!((end - point.normalize() * along).length() > 0.13 - 0.03, "{point}");
-        // From (1, 0.75) the way to the goal passes the end at 0.36 m.
-        assert_eq!(place.planned(vec2(1.0, 0.75), wall), None);
+        // From (1, 0.75) the line to the goal passes the end at 0.36 m.
+        assert_eq!(scene.planned(vec2(1.0, 0.75), wall), None);
     }
 
     #[test]
     fn a_goal_on_the_edge_of_sight_does_not_come_and_go() {
-        // From (0.6, 0.67) the way to the goal passes the wall's end at (0.67 - 0.42) / |(1.4, 0.67)| = 0.16 m: farther than the
+        // From (0.6, 0.67) the line to the goal passes the wall's end at (0.67 - 0.42) / |(1.4, 0.67)| = 0.16 m: farther than the
         // keep-out distance, but within half the margin beyond it.
         let (wall, edge) = (Some((-0.9, 0.3)), vec2(0.6, 0.67));
-        assert_eq!(Place::new(edge).planned(edge, wall), None, "it was never out of sight");
-        let mut place = Place::new(Vec2::ZERO);
-        assert!(place.planned(Vec2::ZERO, wall).is_some());
-        assert!(place.planned(edge, wall).is_some(), "it is not yet in sight again");
+        assert_eq!(Scene::new(edge).planned(edge, wall), None, "it was never out of sight");
+        let mut scene = Scene::new(Vec2::ZERO);
+        assert!(scene.planned(Vec2::ZERO, wall).is_some());
+        assert!(scene.planned(edge, wall).is_some(), "it is not yet in sight again");
     }
 
     #[test]
-    fn of_two_equally_good_ways_the_first_is_kept_until_it_is_closed() {
+    fn of_two_equally_good_paths_the_first_is_kept_until_it_is_blocked() {
         let wall = Some((-0.6, 0.6));
-        let mut place = Place::new(Vec2::ZERO);
-        let side = place.planned(Vec2::ZERO, wall).expect("out of sight").y.signum();
-        // A step to the other side, which makes that way the shorter one.
+        let mut scene = Scene::new(Vec2::ZERO);
+        let side = scene.planned(Vec2::ZERO, wall).expect("out of sight").y.signum();
+        // A step to the other side, which makes the path there the shorter one.
         for step in 1..5 {
-            let point = place.planned(vec2(0.0, -0.02 * side * step as f32), wall).expect("out of sight");
+            let point = scene.planned(vec2(0.0, -0.02 * side * step as f32), wall).expect("out of sight");
             assert_eq!(point.y.signum(), side, "{point}");
         }
         // The wall turns out to continue on this side.
         let longer = Some(if side > 0.0 { (-0.6, 3.0) } else { (-3.0, 0.6) });
-        let point = place.planned(Vec2::ZERO, longer).expect("out of sight");
+        let point = scene.planned(Vec2::ZERO, longer).expect("out of sight");
         assert_eq!(point.y.signum(), -side, "{point}");
     }
 
     #[test]
-    fn what_has_gone_is_forgotten() {
-        let mut place = Place::new(Vec2::ZERO);
-        assert!(place.planned(Vec2::ZERO, Some((-0.9, 0.3))).is_some());
+    fn a_wall_that_has_gone_is_forgotten() {
+        let mut scene = Scene::new(Vec2::ZERO);
+        assert!(scene.planned(Vec2::ZERO, Some((-0.9, 0.3))).is_some());
         for _ in 0..10 {
-            place.waypoint(Vec2::ZERO, None);
+            scene.waypoint(Vec2::ZERO, None);
         }
-        assert_eq!(place.waypoint(Vec2::ZERO, None), None);
-        let plan = place.waypoints.plan((0.0, 0.0, 0.0));
+        assert_eq!(scene.waypoint(Vec2::ZERO, None), None);
+        let plan = scene.waypoints.plan((0.0, 0.0, 0.0));
         assert!(plan.path_m.is_empty() && plan.occupied_m.is_empty(), "{plan:?}");
     }
 }

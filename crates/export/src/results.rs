@@ -49,7 +49,7 @@ impl EvalResults {
         let rates = [self.success_rate, low, high, self.collision_rate, self.timeout_rate];
         let sum = self.success_rate + self.collision_rate + self.timeout_rate;
         let problem = if rates.iter().any(|rate| !(0.0..=1.0).contains(rate)) {
-            "a rate is not within 0 and 1"
+            "a rate is not between 0 and 1"
         } else if (sum - 1.0).abs() > 1e-6 {
             "the rates of success, collision and timeout do not add up to 1"
         } else if self.mean_time_s.is_some_and(|time_s| !(time_s.is_finite() && time_s >= 0.0)) {

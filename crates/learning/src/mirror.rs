@@ -42,14 +42,14 @@ impl Mirror {
     /// # Errors
     /// A sign is not 1 or -1, an index is out of range, or the mirror applied twice changes something.
     pub fn new(inputs: Vec<(u32, f32)>, actions: Vec<u32>) -> Result<Self, MirrorError> {
-        let is_own_image = |(i, &(from, sign)): (usize, &(u32, f32))| {
+        let is_restored = |(i, &(from, sign)): (usize, &(u32, f32))| {
             sign.abs() == 1.0 && inputs.get(from as usize) == Some(&(i as u32, sign))
         };
-        if let Some(i) = inputs.iter().enumerate().position(|input| !is_own_image(input)) {
+        if let Some(i) = inputs.iter().enumerate().position(|input| !is_restored(input)) {
             return Err(MirrorError::Input(i));
         }
-        let is_own_image = |(a, &image): (usize, &u32)| actions.get(image as usize) == Some(&(a as u32));
-        if let Some(a) = actions.iter().enumerate().position(|action| !is_own_image(action)) {
+        let is_restored = |(a, &image): (usize, &u32)| actions.get(image as usize) == Some(&(a as u32));
+        if let Some(a) = actions.iter().enumerate().position(|action| !is_restored(action)) {
             return Err(MirrorError::Action(a));
         }
         Ok(Self { inputs, actions })

@@ -65,7 +65,7 @@ fn converted_rule(
 ) -> PlacementRule {
     let old = role.of(scenario);
     let clearance_m = old.clearance_m().unwrap_or(NEW_CLEARANCE_M);
-    let place = || {
+    let position = || {
         let first = old.positions_m().first().copied();
         first.unwrap_or_else(|| free_position(scenario, role, clearance_m, snap))
     };
@@ -78,8 +78,8 @@ fn converted_rule(
             let max_m = vec2(quarter(high.x, low.x), quarter(high.y, low.y));
             PlacementRule::Within { min_m, max_m, clearance_m }
         }
-        PlacementKind::Fixed => PlacementRule::Fixed { position_m: place(), heading_rad: None },
-        PlacementKind::OneOf => PlacementRule::OneOf { positions_m: vec![place()] },
+        PlacementKind::Fixed => PlacementRule::Fixed { position_m: position(), heading_rad: None },
+        PlacementKind::OneOf => PlacementRule::OneOf { positions_m: vec![position()] },
     }
 }
 

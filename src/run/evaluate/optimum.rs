@@ -19,7 +19,7 @@ pub struct OptimumComparison {
 }
 
 impl OptimumComparison {
-    /// Compares each of `episodes` with its [`bounds`]. `None` if there is nothing to compare.
+    /// Compares each successful episode with its [`bounds`]. `None` if there is nothing to compare.
     #[must_use]
     pub fn from_episodes(
         episodes: &[EpisodeResult],

@@ -38,7 +38,7 @@ pub struct SuiteTest<'a> {
     pub threads: usize,
     /// Set from outside to stop the test.
     pub stop: Option<&'a AtomicBool>,
-    /// Where finished tests are kept, and taken from.
+    /// Where finished tests are stored and looked up.
     pub store: Option<&'a TestStore>,
     /// Called with the number of finished pairs of a driver and a scenario, and the number of all pairs.
     pub progress: &'a (dyn Fn(usize, usize) + Sync),
@@ -60,7 +60,7 @@ pub struct SuiteEpisodes {
 pub struct References {
     /// The length of the shortest path of each episode, in m.
     pub shortest_paths_m: Vec<f64>,
-    /// The bounds on its optimal time, if wanted.
+    /// The bounds on the optimal time of each episode, if wanted.
     pub bounds: Option<Vec<StepBounds>>,
 }
 
@@ -83,8 +83,8 @@ impl SuiteTest<'_> {
     /// Tests `drivers`. Returns the episodes of each driver in each scenario ([`Suite::scenarios`]).
     ///
     /// # Errors
-    /// A driver is a policy that does not fit a scenario, a level cannot be made, a scenario has no free space for a start, or
-    /// the test was stopped.
+    /// A driver is a policy that does not fit a scenario, a level cannot be made, a scenario has no free space for a start, a
+    /// finished test cannot be stored, or the test was stopped.
     pub fn run(&self, drivers: &[SuiteDriver<'_>]) -> Result<Vec<Vec<SuiteEpisodes>>, RunError> {
         let scenarios: Vec<(&Family, &SuiteScenario)> = self.suite.scenarios().collect();
         let references: Vec<OnceLock<Arc<References>>> = scenarios.iter().map(|_| OnceLock::new()).collect();

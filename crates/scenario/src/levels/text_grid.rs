@@ -33,12 +33,12 @@ pub(super) fn check(
     let columns = text_rows::columns(rows);
     let least_m = *LEVEL_CELL_M.start();
     let sizes = [(generator.width_m.0, columns, "wide"), (generator.height_m.0, rows.len(), "high")];
-    for (size_m, count, wide) in sizes {
+    for (size_m, count, adjective) in sizes {
         let cell_m = size_m / count as f32;
         if cell_m < least_m {
             let message = format!(
-                "has cells only {cell_m} m {wide}: write fewer cells or a larger enclosure, so that they are at least \
-                 {least_m} m {wide}"
+                "has cells only {cell_m} m {adjective}: write fewer cells or a larger enclosure, so that they are at least \
+                 {least_m} m {adjective}"
             );
             diagnostics.push(path, message);
         }

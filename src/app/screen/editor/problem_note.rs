@@ -23,7 +23,7 @@ pub fn draw(canvas: &Canvas, editor: &Editor) {
     let Some(((item, problem), color)) = problem.or_else(note) else { return };
     let width = MAX_WIDTH.min(canvas.transform.rect.width() - 40.0).max(80.0);
     let text = painter.layout(problem.message.clone(), FontId::proportional(SMALL), color, width);
-    let card = place(canvas, item, text.size() + vec2(16.0, 10.0));
+    let card = card_rect(canvas, item, text.size() + vec2(16.0, 10.0));
     canvas.card_background(card);
     painter.galley(card.min + vec2(8.0, 5.0), text, color);
 }
@@ -52,7 +52,7 @@ fn shown_note<'e>(canvas: &Canvas, editor: &'e Editor) -> Option<(Rect, &'e Diag
 }
 
 /// The rectangle of a card of this `size`: below the item, or above it where the canvas ends.
-fn place(canvas: &Canvas, item: Rect, size: Vec2) -> Rect {
+fn card_rect(canvas: &Canvas, item: Rect, size: Vec2) -> Rect {
     let view = canvas.transform.rect.shrink(6.0);
     let below = pos2(item.center().x - size.x / 2.0, item.bottom() + GAP);
     let above = pos2(below.x, item.top() - GAP - size.y);
