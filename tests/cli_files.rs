@@ -134,7 +134,7 @@ mod unix {
             ("/dev/zero", "/dev/zero: larger than 1 MiB"),
             ("socket.ron", "socket.ron: can't be read: it is a socket, not a file"),
             ("folder.ron", "folder.ron: this is a folder: name a file in it"),
-            ("dangling.ron", "dangling.ron: this link leads to `gone.ron`, which does not exist"),
+            ("dangling.ron", "dangling.ron: this link points to `gone.ron`, which does not exist"),
             ("loop.ron", "loop.ron: can't be read: "),
         ] {
             assert_refused(&workspace.run(&format!("{PICTURE} {name}")), message);
@@ -294,7 +294,7 @@ fn files_in_other_encodings_are_named() {
     workspace.write("nul.ron", "(name: \"Mi\0ne\")");
     assert_refused(
         &workspace.run("--check nul.ron"),
-        "nul.ron: this is not a text file: it contains zero bytes",
+        "nul.ron: this is not a text file: it contains NUL bytes",
     );
     workspace.write("crlf.ron", "\u{feff}(name: \"Mine\",\r\n\trobott: 3)\r\n");
     assert_refused(&workspace.run("--check crlf.ron"), "crlf.ron:2:2: unknown field `robott`");

@@ -28,7 +28,7 @@ pub enum Loaded {
     Driver(String),
 }
 
-/// Loads the policy or the classical driver `wanted`: a shipped name or a file's path, both with `+map` appended for a policy
+/// Loads the policy or the classical driver `wanted`: a shipped name or a file's path, either with `+map` appended for a policy
 /// with a map, or the RON text of a driver.
 #[pyfunction]
 pub fn load_tested(wanted: &str) -> PyResult<Loaded> {

@@ -137,7 +137,7 @@ pub struct ScalarField {
 /// Everything visible in the arenas.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
-    /// The scenario of the training, without generated obstacles; of a set, the first.
+    /// The scenario of the training run, or the first of its set, without generated obstacles.
     pub scenario: Arc<Scenario>,
     /// The arenas by index: at least one, at most the first 100.
     pub arenas: Vec<ArenaScene>,

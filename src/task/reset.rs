@@ -102,8 +102,8 @@ pub(super) fn draw(setup: Res<EpisodeSetup>, mut fault: ResMut<TaskFault>, mut a
 }
 
 /// The layout seed of a new episode. For generators it is drawn from the stream `places`. Ranges alone draw nothing from it, so
-/// that starts and goals are the same as without ranges: their seed is a function of the stream's state and of the clock. The
-/// clock makes it change even if start and goal are fixed and nothing is drawn.
+/// that starts and goals are the same as without ranges: the seed is then a function of the stream's state and of the clock.
+/// The clock makes it change even if start and goal are fixed and nothing is drawn.
 fn layout_seed(written: &Scenario, clock: Clock, places: &mut Stream) -> u64 {
     if !written.generators.is_empty() {
         return random::random_u64(places);

@@ -20,12 +20,12 @@ pub struct Display {
 }
 
 impl Display {
-    /// None if the tools for it are missing; then the test is skipped.
+    /// A display of 1280 x 800 pixels. `None` if the tools for it are missing; then the test is skipped.
     pub fn new() -> Option<Self> {
         Self::with_size("1280x800")
     }
 
-    /// A display of this size in pixels.
+    /// Like [`Self::new`], with this size in pixels.
     pub fn with_size(size: &str) -> Option<Self> {
         if !requirements::DISPLAY.is_met() {
             return None;
@@ -51,7 +51,7 @@ impl Drop for Display {
     }
 }
 
-/// The binary, with `home` as its working directory and for its files.
+/// The binary, with its working directory, settings and data in `home`.
 pub fn command(display: Option<&str>, home: &Path, arguments: &[&str]) -> Command {
     let mut command = with_default_signals(env!("CARGO_BIN_EXE_wayfield"));
     command.args(arguments).current_dir(home).env("XDG_CONFIG_HOME", home).env("XDG_RUNTIME_DIR", home);
@@ -112,5 +112,5 @@ pub fn xdotool(display: &Display, action: &str) {
     std::thread::sleep(PAUSE);
 }
 
-/// A software GPU draws about ten frames per second; each action should be seen by one.
+/// A software GPU draws about ten frames per second; at least one should follow each action.
 const PAUSE: Duration = Duration::from_millis(400);

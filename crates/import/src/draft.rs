@@ -42,7 +42,7 @@ pub fn margins(base: &Scenario, cell_m: f64) -> Margins {
     Margins { collision: f64::from(base.keep_out_m()) / cell_m, clearance: clearance_m / cell_m }
 }
 
-/// The scenario with the robot, the LIDAR and the rules of `base` in these surroundings. `size_m` is that of its enclosure.
+/// The scenario with the robot, the LIDAR and the rules of `base` in these surroundings. `size_m` is the size of its enclosure.
 pub fn scenario(
     base: &Scenario,
     source: &Source,
@@ -91,8 +91,8 @@ pub fn about(text: &str) -> String {
 fn route(floor: &Floor, scale: Scale) -> BenchmarkRoute {
     let at = |(column, row): Cell| point(scale.point_m(dvec2(column as f64 + 0.5, row as f64 + 0.5)));
     let (start_m, goal_m) = (at(floor.ends.0), at(floor.ends.1));
-    let way = goal_m - start_m;
-    BenchmarkRoute { start_m, heading_rad: (libm::atan2f(way.y, way.x) * 100.0).round() / 100.0, goal_m }
+    let line = goal_m - start_m;
+    BenchmarkRoute { start_m, heading_rad: (libm::atan2f(line.y, line.x) * 100.0).round() / 100.0, goal_m }
 }
 
 /// The time limit, in control steps: that of `base`, or more if a path with a length of `path_m` needs it.
@@ -110,7 +110,7 @@ fn steps(base: &Scenario, path_m: f64) -> u32 {
 /// Checks the scenario, and that it fits into a file.
 ///
 /// # Errors
-/// The first problem, as a message without a fix.
+/// The first problem, as a message without `; help: ...`.
 pub fn check(scenario: &Scenario) -> Result<(), String> {
     let corners: usize = scenario.walls.iter().map(|wall| wall.corners_m.len()).sum();
     for (count, most, what) in [

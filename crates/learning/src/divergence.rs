@@ -18,7 +18,7 @@ pub struct DivergenceError {
     pub env_step: u64,
     /// Which value is not finite, and its cause.
     pub what: String,
-    /// Changes of the config that might help.
+    /// Changes to the config that might help.
     pub advice: String,
 }
 
@@ -40,11 +40,11 @@ pub struct Overestimate {
     pub largest_reward: f32,
     /// The largest possible |return|.
     pub largest_return: f32,
-    /// Changes of the config that might help.
+    /// Changes to the config that might help.
     pub advice: String,
 }
 
-/// Changes of `config` that make divergence less likely, as text for a message.
+/// Changes to `config` that make divergence less likely, as text for a message.
 pub(crate) fn advice(config: &LearningConfig) -> String {
     let mut changes = vec!["a lower learning_rate or reward_scale"];
     if config.loss == Loss::MeanSquared {

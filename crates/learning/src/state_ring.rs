@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The id of a stored observation: a running number, never reused.
+/// The id of a stored observation: a sequence number, never reused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct StateId(pub(crate) u64);
 

@@ -182,7 +182,7 @@ mod tests {
             counts[tree.find(tree.total() * f64::from(uniform_01(&mut random)))] += 1.0;
         }
         assert_eq!(counts[1], 0.0, "weight 0 is never drawn");
-        // A fair sampler exceeds this chi-square (4 degrees of freedom) once in a thousand times.
+        // A fair sampler exceeds this chi-square (4 degrees of freedom) one time in a thousand.
         let expected = |w: f64| w / 10.0 * f64::from(draws);
         let pairs = weights.iter().zip(counts).filter(|(w, _)| **w > 0.0);
         let chi_square: f64 = pairs.map(|(&w, n)| (n - expected(w)).powi(2) / expected(w)).sum();

@@ -192,7 +192,7 @@ impl Geodesic {
         has_same(side) && has_same(diagonal) || free.sees(end, at)
     }
 
-    /// Makes the path of a cell that does not see its bend lead to the settled neighbour through which it is shortest.
+    /// For a cell that does not see its bend: makes its path lead to the settled neighbour through which it is shortest.
     fn bend_at_neighbour(&mut self, free: &FreeCells, cell: usize) {
         let of_neighbour = |(next, step): (usize, Vec2)| (self.lengths[next] + step.length(), next);
         let settled = neighbours(free, cell).filter(|(next, _)| self.settled[*next]).map(of_neighbour);

@@ -208,7 +208,7 @@ pub fn read_text(path: impl AsRef<Path>) -> Result<String, FileError> {
     read_text_with_limit(path, MAX_FILE_BYTES)
 }
 
-/// [`read_text`] with another size limit, for files that the program itself wrote.
+/// Like [`read_text`], with another size limit, for files that the program itself wrote.
 ///
 /// # Errors
 /// As [`read_text`].
@@ -241,7 +241,7 @@ fn decoded(bytes: Vec<u8>, path: &Path) -> Result<String, FileError> {
     if bytes.contains(&0) {
         return Err(FileError::for_file(
             path,
-            "this is not a text file: it contains zero bytes; give a RON file",
+            "this is not a text file: it contains NUL bytes; give a RON file",
         ));
     }
     String::from_utf8(bytes).map_err(|error| {
@@ -267,7 +267,7 @@ fn too_large(path: &Path, max_bytes: u64) -> FileError {
 fn missing(path: &Path) -> FileError {
     if let Ok(target) = std::fs::read_link(path) {
         let target = printable_path(&target);
-        return FileError::for_file(path, format!("this link leads to `{target}`, which does not exist"));
+        return FileError::for_file(path, format!("this link points to `{target}`, which does not exist"));
     }
     let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut there = ron_files(folder);

@@ -131,7 +131,7 @@ fn default_thickness_m() -> f32 {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WallCells {
-    /// The rows of cells, the upper one first, all of the same length: `#` is a solid cell, `.` or a space a free one. 1 to
+    /// The rows of cells from top to bottom, all of the same length: `#` is a solid cell, `.` or a space a free one. 1 to
     /// 250,000 cells, of which at least one is solid.
     pub(super) rows: Vec<String>,
     /// Side of a cell, 0.01 to 100 m.
@@ -286,7 +286,7 @@ fn default_loops() -> bool {
     true
 }
 
-/// A generator of random static obstacles. Every episode of every arena has its own, so that a policy learns to cope with
+/// A generator of random static obstacles. Every episode of every arena draws new ones, so that a policy learns to cope with
 /// unseen layouts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -357,7 +357,7 @@ pub struct Robot {
     /// d(v, w)/dt = (commanded - actual) / lag. With 0 it follows immediately.
     pub actuator_lag_s: Ranged<f32>,
     /// Highest acceleration of v, forwards, backwards and in braking, 0.01 to 1,000 m/s^2; unlimited if omitted. With a lag, it
-    /// limits the rate with which v follows the command.
+    /// limits the rate at which v follows the command.
     pub max_acceleration_m_s2: Option<f32>,
     /// Highest angular acceleration, of w, 0.01 to 10,000 rad/s^2; unlimited if omitted.
     pub max_angular_acceleration_rad_s2: Option<f32>,
@@ -393,11 +393,11 @@ impl Default for Robot {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Slip {
-    /// The part of v that is lost, 0 to 0.9.
+    /// The fraction of v that is lost, 0 to 0.9.
     pub forward: Ranged<f32>,
-    /// The part of w that is lost, 0 to 0.9.
+    /// The fraction of w that is lost, 0 to 0.9.
     pub turning: Ranged<f32>,
-    /// Standard deviation of both parts from step to step, 0 to 0.5.
+    /// Standard deviation of both fractions from step to step, 0 to 0.5.
     pub std: Ranged<f32>,
 }
 

@@ -71,7 +71,8 @@ impl Part {
 }
 
 impl SpatialIndex {
-    /// The index of `scenario`. `None` if the scenario has so few static parts that testing all of them is as fast.
+    /// The index of `scenario`. `None` if it has so few static parts that testing all of them is as fast, or if a number is not
+    /// finite.
     #[must_use]
     pub fn new(scenario: &Scenario) -> Option<Self> {
         let parts: Vec<Part> = Part::static_parts(scenario).collect();

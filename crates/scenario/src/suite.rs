@@ -49,7 +49,7 @@ pub struct SuiteFamily {
     /// Number of levels of the generator, 1 to 10,000 [default: 100].
     #[serde(default)]
     pub levels: Option<u32>,
-    /// The seed of the first level; the others have the next ones [default: 1,000,000, above those that training uses].
+    /// The seed of the first level; each further level has the next seed [default: 1,000,000; training uses smaller ones].
     #[serde(default)]
     pub first_level: Option<u64>,
     /// Number of episodes in each scenario or level, 1 to 10,000 [default: 100 in a scenario, 1 in a level].

@@ -28,7 +28,7 @@ fn every_shipped_scenario_loads() {
 }
 
 #[test]
-fn the_defaults_are_the_papers_numbers() {
+fn the_defaults_are_the_papers_values() {
     let scenario: Scenario = parse_ron("(name: \"x\")", "x.ron").expect("a name is enough");
     assert_eq!(
         scenario,
@@ -47,7 +47,11 @@ fn the_defaults_are_the_papers_numbers() {
     );
     assert_eq!(scenario.task.goal_radius_m, 0.2, "l_a");
     assert_eq!(scenario.task.control_period_s, 0.2);
-    assert_eq!((scenario.task.collision_range_m, scenario.task.max_episode_steps), (0.13, 500), "chosen");
+    assert_eq!(
+        (scenario.task.collision_range_m, scenario.task.max_episode_steps),
+        (0.13, 500),
+        "this project's choice"
+    );
     assert_eq!(scenario.starts, PlacementRule::Random { clearance_m: 0.35 });
     assert_eq!(scenario.goals, scenario.starts);
     assert_eq!(scenario.benchmark_route, None, "a scenario has one only if its file names it");

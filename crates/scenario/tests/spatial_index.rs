@@ -36,8 +36,8 @@ fn obstacle() -> impl Strategy<Value = Obstacle> {
     })
 }
 
-/// A world of 20 m x 20 m with some walls and 60 to 119 obstacles, of which enough are static for an index.
-fn world() -> impl Strategy<Value = Scenario> {
+/// A scenario of 20 m x 20 m with some walls and 60 to 119 obstacles, of which enough are static for an index.
+fn large_scenario() -> impl Strategy<Value = Scenario> {
     let wall = (prop::collection::vec(point(10.0), 2..6), prop_oneof![0.01_f32..0.5, Just(3.0)])
         .prop_map(|(corners_m, thickness_m)| Wall { corners_m, thickness_m, ..Wall::default() });
     let parts = (prop::collection::vec(obstacle(), 60..120), prop::collection::vec(wall, 0..9));
@@ -53,7 +53,7 @@ fn world() -> impl Strategy<Value = Scenario> {
 proptest! {
     #[test]
     fn clearances_and_placements_are_those_without_an_index(
-        scenario in world(), points in prop::collection::vec(point(15.0), 40), step in 0_u64..100, seed in 0_u64..9,
+        scenario in large_scenario(), points in prop::collection::vec(point(15.0), 40), step in 0_u64..100, seed in 0_u64..9,
     ) {
         let index = SpatialIndex::new(&scenario).expect("there are enough parts");
         let indexed = IndexedScenario { index: Some(&index), ..(&scenario).into() };
@@ -87,7 +87,7 @@ fn a_scenario_with_few_parts_or_without_finite_numbers_has_no_index() {
     assert!(SpatialIndex::new(&scenario).is_none());
 }
 
-/// The largest files allowed: an index takes neither much memory nor much time.
+/// With the most obstacles allowed, an index takes neither much memory nor much time.
 #[test]
 fn ten_thousand_large_obstacles_are_indexed_quickly() {
     let large = |k: u16| Obstacle {

@@ -150,8 +150,7 @@ pub(super) fn record_finished(world: &mut World, wait: bool) -> Result<(), RunEr
     Ok(())
 }
 
-/// Records every finished evaluation. If the evaluator has failed, another one takes its place and a running evaluation is
-/// lost.
+/// Records every finished evaluation. On an error, reports it and replaces the evaluator; a running evaluation is lost.
 pub(super) fn record_finished_or_restart(world: &mut World) {
     let Err(error) = record_finished(world, false) else { return };
     notify(world, NoticeTopic::Evaluation, Severity::Error, error.to_string());

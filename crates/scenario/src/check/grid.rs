@@ -26,7 +26,7 @@ pub(crate) struct CellGrid {
 }
 
 impl CellGrid {
-    /// A grid over the box between two corners for a robot whose centre must keep `room_m` from everything. `None` if the
+    /// A grid over the box between two corners for a robot whose centre must stay `room_m` from everything. `None` if the
     /// box is so large that the cells would be too coarse.
     pub(super) fn over(low: DVec2, high: DVec2, room_m: f64) -> Option<Self> {
         let (width, height) = (high.x - low.x, high.y - low.y);
@@ -129,9 +129,9 @@ impl<'a> BlockedCells<'a> {
         for (a, b) in sides(&points) {
             let long = a.distance(b);
             if long > 0.0 {
-                let outwards = dvec2((b.y - a.y) / long * margin, (a.x - b.x) / long * margin);
-                moved.push((a + outwards, b + outwards));
-                moved.push((a - outwards, b - outwards));
+                let shift = dvec2((b.y - a.y) / long * margin, (a.x - b.x) / long * margin);
+                moved.push((a + shift, b + shift));
+                moved.push((a - shift, b - shift));
             }
         }
         let row_of = |y: f64| ((y - self.grid.origin.y) / self.grid.cell_m).clamp(0.0, self.grid.rows as f64);
@@ -299,7 +299,7 @@ mod tests {
     use super::*;
 
     fn grid(width: f64, height: f64) -> CellGrid {
-        // Cells of 1 m, because the robot needs 32 m.
+        // Cells of 1 m: 1/32 of the distance that the robot must keep.
         CellGrid::over(DVec2::ZERO, dvec2(width, height), 32.0).expect("not too large")
     }
 

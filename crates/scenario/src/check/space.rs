@@ -125,8 +125,8 @@ fn check_named_positions(valid: &ValidPart, diagnostics: &mut Diagnostics) {
     let is_still = |&k: &usize| !scenario.obstacles[k].motion.is_moving();
     let indices: Vec<usize> = (0..scenario.obstacles.len()).filter(is_still).collect();
     for (name, rule) in [("starts", &scenario.starts), ("goals", &scenario.goals)] {
-        for (path, place) in named_positions(rule) {
-            let near = match nearest(&still, place, 0) {
+        for (path, position) in named_positions(rule) {
+            let near = match nearest(&still, position, 0) {
                 (Solid::Obstacle(k), clear) => (Solid::Obstacle(indices[k]), clear),
                 near => near,
             };
@@ -135,7 +135,7 @@ fn check_named_positions(valid: &ValidPart, diagnostics: &mut Diagnostics) {
     }
 }
 
-/// Checks that the robot does not collide at either end of the benchmark route, and that the ends are not too close.
+/// Checks that the robot does not collide at either end of the benchmark route, and that the ends are not too close together.
 fn check_benchmark_route(valid: &ValidPart, route: &BenchmarkRoute, diagnostics: &mut Diagnostics) {
     let scenario = &valid.scenario;
     for (name, point) in [("start_m", route.start_m), ("goal_m", route.goal_m)] {
@@ -151,7 +151,7 @@ fn check_benchmark_route(valid: &ValidPart, route: &BenchmarkRoute, diagnostics:
     );
 }
 
-/// Reports a position at which the robot may collide with the solid `near`. The message names it as in the whole scenario.
+/// Reports a position at which the robot may collide with the solid `near`. The message names the solid as in the whole scenario.
 fn check_clearance(
     path: std::fmt::Arguments<'_>,
     (near, clear): (Solid, f32),

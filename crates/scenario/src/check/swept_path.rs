@@ -94,7 +94,7 @@ impl<'a> SweptPath<'a> {
         }
     }
 
-    /// A point near the deepest one of the overlap with `solid`, in m; for a moving obstacle, a point of its track.
+    /// A point near the deepest point of the overlap with `solid`, in m; for a moving obstacle, a point of its track.
     pub(super) fn place_m(&self, solid: &StaticSolid) -> Vec2 {
         let samples = || (0..=SAMPLES).map(|k| f32::from(k) / f32::from(SAMPLES));
         let at = self.obstacle.position_m;
@@ -118,7 +118,7 @@ impl<'a> SweptPath<'a> {
                 samples().map(|fraction| at.lerp(nearest, fraction)).collect()
             }
         };
-        // The signed distance to the overlap, least at the deepest point; for a moving obstacle, that to the solid.
+        // The signed distance to the overlap, least at the deepest point; for a moving obstacle, the one to the solid.
         let is_moving = self.obstacle.motion.is_moving();
         let own = |point| if is_moving { f32::NEG_INFINITY } else { distance(self.obstacle, point) };
         let from_overlap = |point: &Vec2| distance(&solid.obstacle, *point).max(own(*point));

@@ -22,8 +22,8 @@ pub(super) fn choices(
     }
 }
 
-/// The problem of a `value` where a choice is expected, as the rest of a sentence that starts with the field; `None` if no
-/// choice is expected. The message names a choice that takes the value, such as `Constant(3e-4)` for `3e-4`.
+/// The problem with a `value` where a choice is expected, as the rest of a sentence that starts with the field; `None` if no
+/// choice is expected. The message suggests a choice that takes the value, if there is one: `Constant(3e-4)` for `3e-4`.
 pub(super) fn choice_problem(
     text: &str,
     value: &Range<usize>,
@@ -55,7 +55,7 @@ pub(super) fn is_read(
     })
 }
 
-/// Whether ron reads `brackets`, such as `Circle()`, in place of the `value` in `text`, but misses fields in them.
+/// Whether ron reads `brackets`, such as `Circle()`, in place of the `value` in `text`, but reports a missing field in them.
 pub(super) fn lacks_fields(
     text: &str,
     value: &Range<usize>,

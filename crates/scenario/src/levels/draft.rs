@@ -121,7 +121,7 @@ impl Draft {
         self.scenario.walls.push(wall);
     }
 
-    /// Whether `obstacle` would be at least the gap away from the edges of the field and from everything static.
+    /// Whether `obstacle` would be at least `gap_m` away from the edges of the field and from everything static.
     pub(super) fn has_space_for(&self, obstacle: &Obstacle) -> bool {
         let (points, radius_m) = obstacle.shape.support_points(obstacle.rotation_rad);
         let rim = Vec2::splat(self.gap_m + radius_m);

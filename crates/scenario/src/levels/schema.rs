@@ -78,7 +78,7 @@ pub enum WallLayout {
     /// A grid of cells as text, such as `["#.#", "...", "#.#"]`. The cells cover the enclosure, which stretches them. Free
     /// cells that are cut off from the largest free area become solid.
     Grid {
-        /// The rows, the upper one first, all of the same length: `#` is solid, `.` and a space are free. At most 4,000 cells
+        /// The rows from top to bottom, all of the same length: `#` is solid, `.` and a space are free. At most 4,000 cells
         /// in total, each at least 0.02 m wide and high.
         rows: Vec<String>,
     },
