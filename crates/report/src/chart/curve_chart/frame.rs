@@ -45,10 +45,9 @@ impl Frame {
         let mut rows: Vec<Vec<(i32, &str)>> = Vec::new();
         for &(at, label) in labels.iter().rev() {
             let width = text_width(label, TEXT).min(MIN_LABEL);
-            let has_space =
-                |row: &&mut Vec<(i32, &str)>| row.last().is_none_or(|next| at + width <= next.0 - 16);
-            match rows.iter_mut().find(has_space) {
-                Some(row) => row.push((at, label)),
+            let has_space = |row: &Vec<(i32, &str)>| row.last().is_none_or(|next| at + width <= next.0 - 16);
+            match rows.iter().position(has_space) {
+                Some(row) => rows[row].push((at, label)),
                 None if rows.len() < MAX_MARKER_ROWS => rows.push(vec![(at, label)]),
                 None => {}
             }
