@@ -140,7 +140,7 @@ pub fn snapshot(world: &mut World) -> Vec<ArenaState> {
                     twist: *twist,
                     scan: scan.clone(),
                     readings: readings.as_slice().to_vec(),
-                    earlier_scans: memory.scans(),
+                    observer_memory: memory.observer_memory(),
                     goal: *goal,
                     clock: *clock,
                     pedestrians: pedestrians.clone(),
@@ -207,7 +207,7 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
         *twist = state.twist;
         *scan = state.scan.clone();
         *readings = SensorReadings::from_saved(&state.readings);
-        memory.restore(encoding, &layout.written, &state.earlier_scans, &state.twist);
+        memory.restore(encoding, &layout.written, &state.observer_memory, &state.twist);
         *goal = state.goal;
         *clock = state.clock;
         pedestrians.clone_from(&state.pedestrians);

@@ -6,7 +6,7 @@ use super::{
     ArenaScenario, Clock, Episode, Goal, ObservationLayout, Pedestrians, PendingReset, Pose, Scan, Streams,
     Twist,
 };
-use crate::policy::observation::EarlierScan;
+use crate::policy::observation::ObserverMemory;
 use crate::random;
 use crate::scenario::Scenario;
 use crate::scenario::limits::{
@@ -28,9 +28,9 @@ pub struct ArenaState {
     /// The last readings of plugins' sensors; empty without such plugins. Checkpoints store them separately.
     #[serde(skip)]
     pub readings: Vec<f32>,
-    /// The scans that the robot remembers for an observation by sectors; empty otherwise. Checkpoints store them separately.
+    /// What the robot remembers for an observation by sectors; empty otherwise. Checkpoints store it separately.
     #[serde(skip)]
-    pub earlier_scans: Vec<EarlierScan>,
+    pub observer_memory: ObserverMemory,
     /// The current goal.
     pub goal: Goal,
     /// The obstacles' clock.
@@ -72,7 +72,7 @@ impl ArenaState {
             twist,
             scan,
             readings,
-            earlier_scans,
+            observer_memory,
             goal,
             clock,
             pedestrians,
@@ -96,12 +96,9 @@ impl ArenaState {
         let are_ranges = |ranges: &[f32]| ranges.len() == beams && ranges.iter().all(is_range);
         let Episode { steps, goals, rewards, extra_rewards, potential, pending_reset, inactive } = episode;
         let are_finite = |values: &[f32]| values.iter().all(|value| value.is_finite());
-        let are_scans = |scans: &[EarlierScan]| match layout.encoding.sectors() {
-            Some(sectors) => {
-                let most = usize::from(sectors.earlier_steps) + 1;
-                (1..=most).contains(&scans.len()) && scans.iter().all(|scan| scan.fits(sectors))
-            }
-            None => scans.is_empty(),
+        let is_memory = match layout.encoding.sectors() {
+            Some(sectors) => observer_memory.fits(sectors),
+            None => observer_memory.is_empty(),
         };
         for (what, is_valid) in [
             ("the robot's pose", is_pose(pose)),
@@ -114,7 +111,7 @@ impl ArenaState {
             ("the number of delayed scans", scan.delayed.len() <= latency_steps as usize + 1),
             ("a delayed scan", scan.delayed.iter().all(|(pose, ranges)| is_pose(pose) && are_ranges(ranges))),
             ("the sensor readings", readings.len() == layout.extra_width() && are_finite(readings)),
-            ("the earlier scans", are_scans(earlier_scans)),
+            ("the memory of earlier scans", is_memory),
             ("the goal", within(goal.x_m, MAX_COORDINATE_M) && within(goal.y_m, MAX_COORDINATE_M)),
             ("the clock", clock.0 < 1 << 62),
             ("the pedestrians", pedestrians.0.fits(scenario)),
@@ -174,7 +171,7 @@ mod tests {
                 delayed: VecDeque::from([(Pose::default(), ranges.clone()), (Pose::default(), ranges)]),
             },
             readings: Vec::new(),
-            earlier_scans: Vec::new(),
+            observer_memory: ObserverMemory::default(),
             goal: Goal { x_m: 0.5, y_m: 0.5 },
             clock: Clock(1_000),
             pedestrians: Pedestrians::default(),

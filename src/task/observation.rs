@@ -14,7 +14,7 @@ pub use crate::policy::observation::{DISTANCE_SCALE_M, Encoding, RANGE_SCALE_M, 
 
 use super::{Arena, ArenaLayout, Episode, EstimatedPose, Goal, PathLengths, PendingReset, Pose, Scan, Twist};
 use crate::drivers::sector_observer;
-use crate::policy::observation::{self as encodings, Column, EarlierScan, SectorObserver, Sensed};
+use crate::policy::observation::{self as encodings, Column, ObserverMemory, SectorObserver, Sensed};
 use crate::scenario::Scenario;
 
 /// The parts of an observation: the numbers of an encoding, then one named slice per plugin sensor.
@@ -197,22 +197,22 @@ impl ScanMemory {
         self.scenario = Some(scenario.clone());
     }
 
-    /// The scans that it remembers, for checkpoints.
-    pub(crate) fn scans(&self) -> Vec<EarlierScan> {
-        self.sectors.as_ref().map(|sectors| sectors.scans().cloned().collect()).unwrap_or_default()
+    /// What it remembers, for checkpoints.
+    pub(crate) fn observer_memory(&self) -> ObserverMemory {
+        self.sectors.as_ref().map(|sectors| sectors.memory().clone()).unwrap_or_default()
     }
 
-    /// Restores the scans of a checkpoint, which fit the `encoding`.
+    /// Restores what a checkpoint has stored, which fits the `encoding`.
     pub(crate) fn restore(
         &mut self,
         encoding: Encoding,
         scenario: &Arc<Scenario>,
-        scans: &[EarlierScan],
+        observer_memory: &ObserverMemory,
         twist: &Twist,
     ) {
         self.fit(encoding, scenario);
         if let Some(sectors) = &mut self.sectors {
-            sectors.restore(scans, (twist.v_m_s, twist.w_rad_s));
+            sectors.restore(observer_memory, (twist.v_m_s, twist.w_rad_s));
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 use wayfield_policy::observation::{
-    BodyScale, Column, EarlierScan, LidarBeams, Quantity, SectorLayout, SectorObserver, Sensed,
+    BodyScale, Column, LidarBeams, Quantity, SectorLayout, SectorObserver, Sensed,
 };
 
 const LAYOUT: SectorLayout =
@@ -214,8 +214,8 @@ fn a_restored_observer_goes_on_to_the_bit() {
     };
     let mut original = observer(LAYOUT, 36, 0.1);
     (0..7).for_each(|step| sense(&mut original, step));
-    let saved: Vec<EarlierScan> = original.scans().cloned().collect();
-    assert!(saved.len() == 6 && saved.iter().all(|scan| scan.fits(LAYOUT)));
+    let saved = original.memory().clone();
+    assert!(saved.fits(LAYOUT));
     let mut restored = observer(LAYOUT, 36, 0.1);
     restored.restore(&saved, (0.1, 6.0));
     assert_eq!(row(&restored, (1.0, 1.0)), row(&original, (1.0, 1.0)));

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::agent::{Decisions, TrainingStats};
 use crate::learning::Policy;
 use crate::limits::{MAX_RECENT_RETURNS, MAX_TIME_S};
-use crate::policy::observation::EarlierScan;
+use crate::policy::observation::ObserverMemory;
 use crate::random::{self, Stream};
 use crate::run::folder::RunConfig;
 use crate::run::metric_rows::Milestone;
@@ -55,8 +55,8 @@ pub struct TrainerState {
     pub estimated_poses: Vec<Pose>,
     /// The pedestrians of each arena; empty if there are none.
     pub pedestrians: Vec<Pedestrians>,
-    /// The scans that each arena's robot remembers for its observation by sectors; empty without one.
-    pub earlier_scans: Vec<Vec<EarlierScan>>,
+    /// What each arena's robot remembers for its observation by sectors; empty without one.
+    pub observer_memories: Vec<ObserverMemory>,
     /// The results in each level, by member of the run's set; empty unless levels are drawn by their results.
     pub level_results: Vec<Vec<LevelResults>>,
 }
@@ -141,9 +141,9 @@ impl TrainerState {
         if self.pedestrians.iter().all(|pedestrians| *pedestrians == Pedestrians::default()) {
             self.pedestrians.clear();
         }
-        self.earlier_scans = self.arenas.iter().map(|arena| arena.earlier_scans.clone()).collect();
-        if self.earlier_scans.iter().all(Vec::is_empty) {
-            self.earlier_scans.clear();
+        self.observer_memories = self.arenas.iter().map(|arena| arena.observer_memory.clone()).collect();
+        if self.observer_memories.iter().all(ObserverMemory::is_empty) {
+            self.observer_memories.clear();
         }
         self.arena_scenarios = self.arenas.iter().filter_map(|arena| arena.scenario.clone()).collect();
     }
@@ -175,11 +175,11 @@ impl TrainerState {
         for (arena, pedestrians) in self.arenas.iter_mut().zip(&self.pedestrians) {
             arena.pedestrians.clone_from(pedestrians);
         }
-        if !self.earlier_scans.is_empty() && self.earlier_scans.len() != self.arenas.len() {
+        if !self.observer_memories.is_empty() && self.observer_memories.len() != self.arenas.len() {
             return Err("is damaged: it has earlier scans for a different number of arenas".into());
         }
-        for (arena, scans) in self.arenas.iter_mut().zip(&self.earlier_scans) {
-            arena.earlier_scans.clone_from(scans);
+        for (arena, memory) in self.arenas.iter_mut().zip(&self.observer_memories) {
+            arena.observer_memory.clone_from(memory);
         }
         self.collect_extensions();
         Ok(())

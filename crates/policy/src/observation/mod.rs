@@ -10,10 +10,11 @@ mod observer;
 mod paper;
 mod quantity;
 mod sectors;
+mod tracker;
 
 use serde::{Deserialize, Serialize};
 
-pub use observer::{EarlierScan, SectorObserver, Sensed};
+pub use observer::{ObserverMemory, SectorObserver, Sensed};
 pub use paper::{DISTANCE_SCALE_M, RANGE_SCALE_M, encode, width};
 pub use quantity::Quantity;
 pub use sectors::{BodyScale, Column, LidarBeams, SectorLayout};

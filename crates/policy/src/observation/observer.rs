@@ -1,22 +1,24 @@
 //! The observer: turns scans and odometry into observations by sectors.
 //!
 //! In: per control step, a scan, the robot's pose by odometry and its motion; the goal. Out: a row with the columns of a
-//! [`SectorLayout`]. The observer remembers the scans of the last steps, and allocates no memory after its first steps.
+//! [`SectorLayout`]. The observer remembers the scans of the last steps and tracks what moves; after its first steps it seldom
+//! allocates memory.
 
 use std::collections::VecDeque;
 use std::f32::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
-use super::moving::{BeamEnd, Cluster, FOLLOWED_STEPS, Frame, MovingCluster, find_clusters, follow};
+use super::moving::{Frame, MovingDisc};
 use super::sectors::{
     BodyScale, LidarBeams, OTHER_COLUMNS, SectorLayout, distance_at, nearness, sectors_of_beams,
 };
+use super::tracker::{Disc, Tracker};
 
 /// The factor that the change of nearness is multiplied by.
 const CHANGE_GAIN: f32 = 4.0;
-/// A cluster has appeared if it is nearer by more than this than what was in its direction before, in units of the robot.
-const MIN_APPEARANCE: f32 = 0.25;
+/// The largest distance from a moving disc of a hit that belongs to it, in units of the robot.
+const DISC_MARGIN: f32 = 0.3;
 /// The distance beyond which hits are too far away for their motion to matter, in units of the robot.
 const MOTION_RANGE: f32 = distance_at(0.12);
 
@@ -41,41 +43,55 @@ struct Hit {
     distance: f32,
     /// Nearness.
     nearness: f32,
-    /// The index in [`EarlierScan::clusters`] of the cluster that it belongs to.
-    #[serde(rename = "thing")]
-    cluster: Option<u16>,
 }
 
-const NO_HIT: Hit = Hit { x: 0.0, y: 0.0, distance: f32::INFINITY, nearness: 0.0, cluster: None };
+const NO_HIT: Hit = Hit { x: 0.0, y: 0.0, distance: f32::INFINITY, nearness: 0.0 };
 
-/// A scan of an earlier step, as an observer remembers it.
+/// What an observer remembers between control steps.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ObserverMemory {
+    /// The scans of the last steps, the newest last: at most one more than the steps to the earlier scan.
+    scans: VecDeque<EarlierScan>,
+    /// The tracks of moving things; empty without predicted paths.
+    tracker: Tracker,
+}
+
+impl ObserverMemory {
+    /// Whether it remembers nothing.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.scans.is_empty()
+    }
+
+    /// Whether an observer with this layout can remember it after its first scan.
+    #[must_use]
+    pub fn fits(&self, layout: SectorLayout) -> bool {
+        let most = usize::from(layout.earlier_steps) + 1;
+        (1..=most).contains(&self.scans.len())
+            && self.scans.iter().all(|scan| scan.fits(layout))
+            && self.tracker.is_valid()
+    }
+}
+
+/// A scan of the last steps.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct EarlierScan {
+struct EarlierScan {
     pose: (f32, f32, f32),
     hits: Vec<Hit>,
-    /// The clusters; empty without predicted paths.
-    #[serde(rename = "things")]
-    clusters: Vec<Cluster>,
 }
 
 impl EarlierScan {
     /// Whether an observer with this layout can remember the scan.
-    #[must_use]
-    pub fn fits(&self, layout: SectorLayout) -> bool {
+    fn fits(&self, layout: SectorLayout) -> bool {
         let is_hit = |hit: &Hit| {
             hit.x.is_finite()
                 && hit.y.is_finite()
                 && hit.distance >= 0.0
                 && (0.0..=1.0).contains(&hit.nearness)
-                && hit.cluster.is_none_or(|cluster| usize::from(cluster) < self.clusters.len())
         };
         let (x, y, heading) = self.pose;
         let is_pose = x.is_finite() && y.is_finite() && heading.is_finite();
-        let are_clusters = self.clusters.iter().all(Cluster::is_valid);
-        is_pose
-            && are_clusters
-            && self.hits.len() == usize::from(layout.count)
-            && self.hits.iter().all(is_hit)
+        is_pose && self.hits.len() == usize::from(layout.count) && self.hits.iter().all(is_hit)
     }
 
     /// The nearest hit of each sector that a beam sees.
@@ -94,8 +110,7 @@ pub struct SectorObserver {
     is_seen: Vec<bool>,
     max_range_m: f32,
     spacing_rad: f32,
-    /// The scans of the last steps, the newest last: at most [`steps_back`](Self::steps_back) + 1.
-    scans: VecDeque<EarlierScan>,
+    memory: ObserverMemory,
     /// The nearness of the earlier scan's points in each sector of the present frame; negative where there is none.
     earlier: Vec<f32>,
     /// How far the robot can drive in the direction of each sector's centre, in units of the robot; infinite if nothing is in sight.
@@ -106,13 +121,8 @@ pub struct SectorObserver {
     predicted: Vec<f32>,
     /// The nearness of a collision if the robot waits.
     waiting: f32,
-    /// For each cluster of the newest scan, its motion; `None` if it is still.
-    moving: Vec<Option<MovingCluster>>,
-    /// The frames of the scans before the newest one, the newest first.
-    frames: Vec<Frame>,
-    /// The ends of the newest scan's beams, and their clusters.
-    ends: Vec<Option<BeamEnd>>,
-    cluster_of_beam: Vec<Option<u16>>,
+    /// What moves, in the present frame.
+    moving: Vec<MovingDisc>,
     /// The directions of the sectors' centres.
     directions: Directions,
     twist: (f32, f32),
@@ -148,6 +158,7 @@ impl SectorObserver {
             sectors,
         };
         let beams = lidar.angles_rad.iter().zip(&body.extents_m).zip(sectors).map(beam).collect();
+        let tracker = Tracker::new(body.step_length());
         Self {
             layout,
             body,
@@ -155,16 +166,13 @@ impl SectorObserver {
             is_seen,
             max_range_m: lidar.max_range_m,
             spacing_rad: lidar.spacing_rad,
-            scans: VecDeque::new(),
+            memory: ObserverMemory { scans: VecDeque::new(), tracker },
             earlier: vec![-1.0; count],
             free: vec![f32::INFINITY; count],
             collisions: vec![0.0; if layout.free_paths { count } else { 0 }],
             predicted: vec![0.0; if layout.predicted_paths { count } else { 0 }],
             waiting: 0.0,
             moving: Vec::new(),
-            frames: Vec::new(),
-            ends: Vec::new(),
-            cluster_of_beam: Vec::new(),
             directions: (0..count).map(|sector| libm::sincosf(layout.angle_rad(sector))).unzip(),
             twist: (0.0, 0.0),
         }
@@ -176,23 +184,25 @@ impl SectorObserver {
         self.layout
     }
 
-    /// Forgets all scans, as at the start of an episode.
+    /// Forgets everything, as at the start of an episode.
     pub fn reset(&mut self) {
-        self.scans.clear();
+        self.memory.scans.clear();
+        self.memory.tracker.reset();
         self.earlier.fill(-1.0);
         self.twist = (0.0, 0.0);
     }
 
-    /// The scans that it remembers, oldest first.
-    pub fn scans(&self) -> impl Iterator<Item = &EarlierScan> {
-        self.scans.iter()
+    /// What it remembers.
+    #[must_use]
+    pub fn memory(&self) -> &ObserverMemory {
+        &self.memory
     }
 
-    /// Replaces what it remembers by `scans`, which [fit](EarlierScan::fits) its layout, and `twist`, the robot's speed in m/s
-    /// and turning rate in rad/s.
-    pub fn restore(&mut self, scans: &[EarlierScan], twist: (f32, f32)) {
+    /// Replaces what it remembers by `memory`, which [fits](ObserverMemory::fits) its layout, and `twist`, the robot's speed in
+    /// m/s and turning rate in rad/s.
+    pub fn restore(&mut self, memory: &ObserverMemory, twist: (f32, f32)) {
         self.reset();
-        self.scans.extend(scans.iter().cloned());
+        self.memory = memory.clone();
         self.twist = twist;
         self.compare();
     }
@@ -202,19 +212,32 @@ impl SectorObserver {
     /// # Panics
     /// The number of ranges is not that of the LIDAR's beams.
     pub fn sense(&mut self, sensed: &Sensed) {
+        assert_eq!(sensed.ranges_m.len(), self.beams.len(), "one range per beam");
         self.twist = sensed.twist;
-        let mut scan = if self.scans.len() > self.steps_back() { self.scans.pop_front() } else { None }
-            .unwrap_or_else(|| EarlierScan { pose: sensed.pose, hits: Vec::new(), clusters: Vec::new() });
+        if self.layout.predicted_paths {
+            self.track(sensed);
+        }
+        let scans = &mut self.memory.scans;
+        let oldest =
+            if scans.len() > usize::from(self.layout.earlier_steps) { scans.pop_front() } else { None };
+        let mut scan = oldest.unwrap_or_else(|| EarlierScan { pose: sensed.pose, hits: Vec::new() });
         scan.pose = sensed.pose;
-        self.pool(sensed.ranges_m, &mut scan);
-        self.scans.push_back(scan);
+        self.pool(sensed.ranges_m, &mut scan.hits);
+        self.memory.scans.push_back(scan);
         self.compare();
     }
 
-    /// The number of control steps that the observer looks back.
-    fn steps_back(&self) -> usize {
-        let followed = if self.layout.predicted_paths { FOLLOWED_STEPS } else { 0 };
-        followed.max(usize::from(self.layout.earlier_steps))
+    /// Updates the tracks of moving things.
+    fn track(&mut self, sensed: &Sensed) {
+        let Self { beams, body, max_range_m, memory, spacing_rad, .. } = self;
+        let (x, y, heading_rad) = sensed.pose;
+        let beam = |(beam, &range_m): (&Beam, &f32)| {
+            let is_hit = range_m < *max_range_m;
+            (beam.cos, beam.sin, if is_hit { range_m / body.unit_m } else { f32::INFINITY })
+        };
+        let beams = beams.iter().zip(sensed.ranges_m).map(beam);
+        let pose = ((x / body.unit_m, y / body.unit_m), heading_rad);
+        memory.tracker.add_scan(pose, *spacing_rad, beams);
     }
 
     /// Finds motion and collisions from the newest scan and those before it.
@@ -223,7 +246,7 @@ impl SectorObserver {
             self.move_earlier_scan();
         }
         if self.layout.predicted_paths {
-            self.find_moving_clusters();
+            self.find_moving_discs();
         }
         self.find_free_distances();
         if self.layout.predicted_paths {
@@ -231,33 +254,18 @@ impl SectorObserver {
         }
     }
 
-    /// Finds the nearest hit in each sector, and the clusters.
-    fn pool(&mut self, ranges_m: &[f32], scan: &mut EarlierScan) {
-        assert_eq!(ranges_m.len(), self.beams.len(), "one range per beam");
-        if self.layout.predicted_paths {
-            let Self { beams, body, max_range_m, ends, .. } = &mut *self;
-            let end = |(beam, &range_m): (&Beam, &f32)| {
-                let distance = range_m / body.unit_m;
-                let is_hit = range_m < *max_range_m;
-                is_hit.then_some(BeamEnd { x: beam.cos * distance, y: beam.sin * distance, distance })
-            };
-            ends.clear();
-            ends.extend(beams.iter().zip(ranges_m).map(end));
-            find_clusters(&self.ends, self.spacing_rad, &mut self.cluster_of_beam, &mut scan.clusters);
-        }
-        let hits = &mut scan.hits;
-        let count = usize::from(self.layout.count);
+    /// Finds the nearest hit in each sector.
+    fn pool(&self, ranges_m: &[f32], hits: &mut Vec<Hit>) {
         hits.clear();
-        hits.resize(count, NO_HIT);
+        hits.resize(usize::from(self.layout.count), NO_HIT);
         let per_unit = 1.0 / self.body.unit_m;
-        for (index, (beam, &range_m)) in self.beams.iter().zip(ranges_m).enumerate() {
+        for (beam, &range_m) in self.beams.iter().zip(ranges_m) {
             if range_m >= self.max_range_m {
                 continue;
             }
             let distance = range_m * per_unit;
             let nearness = nearness(distance - beam.extent);
-            let cluster = self.cluster_of_beam.get(index).copied().flatten();
-            let hit = Hit { x: beam.cos * distance, y: beam.sin * distance, distance, nearness, cluster };
+            let hit = Hit { x: beam.cos * distance, y: beam.sin * distance, distance, nearness };
             for &sector in &beam.sectors {
                 let sector = &mut hits[sector];
                 if nearness > sector.nearness {
@@ -270,55 +278,40 @@ impl SectorObserver {
     /// Finds how far a disc with a radius of one unit can drive in the direction of each sector's centre before it collides with
     /// what is in sight, and with what of it does not move.
     fn find_free_distances(&mut self) {
-        let Self { scans, moving, free, collisions, predicted, directions, .. } = self;
-        let Some(EarlierScan { hits, .. }) = scans.back() else { return };
-        let motion = |hit: &Hit| hit.cluster.and_then(|cluster| moving.get(usize::from(cluster)));
-        let moves = |hit: &Hit| motion(hit).is_some_and(Option::is_some);
+        let Self { memory, moving, free, collisions, predicted, directions, .. } = self;
+        let Some(EarlierScan { hits, .. }) = memory.scans.back() else { return };
+        let moves = |hit: &Hit| moving.iter().any(|disc| disc.contains((hit.x, hit.y), DISC_MARGIN));
         free.fill(f32::INFINITY);
         shorten_paths(hits.iter().filter(|hit| !moves(hit)), directions, free);
         if !predicted.is_empty() {
             predicted.copy_from_slice(free);
         }
-        if moving.iter().any(Option::is_some) {
+        if !moving.is_empty() {
             shorten_paths(hits.iter().filter(|hit| moves(hit)), directions, free);
         }
         collisions.iter_mut().zip(&*free).for_each(|(value, &free)| *value = collision_nearness(free));
     }
 
-    /// Finds which clusters of the newest scan move.
-    fn find_moving_clusters(&mut self) {
-        let Self { scans, moving, earlier, body, spacing_rad, frames, .. } = self;
+    /// Converts what moves to the present frame.
+    fn find_moving_discs(&mut self) {
+        let Self { memory, moving, body, .. } = self;
         moving.clear();
-        let Some(now) = scans.back() else { return };
-        let before = || scans.iter().rev().skip(1).take(FOLLOWED_STEPS);
-        frames.clear();
-        frames.extend(before().map(|scan| Frame::between(scan.pose, now.pose, body.unit_m)));
-        let step = body.step_length();
-        for (index, &cluster) in now.clusters.iter().enumerate() {
-            // The cluster is where the earlier scan saw nothing, or something farther away.
-            let has_appeared = |(hit, &earlier): (&Hit, &f32)| {
-                if hit.cluster != Some(index as u16) || earlier < 0.0 {
-                    return false;
-                }
-                let extent = hit.distance - distance_at(hit.nearness);
-                let before = if earlier > 0.0 { distance_at(earlier) + extent } else { f32::INFINITY };
-                before > hit.distance + MIN_APPEARANCE
-            };
-            if !now.hits.iter().zip(&*earlier).any(has_appeared) {
-                moving.push(None);
-                continue;
-            }
-            let earlier_clusters = frames.iter().copied().zip(before().map(|scan| scan.clusters.as_slice()));
-            let distance = (cluster.x * cluster.x + cluster.y * cluster.y).sqrt();
-            moving.push(follow(cluster, earlier_clusters, (2.0 * step).max(*spacing_rad * distance)));
-        }
+        let Some(EarlierScan { pose, .. }) = memory.scans.back() else { return };
+        let (sin, cos) = libm::sincosf(pose.2);
+        let to_present = |(x, y): (f32, f32)| (x * cos + y * sin, y * cos - x * sin);
+        let (x, y) = (pose.0 / body.unit_m, pose.1 / body.unit_m);
+        moving.extend(memory.tracker.moving().map(|(disc, velocity)| {
+            let centre = to_present((disc.x - x, disc.y - y));
+            let disc = Disc { x: centre.0, y: centre.1, ..disc };
+            MovingDisc { disc, velocity: to_present(velocity) }
+        }));
     }
 
     /// Finds the nearness of collisions if what moves keeps moving: in the direction of each sector's centre at the robot's
     /// highest speed, and if it waits.
     fn predict_collisions(&mut self) {
         let Self { moving, predicted, collisions, directions, body, .. } = self;
-        if moving.iter().all(Option::is_none) && collisions.len() == predicted.len() {
+        if moving.is_empty() && collisions.len() == predicted.len() {
             predicted.copy_from_slice(collisions);
             self.waiting = 0.0;
             return;
@@ -327,12 +320,12 @@ impl SectorObserver {
         // In control steps, then in units of the robot.
         let step = body.step_length();
         predicted.iter_mut().for_each(|free| *free /= step);
-        for cluster in moving.iter().flatten() {
+        for disc in &*moving {
             for ((free, sin), cos) in predicted.iter_mut().zip(&directions.0).zip(&directions.1) {
-                let steps = cluster.steps_to_collision((step * cos, step * sin));
+                let steps = disc.steps_to_collision((step * cos, step * sin));
                 *free = if steps < *free { steps } else { *free };
             }
-            self.waiting = self.waiting.min(cluster.steps_to_collision((0.0, 0.0)));
+            self.waiting = self.waiting.min(disc.steps_to_collision((0.0, 0.0)));
         }
         predicted.iter_mut().for_each(|free| *free = collision_nearness(step * *free));
         self.waiting = collision_nearness(step * self.waiting);
@@ -340,7 +333,8 @@ impl SectorObserver {
 
     /// Moves the points of the earlier scan into the present frame, by odometry.
     fn move_earlier_scan(&mut self) {
-        let Self { layout, scans, earlier, body, is_seen, .. } = self;
+        let Self { layout, memory, earlier, body, is_seen, .. } = self;
+        let scans = &memory.scans;
         earlier.fill(-1.0);
         let newest = scans.len().saturating_sub(1);
         let oldest = newest.saturating_sub(usize::from(layout.earlier_steps));
@@ -386,7 +380,7 @@ impl SectorObserver {
     /// The length of `row` is not [`SectorLayout::width`].
     pub fn encode(&self, (bearing_rad, distance_m): (f32, f32), row: &mut [f32]) {
         let count = usize::from(self.layout.count);
-        let Some(EarlierScan { hits, .. }) = self.scans.back() else { return row.fill(0.0) };
+        let Some(EarlierScan { hits, .. }) = self.memory.scans.back() else { return row.fill(0.0) };
         let (nearnesses, rest) = row.split_at_mut(count);
         for (value, hit) in nearnesses.iter_mut().zip(hits) {
             *value = hit.nearness;

@@ -1,0 +1,576 @@
+//! Things that move, tracked from scan to scan.
+//!
+//! Each compact thing in sight is taken to be a disc with a constant velocity. An extended Kalman filter estimates its
+//! position, velocity and radius from the beams that hit it and from those beside them that pass it. So a few beams are enough,
+//! and a thing is not lost when no beam hits it for a moment. A track counts as moving if its velocity differs from zero by some
+//! standard deviations, and if a beam has passed where it is, or passes where it was. The second condition holds for no wall:
+//! the hits on a wall move, too, as the robot drives.
+//!
+//! Positions are in the frame of odometry. Lengths are in units of the robot, which `sectors.rs` defines; times are in control
+//! steps.
+
+use std::collections::VecDeque;
+
+use serde::{Deserialize, Serialize};
+
+/// The largest number of beams that are used: of more beams, every second one, every third one, and so on.
+const MAX_BEAMS: usize = 72;
+/// The largest number of tracks.
+const MAX_TRACKS: usize = 64;
+/// The number of earlier scans in which a beam may have passed where a thing is now.
+const EARLIER_SCANS: usize = 5;
+
+/// The mean and the standard deviation of the radius of a thing that has not been seen before.
+const RADIUS: (f32, f32) = (1.1, 0.4);
+/// The standard deviation of its position.
+const POSITION_SD: f32 = 0.6;
+/// The standard deviation of its velocity, relative to the robot's highest speed.
+const SPEED_SD: f32 = 1.2;
+/// The standard deviation of the change of a velocity in a control step, relative to the robot's highest speed.
+const ACCELERATION_SD: f32 = 0.07;
+/// The standard deviation of the distance from a hit to the edge of its disc.
+const HIT_SD: f32 = 0.1;
+/// The standard deviation of the distance by which a beam that passes a disc may cut it.
+const PASS_SD: f32 = 0.2;
+/// The range of a radius.
+const RADII: (f32, f32) = (0.1, 5.0);
+
+/// A hit belongs to a track if its squared distance from the disc's edge, in variances, is less than this.
+const GATE: f32 = 9.0;
+/// The largest distance of a hit from the edge of its disc.
+const MAX_DISTANCE: f32 = 1.5;
+/// A beam hits the near side of a disc: the cosine of the angle between its direction and the outward normal is at most this.
+const MAX_COSINE: f32 = 0.2;
+/// Neighbouring hits belong to the same thing if their distance is at most this many times the distance between beams there.
+const LINK: f32 = 2.0;
+/// Neighbouring hits also belong to the same thing if their distance is at most this.
+const MIN_LINK: f32 = 0.5;
+/// The largest extent of a compact thing. Larger things are taken for walls.
+const MAX_EXTENT: f32 = 4.0;
+/// Hits that are at most this far from the line between the hits on both sides belong to a wall.
+const WALL_MARGIN: f32 = 0.3;
+/// A beam shows that a disc is not there if it passes within this many radii of its centre.
+const CENTRE: f32 = 0.7;
+
+/// The smallest number of scans in which a moving thing has been seen.
+const MIN_SEEN: u16 = 3;
+/// The smallest squared velocity of a moving thing, in variances.
+const MIN_SIGNIFICANCE: f32 = 6.0;
+/// The smallest speed of a moving thing, relative to the robot's highest speed.
+const MIN_SPEED: f32 = 0.1;
+/// A track is dropped if no beam has hit it in more than this many scans in a row.
+const MAX_MISSED: u16 = 5;
+/// The largest misfit of a moving thing, and of a track. It is 1 on average for a disc.
+const MAX_MISFIT: (f32, f32) = (4.0, 8.0);
+/// How much the newest hit counts in the misfit.
+const MISFIT_GAIN: f32 = 0.2;
+
+/// The beams of a scan.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Rays {
+    origin: (f32, f32),
+    /// The directions of the beams: cosines and sines.
+    cos: Vec<f32>,
+    sin: Vec<f32>,
+    /// The lengths of the beams; infinite for a beam that has hit nothing.
+    length: Vec<f32>,
+}
+
+impl Rays {
+    /// Replaces the rays by those of a scan that was taken at `pose`. Each of `beams` is the direction in the robot's frame (cosine
+    /// and sine) and the length. Returns how many beams each ray stands for.
+    pub(super) fn fill(
+        &mut self,
+        pose: ((f32, f32), f32),
+        beams: impl ExactSizeIterator<Item = (f32, f32, f32)>,
+    ) -> usize {
+        let (sin, cos) = libm::sincosf(pose.1);
+        let stride = beams.len().div_ceil(MAX_BEAMS).max(1);
+        self.origin = pose.0;
+        [&mut self.cos, &mut self.sin, &mut self.length].into_iter().for_each(Vec::clear);
+        for (beam_cos, beam_sin, length) in beams.step_by(stride) {
+            self.cos.push(beam_cos * cos - beam_sin * sin);
+            self.sin.push(beam_cos * sin + beam_sin * cos);
+            self.length.push(length);
+        }
+        stride
+    }
+
+    fn len(&self) -> usize {
+        self.length.len()
+    }
+
+    /// The end of a ray that has hit something.
+    fn end(&self, ray: usize) -> Option<(f32, f32)> {
+        self.length[ray].is_finite().then(|| self.at(ray, self.length[ray]))
+    }
+
+    /// The point of a ray at a distance from its origin.
+    fn at(&self, ray: usize, distance: f32) -> (f32, f32) {
+        (self.origin.0 + self.cos[ray] * distance, self.origin.1 + self.sin[ray] * distance)
+    }
+
+    /// The distance of a point along a ray, and its distance to the left of it.
+    fn along_and_across(&self, ray: usize, (x, y): (f32, f32)) -> (f32, f32) {
+        let (dx, dy) = (x - self.origin.0, y - self.origin.1);
+        let (cos, sin) = (self.cos[ray], self.sin[ray]);
+        (dx * cos + dy * sin, dy * cos - dx * sin)
+    }
+
+    /// Whether a ray passes through the middle of `disc`. Without branches, so that the loop is vectorized.
+    fn pass_through(&self, disc: &Disc) -> bool {
+        let (dx, dy) = (disc.x - self.origin.0, disc.y - self.origin.1);
+        let near = CENTRE * disc.radius;
+        let mut passes = false;
+        for ((cos, sin), length) in self.cos.iter().zip(&self.sin).zip(&self.length) {
+            let (along, across) = (dx * cos + dy * sin, dy * cos - dx * sin);
+            passes |= (along > 0.0) & (across.abs() < near) & (*length > along);
+        }
+        passes
+    }
+
+    fn is_valid(&self) -> bool {
+        let Self { origin, cos, sin, length } = self;
+        let count = length.len();
+        let are_finite = |values: &[f32]| values.iter().all(|value| value.is_finite());
+        count <= MAX_BEAMS
+            && cos.len() == count
+            && sin.len() == count
+            && are_finite(&[origin.0, origin.1])
+            && are_finite(cos)
+            && are_finite(sin)
+            && length.iter().all(|length| *length >= 0.0)
+    }
+}
+
+/// A disc.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Disc {
+    pub(super) x: f32,
+    pub(super) y: f32,
+    pub(super) radius: f32,
+}
+
+/// The estimate of a disc that moves.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Track {
+    disc: Disc,
+    velocity: (f32, f32),
+    /// The covariance of x, y, the velocity's x and y, and the radius.
+    covariance: [[f32; 5]; 5],
+    /// The number of scans in which a beam has hit it.
+    seen: u16,
+    /// The number of scans since a beam last hit it.
+    missed: u16,
+    /// A mean of the squared distances of its last hits from the edge, in variances.
+    misfit: f32,
+    /// Where it was when it was first seen.
+    first: Disc,
+    /// Whether a beam has passed where it is, or where it was.
+    has_moved: bool,
+}
+
+impl Track {
+    /// A thing at a position that no beam has hit yet.
+    fn new((x, y): (f32, f32), max_speed: f32) -> Self {
+        let speed_sd = SPEED_SD * max_speed;
+        let mut covariance = [[0.0; 5]; 5];
+        let deviations = [POSITION_SD, POSITION_SD, speed_sd, speed_sd, RADIUS.1];
+        deviations.into_iter().enumerate().for_each(|(k, sd)| covariance[k][k] = sd * sd);
+        let disc = Disc { x, y, radius: RADIUS.0 };
+        Self {
+            disc,
+            velocity: (0.0, 0.0),
+            covariance,
+            seen: 0,
+            missed: 0,
+            misfit: 1.0,
+            first: disc,
+            has_moved: false,
+        }
+    }
+
+    /// Moves it on by one control step.
+    fn predict(&mut self, max_speed: f32) {
+        self.missed = self.missed.saturating_add(1);
+        self.disc.x += self.velocity.0;
+        self.disc.y += self.velocity.1;
+        let p = &mut self.covariance;
+        for k in 0..5 {
+            p[0][k] += p[2][k];
+            p[1][k] += p[3][k];
+        }
+        for row in p.iter_mut() {
+            row[0] += row[2];
+            row[1] += row[3];
+        }
+        // The velocity changes at a constant rate during the step.
+        let variance = (ACCELERATION_SD * max_speed) * (ACCELERATION_SD * max_speed);
+        for (position, velocity) in [(0, 2), (1, 3)] {
+            p[position][position] += 0.25 * variance;
+            p[position][velocity] += 0.5 * variance;
+            p[velocity][position] += 0.5 * variance;
+            p[velocity][velocity] += variance;
+        }
+    }
+
+    /// The covariance of the state with a quantity whose gradient is `gradient` (of x, y and the radius), and the variance of that
+    /// quantity.
+    fn covariance_with(&self, gradient: (f32, f32, f32)) -> ([f32; 5], f32) {
+        let (x, y, radius) = gradient;
+        let with: [f32; 5] = std::array::from_fn(|k| {
+            self.covariance[k][0] * x + self.covariance[k][1] * y + self.covariance[k][4] * radius
+        });
+        (with, with[0] * x + with[1] * y + with[4] * radius)
+    }
+
+    /// Corrects the estimate, if a quantity that should be 0 has this `value` and `gradient`. Returns the squared value in
+    /// variances.
+    fn correct(&mut self, value: f32, gradient: (f32, f32, f32), sd: f32) -> f32 {
+        let (with, variance) = self.covariance_with(gradient);
+        let variance = variance + sd * sd;
+        let gain = -value / variance;
+        self.disc.x += gain * with[0];
+        self.disc.y += gain * with[1];
+        self.velocity.0 += gain * with[2];
+        self.velocity.1 += gain * with[3];
+        self.disc.radius = (self.disc.radius + gain * with[4]).clamp(RADII.0, RADII.1);
+        for (row, one) in self.covariance.iter_mut().zip(with) {
+            for (value, other) in row.iter_mut().zip(with) {
+                *value -= one * other / variance;
+            }
+        }
+        value * value / variance
+    }
+
+    /// The distance of a point from the edge of the disc, positive outside, and the outward normal there.
+    fn from_edge(&self, (x, y): (f32, f32)) -> (f32, (f32, f32)) {
+        let (dx, dy) = (x - self.disc.x, y - self.disc.y);
+        let distance = (dx * dx + dy * dy).sqrt().max(1e-3);
+        (distance - self.disc.radius, (dx / distance, dy / distance))
+    }
+
+    /// The squared distance of a hit from the edge, in variances; infinite if the beam cannot have hit this disc.
+    fn mismatch(&self, rays: &Rays, ray: usize, hit: (f32, f32)) -> f32 {
+        let (dx, dy) = (hit.0 - self.disc.x, hit.1 - self.disc.y);
+        let reach = self.disc.radius + MAX_DISTANCE;
+        if dx * dx + dy * dy >= reach * reach {
+            return f32::INFINITY;
+        }
+        let (from_edge, normal) = self.from_edge(hit);
+        let cosine = normal.0 * rays.cos[ray] + normal.1 * rays.sin[ray];
+        if from_edge < -MAX_DISTANCE || cosine > MAX_COSINE {
+            return f32::INFINITY;
+        }
+        let (_, variance) = self.covariance_with((-normal.0, -normal.1, -1.0));
+        from_edge * from_edge / (variance + HIT_SD * HIT_SD)
+    }
+
+    /// Takes in that a beam has hit it.
+    fn add_hit(&mut self, hit: (f32, f32)) {
+        let (from_edge, normal) = self.from_edge(hit);
+        let mismatch = self.correct(from_edge, (-normal.0, -normal.1, -1.0), HIT_SD);
+        self.misfit += MISFIT_GAIN * (mismatch - self.misfit);
+        if self.missed > 0 || self.seen == 0 {
+            self.missed = 0;
+            self.seen = self.seen.saturating_add(1);
+        }
+    }
+
+    /// Takes in that a beam has not hit it.
+    fn add_pass(&mut self, rays: &Rays, ray: usize) {
+        let (along, across) = rays.along_and_across(ray, (self.disc.x, self.disc.y));
+        let overlap = self.disc.radius - across.abs();
+        if along <= 0.0 || rays.length[ray] < along || overlap <= 0.0 {
+            return;
+        }
+        // The gradient of the overlap: it shrinks as the disc moves away from the beam.
+        let side = if across < 0.0 { 1.0 } else { -1.0 };
+        self.correct(overlap, (-side * rays.sin[ray], side * rays.cos[ray], 1.0), PASS_SD);
+    }
+
+    /// Whether its velocity differs from zero.
+    fn is_fast(&self, max_speed: f32) -> bool {
+        let (x, y) = self.velocity;
+        let p = &self.covariance;
+        let (xx, xy, yy) = (p[2][2], p[2][3], p[3][3]);
+        let determinant = xx * yy - xy * xy;
+        let min_speed = MIN_SPEED * max_speed;
+        x * x + y * y > min_speed * min_speed
+            && yy * x * x - 2.0 * xy * x * y + xx * y * y > MIN_SIGNIFICANCE * determinant
+    }
+
+    fn is_valid(&self) -> bool {
+        let Self { disc, velocity, covariance, misfit, first, .. } = self;
+        let numbers =
+            [disc.x, disc.y, disc.radius, velocity.0, velocity.1, *misfit, first.x, first.y, first.radius];
+        numbers.iter().chain(covariance.iter().flatten()).all(|number| number.is_finite())
+    }
+}
+
+/// The tracks of all compact things in sight.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Tracker {
+    tracks: Vec<Track>,
+    /// The rays of the last scans, the newest last.
+    scans: VecDeque<Rays>,
+    /// For each ray of the newest scan, the track that it has hit.
+    #[serde(skip)]
+    track_of_ray: Vec<Option<u16>>,
+    /// The robot's highest speed.
+    max_speed: f32,
+}
+
+impl Tracker {
+    /// A tracker for a robot with this highest speed.
+    pub(super) fn new(max_speed: f32) -> Self {
+        Self { max_speed, ..Self::default() }
+    }
+
+    /// Forgets all tracks.
+    pub(super) fn reset(&mut self) {
+        self.tracks.clear();
+        self.scans.clear();
+    }
+
+    /// The discs that move, with their displacements in a control step.
+    pub(super) fn moving(&self) -> impl Iterator<Item = (Disc, (f32, f32))> {
+        let moves = |track: &&Track| {
+            track.has_moved
+                && track.seen >= MIN_SEEN
+                && track.misfit < MAX_MISFIT.0
+                && track.is_fast(self.max_speed)
+        };
+        self.tracks.iter().filter(moves).map(|track| (track.disc, track.velocity))
+    }
+
+    /// Takes in the scan after a control step. Each of `beams` is its direction in the robot's frame (cosine and sine) and its
+    /// length, infinite if it has hit nothing; `pose` is the robot's position and heading.
+    pub(super) fn add_scan(
+        &mut self,
+        pose: ((f32, f32), f32),
+        spacing_rad: f32,
+        beams: impl ExactSizeIterator<Item = (f32, f32, f32)>,
+    ) {
+        let mut rays =
+            if self.scans.len() > EARLIER_SCANS { self.scans.pop_front() } else { None }.unwrap_or_default();
+        let spacing_rad = spacing_rad * rays.fill(pose, beams) as f32;
+        self.tracks.iter_mut().for_each(|track| track.predict(self.max_speed));
+        self.assign(&rays);
+        self.start_tracks(&rays, spacing_rad);
+        self.correct(&rays);
+        self.find_moved(&rays);
+        self.tracks.retain(|track| {
+            let is_gone = track.missed > 0 && rays.pass_through(&track.disc);
+            !is_gone && track.missed <= MAX_MISSED && track.misfit < MAX_MISFIT.1 && track.is_valid()
+        });
+        self.scans.push_back(rays);
+    }
+
+    /// Assigns each hit to the track that explains it best.
+    fn assign(&mut self, rays: &Rays) {
+        let Self { tracks, track_of_ray, .. } = self;
+        track_of_ray.clear();
+        track_of_ray.extend((0..rays.len()).map(|ray| {
+            let hit = rays.end(ray)?;
+            let mismatches = tracks.iter().map(|track| track.mismatch(rays, ray, hit));
+            let candidates = mismatches.enumerate().filter(|(_, mismatch)| *mismatch < GATE);
+            candidates.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(track, _)| track as u16)
+        }));
+    }
+
+    /// Starts a track for each compact group of neighbouring hits that belong to no track.
+    fn start_tracks(&mut self, rays: &Rays, spacing_rad: f32) {
+        let Self { tracks, track_of_ray, max_speed, .. } = self;
+        let count = rays.len();
+        let next = |ray: usize| if ray + 1 < count { ray + 1 } else { 0 };
+        let apart = |one: (f32, f32), other: (f32, f32)| {
+            let (dx, dy) = (one.0 - other.0, one.1 - other.1);
+            (dx * dx + dy * dy).sqrt()
+        };
+        let new_hit = |ray: usize, owners: &[Option<u16>]| {
+            if owners[ray].is_none() { rays.end(ray) } else { None }
+        };
+        let are_linked = |one: usize, other: usize, owners: &[Option<u16>]| {
+            let (Some(a), Some(b)) = (new_hit(one, owners), new_hit(other, owners)) else { return false };
+            let between_beams = spacing_rad * rays.length[one].min(rays.length[other]);
+            apart(a, b) <= (LINK * between_beams).max(MIN_LINK)
+        };
+        // A LIDAR with a field of view of 360 degrees may see one thing with its first and last beams.
+        let Some(first) = (0..count).find(|&ray| !are_linked(ray, next(ray), track_of_ray)).map(next) else {
+            return;
+        };
+        let at = |index: usize| if first + index < count { first + index } else { first + index - count };
+        let mut start = 0;
+        for end in 1..=count {
+            if end < count && are_linked(at(end - 1), at(end), track_of_ray) {
+                continue;
+            }
+            let ends = (new_hit(at(start), track_of_ray), new_hit(at(end - 1), track_of_ray));
+            let before = rays.end(at(if start > 0 { start - 1 } else { count - 1 }));
+            let after = rays.end(at(if end < count { end } else { 0 }));
+            let is_wall = || {
+                let (Some(before), Some(after)) = (before, after) else { return false };
+                let length = apart(before, after).max(1e-3);
+                let (cos, sin) = ((after.0 - before.0) / length, (after.1 - before.1) / length);
+                (start..end).filter_map(|index| rays.end(at(index))).all(|hit| {
+                    let across = (hit.1 - before.1) * cos - (hit.0 - before.0) * sin;
+                    across.abs() <= WALL_MARGIN
+                })
+            };
+            if let (Some(one), Some(other)) = ends
+                && apart(one, other) <= MAX_EXTENT
+                && tracks.len() < MAX_TRACKS
+                && !is_wall()
+            {
+                let middle = at((start + end - 1) / 2);
+                let centre = rays.at(middle, rays.length[middle] + RADIUS.0);
+                (start..end).for_each(|index| track_of_ray[at(index)] = Some(tracks.len() as u16));
+                tracks.push(Track::new(centre, *max_speed));
+            }
+            start = end;
+        }
+    }
+
+    /// Corrects the tracks by their hits, then by the beams beside them.
+    fn correct(&mut self, rays: &Rays) {
+        let Self { tracks, track_of_ray, .. } = self;
+        for (ray, owner) in track_of_ray.iter().enumerate() {
+            if let (Some(owner), Some(hit)) = (owner, rays.end(ray)) {
+                tracks[usize::from(*owner)].add_hit(hit);
+            }
+        }
+        let count = rays.len();
+        for ray in 0..count {
+            let before = track_of_ray[if ray > 0 { ray - 1 } else { count - 1 }];
+            let after = track_of_ray[if ray + 1 < count { ray + 1 } else { 0 }];
+            let beside = [before, after.filter(|_| after != before)];
+            for owner in beside.into_iter().flatten().filter(|owner| track_of_ray[ray] != Some(*owner)) {
+                tracks[usize::from(owner)].add_pass(rays, ray);
+            }
+        }
+    }
+
+    /// Finds out which fast tracks are where a beam has passed before, or were where a beam passes now.
+    fn find_moved(&mut self, rays: &Rays) {
+        let Self { tracks, scans, max_speed, .. } = self;
+        for track in tracks {
+            if track.seen < MIN_SEEN {
+                track.first = track.disc;
+            } else if !track.has_moved && track.is_fast(*max_speed) {
+                track.has_moved = rays.pass_through(&track.first)
+                    || scans.iter().any(|earlier| earlier.pass_through(&track.disc));
+            }
+        }
+    }
+
+    /// Whether it can be the state of a tracker.
+    pub(super) fn is_valid(&self) -> bool {
+        self.tracks.len() <= MAX_TRACKS
+            && self.scans.len() <= EARLIER_SCANS + 1
+            && self.max_speed.is_finite()
+            && self.tracks.iter().all(Track::is_valid)
+            && self.scans.iter().all(Rays::is_valid)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f32::consts::TAU;
+
+    use super::*;
+
+    const BEAMS: usize = 24;
+    const MAX_RANGE: f32 = 27.0;
+    /// Half the side of the square room, which is centred on the origin.
+    const HALF_ROOM: f32 = 15.0;
+
+    /// The length of a beam from `origin` in the room with these discs.
+    fn cast(origin: (f32, f32), (cos, sin): (f32, f32), discs: &[Disc]) -> f32 {
+        let to_wall = |at: f32, along: f32| {
+            if along == 0.0 { f32::INFINITY } else { (HALF_ROOM * along.signum() - at) / along }
+        };
+        let to_disc = |disc: &Disc| {
+            let (dx, dy) = (disc.x - origin.0, disc.y - origin.1);
+            let (along, across) = (dx * cos + dy * sin, dy * cos - dx * sin);
+            let half_2 = disc.radius * disc.radius - across * across;
+            if along > 0.0 && half_2 > 0.0 { along - half_2.sqrt() } else { f32::INFINITY }
+        };
+        let to_walls = to_wall(origin.0, cos).min(to_wall(origin.1, sin));
+        let length = discs.iter().map(to_disc).fold(to_walls, f32::min);
+        if length < MAX_RANGE { length } else { f32::INFINITY }
+    }
+
+    /// Lets a robot, which drives at half a unit a step in a circle, track for some steps what `discs` gives for each step.
+    fn track(steps: u8, discs: impl Fn(f32) -> Vec<Disc>) -> Tracker {
+        let mut tracker = Tracker::new(0.5);
+        for step in 0..steps {
+            let step = f32::from(step);
+            let heading = 0.1 * step;
+            let origin = (5.0 * heading.sin() - 4.0, 5.0 - 5.0 * heading.cos());
+            let spacing = TAU / BEAMS as f32;
+            let beams: Vec<(f32, f32, f32)> = (0..BEAMS)
+                .map(|beam| {
+                    let angle = beam as f32 * spacing;
+                    let direction = ((angle + heading).cos(), (angle + heading).sin());
+                    (angle.cos(), angle.sin(), cast(origin, direction, &discs(step)))
+                })
+                .collect();
+            tracker.add_scan((origin, heading), spacing, beams.into_iter());
+        }
+        tracker
+    }
+
+    #[test]
+    fn the_position_velocity_and_radius_of_a_disc_are_estimated_from_a_few_beams() {
+        let disc = |step: f32| Disc { x: 6.0 - 0.3 * step, y: 2.0 + 0.2 * step, radius: 0.9 };
+        let tracker = track(12, |step| vec![disc(step)]);
+        let moving: Vec<_> = tracker.moving().collect();
+        let [(found, velocity)] = moving[..] else { panic!("one disc moves: {moving:?}") };
+        let truth = disc(11.0);
+        assert!((found.x - truth.x).abs() < 0.2 && (found.y - truth.y).abs() < 0.2, "{found:?}, {truth:?}");
+        assert!((velocity.0 + 0.3).abs() < 0.05 && (velocity.1 - 0.2).abs() < 0.05, "{velocity:?}");
+        assert!((found.radius - 0.9).abs() < 0.2, "{found:?}");
+    }
+
+    #[test]
+    fn a_disc_is_not_lost_while_no_beam_hits_it() {
+        let hidden = 10.0..13.0;
+        let disc = |step: f32| Disc { x: 6.0 - 0.3 * step, y: 2.0 + 0.2 * step, radius: 0.9 };
+        // Something in front of the disc hides it.
+        let screen = |step: f32| Disc { x: disc(step).x - 1.2, y: disc(step).y - 1.0, radius: 1.0 };
+        let discs = |step: f32| {
+            let is_hidden = hidden.contains(&step);
+            if is_hidden { vec![disc(step), screen(step)] } else { vec![disc(step)] }
+        };
+        let truth = disc(12.0);
+        let tracker = track(13, discs);
+        let nearest = tracker.moving().map(|(found, _)| (found.x - truth.x).hypot(found.y - truth.y));
+        assert!(nearest.fold(f32::INFINITY, f32::min) < 0.5, "{truth:?}");
+    }
+
+    #[test]
+    fn walls_and_posts_do_not_move_as_the_robot_drives_past() {
+        let posts: Vec<Disc> = [(3.0, 3.0), (-2.0, -4.0), (7.0, -1.0), (-9.0, 6.0)]
+            .map(|(x, y)| Disc { x, y, radius: 0.7 })
+            .to_vec();
+        // The edges of the posts' shadows move on the walls, which are farther away.
+        let is_near = |disc: &Disc, (x, y): (f32, f32)| (disc.x - x).hypot(disc.y - y) < 8.0;
+        for steps in 4..60 {
+            let tracker = track(steps, |_| posts.clone());
+            let origin = tracker.scans.back().map_or((0.0, 0.0), |rays| rays.origin);
+            let near: Vec<_> = tracker.moving().filter(|(disc, _)| is_near(disc, origin)).collect();
+            assert!(near.is_empty(), "after {steps} steps at {origin:?}: {near:?}");
+        }
+    }
+
+    #[test]
+    fn a_disc_that_has_gone_is_forgotten() {
+        let disc = Disc { x: 3.0, y: 3.0, radius: 1.0 };
+        let has_track = |tracker: &Tracker| {
+            tracker.tracks.iter().any(|track| (track.disc.x - 3.0).hypot(track.disc.y - 3.0) < 1.0)
+        };
+        assert!(has_track(&track(6, |_| vec![disc])));
+        assert!(!has_track(&track(7, |step| if step < 6.0 { vec![disc] } else { Vec::new() })));
+    }
+}
