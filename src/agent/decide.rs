@@ -14,7 +14,7 @@ use crate::policy::{ActionSet, Decider};
 use crate::random::{self, Stream};
 use crate::scenario::Motion;
 use crate::task::{
-    Actions, ActiveActionSet, Arena, ArenaLayout, Episode, ObservationLayout, Observations, Twist,
+    Actions, ActiveActionSet, Arena, ArenaLayout, Episode, ObservationLayout, Observations, ScanMemory, Twist,
 };
 
 /// The method that selects actions.
@@ -83,7 +83,11 @@ pub(super) struct Robots<'w, 's> {
     observations: Res<'w, Observations>,
     action_set: Res<'w, ActiveActionSet>,
     layout: Res<'w, ObservationLayout>,
-    arenas: Query<'w, 's, (&'static Arena, &'static Episode, &'static Twist, &'static ArenaLayout)>,
+    arenas: Query<
+        'w,
+        's,
+        (&'static Arena, &'static Episode, &'static Twist, &'static ArenaLayout, &'static ScanMemory),
+    >,
 }
 
 impl Robots<'_, '_> {
@@ -93,7 +97,7 @@ impl Robots<'_, '_> {
         let Decisions { q_values, deciders, .. } = decisions;
         deciders.resize(actions.0.len(), Decider::default());
         let width = motions.len();
-        for (arena, episode, twist, layout) in &self.arenas {
+        for (arena, episode, twist, layout, memory) in &self.arenas {
             let row = q_values.get(arena.0 * width..(arena.0 + 1) * width);
             let (Some(row), Some(decider)) = (row, deciders.get_mut(arena.0)) else { continue };
             let robot = &layout.scenario.robot;
@@ -110,7 +114,12 @@ impl Robots<'_, '_> {
                 let Motion { v_m_s, w_rad_s } = relative_motion(motions[action], robot, &limits);
                 (v_m_s, w_rad_s)
             };
-            actions.0[arena.0] = decider.choose(row, motion, moves);
+            let steps_to_collision = |first: usize, then: usize| {
+                memory.observer().map_or(f32::INFINITY, |observer| {
+                    observer.steps_to_collision(motion(first), motion(then))
+                })
+            };
+            actions.0[arena.0] = decider.choose(row, motion, moves, steps_to_collision);
         }
     }
 }

@@ -197,6 +197,11 @@ impl ScanMemory {
         self.scenario = Some(scenario.clone());
     }
 
+    /// The observer; none for the paper's observation.
+    pub(crate) fn observer(&self) -> Option<&SectorObserver> {
+        self.sectors.as_deref()
+    }
+
     /// What it remembers, for checkpoints.
     pub(crate) fn observer_memory(&self) -> ObserverMemory {
         self.sectors.as_ref().map(|sectors| sectors.memory().clone()).unwrap_or_default()

@@ -1,4 +1,8 @@
-//! The choice of an action by its Q-value, such that a robot does not stay in one place for ever.
+//! The choice of an action by its Q-value, such that a robot does not drive into what it sees coming, and does not stay in one
+//! place for ever.
+//!
+//! The greedy action may lead to a collision that the robot could foresee from the motion of what it sees. So an action is passed
+//! over if the robot would collide within some steps, whatever motion it kept to after that action, and others avoid that.
 //!
 //! In a place where nothing moves, a greedy robot that stands still can stay for ever: it needs only small errors of the
 //! Q-values that make waiting the best action, or turning to the left in one heading and to the right in the next. So a robot
@@ -35,22 +39,49 @@ impl Decider {
         }
     }
 
-    /// The action with the largest Q-value in `q_row` that does not hold the robot in its place; if every action does, the
-    /// [`greedy`] one.
+    /// The action with the largest Q-value in `q_row` among those after which the robot can avoid a collision longest, and
+    /// that do not hold it in its place; if every action holds it, the [`greedy`] one.
     ///
     /// `motion` gives the speed in m/s and the turning rate in rad/s that an action means for the robot; `moves` says whether the
-    /// robot sees something that moves.
+    /// robot sees something that moves; `steps_to_collision` gives the number of control steps until a collision, infinite
+    /// for none, if the robot takes the first action once and then keeps to the second.
     #[must_use]
-    pub fn choose(&self, q_row: &[f32], motion: impl Fn(usize) -> (f32, f32), moves: bool) -> usize {
+    pub fn choose(
+        &self,
+        q_row: &[f32],
+        motion: impl Fn(usize) -> (f32, f32),
+        moves: bool,
+        steps_to_collision: impl Fn(usize, usize) -> f32,
+    ) -> usize {
         let holds = |action: usize| {
             let (v_m_s, w_rad_s) = motion(action);
             let undoes = w_rad_s * self.turned < 0.0;
             let waits_on = w_rad_s == 0.0 && self.is_still && !moves;
             v_m_s == 0.0 && (undoes || waits_on)
         };
-        let allowed = (0..q_row.len()).filter(|&action| !holds(action));
-        let best = allowed.reduce(|best, action| if q_row[action] > q_row[best] { action } else { best });
-        best.unwrap_or_else(|| greedy(q_row))
+        let allowed = || (0..q_row.len()).filter(|&action| !holds(action));
+        let best = allowed().reduce(|best, action| if q_row[action] > q_row[best] { action } else { best });
+        let Some(best) = best else { return greedy(q_row) };
+        // Most often the best action is safe; then no other one is looked at.
+        let steps = |action: usize| {
+            let mut steps = steps_to_collision(action, action);
+            let mut then = 0;
+            while steps.is_finite() && then < q_row.len() {
+                steps = steps.max(steps_to_collision(action, then));
+                then += 1;
+            }
+            steps
+        };
+        let mut chosen = (best, steps(best));
+        if chosen.1.is_finite() {
+            for action in allowed().filter(|&action| action != best) {
+                let steps = steps(action);
+                if steps > chosen.1 || (steps == chosen.1 && q_row[action] > q_row[chosen.0]) {
+                    chosen = (action, steps);
+                }
+            }
+        }
+        chosen.0
     }
 }
 
@@ -66,13 +97,18 @@ mod tests {
     /// A bend to the right, then on the spot: a turn to the left, waiting, a turn to the right.
     const MOTIONS: [(f32, f32); 4] = [(0.5, -1.0), (0.0, 1.0), (0.0, 0.0), (0.0, -1.0)];
 
+    /// No action leads to a collision.
+    fn never(_: usize, _: usize) -> f32 {
+        f32::INFINITY
+    }
+
     /// The action for Q-values after the robot has moved like this.
     fn chosen(moved: &[(f32, f32)], q_row: [f32; 4], moves: bool) -> usize {
         let mut decider = Decider::default();
         for motion in moved {
             decider.sense(*motion, &LIMITS);
         }
-        decider.choose(&q_row, |action| MOTIONS[action], moves)
+        decider.choose(&q_row, |action| MOTIONS[action], moves, never)
     }
 
     #[test]
@@ -98,12 +134,26 @@ mod tests {
         let mut decider = Decider::default();
         decider.sense(STILL, &LIMITS);
         let motions = [(0.5, -1.0), (0.0, 0.0), (0.0, 0.0), (0.0, 0.0)];
-        assert_eq!(decider.choose(&[1.0, 2.0, 3.0, 0.0], |action| motions[action], false), 0);
+        assert_eq!(decider.choose(&[1.0, 2.0, 3.0, 0.0], |action| motions[action], false, never), 0);
     }
 
     #[test]
     fn if_every_action_holds_the_robot_the_greedy_one_is_chosen() {
         let decider = Decider { turned: 0.0, is_still: true };
-        assert_eq!(decider.choose(&[0.0, 1.0], |_| (0.0, 0.0), false), 1);
+        assert_eq!(decider.choose(&[0.0, 1.0], |_| (0.0, 0.0), false, never), 1);
+    }
+
+    #[test]
+    fn an_action_after_which_a_collision_is_inevitable_is_passed_over() {
+        let choose = |q_row: &[f32], steps: fn(usize, usize) -> f32| {
+            Decider::default().choose(q_row, |action| MOTIONS[action], true, steps)
+        };
+        let q_row = [3.0, 2.0, 1.0, 0.0];
+        assert_eq!(choose(&q_row, |first, _| if first == 0 { 2.0 } else { f32::INFINITY }), 1);
+        let avoidable = |first, then| if first == 0 && then != 3 { 2.0 } else { f32::INFINITY };
+        assert_eq!(choose(&q_row, avoidable), 0, "a turn to the right in the next step avoids it");
+        let later = |first, _| if first == 2 { 5.0 } else { 2.0 };
+        assert_eq!(choose(&q_row, later), 2, "none avoids it: the longest way");
+        assert_eq!(choose(&q_row, |_, _| 2.0), 0, "nothing helps: the best Q-value");
     }
 }

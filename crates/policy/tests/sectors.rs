@@ -176,6 +176,33 @@ fn predicted_paths_show_where_moving_things_will_be() {
 }
 
 #[test]
+fn collisions_are_foreseen_with_walls_and_with_what_moves() {
+    // A wall ahead, or a disc that comes towards the robot, which drives 0.2 units a step.
+    let observe = |at_m: f32, speed: f32| {
+        let mut observer = observer(LAYOUT, 180, 0.1);
+        for step in 0..6 {
+            let pose = (-0.6, 0.0, 0.0);
+            let ranges_m = ranges(180, pose, (at_m + speed * (5 - step) as f32, 0.0));
+            observer.sense(&Sensed { ranges_m: &ranges_m, pose, twist: (0.0, 0.0) });
+        }
+        observer
+    };
+    let (ahead, stop, left) = ((0.1, 0.0), (0.0, 0.0), (0.1, 1.5));
+    // The disc's surface is 1.5 units ahead, half a unit from the body.
+    let still = observe(-0.25, 0.0);
+    assert_eq!(still.steps_to_collision(ahead, ahead), 3.0, "0.5 / 0.2, rounded up to half steps");
+    assert_eq!(still.steps_to_collision(ahead, stop), f32::INFINITY);
+    assert_eq!(still.steps_to_collision(stop, stop), f32::INFINITY);
+    assert_eq!(still.steps_to_collision(left, left), f32::INFINITY, "a tight bend");
+    // The same distance, but it comes nearer by 0.3 units a step.
+    let coming = observe(-0.25, 0.03);
+    let steps = coming.steps_to_collision(stop, stop);
+    assert!((1.5..=2.0).contains(&steps), "0.5 / 0.3: {steps}");
+    let back = coming.steps_to_collision((-0.1, 0.0), (-0.1, 0.0));
+    assert!(steps < back && back <= 6.0, "0.5 / (0.3 - 0.2): {back}");
+}
+
+#[test]
 fn waiting_is_dangerous_where_something_comes() {
     let mut observer = observer(LAYOUT, 180, 0.1);
     for step in 0..6 {

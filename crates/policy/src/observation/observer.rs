@@ -17,6 +17,10 @@ use super::tracker::{Disc, Tracker};
 
 /// The factor that the change of nearness is multiplied by.
 const CHANGE_GAIN: f32 = 4.0;
+/// The number of control steps that a robot looks ahead.
+pub const FORESIGHT_STEPS: u32 = 10;
+/// The number of positions in each of these steps that are checked for a collision.
+const PARTS_OF_STEP: u32 = 2;
 /// The largest distance from a moving disc of a hit that belongs to it, in units of the robot.
 const DISC_MARGIN: f32 = 0.3;
 /// The distance beyond which hits are too far away for their motion to matter, in units of the robot.
@@ -123,6 +127,8 @@ pub struct SectorObserver {
     waiting: f32,
     /// What moves, in the present frame.
     moving: Vec<MovingDisc>,
+    /// The positions of the hits that do not move and that the robot could reach within [`FORESIGHT_STEPS`].
+    near: Vec<(f32, f32)>,
     /// The directions of the sectors' centres.
     directions: Directions,
     twist: (f32, f32),
@@ -173,6 +179,7 @@ impl SectorObserver {
             predicted: vec![0.0; if layout.predicted_paths { count } else { 0 }],
             waiting: 0.0,
             moving: Vec::new(),
+            near: Vec::new(),
             directions: (0..count).map(|sector| libm::sincosf(layout.angle_rad(sector))).unzip(),
             twist: (0.0, 0.0),
         }
@@ -278,9 +285,13 @@ impl SectorObserver {
     /// Finds how far a disc with a radius of one unit can drive in the direction of each sector's centre before it collides with
     /// what is in sight, and with what of it does not move.
     fn find_free_distances(&mut self) {
-        let Self { memory, moving, free, collisions, predicted, directions, .. } = self;
+        let Self { memory, moving, near, body, free, collisions, predicted, directions, .. } = self;
         let Some(EarlierScan { hits, .. }) = memory.scans.back() else { return };
         let moves = |hit: &Hit| moving.iter().any(|disc| disc.contains((hit.x, hit.y), DISC_MARGIN));
+        let reach = 1.0 + FORESIGHT_STEPS as f32 * body.step_length();
+        let in_reach = hits.iter().filter(|hit| hit.nearness > 0.0 && hit.distance < reach && !moves(hit));
+        near.clear();
+        near.extend(in_reach.map(|hit| (hit.x, hit.y)));
         free.fill(f32::INFINITY);
         shorten_paths(hits.iter().filter(|hit| !moves(hit)), directions, free);
         if !predicted.is_empty() {
@@ -369,6 +380,39 @@ impl SectorObserver {
             let (first, last) = ((centre - half_width).round() as i32, (centre + half_width).round() as i32);
             mark(first, last, nearness(distance - extent));
         }
+    }
+
+    /// The number of control steps until the robot collides if it drives with the motion `first` in the next step and with `then`
+    /// in those after it (each a speed in m/s and a turning rate in rad/s), and what moves keeps its velocity; infinite if it
+    /// does not collide within [`FORESIGHT_STEPS`]. Only what it comes nearer to counts: it may leave what it touches.
+    ///
+    /// Without predicted paths, nothing is known to move.
+    #[must_use]
+    pub fn steps_to_collision(&self, first: (f32, f32), then: (f32, f32)) -> f32 {
+        let Self { body, moving, near, .. } = self;
+        let parts = PARTS_OF_STEP as f32;
+        let (length, angle) = (body.control_period_s / (body.unit_m * parts), body.control_period_s / parts);
+        let comes_near = |x: f32, y: f32, now: (f32, f32), reach: f32| {
+            let apart_2 = x * x + y * y;
+            apart_2 < reach * reach && apart_2 < now.0 * now.0 + now.1 * now.1
+        };
+        let (mut x, mut y, mut heading) = (0.0, 0.0, 0.0);
+        for part in 1..=FORESIGHT_STEPS * PARTS_OF_STEP {
+            let (v, w) = if part <= PARTS_OF_STEP { first } else { then };
+            let turn = w * angle;
+            let (sin, cos) = libm::sincosf(heading + 0.5 * turn);
+            (x, y, heading) = (x + v * length * cos, y + v * length * sin, heading + turn);
+            let steps = part as f32 / parts;
+            let hits_static = || near.iter().any(|hit| comes_near(hit.0 - x, hit.1 - y, *hit, 1.0));
+            let hits_moving = moving.iter().any(|MovingDisc { disc, velocity }| {
+                let at = (disc.x + velocity.0 * steps - x, disc.y + velocity.1 * steps - y);
+                comes_near(at.0, at.1, (disc.x, disc.y), 1.0 + disc.radius)
+            });
+            if hits_moving || hits_static() {
+                return steps;
+            }
+        }
+        f32::INFINITY
     }
 
     /// Writes the observation for a goal, given by its bearing (relative to the heading, counterclockwise positive, in rad) and
