@@ -241,7 +241,10 @@ fn write_results(page: &mut String, results: &[EvalResults], has_relative_action
     }
     writeln!(page, "## Evaluation\n\nMeasured by `wayfield --eval`, in simulation.")?;
     if has_relative_actions {
-        writeln!(page, "Unlike this file, it also keeps the robot from collisions that it can foresee and from staying in one place.")?;
+        writeln!(
+            page,
+            "Unlike this file, it also keeps the robot from collisions that it can foresee and from staying in one place."
+        )?;
     }
     writeln!(page)?;
     writeln!(page, "| scenario | success (95 %) | collisions | timeouts | mean time | episodes | seed |")?;

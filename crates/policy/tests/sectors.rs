@@ -187,13 +187,17 @@ fn collisions_are_foreseen_with_walls_and_with_what_moves() {
         }
         observer
     };
-    let (ahead, stop, left) = ((0.1, 0.0), (0.0, 0.0), (0.1, 1.5));
+    let (ahead, stop, bend) = ((0.1, 0.0), (0.0, 0.0), (0.05, 1.5));
     // The disc's surface is 1.5 units ahead, half a unit from the body.
     let still = observe(-0.25, 0.0);
     assert_eq!(still.steps_to_collision(ahead, ahead), 3.0, "0.5 / 0.2, rounded up to half steps");
     assert_eq!(still.steps_to_collision(ahead, stop), f32::INFINITY);
     assert_eq!(still.steps_to_collision(stop, stop), f32::INFINITY);
-    assert_eq!(still.steps_to_collision(left, left), f32::INFINITY, "a tight bend");
+    assert_eq!(
+        still.steps_to_collision(bend, bend),
+        f32::INFINITY,
+        "a bend with a radius of a third of a unit"
+    );
     // The same distance, but it comes nearer by 0.3 units a step.
     let coming = observe(-0.25, 0.03);
     let steps = coming.steps_to_collision(stop, stop);
