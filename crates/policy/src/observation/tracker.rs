@@ -196,9 +196,9 @@ impl Track {
         self.disc.x += self.velocity.0;
         self.disc.y += self.velocity.1;
         let p = &mut self.covariance;
-        for k in 0..5 {
-            p[0][k] += p[2][k];
-            p[1][k] += p[3][k];
+        for (position, velocity) in [(0, 2), (1, 3)] {
+            let of_velocity = p[velocity];
+            p[position].iter_mut().zip(of_velocity).for_each(|(value, other)| *value += other);
         }
         for row in p.iter_mut() {
             row[0] += row[2];
@@ -244,7 +244,7 @@ impl Track {
     }
 
     /// The distance of a point from the edge of the disc, positive outside, and the outward normal there.
-    fn from_edge(&self, (x, y): (f32, f32)) -> (f32, (f32, f32)) {
+    fn edge_distance(&self, (x, y): (f32, f32)) -> (f32, (f32, f32)) {
         let (dx, dy) = (x - self.disc.x, y - self.disc.y);
         let distance = (dx * dx + dy * dy).sqrt().max(1e-3);
         (distance - self.disc.radius, (dx / distance, dy / distance))
@@ -257,19 +257,19 @@ impl Track {
         if dx * dx + dy * dy >= reach * reach {
             return f32::INFINITY;
         }
-        let (from_edge, normal) = self.from_edge(hit);
+        let (distance, normal) = self.edge_distance(hit);
         let cosine = normal.0 * rays.cos[ray] + normal.1 * rays.sin[ray];
-        if from_edge < -MAX_DISTANCE || cosine > MAX_COSINE {
+        if distance < -MAX_DISTANCE || cosine > MAX_COSINE {
             return f32::INFINITY;
         }
         let (_, variance) = self.covariance_with((-normal.0, -normal.1, -1.0));
-        from_edge * from_edge / (variance + HIT_SD * HIT_SD)
+        distance * distance / (variance + HIT_SD * HIT_SD)
     }
 
     /// Takes in that a beam has hit it.
     fn add_hit(&mut self, hit: (f32, f32)) {
-        let (from_edge, normal) = self.from_edge(hit);
-        let mismatch = self.correct(from_edge, (-normal.0, -normal.1, -1.0), HIT_SD);
+        let (distance, normal) = self.edge_distance(hit);
+        let mismatch = self.correct(distance, (-normal.0, -normal.1, -1.0), HIT_SD);
         self.misfit += MISFIT_GAIN * (mismatch - self.misfit);
         if self.missed > 0 || self.seen == 0 {
             self.missed = 0;
