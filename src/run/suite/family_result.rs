@@ -124,10 +124,12 @@ fn barn_score(scenario: &Scenario, episode: &EpisodeResult, shortest_m: f64) -> 
     let top_speed_m_s = scenario.robot.motions.iter().map(|motion| motion.v_m_s.abs()).fold(0.0, f32::max);
     let length_m = stated_path_length_m(&scenario.about).unwrap_or(shortest_m);
     let optimal_s = length_m / f64::from(top_speed_m_s);
+    // A path without length, or a robot that can only turn, has no score.
+    if !episode.succeeded() || !optimal_s.is_finite() || optimal_s <= 0.0 {
+        return 0.0;
+    }
     let time_s = f64::from(episode.steps) * period_s(scenario.task.control_period_s);
-    // Not finite if the path has no length or the robot can only turn.
-    let score = optimal_s / time_s.clamp(2.0 * optimal_s, 8.0 * optimal_s);
-    if episode.succeeded() && score.is_finite() { score } else { 0.0 }
+    optimal_s / time_s.clamp(2.0 * optimal_s, 8.0 * optimal_s)
 }
 
 /// The time of the successful episodes divided by the time of the planner's paths, and the number of compared episodes.
@@ -143,4 +145,36 @@ fn time_ratio(of_scenarios: &[SuiteEpisodes]) -> (Option<f64>, usize) {
         }
     }
     ((episodes > 0).then(|| actual_s / planned_s), episodes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::Motion;
+    use crate::task::{Clock, Goal, Pose};
+
+    #[test]
+    fn the_barn_score_is_at_most_half_and_zero_without_a_path_or_a_speed() {
+        let score = |top_speed_m_s: f32, shortest_m: f64, end: EpisodeEnd| {
+            let mut scenario = Scenario::default();
+            scenario.robot.motions = vec![Motion { v_m_s: top_speed_m_s, w_rad_s: 1.0 }];
+            let episode = EpisodeResult {
+                end,
+                steps: 100, // 20 s
+                start: Pose { x_m: 0.0, y_m: 0.0, heading_rad: 0.0 },
+                goal: Goal { x_m: 0.0, y_m: 0.0 },
+                clock: Clock(0),
+                layout_seed: 0,
+                path: None,
+            };
+            barn_score(&scenario, &episode, shortest_m)
+        };
+        // The optimal time is 5 s, so 20 s are within 2 to 8 times that.
+        assert!((score(2.0, 10.0, EpisodeEnd::Reached) - 0.25).abs() < 1e-6);
+        assert_eq!(score(2.0, 10.0, EpisodeEnd::Collided), 0.0);
+        assert_eq!(score(0.25, 10.0, EpisodeEnd::Reached), 0.5, "faster than twice the optimal time");
+        assert_eq!(score(0.0, 10.0, EpisodeEnd::Reached), 0.0, "it can only turn");
+        assert_eq!(score(0.0, 0.0, EpisodeEnd::Reached), 0.0);
+        assert_eq!(score(2.0, 0.0, EpisodeEnd::Reached), 0.0);
+    }
 }
