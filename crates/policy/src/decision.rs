@@ -64,13 +64,14 @@ impl Decider {
         let Some(best) = best else { return greedy(q_row) };
         // Most often the best action is safe; then no other one is looked at.
         let steps = |action: usize| {
-            let mut steps = steps_to_collision(action, action);
-            let mut then = 0;
-            while steps.is_finite() && then < q_row.len() {
-                steps = steps.max(steps_to_collision(action, then));
-                then += 1;
+            let mut longest = steps_to_collision(action, action);
+            for then in (0..q_row.len()).filter(|&then| then != action) {
+                if longest.is_infinite() {
+                    break;
+                }
+                longest = longest.max(steps_to_collision(action, then));
             }
-            steps
+            longest
         };
         let mut chosen = (best, steps(best));
         if chosen.1.is_finite() {

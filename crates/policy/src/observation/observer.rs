@@ -127,8 +127,9 @@ pub struct SectorObserver {
     waiting: f32,
     /// What moves, in the present frame.
     moving: Vec<MovingDisc>,
-    /// The positions of the hits that do not move and that the robot could reach within [`FORESIGHT_STEPS`].
-    near: Vec<(f32, f32)>,
+    /// The newest scan's hits on what stands still, and on what moves.
+    static_hits: Vec<Hit>,
+    moving_hits: Vec<Hit>,
     /// The directions of the sectors' centres.
     directions: Directions,
     twist: (f32, f32),
@@ -179,7 +180,8 @@ impl SectorObserver {
             predicted: vec![0.0; if layout.predicted_paths { count } else { 0 }],
             waiting: 0.0,
             moving: Vec::new(),
-            near: Vec::new(),
+            static_hits: Vec::new(),
+            moving_hits: Vec::new(),
             directions: (0..count).map(|sector| libm::sincosf(layout.angle_rad(sector))).unzip(),
             twist: (0.0, 0.0),
         }
@@ -285,21 +287,22 @@ impl SectorObserver {
     /// Finds how far a disc with a radius of one unit can drive in the direction of each sector's centre before it collides with
     /// what is in sight, and with what of it does not move.
     fn find_free_distances(&mut self) {
-        let Self { memory, moving, near, body, free, collisions, predicted, directions, .. } = self;
+        let Self {
+            memory, moving, static_hits, moving_hits, free, collisions, predicted, directions, ..
+        } = self;
         let Some(EarlierScan { hits, .. }) = memory.scans.back() else { return };
-        let moves = |hit: &Hit| moving.iter().any(|disc| disc.contains((hit.x, hit.y), DISC_MARGIN));
-        let reach = 1.0 + FORESIGHT_STEPS as f32 * body.step_length();
-        let in_reach = hits.iter().filter(|hit| hit.nearness > 0.0 && hit.distance < reach && !moves(hit));
-        near.clear();
-        near.extend(in_reach.map(|hit| (hit.x, hit.y)));
+        static_hits.clear();
+        moving_hits.clear();
+        for hit in hits.iter().filter(|hit| hit.nearness > 0.0) {
+            let moves = moving.iter().any(|disc| disc.contains((hit.x, hit.y), DISC_MARGIN));
+            if moves { moving_hits.push(*hit) } else { static_hits.push(*hit) }
+        }
         free.fill(f32::INFINITY);
-        shorten_paths(hits.iter().filter(|hit| !moves(hit)), directions, free);
+        shorten_paths(static_hits, directions, free);
         if !predicted.is_empty() {
             predicted.copy_from_slice(free);
         }
-        if !moving.is_empty() {
-            shorten_paths(hits.iter().filter(|hit| moves(hit)), directions, free);
-        }
+        shorten_paths(moving_hits, directions, free);
         collisions.iter_mut().zip(&*free).for_each(|(value, &free)| *value = collision_nearness(free));
     }
 
@@ -389,7 +392,7 @@ impl SectorObserver {
     /// Without predicted paths, nothing is known to move.
     #[must_use]
     pub fn steps_to_collision(&self, first: (f32, f32), then: (f32, f32)) -> f32 {
-        let Self { body, moving, near, .. } = self;
+        let Self { body, moving, static_hits, .. } = self;
         let parts = PARTS_OF_STEP as f32;
         let (length, angle) = (body.control_period_s / (body.unit_m * parts), body.control_period_s / parts);
         let comes_near = |x: f32, y: f32, now: (f32, f32), reach: f32| {
@@ -403,7 +406,8 @@ impl SectorObserver {
             let (sin, cos) = libm::sincosf(heading + 0.5 * turn);
             (x, y, heading) = (x + v * length * cos, y + v * length * sin, heading + turn);
             let steps = part as f32 / parts;
-            let hits_static = || near.iter().any(|hit| comes_near(hit.0 - x, hit.1 - y, *hit, 1.0));
+            let hits_static =
+                || static_hits.iter().any(|hit| comes_near(hit.x - x, hit.y - y, (hit.x, hit.y), 1.0));
             let hits_moving = moving.iter().any(|MovingDisc { disc, velocity }| {
                 let at = (disc.x + velocity.0 * steps - x, disc.y + velocity.1 * steps - y);
                 comes_near(at.0, at.1, (disc.x, disc.y), 1.0 + disc.radius)
@@ -460,10 +464,10 @@ impl SectorObserver {
 
 /// Shortens `distances`, one per direction, to how far a disc with a radius of one unit can drive, in units of the robot, before
 /// it collides with one of `hits`. The inner loop has no branches, so that it is vectorized.
-fn shorten_paths<'a>(hits: impl Iterator<Item = &'a Hit>, directions: &Directions, distances: &mut [f32]) {
+fn shorten_paths(hits: &[Hit], directions: &Directions, distances: &mut [f32]) {
     // A beam may belong to several neighbouring sectors.
     let mut last = &NO_HIT;
-    for hit in hits.filter(|hit| hit.nearness > 0.0) {
+    for hit in hits {
         if (hit.x, hit.y) == (last.x, last.y) {
             continue;
         }
