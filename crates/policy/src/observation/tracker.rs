@@ -3,8 +3,9 @@
 //! Each compact thing in sight is taken to be a disc with a constant velocity. An extended Kalman filter estimates its
 //! position, velocity and radius from the beams that hit it and from those beside them that pass it. So a few beams are enough,
 //! and a thing is not lost when no beam hits it for a moment. A track counts as moving if its velocity differs from zero by some
-//! standard deviations, and if a beam has passed where it is, or passes where it was. The second condition holds for no wall:
-//! the hits on a wall move, too, as the robot drives.
+//! standard deviations, and if the scans show that it has moved: earlier ones saw through the places that it is hit at now, and
+//! this one sees through those that it was hit at then. The hits on walls and rocks move, too, as the robot drives, but earlier
+//! scans show a surface there.
 //!
 //! Positions are in the frame of odometry. Lengths are in units of the robot, which `sectors.rs` defines; times are in control
 //! steps.
@@ -17,8 +18,8 @@ use serde::{Deserialize, Serialize};
 const MAX_BEAMS: usize = 72;
 /// The largest number of tracks.
 const MAX_TRACKS: usize = 64;
-/// The number of earlier scans in which a beam may have passed where a thing is now.
-const EARLIER_SCANS: usize = 5;
+/// The number of earlier scans that are remembered, and the number of steps between those that the newest one is compared with.
+const EARLIER_SCANS: (usize, usize) = (12, 4);
 
 /// The mean and the standard deviation of the radius of a thing that has not been seen before.
 const RADIUS: (f32, f32) = (1.1, 0.4);
@@ -43,6 +44,8 @@ const MAX_DISTANCE: f32 = 1.5;
 const MAX_COSINE: f32 = 0.2;
 /// Neighbouring hits belong to the same thing if their distance is at most this many times the distance between beams there.
 const LINK: f32 = 2.0;
+/// The same for the hits of an earlier scan, between which a surface is.
+const SURFACE_LINK: f32 = 3.0;
 /// Neighbouring hits also belong to the same thing if their distance is at most this.
 const MIN_LINK: f32 = 0.5;
 /// The largest extent of a compact thing. Larger things are taken for walls.
@@ -51,11 +54,22 @@ const MAX_EXTENT: f32 = 4.0;
 const WALL_MARGIN: f32 = 0.3;
 /// A beam shows that a disc is not there if it passes within this many radii of its centre.
 const CENTRE: f32 = 0.7;
+/// A hit is on a surface that an earlier scan shows if its distance from it is less than this. It is where an earlier scan saw
+/// through if both beams beside it go farther by more than this.
+const SURFACE_MARGIN: f32 = 0.3;
+/// A thing does not fit between two beams if their distance there is less than this many of its radii.
+const MAX_GAP: f32 = 1.7;
+/// A hit on its disc where it was is at most this far from its edge.
+const EARLIER_HIT_MARGIN: f32 = 0.2;
 
 /// The smallest number of scans in which a moving thing has been seen.
 const MIN_SEEN: u16 = 3;
 /// The smallest squared velocity of a moving thing, in variances.
-const MIN_SIGNIFICANCE: f32 = 6.0;
+const MIN_SIGNIFICANCE: f32 = 4.0;
+/// The smallest evidence that a moving thing has moved, and the largest evidence of all.
+const EVIDENCE: (f32, f32) = (0.5, 1.5);
+/// How much the fraction of hits on surfaces of other scans counts against the fraction of those that other scans see through.
+const SURFACE_EVIDENCE: f32 = 0.3;
 /// The smallest speed of a moving thing, relative to the robot's highest speed.
 const MIN_SPEED: f32 = 0.1;
 /// A track is dropped if no beam has hit it in more than this many scans in a row.
@@ -129,6 +143,42 @@ impl Rays {
         passes
     }
 
+    /// What the scan shows of a place where another one has hit a thing of this `radius`.
+    fn sight(&self, point: (f32, f32), spacing_rad: f32, radius: f32) -> Sight {
+        let (dx, dy) = (point.0 - self.origin.0, point.1 - self.origin.1);
+        let count = self.len();
+        let Some(last) = count.checked_sub(1) else { return Sight::Nothing };
+        let is_ahead = |ray: usize| dx * self.cos[ray] + dy * self.sin[ray] > 0.0;
+        let across = |ray: usize| dy * self.cos[ray] - dx * self.sin[ray];
+        // The rays to the right and left of the place.
+        let mut to_left = across(last);
+        let Some((right, left)) = (0..count)
+            .map(|ray| if ray > 0 { (ray - 1, ray) } else { (last, 0) })
+            .find(|&(right, left)| {
+                let to_right = std::mem::replace(&mut to_left, across(left));
+                to_right >= 0.0 && to_left < 0.0 && is_ahead(right) && is_ahead(left)
+            })
+        else {
+            return Sight::Nothing;
+        };
+        let (one, other) = (self.end(right), self.end(left));
+        if [one, other].into_iter().flatten().any(|end| apart(end, point) < SURFACE_MARGIN) {
+            return Sight::Surface;
+        }
+        let nearer = self.length[right].min(self.length[left]);
+        if let (Some(one), Some(other)) = (one, other) {
+            let length = apart(one, other);
+            let is_linked = length < (SURFACE_LINK * spacing_rad * nearer).max(MIN_LINK);
+            let area = (point.0 - one.0) * (other.1 - one.1) - (point.1 - one.1) * (other.0 - one.0);
+            if is_linked && area.abs() < SURFACE_MARGIN * length {
+                return Sight::Surface;
+            }
+        }
+        let distance = (dx * dx + dy * dy).sqrt();
+        let fits_between = spacing_rad * distance >= MAX_GAP * radius;
+        if distance + SURFACE_MARGIN < nearer && !fits_between { Sight::Free } else { Sight::Nothing }
+    }
+
     fn is_valid(&self) -> bool {
         let Self { origin, cos, sin, length } = self;
         let count = length.len();
@@ -143,12 +193,29 @@ impl Rays {
     }
 }
 
+/// What a scan shows of a place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Sight {
+    /// A surface is there.
+    Surface,
+    /// Nothing is there.
+    Free,
+    /// It is hidden, or between beams.
+    Nothing,
+}
+
 /// A disc.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Disc {
     pub(super) x: f32,
     pub(super) y: f32,
     pub(super) radius: f32,
+}
+
+/// The distance of two points.
+fn apart(one: (f32, f32), other: (f32, f32)) -> f32 {
+    let (dx, dy) = (one.0 - other.0, one.1 - other.1);
+    (dx * dx + dy * dy).sqrt()
 }
 
 /// The estimate of a disc that moves.
@@ -164,10 +231,8 @@ struct Track {
     missed: u16,
     /// A mean of the squared distances of its last hits from the edge, in variances.
     misfit: f32,
-    /// Where it was when it was first seen.
-    first: Disc,
-    /// Whether a beam has passed where it is, or where it was.
-    has_moved: bool,
+    /// The evidence that it has moved, from 0.
+    evidence: f32,
 }
 
 impl Track {
@@ -185,8 +250,7 @@ impl Track {
             seen: 0,
             missed: 0,
             misfit: 1.0,
-            first: disc,
-            has_moved: false,
+            evidence: 0.0,
         }
     }
 
@@ -301,9 +365,8 @@ impl Track {
     }
 
     fn is_valid(&self) -> bool {
-        let Self { disc, velocity, covariance, misfit, first, .. } = self;
-        let numbers =
-            [disc.x, disc.y, disc.radius, velocity.0, velocity.1, *misfit, first.x, first.y, first.radius];
+        let Self { disc, velocity, covariance, misfit, evidence, .. } = self;
+        let numbers = [disc.x, disc.y, disc.radius, velocity.0, velocity.1, *misfit, *evidence];
         numbers.iter().chain(covariance.iter().flatten()).all(|number| number.is_finite())
     }
 }
@@ -336,7 +399,7 @@ impl Tracker {
     /// The discs that move, with their displacements in a control step.
     pub(super) fn moving(&self) -> impl Iterator<Item = (Disc, (f32, f32))> {
         let moves = |track: &&Track| {
-            track.has_moved
+            track.evidence >= EVIDENCE.0
                 && track.seen >= MIN_SEEN
                 && track.misfit < MAX_MISFIT.0
                 && track.is_fast(self.max_speed)
@@ -353,13 +416,13 @@ impl Tracker {
         beams: impl ExactSizeIterator<Item = (f32, f32, f32)>,
     ) {
         let mut rays =
-            if self.scans.len() > EARLIER_SCANS { self.scans.pop_front() } else { None }.unwrap_or_default();
+            if self.scans.len() > EARLIER_SCANS.0 { self.scans.pop_front() } else { None }.unwrap_or_default();
         let spacing_rad = spacing_rad * rays.fill(pose, beams) as f32;
         self.tracks.iter_mut().for_each(|track| track.predict(self.max_speed));
         self.assign(&rays);
         self.start_tracks(&rays, spacing_rad);
         self.correct(&rays);
-        self.find_moved(&rays);
+        self.weigh_evidence(&rays, spacing_rad);
         self.tracks.retain(|track| {
             let is_gone = track.missed > 0 && rays.pass_through(&track.disc);
             !is_gone && track.missed <= MAX_MISSED && track.misfit < MAX_MISFIT.1 && track.is_valid()
@@ -384,10 +447,6 @@ impl Tracker {
         let Self { tracks, track_of_ray, max_speed, .. } = self;
         let count = rays.len();
         let next = |ray: usize| if ray + 1 < count { ray + 1 } else { 0 };
-        let apart = |one: (f32, f32), other: (f32, f32)| {
-            let (dx, dy) = (one.0 - other.0, one.1 - other.1);
-            (dx * dx + dy * dy).sqrt()
-        };
         let new_hit = |ray: usize, owners: &[Option<u16>]| {
             if owners[ray].is_none() { rays.end(ray) } else { None }
         };
@@ -451,15 +510,40 @@ impl Tracker {
         }
     }
 
-    /// Finds out which fast tracks are where a beam has passed before, or were where a beam passes now.
-    fn find_moved(&mut self, rays: &Rays) {
-        let Self { tracks, scans, max_speed, .. } = self;
-        for track in tracks {
-            if track.seen < MIN_SEEN {
-                track.first = track.disc;
-            } else if !track.has_moved && track.is_fast(*max_speed) {
-                track.has_moved = rays.pass_through(&track.first)
-                    || scans.iter().any(|earlier| earlier.pass_through(&track.disc));
+    /// Weighs the evidence that fast tracks have moved.
+    fn weigh_evidence(&mut self, rays: &Rays, spacing_rad: f32) {
+        let Self { tracks, scans, max_speed, track_of_ray, .. } = self;
+        for (index, track) in tracks.iter_mut().enumerate() {
+            if track.seen < MIN_SEEN || !track.is_fast(*max_speed) {
+                continue;
+            }
+            let (mut free, mut surfaces, mut places) = (0.0, 0.0, 0.0);
+            let mut add = |sight: Sight| {
+                places += 1.0;
+                match sight {
+                    Sight::Free => free += 1.0,
+                    Sight::Surface => surfaces += 1.0,
+                    Sight::Nothing => {}
+                }
+            };
+            let Disc { x, y, radius } = track.disc;
+            for (age, earlier) in (1..=scans.len()).rev().zip(&*scans).step_by(EARLIER_SCANS.1) {
+                let hits = track_of_ray.iter().enumerate();
+                let hits = hits.filter(|(_, owner)| **owner == Some(index as u16));
+                for hit in hits.filter_map(|(ray, _)| rays.end(ray)) {
+                    add(earlier.sight(hit, spacing_rad, radius));
+                }
+                let age = age as f32;
+                let was_at = (x - age * track.velocity.0, y - age * track.velocity.1);
+                for hit in (0..earlier.len()).filter_map(|ray| earlier.end(ray)) {
+                    if apart(hit, was_at) < radius + EARLIER_HIT_MARGIN {
+                        add(rays.sight(hit, spacing_rad, radius));
+                    }
+                }
+            }
+            if places > 0.0 {
+                let evidence = (free - SURFACE_EVIDENCE * surfaces) / places;
+                track.evidence = (track.evidence + evidence).clamp(0.0, EVIDENCE.1);
             }
         }
     }
@@ -467,7 +551,7 @@ impl Tracker {
     /// Whether it can be the state of a tracker.
     pub(super) fn is_valid(&self) -> bool {
         self.tracks.len() <= MAX_TRACKS
-            && self.scans.len() <= EARLIER_SCANS + 1
+            && self.scans.len() <= EARLIER_SCANS.0 + 1
             && self.max_speed.is_finite()
             && self.tracks.iter().all(Track::is_valid)
             && self.scans.iter().all(Rays::is_valid)
