@@ -29,6 +29,9 @@ const POSITION_SD: f32 = 0.6;
 const SPEED_SD: f32 = 1.2;
 /// The standard deviation of the change of a velocity in a control step, relative to the robot's highest speed.
 const ACCELERATION_SD: f32 = 0.07;
+/// The misfit from which on a track may be of something that turns or is no disc, and how much its velocity's variance then grows
+/// faster, relative to the usual growth for each unit of misfit.
+const MANOEUVRE: (f32, f32) = (0.5, 4.0);
 /// The standard deviation of the distance from a hit to the edge of its disc.
 const HIT_SD: f32 = 0.1;
 /// The standard deviation of the distance by which a beam that passes a disc may cut it.
@@ -269,7 +272,8 @@ impl Track {
             row[1] += row[3];
         }
         // The velocity changes at a constant rate during the step.
-        let variance = (ACCELERATION_SD * max_speed) * (ACCELERATION_SD * max_speed);
+        let growth = 1.0 + MANOEUVRE.1 * (self.misfit - MANOEUVRE.0).max(0.0);
+        let variance = (ACCELERATION_SD * max_speed) * (ACCELERATION_SD * max_speed) * growth;
         for (position, velocity) in [(0, 2), (1, 3)] {
             p[position][position] += 0.25 * variance;
             p[position][velocity] += 0.5 * variance;
