@@ -19,7 +19,7 @@ const MAX_BEAMS: usize = 72;
 /// The largest number of tracks.
 const MAX_TRACKS: usize = 64;
 /// The number of earlier scans that are remembered, and the number of steps between those that the newest one is compared with.
-const EARLIER_SCANS: (usize, usize) = (12, 4);
+const EARLIER_SCANS: (usize, usize) = (12, 6);
 
 /// The mean and the standard deviation of the radius of a thing that has not been seen before.
 const RADIUS: (f32, f32) = (1.1, 0.4);
@@ -146,24 +146,36 @@ impl Rays {
         passes
     }
 
+    /// The rays that have hit something nearer than `distance` to `(x, y)`, and their ends.
+    fn hits_near(&self, (x, y): (f32, f32), distance: f32) -> impl Iterator<Item = (usize, (f32, f32))> {
+        let Self { origin, cos, sin, length } = self;
+        cos.iter().zip(sin).zip(length).enumerate().filter_map(move |(ray, ((cos, sin), length))| {
+            // Not finite, if the ray has hit nothing.
+            let end = (origin.0 + cos * length, origin.1 + sin * length);
+            let (dx, dy) = (end.0 - x, end.1 - y);
+            (dx * dx + dy * dy < distance * distance).then_some((ray, end))
+        })
+    }
+
     /// What the scan shows of a place where another one has hit a thing of this `radius`.
     fn sight(&self, point: (f32, f32), spacing_rad: f32, radius: f32) -> Sight {
         let (dx, dy) = (point.0 - self.origin.0, point.1 - self.origin.1);
-        let count = self.len();
-        let Some(last) = count.checked_sub(1) else { return Sight::Nothing };
+        let Some(last) = self.len().checked_sub(1) else { return Sight::Nothing };
         let is_ahead = |ray: usize| dx * self.cos[ray] + dy * self.sin[ray] > 0.0;
-        let across = |ray: usize| dy * self.cos[ray] - dx * self.sin[ray];
         // The rays to the right and left of the place.
-        let mut to_left = across(last);
-        let Some((right, left)) = (0..count)
-            .map(|ray| if ray > 0 { (ray - 1, ray) } else { (last, 0) })
-            .find(|&(right, left)| {
-                let to_right = std::mem::replace(&mut to_left, across(left));
-                to_right >= 0.0 && to_left < 0.0 && is_ahead(right) && is_ahead(left)
-            })
-        else {
-            return Sight::Nothing;
+        let mut to_right = dy * self.cos[last] - dx * self.sin[last];
+        let is_left = |(cos, sin): (&f32, &f32)| {
+            let to_left = dy * cos - dx * sin;
+            std::mem::replace(&mut to_right, to_left) >= 0.0 && to_left < 0.0
         };
+        let mut is_left = is_left;
+        let mut rays = self.cos.iter().zip(&self.sin).enumerate();
+        let beside = |left: usize| (if left > 0 { left - 1 } else { last }, left);
+        let found = rays.find_map(|(left, direction)| {
+            let (right, left) = beside(left);
+            (is_left(direction) && is_ahead(right) && is_ahead(left)).then_some((right, left))
+        });
+        let Some((right, left)) = found else { return Sight::Nothing };
         let (one, other) = (self.end(right), self.end(left));
         if [one, other].into_iter().flatten().any(|end| apart(end, point) < SURFACE_MARGIN) {
             return Sight::Surface;
@@ -207,6 +219,25 @@ enum Sight {
     Nothing,
 }
 
+/// Numbers of places: of all, of free ones, and of those with a surface.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sights {
+    places: f32,
+    free: f32,
+    surfaces: f32,
+}
+
+impl Sights {
+    fn add(&mut self, sight: Sight) {
+        self.places += 1.0;
+        match sight {
+            Sight::Free => self.free += 1.0,
+            Sight::Surface => self.surfaces += 1.0,
+            Sight::Nothing => {}
+        }
+    }
+}
+
 /// A disc.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Disc {
@@ -246,15 +277,7 @@ impl Track {
         let deviations = [POSITION_SD, POSITION_SD, speed_sd, speed_sd, RADIUS.1];
         deviations.into_iter().enumerate().for_each(|(k, sd)| covariance[k][k] = sd * sd);
         let disc = Disc { x, y, radius: RADIUS.0 };
-        Self {
-            disc,
-            velocity: (0.0, 0.0),
-            covariance,
-            seen: 0,
-            missed: 0,
-            misfit: 1.0,
-            evidence: 0.0,
-        }
+        Self { disc, velocity: (0.0, 0.0), covariance, seen: 0, missed: 0, misfit: 1.0, evidence: 0.0 }
     }
 
     /// Moves it on by one control step.
@@ -318,13 +341,9 @@ impl Track {
         (distance - self.disc.radius, (dx / distance, dy / distance))
     }
 
-    /// The squared distance of a hit from the edge, in variances; infinite if the beam cannot have hit this disc.
+    /// The squared distance of a hit from the edge, in variances; infinite if the beam cannot have hit this disc. The hit is at
+    /// most [`MAX_DISTANCE`] outside.
     fn mismatch(&self, rays: &Rays, ray: usize, hit: (f32, f32)) -> f32 {
-        let (dx, dy) = (hit.0 - self.disc.x, hit.1 - self.disc.y);
-        let reach = self.disc.radius + MAX_DISTANCE;
-        if dx * dx + dy * dy >= reach * reach {
-            return f32::INFINITY;
-        }
         let (distance, normal) = self.edge_distance(hit);
         let cosine = normal.0 * rays.cos[ray] + normal.1 * rays.sin[ray];
         if distance < -MAX_DISTANCE || cosine > MAX_COSINE {
@@ -384,6 +403,9 @@ pub(super) struct Tracker {
     /// For each ray of the newest scan, the track that it has hit.
     #[serde(skip)]
     track_of_ray: Vec<Option<u16>>,
+    /// The mismatch of that track, or [`GATE`].
+    #[serde(skip)]
+    mismatch_of_ray: Vec<f32>,
     /// The robot's highest speed.
     max_speed: f32,
 }
@@ -419,8 +441,8 @@ impl Tracker {
         spacing_rad: f32,
         beams: impl ExactSizeIterator<Item = (f32, f32, f32)>,
     ) {
-        let mut rays =
-            if self.scans.len() > EARLIER_SCANS.0 { self.scans.pop_front() } else { None }.unwrap_or_default();
+        let mut rays = if self.scans.len() > EARLIER_SCANS.0 { self.scans.pop_front() } else { None }
+            .unwrap_or_default();
         let spacing_rad = spacing_rad * rays.fill(pose, beams) as f32;
         self.tracks.iter_mut().for_each(|track| track.predict(self.max_speed));
         self.assign(&rays);
@@ -436,14 +458,21 @@ impl Tracker {
 
     /// Assigns each hit to the track that explains it best.
     fn assign(&mut self, rays: &Rays) {
-        let Self { tracks, track_of_ray, .. } = self;
+        let Self { tracks, track_of_ray, mismatch_of_ray, .. } = self;
         track_of_ray.clear();
-        track_of_ray.extend((0..rays.len()).map(|ray| {
-            let hit = rays.end(ray)?;
-            let mismatches = tracks.iter().map(|track| track.mismatch(rays, ray, hit));
-            let candidates = mismatches.enumerate().filter(|(_, mismatch)| *mismatch < GATE);
-            candidates.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(track, _)| track as u16)
-        }));
+        track_of_ray.resize(rays.len(), None);
+        mismatch_of_ray.clear();
+        mismatch_of_ray.resize(rays.len(), GATE);
+        for (index, track) in tracks.iter().enumerate() {
+            let Disc { x, y, radius } = track.disc;
+            for (ray, hit) in rays.hits_near((x, y), radius + MAX_DISTANCE) {
+                let mismatch = track.mismatch(rays, ray, hit);
+                if mismatch < mismatch_of_ray[ray] {
+                    mismatch_of_ray[ray] = mismatch;
+                    track_of_ray[ray] = Some(index as u16);
+                }
+            }
+        }
     }
 
     /// Starts a track for each compact group of neighbouring hits that belong to no track.
@@ -521,30 +550,22 @@ impl Tracker {
             if track.seen < MIN_SEEN || !track.is_fast(*max_speed) {
                 continue;
             }
-            let (mut free, mut surfaces, mut places) = (0.0, 0.0, 0.0);
-            let mut add = |sight: Sight| {
-                places += 1.0;
-                match sight {
-                    Sight::Free => free += 1.0,
-                    Sight::Surface => surfaces += 1.0,
-                    Sight::Nothing => {}
-                }
-            };
+            let mut sights = Sights::default();
             let Disc { x, y, radius } = track.disc;
-            for (age, earlier) in (1..=scans.len()).rev().zip(&*scans).step_by(EARLIER_SCANS.1) {
-                let hits = track_of_ray.iter().enumerate();
-                let hits = hits.filter(|(_, owner)| **owner == Some(index as u16));
-                for hit in hits.filter_map(|(ray, _)| rays.end(ray)) {
-                    add(earlier.sight(hit, spacing_rad, radius));
-                }
-                let age = age as f32;
-                let was_at = (x - age * track.velocity.0, y - age * track.velocity.1);
-                for hit in (0..earlier.len()).filter_map(|ray| earlier.end(ray)) {
-                    if apart(hit, was_at) < radius + EARLIER_HIT_MARGIN {
-                        add(rays.sight(hit, spacing_rad, radius));
-                    }
+            let earlier_scans = || (1..=scans.len()).rev().zip(&*scans).step_by(EARLIER_SCANS.1);
+            let hits = track_of_ray.iter().enumerate().filter(|(_, owner)| **owner == Some(index as u16));
+            for hit in hits.filter_map(|(ray, _)| rays.end(ray)) {
+                earlier_scans().for_each(|(_, earlier)| sights.add(earlier.sight(hit, spacing_rad, radius)));
+            }
+            if sights.free > 0.0 || 2.0 * sights.surfaces <= sights.places {
+                for (age, earlier) in earlier_scans() {
+                    let age = age as f32;
+                    let was_at = (x - age * track.velocity.0, y - age * track.velocity.1);
+                    let hits = earlier.hits_near(was_at, radius + EARLIER_HIT_MARGIN);
+                    hits.for_each(|(_, hit)| sights.add(rays.sight(hit, spacing_rad, radius)));
                 }
             }
+            let Sights { places, free, surfaces } = sights;
             if places > 0.0 {
                 let evidence = (free - SURFACE_EVIDENCE * surfaces) / places;
                 track.evidence = (track.evidence + evidence).clamp(0.0, EVIDENCE.1);
@@ -638,18 +659,52 @@ mod tests {
     }
 
     #[test]
-    fn walls_and_posts_do_not_move_as_the_robot_drives_past() {
-        let posts: Vec<Disc> = [(3.0, 3.0), (-2.0, -4.0), (7.0, -1.0), (-9.0, 6.0)]
-            .map(|(x, y)| Disc { x, y, radius: 0.7 })
-            .to_vec();
-        // The edges of the posts' shadows move on the walls, which are farther away.
-        let is_near = |disc: &Disc, (x, y): (f32, f32)| (disc.x - x).hypot(disc.y - y) < 8.0;
-        for steps in 4..60 {
-            let tracker = track(steps, |_| posts.clone());
-            let origin = tracker.scans.back().map_or((0.0, 0.0), |rays| rays.origin);
-            let near: Vec<_> = tracker.moving().filter(|(disc, _)| is_near(disc, origin)).collect();
-            assert!(near.is_empty(), "after {steps} steps at {origin:?}: {near:?}");
+    fn walls_posts_and_rocks_do_not_move_as_the_robot_drives_past() {
+        let posts = [(3.0, 3.0, 0.7), (-2.0, -4.0, 0.7), (7.0, -1.0, 0.7), (-9.0, 6.0, 0.7)];
+        // Each rock is of overlapping discs.
+        let rocks =
+            [(2.5, -7.0, 1.5), (4.2, -7.6, 1.1), (-8.5, -6.0, 1.8), (-9.0, -3.5, 1.2), (1.0, 11.5, 1.6)];
+        let discs: Vec<Disc> =
+            posts.into_iter().chain(rocks).map(|(x, y, radius)| Disc { x, y, radius }).collect();
+        for steps in 4..130 {
+            let tracker = track(steps, |_| discs.clone());
+            let moving: Vec<_> = tracker.moving().collect();
+            assert!(moving.is_empty(), "after {steps} steps: {moving:?}");
         }
+    }
+
+    #[test]
+    fn a_disc_that_drives_in_a_circle_is_followed() {
+        // At 0.3 units a step, in a circle of 6 units.
+        let disc = |step: f32| {
+            let (sin, cos) = (0.05 * step).sin_cos();
+            Disc { x: 2.0 + 6.0 * cos, y: 6.0 * sin - 2.0, radius: 0.9 }
+        };
+        let tracker = track(30, |step| vec![disc(step)]);
+        let moving: Vec<_> = tracker.moving().collect();
+        let [(found, velocity)] = moving[..] else { panic!("one disc moves: {moving:?}") };
+        let (truth, next) = (disc(29.0), disc(30.0));
+        assert!((found.x - truth.x).hypot(found.y - truth.y) < 0.4, "{found:?}, {truth:?}");
+        let error = (velocity.0 - (next.x - truth.x)).hypot(velocity.1 - (next.y - truth.y));
+        assert!(error < 0.15, "{velocity:?}");
+    }
+
+    #[test]
+    fn a_scan_shows_surfaces_and_free_places() {
+        let spacing = TAU / BEAMS as f32;
+        let beams: Vec<(f32, f32, f32)> = (0..BEAMS)
+            .map(|beam| {
+                let angle = beam as f32 * spacing;
+                (angle.cos(), angle.sin(), cast((0.0, 0.0), (angle.cos(), angle.sin()), &[]))
+            })
+            .collect();
+        let mut rays = Rays::default();
+        rays.fill(((0.0, 0.0), 0.0), beams.into_iter());
+        let sight = |x: f32, y: f32, radius: f32| rays.sight((x, y), spacing, radius);
+        assert_eq!(sight(HALF_ROOM - 0.1, 2.0, 1.0), Sight::Surface, "on the wall, between two beams");
+        assert_eq!(sight(HALF_ROOM + 1.0, 2.0, 1.0), Sight::Nothing, "behind the wall");
+        assert_eq!(sight(5.0, 0.7, 1.0), Sight::Free, "in the room, too large to fit between two beams");
+        assert_eq!(sight(5.0, 0.7, 0.5), Sight::Nothing, "small enough to fit between them");
     }
 
     #[test]
