@@ -79,7 +79,7 @@ impl FailedEpisode<'_> {
         let setup = episode_setup(&tested.test.suite.families[family], &of.scenario);
         let under_test = &tested.drivers[driver];
         let mut evaluator = Evaluator::with_extensions(&of.scenario, 1, tested.test.extensions);
-        let (episode, svg) = evaluator.picture(under_test.evaluated, tested.test.seed, index, setup)?;
+        let (episode, svg) = evaluator.episode_image(under_test.evaluated, tested.test.seed, index, setup)?;
         let time_s = f64::from(episode.steps) * period_s(of.scenario.task.control_period_s);
         let file = format!("failure-{number:04}");
         let number = index + 1;
