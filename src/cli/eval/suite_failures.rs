@@ -45,7 +45,7 @@ struct FailedEpisode<'a> {
 pub fn failures(tested: &Tested<'_>) -> Result<Vec<Failure>, RunError> {
     let failed = failed_episodes(tested);
     let draw = |_: &mut (), index: usize| {
-        tested.test.check_signals()?;
+        tested.test.check_not_stopped()?;
         failed[index].draw(index + 1, tested)
     };
     on_all_cores::map(failed.len(), 0, || (), draw).into_iter().collect()
