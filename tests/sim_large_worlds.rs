@@ -110,8 +110,8 @@ fn pose() -> impl Strategy<Value = Pose> {
     (place(), place(), heading).prop_map(|(x_m, y_m, heading_rad)| Pose { x_m, y_m, heading_rad })
 }
 
-/// A world of 20 m x 20 m with 32 to 80 still obstacles of all shapes, some moving ones, and walls.
-fn world() -> impl Strategy<Value = Scenario> {
+/// A scenario of 20 m x 20 m with 32 to 80 still obstacles of all shapes, some moving ones, and walls.
+fn scenario() -> impl Strategy<Value = Scenario> {
     let place = || prop_oneof![-10.0_f32..10.0, (-20_i8..=20).prop_map(|k| 0.5 * f32::from(k))];
     let point = move || (place(), place()).prop_map(Vec2::from);
     let size = || prop_oneof![(-2.0_f32..0.3).prop_map(|power| 10.0_f32.powf(power)), Just(0.5), Just(9.0)];
@@ -172,7 +172,7 @@ proptest! {
 
     #[test]
     fn ranges_in_worlds_with_many_shapes_are_those_of_a_test_of_every_shape(
-        scenario in world(), poses in prop::collection::vec(pose(), 40),
+        scenario in scenario(), poses in prop::collection::vec(pose(), 40),
     ) {
         assert_ranges_of_all_shapes(&mut Lab::new(&scenario, 1, 1), &poses);
     }

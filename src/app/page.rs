@@ -22,7 +22,7 @@ extern "C" {
     /// Reports the status of the training, as JSON.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn report(json: &str);
-    /// Makes the address a link that starts the same training. `embedded` is the scenario's text, unless it is shipped.
+    /// Makes the address a link that starts the same training run. `embedded` is the scenario's text, unless it is shipped.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn set_share_link(scenario: &str, preset: &str, seed: &str, embedded: Option<String>);
     /// Removes all parameters from the address.

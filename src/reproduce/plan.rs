@@ -29,7 +29,7 @@ pub struct PlannedRun {
     pub name: String,
     /// The configuration of the run.
     pub config: RunConfig,
-    /// The index of the training whose weights this one starts from.
+    /// The index of the training run whose weights this one starts from.
     pub origin: Option<usize>,
     /// The policies to test, with their tests.
     pub tests: BTreeSet<(PolicyId, TestRule)>,
@@ -144,7 +144,7 @@ impl RunPlan {
         ArmRun { stages: vec![(index, length)] }
     }
 
-    /// The index of the training with this configuration. An existing training is made longer if necessary.
+    /// The index of the training run with this configuration. An existing one is made longer if necessary.
     fn add_training(
         &mut self,
         mut config: RunConfig,

@@ -237,12 +237,12 @@ impl<'a> Results<'a> {
         self.plan.training_runs[training].folder(&self.runs).join(policy_test::policy_file(policy))
     }
 
-    /// The training at `index`.
+    /// The training run at `index`.
     pub fn training(&self, index: usize) -> &'a PlannedRun {
         &self.plan.training_runs[index]
     }
 
-    /// The records of the training at `index`.
+    /// The records of the training run at `index`.
     pub fn records(&self, index: usize) -> &Records {
         &self.records[index]
     }

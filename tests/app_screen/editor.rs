@@ -360,7 +360,7 @@ fn training_continues_or_restarts_in_the_edited_scenario() {
     window.state_mut().status.restart_loses_training = true;
     settle(&mut window);
     assert_eq!(click(&mut window, "Restart here"), []);
-    assert!(window.query_by_label("Discard this training (1,284 episodes)?").is_some());
+    assert!(window.query_by_label("Discard this training run (1,284 episodes)?").is_some());
     // A double-click does not answer the question.
     let place = window.get_by_label("Restart here").rect().center();
     for _ in 0..2 {
@@ -655,20 +655,20 @@ fn the_restart_question_is_gone_when_the_editor_is_opened_again() {
     window.state_mut().status.restart_loses_training = true;
     settle(&mut window);
     click(&mut window, "Restart here");
-    assert!(window.query_by_label_contains("Discard this training").is_some());
+    assert!(window.query_by_label_contains("Discard this training run").is_some());
     click(&mut window, "Close the editor");
     settle(&mut window);
     click(&mut window, "Edit");
     assert!(window.query_by_label("Close the editor").is_some());
-    assert!(window.query_by_label_contains("Discard this training").is_none());
+    assert!(window.query_by_label_contains("Discard this training run").is_none());
     // Also if the editor is closed by its key.
     click(&mut window, "Restart here");
-    assert!(window.query_by_label_contains("Discard this training").is_some());
+    assert!(window.query_by_label_contains("Discard this training run").is_some());
     window.key_press(Key::E);
     settle(&mut window);
     assert!(window.state().view_state.editor.is_none());
     click(&mut window, "Edit");
-    assert!(window.query_by_label_contains("Discard this training").is_none());
+    assert!(window.query_by_label_contains("Discard this training run").is_none());
 }
 
 #[test]

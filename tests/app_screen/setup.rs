@@ -16,12 +16,12 @@ fn choices_take_effect_when_a_button_is_clicked() {
     assert!(window.query_by_label("Undo choice").is_none());
     assert_eq!(click(&mut window, "Scenario"), []);
     assert_eq!(click(&mut window, "Scenario II"), []);
-    assert!(window.query_by_label("Not running yet: the training is in Scenario I").is_some());
+    assert!(window.query_by_label("Not running yet: the training run is in Scenario I").is_some());
     assert_eq!(click(&mut window, "Learner"), []);
     assert_eq!(click(&mut window, "DQN"), []);
-    assert!(window.query_by_label("Not running yet: the training uses Fast").is_some());
+    assert!(window.query_by_label("Not running yet: the training run uses Fast").is_some());
     type_seed(&mut window, "42000");
-    assert!(window.query_by_label("Not running yet: the training has seed 7").is_some());
+    assert!(window.query_by_label("Not running yet: the training run has seed 7").is_some());
     let (scenario, preset, seed) = ("scenario-2".to_owned(), "dqn".to_owned(), 42_000);
     let transfer = Command::Transfer {
         policy: PolicySource::Current,
@@ -95,7 +95,7 @@ fn a_training_run_worth_keeping_is_discarded_only_after_a_confirmation() {
     let mut window = window(ScreenFixture::default());
     window.state_mut().status.restart_loses_training = true;
     assert_eq!(click(&mut window, "Restart training"), []);
-    assert!(window.query_by_label("Discard this training (1,284 episodes)?").is_some());
+    assert!(window.query_by_label("Discard this training run (1,284 episodes)?").is_some());
     assert_eq!(click(&mut window, "Cancel"), []);
     assert!(window.query_by_label("Cancel").is_none());
     assert_eq!(click(&mut window, "Restart training"), []);
@@ -318,7 +318,7 @@ fn closing_the_window_asks_about_edits_and_then_about_the_training() {
     let mut window = window(ScreenFixture::default());
     window.state_mut().status.quit_question = true;
     settle(&mut window);
-    assert!(window.query_by_label("This training (1,284 episodes) is not saved.").is_some());
+    assert!(window.query_by_label("This training run (1,284 episodes) is not saved.").is_some());
     assert_eq!(click(&mut window, "Save run and quit"), [Command::Quit { save: true }]);
     assert_eq!(click(&mut window, "Quit without saving"), [Command::Quit { save: false }]);
     assert_eq!(click(&mut window, "Cancel"), [Command::KeepOpen]);

@@ -13,7 +13,7 @@ usage: cargo xtask <command>
   policies    regenerate the cards of the shipped policies in assets/policies/; the weights do not change
   messages    regenerate the command line's error messages in tests/snapshots/messages/
   snapshots   regenerate the app's screenshots in tests/snapshots/; look at each before you commit it
-  pictures    redraw the shipped scenarios in docs/worlds/ and the level generators in docs/generators/
+  images      redraw the shipped scenarios in docs/worlds/ and the level generators in docs/generators/
   ci          run all CI checks, .ci/run";
 
 /// One step: a program, its arguments, and the environment variables that make a test write instead of compare.
@@ -64,14 +64,14 @@ fn steps(command: &str) -> Option<Vec<Step<'static>>> {
             cargo("test --release -p wayfield --test cli_check faults_of_every_kind", RENEW),
         ],
         "snapshots" => vec![cargo("test --release -p wayfield --test app_snapshots", UPDATE)],
-        "pictures" => pictures(),
+        "images" => images(),
         "ci" => vec![Step { program: "bash", arguments: vec![".ci/run".into()], variables: &[] }],
         _ => return None,
     })
 }
 
 /// One step per shipped scenario and per shipped level generator.
-fn pictures() -> Vec<Step<'static>> {
+fn images() -> Vec<Step<'static>> {
     let draw = |options: String| cargo(&format!("run --release -p wayfield -- {options}"), &[]);
     let scenario = |name: String| format!("--scenario {name} --plain --draw docs/worlds/{name}.png");
     let sheet = |name: String| {

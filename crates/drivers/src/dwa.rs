@@ -52,11 +52,11 @@ impl Dwa {
     pub(crate) fn new(robot: Robot, parameters: DwaParameters) -> Self {
         let Robot { control_period_s, drive, .. } = robot;
         let samples = (parameters.horizon_s / control_period_s)
-            .max(2.0 * robot.top_speed_m_s() * parameters.horizon_s / robot.keep_out_m)
+            .max(2.0 * robot.max_speed_m_s() * parameters.horizon_s / robot.keep_out_m)
             .ceil()
             .clamp(1.0, MAX_SAMPLES);
         let can_stop = robot.motions.iter().any(|motion| motion.v_m_s == 0.0);
-        let stopping_s = 2.0 * control_period_s + drive.settling_time_s(robot.top_speed_m_s());
+        let stopping_s = 2.0 * control_period_s + drive.settling_time_s(robot.max_speed_m_s());
         let admissible_s = if can_stop { stopping_s.min(parameters.horizon_s) } else { parameters.horizon_s };
         let sample_s = parameters.horizon_s / samples;
         Self { sample_s, drive: drive.over(sample_s), admissible_s, robot, parameters }
@@ -76,7 +76,7 @@ impl Dwa {
         // A robot that is already inside the margin must not come any closer.
         let keep_m = self.robot.keep_out_m;
         let limit_m = (keep_m * (1.0 + margin)).min(clearance(Vec2::ZERO, 0.0) - 1e-4);
-        let max_speed = self.robot.max_speed_m_s();
+        let max_speed = self.robot.max_forward_speed_m_s();
         let cost = |motion: &Motion| {
             let rollout = self.simulate(twist, motion, target_m, target_radius_m, limit_m, &clearance);
             if rollout.free_s < self.admissible_s {
@@ -133,7 +133,7 @@ impl Dwa {
         points: I,
     ) -> impl Fn(Vec2, f32) -> f32 + use<I> {
         let DwaParameters { horizon_s, margin, .. } = self.parameters;
-        let reach_m = self.robot.keep_out_m * (1.0 + margin) + self.robot.top_speed_m_s() * horizon_s;
+        let reach_m = self.robot.keep_out_m * (1.0 + margin) + self.robot.max_speed_m_s() * horizon_s;
         let near: Vec<MovingPoint> = points
             .filter(|point| point.at_m.length() <= reach_m + point.velocity_m_s.length() * horizon_s)
             .collect();

@@ -26,7 +26,7 @@ impl Driver for Field {
         let nearest_m = percept.ranges_m.iter().copied().fold(self.robot.max_range_m, f32::min);
         let slow_m = self.parameters.slow_distance * self.robot.keep_out_m;
         let speed_fraction = ((nearest_m - self.robot.keep_out_m) / slow_m).clamp(0.1, 1.0);
-        let velocity = force.normalize_or_zero() * (self.robot.max_speed_m_s() * speed_fraction);
+        let velocity = force.normalize_or_zero() * (self.robot.max_forward_speed_m_s() * speed_fraction);
         self.robot.motion_towards(velocity, self.parameters.turn_time_s)
     }
 }

@@ -22,7 +22,7 @@ impl Driver for OrcaDriver {
             self.parameters;
         let (x, y, rotation_rad) = truth.pose;
         let frame = Odometry { translation_m: Vec2::ZERO, rotation_rad };
-        let max_speed = self.robot.max_speed_m_s();
+        let max_speed = self.robot.max_forward_speed_m_s();
         let agent = Disc {
             at_m: vec2(x, y),
             velocity_m_s: frame.to_outer(vec2(percept.twist.v_m_s, 0.0)),

@@ -34,7 +34,7 @@ pub(crate) fn point_ahead(
 /// The index of the motion of `robot` that pursues `point_m` (in its frame): the one closest to the arc through the point,
 /// as fast as the largest turning rate allows. If the point is behind the robot, it turns towards the point first.
 pub(crate) fn pursue(robot: &Robot, point_m: Vec2) -> usize {
-    let (max_speed, max_turn) = (robot.max_speed_m_s(), robot.max_turn_rad_s());
+    let (max_speed, max_turn) = (robot.max_forward_speed_m_s(), robot.max_turn_rad_s());
     let squared = point_m.length_squared();
     if squared == 0.0 {
         return robot.closest_motion(0.0, 0.0);

@@ -76,7 +76,7 @@ impl<M: Map> Planned<M> {
             Steering::Pursuit => None,
         };
         let PlannerParameters { replan_steps, lookahead, dwa: window, .. } = parameters;
-        let reach_m = robot.keep_out_m * (1.0 + window.margin) + robot.top_speed_m_s() * window.horizon_s;
+        let reach_m = robot.keep_out_m * (1.0 + window.margin) + robot.max_speed_m_s() * window.horizon_s;
         Self {
             map,
             dwa,

@@ -46,15 +46,15 @@ impl Robot {
         }
     }
 
-    /// The highest speed of the motions, forwards, in m/s; at least 0.001.
+    /// The highest forward speed of the motions, in m/s; at least 0.001.
     #[must_use]
-    pub fn max_speed_m_s(&self) -> f32 {
+    pub fn max_forward_speed_m_s(&self) -> f32 {
         self.motions.iter().map(|motion| motion.v_m_s).fold(0.001, f32::max)
     }
 
-    /// The highest speed of the motions, forward or backward, in m/s; at least 0.001.
+    /// The highest speed of the motions in either direction, forward or backward, in m/s; at least 0.001.
     #[must_use]
-    pub fn top_speed_m_s(&self) -> f32 {
+    pub fn max_speed_m_s(&self) -> f32 {
         self.motions.iter().map(|motion| motion.v_m_s.abs()).fold(0.001, f32::max)
     }
 
@@ -95,7 +95,7 @@ impl Robot {
     /// The index of the motion that is closest to the speed `v_m_s` and the turning rate `w_rad_s`; the first of equally close
     /// ones. Differences are relative to the highest speed and turning rate.
     pub(crate) fn closest_motion(&self, v_m_s: f32, w_rad_s: f32) -> usize {
-        let (max_v, max_w) = (self.max_speed_m_s(), self.max_turn_rad_s());
+        let (max_v, max_w) = (self.max_forward_speed_m_s(), self.max_turn_rad_s());
         let difference = |motion: &Motion| {
             let (dv, dw) = ((motion.v_m_s - v_m_s) / max_v, (motion.w_rad_s - w_rad_s) / max_w);
             dv * dv + dw * dw

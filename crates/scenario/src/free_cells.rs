@@ -35,7 +35,7 @@ pub(super) enum Cell {
     /// The robot can be at its centre.
     Free,
     /// A wall or a static obstacle is too close.
-    Taken,
+    Occupied,
     /// It is part of the border.
     Border,
 }
@@ -62,7 +62,7 @@ impl FreeCells {
         for cell in (1..self.rows - 1).flat_map(|row| (1..self.columns - 1).map(move |k| (row, k))) {
             let index = cell.0 * self.columns + cell.1;
             let distance_m = enclosure_distance(&scenario.enclosure, self.centre_m(index));
-            self.cells[index] = if distance_m < kept_m { Cell::Taken } else { Cell::Free };
+            self.cells[index] = if distance_m < kept_m { Cell::Occupied } else { Cell::Free };
         }
         for part in Part::static_parts(scenario) {
             let (low, high) = part.bounds_m(scenario);
@@ -71,7 +71,7 @@ impl FreeCells {
                 for index in row * self.columns + low.x as usize..=row * self.columns + high.x as usize {
                     let is_free = self.cells[index] == Cell::Free;
                     if is_free && part.distance_m(scenario, self.centre_m(index)) < kept_m {
-                        self.cells[index] = Cell::Taken;
+                        self.cells[index] = Cell::Occupied;
                     }
                 }
             }

@@ -31,8 +31,8 @@ pub struct Geodesic {
     settled: Vec<bool>,
     /// Free cells next to settled ones, by length.
     open: Queue,
-    /// Taken cells next to settled ones. They are used only if nothing is left in `open`: a path into a closed-off area breaks
-    /// through a wall where it is thinnest.
+    /// Occupied cells next to settled ones. They are used only if nothing is left in `open`: a path into a closed-off area
+    /// breaks through a wall where it is thinnest.
     walls: Queue,
 }
 
@@ -154,7 +154,7 @@ impl Geodesic {
             self.bend_at_neighbour(free, cell);
         }
         self.settled[cell] = true;
-        // From a taken cell, the path continues cell by cell.
+        // From an occupied cell, the path continues cell by cell.
         let (bend, (end, length)) = if is_free {
             (self.bends[cell], self.end_of_line(free, self.bends[cell]))
         } else {

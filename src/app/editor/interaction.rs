@@ -42,7 +42,7 @@ pub struct EditorInteraction {
     pub press: Option<Press>,
     /// The question whether to leave with unsaved changes, if it is open.
     pub exit_request: Option<ExitRequest>,
-    /// Whether the user is being asked to confirm that the current training is discarded.
+    /// Whether the user is being asked to confirm that the current training run is discarded.
     pub confirm_restart: bool,
     /// Whether the simulation was running when the editor was opened; it resumes when the editor is closed.
     pub resume_on_exit: bool,

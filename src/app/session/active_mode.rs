@@ -98,7 +98,7 @@ impl ActiveMode {
         matches!(self, Self::Train)
     }
 
-    /// Pace of the suspended training, if one is suspended.
+    /// Pace of the suspended training run, if one is suspended.
     pub(super) fn suspended_pace(&self) -> Option<Pace> {
         match self {
             Self::Train => None,
@@ -119,12 +119,12 @@ impl ActiveMode {
         }
     }
 
-    /// Whether the scenario was changed during this demo. The suspended training has not adopted the change yet.
+    /// Whether the scenario was changed during this demo. The suspended training run has not adopted the change yet.
     pub(super) fn has_pending_changes(&self) -> bool {
         matches!(self, Self::Demo(demo) if !demo.training.interventions.is_empty())
     }
 
-    /// Stores a change of the scenario for the suspended training, if a demo is shown. As in the journal, only the last
+    /// Stores a change of the scenario for the suspended training run, if a demo is shown. As in the journal, only the last
     /// position of a dragged object counts if the LIDAR is `exact` (without noise and dropout).
     pub(super) fn record_for_training(&mut self, intervention: &Intervention, exact: bool) {
         let Self::Demo(demo) = self else { return };
@@ -188,7 +188,7 @@ fn enter_demo(world: &mut World, mode: SessionMode) -> Result<(), RunError> {
     Ok(())
 }
 
-/// Resumes the suspended training.
+/// Resumes the suspended training run.
 fn resume_training(world: &mut World) {
     let (arenas, seed) = {
         let config = &world.resource::<TrainingRun>().config;

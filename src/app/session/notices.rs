@@ -28,11 +28,11 @@ pub enum NoticeTopic {
     Move,
     /// A warning about the second policy of a comparison.
     Comparison,
-    /// Questionable settings of the current training.
+    /// Questionable settings of the current training run.
     Settings,
-    /// A warning about the current training. A new training run removes it.
+    /// A warning about the current training run. A new training run removes it.
     TrainingWarning,
-    /// The error that stopped the current training. A new training run removes it.
+    /// The error that stopped the current training run. A new training run removes it.
     TrainingFailure,
     /// Evaluation during training.
     Evaluation,

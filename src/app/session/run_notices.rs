@@ -1,4 +1,4 @@
-//! The notice about questionable settings of the current training.
+//! The notice about questionable settings of the current training run.
 //!
 //! In: the training's configuration. Out: one notice that stays until it is dismissed or the settings change.
 
@@ -12,7 +12,7 @@ use crate::run::notes::run_notes;
 /// Maximum number of notes that the notice lists.
 const MAX_LISTED: usize = 3;
 
-/// Shows the notes about the current training, in place of those about an earlier one.
+/// Shows the notes about the current training run, in place of those about an earlier one.
 pub(super) fn show_notes(world: &mut World) {
     world.resource_mut::<Notices>().remove(&NoticeTopic::Settings);
     let notes = run_notes(&world.resource::<TrainingRun>().config);

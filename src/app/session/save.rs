@@ -92,7 +92,7 @@ fn policy_bytes(world: &World, what: SaveKind) -> Result<Vec<u8>, RunError> {
     metrics::policy_bytes(&policy)
 }
 
-/// Saves a folder that `--train --resume` can continue, with `journal.ron` in it. A suspended training is resumed while
+/// Saves a folder that `--train --resume` can continue, with `journal.ron` in it. A suspended training run is resumed while
 /// it is saved.
 #[cfg(not(target_arch = "wasm32"))]
 fn save_run(world: &mut World, path: &Path) -> Result<(), RunError> {

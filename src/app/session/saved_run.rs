@@ -1,4 +1,4 @@
-//! A saved run, read and checked completely before it replaces the current training.
+//! A saved run, read and checked completely before it replaces the current training run.
 //!
 //! In: a run folder, or in a browser the files of an autosave. Both may come from anywhere, so every value is checked. Out: the
 //! training, continued where it was saved.
@@ -113,7 +113,7 @@ impl SavedRun {
         })
     }
 
-    /// Continues the run in place of the current training.
+    /// Continues the run in place of the current training run.
     pub(super) fn start(self, world: &mut World) {
         let Self {
             config,

@@ -45,7 +45,7 @@ struct FailedEpisode<'a> {
 pub fn failures(tested: &Tested<'_>) -> Result<Vec<Failure>, RunError> {
     let failed = failed_episodes(tested);
     let draw = |_: &mut (), index: usize| {
-        tested.test.check_signals()?;
+        tested.test.check_not_stopped()?;
         failed[index].draw(index + 1, tested)
     };
     on_all_cores::map(failed.len(), 0, || (), draw).into_iter().collect()
@@ -79,7 +79,7 @@ impl FailedEpisode<'_> {
         let setup = episode_setup(&tested.test.suite.families[family], &of.scenario);
         let under_test = &tested.drivers[driver];
         let mut evaluator = Evaluator::with_extensions(&of.scenario, 1, tested.test.extensions);
-        let (episode, svg) = evaluator.picture(under_test.evaluated, tested.test.seed, index, setup)?;
+        let (episode, svg) = evaluator.episode_image(under_test.evaluated, tested.test.seed, index, setup)?;
         let time_s = f64::from(episode.steps) * period_s(of.scenario.task.control_period_s);
         let file = format!("failure-{number:04}");
         let number = index + 1;

@@ -90,18 +90,18 @@ impl Test<'_> {
         let (seed, count, setup) = (self.seed, self.count, EpisodeSetup::Random);
         if let Some(trace) = trace {
             return evaluator.run_traced(driver.evaluated(), seed, count, setup, |step| {
-                self.check_signals()?;
+                self.check_not_stopped()?;
                 trace.step(name, &step)
             });
         }
         let mut run = evaluator.start(driver.evaluated(), seed, count, setup)?;
         while !evaluator.step(&mut run)? {
-            self.check_signals()?;
+            self.check_not_stopped()?;
         }
         Ok(run.episodes)
     }
 
-    fn check_signals(&self) -> Result<(), RunError> {
+    fn check_not_stopped(&self) -> Result<(), RunError> {
         match self.stop {
             Some(stop) if stop.load(Ordering::Relaxed) => {
                 Err(RunError::Stopped("stopped before the end of the test; no file was written".into()))
@@ -113,9 +113,9 @@ impl Test<'_> {
     fn references(&self, episodes: &[EpisodeResult], has_csv: bool) -> Result<References, RunError> {
         let has_bounds = has_csv && self.args.optimum;
         let mut references = References { shortest_paths_m: Vec::new(), bounds: has_bounds.then(Vec::new) };
-        // Some plans take seconds, so signals are checked between chunks.
+        // Some plans take seconds, so the stop flag is checked between chunks.
         for chunk in episodes.chunks(PLANNED_AT_ONCE) {
-            self.check_signals()?;
+            self.check_not_stopped()?;
             references.shortest_paths_m.extend(evaluate::shortest_paths_m(&self.scenario, chunk, 0));
             if let Some(bounds) = &mut references.bounds {
                 bounds.extend(evaluate::bounds(&self.scenario, chunk, 0));

@@ -10,12 +10,12 @@
 //! start is drawn too.
 
 mod commanded;
+#[cfg(not(target_arch = "wasm32"))]
+mod episode_image;
 mod evaluator;
 mod optimum;
 mod path;
 mod per_episode;
-#[cfg(not(target_arch = "wasm32"))]
-mod picture;
 mod record;
 mod trace;
 

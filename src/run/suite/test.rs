@@ -155,7 +155,7 @@ impl SuiteTest<'_> {
         let setup = episode_setup(family, scenario);
         let mut run = evaluator.start(driver.evaluated, self.seed, family.episodes, setup)?;
         while !evaluator.step(&mut run)? {
-            self.check_signals()?;
+            self.check_not_stopped()?;
         }
         let references = references.get_or_init(|| Arc::new(self.plan(scenario, &run.episodes)));
         Ok(SuiteEpisodes {
@@ -176,7 +176,7 @@ impl SuiteTest<'_> {
     ///
     /// # Errors
     /// It has been stopped.
-    pub fn check_signals(&self) -> Result<(), RunError> {
+    pub fn check_not_stopped(&self) -> Result<(), RunError> {
         match self.stop {
             Some(stop) if stop.load(Ordering::Relaxed) => {
                 let rest = if self.store.is_some() {

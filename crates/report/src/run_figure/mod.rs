@@ -63,7 +63,7 @@ pub struct RunMark {
     pub text: String,
 }
 
-/// The curves of the training before a transfer, as points (env steps, value).
+/// The curves of the training run before a transfer, as points (env steps, value).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EarlierRun {
     /// Success rate of the greedy policy, 0 to 1.
@@ -87,7 +87,7 @@ pub struct RunFigure {
     pub best: Option<EvaluationPoint>,
     /// Marks at changes made by the user.
     pub marks: Vec<RunMark>,
-    /// The training before a transfer.
+    /// The training run before a transfer.
     pub earlier: EarlierRun,
     /// Whether the run is in the paper's Scenario I, so that the paper's reference lines apply.
     pub is_paper_scenario_1: bool,

@@ -68,7 +68,7 @@ impl RunFigure {
         self.is_paper_scenario_1.then_some(line).into_iter().collect()
     }
 
-    /// The curve of the training before a transfer.
+    /// The curve of the training run before a transfer.
     fn earlier_line(&self, series: &[(f64, f64)]) -> CurveLine {
         let in_thousands = series.iter().map(|&(env_steps, y)| (env_steps / 1000.0, y)).collect();
         let name = if series.is_empty() { "" } else { "before transfer" };

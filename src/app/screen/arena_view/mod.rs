@@ -22,7 +22,7 @@
 //! | `drag.rs`, `drag_target.rs` | dragging objects, and where they may be put |
 //! | `goal_click.rs` | setting the goal by a click on free floor |
 //! | `steer.rs` | the arrow keys in Drive mode |
-//! | `welcome.rs` | the start button before the first training |
+//! | `welcome.rs` | the start button before the first training run |
 
 pub mod arena;
 mod arena_grid;

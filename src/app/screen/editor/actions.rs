@@ -146,7 +146,8 @@ fn confirm_restart_ui(
         .inner_margin(Margin::same(8));
     let clicked = frame.show(ui, |ui| {
         ui.set_width(ui.available_width());
-        let text = format!("Discard this training ({})?", numbers::format_episodes(input.status.episodes));
+        let text =
+            format!("Discard this training run ({})?", numbers::format_episodes(input.status.episodes));
         ui.label(RichText::new(text).color(palette.text));
         let buttons = [
             ("Save first", "Save the current training run, then start a new one", true),

@@ -15,7 +15,7 @@ pub(super) fn choices_ui(ui: &mut Ui, status: &AppSnapshot, form: &mut SetupForm
     choice_ui(ui, "Scenario", &status.scenarios, &mut form.scenario);
     let running = title_of(&status.scenarios, &status.scenario_from);
     if form.scenario != status.scenario_from {
-        note_ui(ui, &format!("Not running yet: the training is in {running}"));
+        note_ui(ui, &format!("Not running yet: the training run is in {running}"));
     } else {
         scenario_notes_ui(ui, status);
     }
@@ -24,13 +24,13 @@ pub(super) fn choices_ui(ui: &mut Ui, status: &AppSnapshot, form: &mut SetupForm
     choice_ui(ui, "Learner", &status.presets, &mut form.preset);
     if form.preset != status.preset_from {
         let running = title_of(&status.presets, &status.preset_from);
-        note_ui(ui, &format!("Not running yet: the training uses {running}"));
+        note_ui(ui, &format!("Not running yet: the training run uses {running}"));
     }
     about_ui(ui, &status.presets, &form.preset);
     ui.add_space(GAP);
     seed_ui(ui, form);
     if form.seed != status.seed {
-        note_ui(ui, &format!("Not running yet: the training has seed {}", status.seed));
+        note_ui(ui, &format!("Not running yet: the training run has seed {}", status.seed));
     }
 }
 

@@ -80,8 +80,8 @@ fn question(status: &AppSnapshot, asked: Option<&Command>) -> (String, &'static 
     let episodes = numbers::format_episodes(status.episodes);
     match asked {
         Some(Command::Transfer { policy: PolicySource::Current | PolicySource::Best, .. }) => {
-            (format!("End this training ({episodes})? Its policy continues."), "Continue")
+            (format!("End this training run ({episodes})? Its policy continues."), "Continue")
         }
-        _ => (format!("Discard this training ({episodes})?"), "Discard"),
+        _ => (format!("Discard this training run ({episodes})?"), "Discard"),
     }
 }

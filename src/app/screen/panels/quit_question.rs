@@ -20,7 +20,7 @@ pub fn quit_question_ui(ui: &Ui, canvas: Rect, status: &AppSnapshot, commands: &
     }
     question_ui(ui, canvas, "quit", WIDTH, |ui| {
         let palette = Palette::from_ui(ui);
-        let text = format!("This training ({}) is not saved.", numbers::format_episodes(status.episodes));
+        let text = format!("This training run ({}) is not saved.", numbers::format_episodes(status.episodes));
         ui.label(RichText::new(text).size(BODY).color(palette.text));
         ui.label(weak_text("The run can be saved in the folder runs."));
         ui.add_space(GAP);

@@ -7,11 +7,11 @@ use std::sync::{Mutex, PoisonError};
 
 use bevy::platform::time::Instant;
 
-/// The folder of the last autosave of the current training, and when it was up to date.
+/// The folder of the last autosave of the current training run, and when it was up to date.
 static LATEST: Mutex<Option<(PathBuf, Instant)>> = Mutex::new(None);
 
-/// Records that the autosave at `path` is up to date now; `None` if the current training has no autosave. The first autosave of
-/// a training run is announced on stderr, because a process that is killed cannot report the path later.
+/// Records that the autosave at `path` is up to date now; `None` if the current training run has no autosave. The first
+/// autosave of a training run is announced on stderr, because a process that is killed cannot report the path later.
 pub(super) fn set(path: Option<&Path>) {
     let mut latest = LATEST.lock().unwrap_or_else(PoisonError::into_inner);
     #[cfg(not(target_arch = "wasm32"))]

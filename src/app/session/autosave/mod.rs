@@ -8,7 +8,7 @@
 //! | file | duty |
 //! |---|---|
 //! | `background.rs` | an autosave that is being written |
-//! | `slot.rs` | the folder of one training's autosave |
+//! | `slot.rs` | the folder of one training run's autosave |
 //! | `sessions.rs` | autosaves of earlier sessions: which to offer, which to delete |
 //! | `retention.rs` | how many autosaves and editor backups of earlier sessions are kept |
 //! | `latest.rs` | the current autosave, in words, for a process that ends unexpectedly |
@@ -91,7 +91,7 @@ type Progress = (u64, usize);
 pub struct Autosave {
     /// `None` if nothing is saved.
     options: Option<AutosaveOptions>,
-    /// The autosave of this training; `None` while it is being written.
+    /// The autosave of this training run; `None` while it is being written.
     slot: Option<Slot>,
     writing: Option<Writing>,
     /// The training at the last autosave; `None` before the first and after a failure.
@@ -251,7 +251,7 @@ pub fn save_now(world: &mut World) -> Result<(), RunError> {
     written
 }
 
-/// Ends the autosaves of the current training, before another one replaces it or the app quits. Deletes them unless they are
+/// Ends the autosaves of the current training run, before another one replaces it or the app quits. Deletes them unless they are
 /// to be kept for an offer at the next start.
 pub(super) fn end_training(world: &mut World, keep: bool) {
     finish_writing(world, true);
@@ -266,7 +266,7 @@ pub(super) fn end_training(world: &mut World, keep: bool) {
 /// Continues the session that was offered.
 ///
 /// # Errors
-/// Another process has already continued it, its files are invalid, or the current training cannot be saved first.
+/// Another process has already continued it, its files are invalid, or the current training run cannot be saved first.
 #[cfg(not(target_arch = "wasm32"))]
 pub(super) fn continue_last_session(world: &mut World) -> Result<(), RunError> {
     let Some(found) = world.resource_mut::<Autosave>().last_session.take() else { return Ok(()) };
@@ -293,7 +293,8 @@ pub(super) fn continue_last_session(world: &mut World) -> Result<(), RunError> {
     Ok(())
 }
 
-/// Continues the run `saved` from its autosave. Calls `slot` afterwards, because the start ends the current training's autosaves.
+/// Continues the run `saved` from its autosave. Calls `slot` afterwards, because the start ends the autosaves of the current
+/// training run.
 fn start_saved(world: &mut World, saved: SavedRun, slot: impl FnOnce() -> Slot) {
     saved.start(world);
     let progress = progress(world);

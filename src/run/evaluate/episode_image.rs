@@ -12,7 +12,7 @@ impl Evaluator {
     ///
     /// # Errors
     /// As for [`Evaluator::run`], or drawing fails.
-    pub fn picture<'a>(
+    pub fn episode_image<'a>(
         &mut self,
         evaluated: impl Into<Evaluated<'a>>,
         seed: u64,
@@ -32,7 +32,7 @@ impl Evaluator {
                 let svg = scenario_image::frame_with_path(world, 0, path_m);
                 let svg = svg.ok_or_else(|| RunError::Failed("the simulation has no arena".into()))?;
                 let svg =
-                    svg.map_err(|error| RunError::Failed(format!("a picture can't be drawn: {error}")))?;
+                    svg.map_err(|error| RunError::Failed(format!("an image can't be drawn: {error}")))?;
                 return Ok((episode, svg));
             }
             // The time limit ends the episode.
