@@ -40,7 +40,7 @@ EXPERIMENT = """(
     tables: [(name: "all", title: "All measures", show: Measures(measures: [Success, MeanTime, TimeRatio]))],
 )"""
 
-#: Files that differ between any two runs, because they contain times.
+#: Files that are not compared: those that contain times, and locks.
 TIMED = ("spent.json", "lock", "summary.json", "episodes.csv", "evaluations.csv")
 
 
@@ -62,7 +62,7 @@ class WatchedPool(RayPool):
 
 
 def compare(ours: Path, theirs: Path) -> tuple[int, list[str]]:
-    """Compares all files of ``theirs``. Returns their number, and those that differ. Ignores the line with the time in pages."""
+    """Compares the files of ``theirs``. Returns their number, and those that differ. In pages, ignores the line with the time."""
 
     def contents(path: Path) -> list[bytes]:
         lines = path.read_bytes().splitlines()
@@ -114,14 +114,14 @@ def check_sweep() -> None:
         alone = wayfield.train(out=f"alone-{index}", progress=False, **run)
         same = filecmp.cmp(result.folder / "policy-last.safetensors", alone.folder / "policy-last.safetensors", False)
         assert same, run
-    print(f"a sweep of {len(runs)} training runs: the policies of wayfield.train, bit for bit")
+    print(f"a sweep of {len(runs)} training runs: the same policies as wayfield.train, bit for bit")
 
 
 def check_evaluations() -> None:
     cases = [{"policy": "scenario-1", "scenario": name, "episodes": 50, "rounds": 1} for name in ("scenario-1", "empty")]
     results = cluster.evaluate(cases, "tests", progress=False)
     assert [result.success_rate for result in results] == [wayfield.evaluate(**case).success_rate for case in cases]
-    print(f"{len(cases)} evaluations: the numbers of wayfield.evaluate")
+    print(f"{len(cases)} evaluations: the same success rates as wayfield.evaluate")
 
 
 def main() -> None:

@@ -21,7 +21,7 @@ def pack(folder: Path) -> bytes:
 
 
 def unpack(contents: bytes, folder: Path) -> None:
-    """Writes the files of an archive of ``pack`` as ``folder``, which is replaced as a whole."""
+    """Extracts an archive made by ``pack`` into ``folder``, which is replaced as a whole."""
     incoming = folder.with_name(f"{folder.name}.incoming")
     shutil.rmtree(incoming, ignore_errors=True)
     incoming.mkdir(parents=True)

@@ -178,8 +178,8 @@ fn obstacles(layout: IndexedScenario, clock: Clock, part: f32) -> Vec<(f32, f32,
         let to = layout.pose_at(index, clock.0);
         let from = match layout.pedestrian(index) {
             Some(pedestrian) => {
-                let way_m = pedestrian.velocity_m_s * period_s;
-                (to.0 - way_m.x, to.1 - way_m.y, to.2)
+                let moved_m = pedestrian.velocity_m_s * period_s;
+                (to.0 - moved_m.x, to.1 - moved_m.y, to.2)
             }
             None => layout.pose_at(index, clock.0.saturating_sub(1)),
         };

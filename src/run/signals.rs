@@ -43,7 +43,8 @@ impl StopSignal {
     }
 }
 
-/// The stop flag, which the first signal sets. That signal also prints `announcement` on stderr.
+/// Installs the handlers of the signals, once. Returns the stop flag, which the first signal sets. That signal also prints
+/// `announcement` on stderr.
 pub fn stop_on_signal(announcement: &'static str) -> &'static AtomicBool {
     static HANDLERS: Once = Once::new();
     HANDLERS.call_once(|| {
@@ -56,7 +57,8 @@ pub fn stop_on_signal(announcement: &'static str) -> &'static AtomicBool {
     &STOP
 }
 
-/// The first signal that asked the program to stop, since [`stop_on_signal`] was called.
+/// The first signal that asked the program to stop since [`stop_on_signal`] was called; the last one, if the first is not
+/// recorded yet.
 #[must_use]
 pub fn received() -> Option<StopSignal> {
     let number = match FIRST.load(Ordering::SeqCst) {

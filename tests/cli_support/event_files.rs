@@ -42,7 +42,7 @@ pub fn curves(folder: &Path) -> Curves {
     curves
 }
 
-/// Asserts that in no curve a step is before an earlier one.
+/// Asserts that the steps of each curve never decrease.
 pub fn assert_curves_never_go_back(folder: &Path) {
     let curves = curves(folder);
     assert!(curves.contains_key("episode/return"), "{folder:?}: {:?}", curves.keys());

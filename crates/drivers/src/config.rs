@@ -92,7 +92,8 @@ pub struct DwaParameters {
     pub clearance: f32,
     /// Weight of the speed, 0 to 1,000.
     pub speed: f32,
-    /// Distance to keep in addition, 0 to 10 keep-out distances. Within it, the robot must not come closer still.
+    /// Distance to keep beyond the keep-out distance, 0 to 10 keep-out distances. A robot that is already within it must not
+    /// come any closer.
     pub margin: f32,
     /// Points of earlier scans are remembered for this time, moved by odometry, 0 to 1 s.
     pub memory_s: f32,
@@ -131,8 +132,8 @@ pub struct TrackingParameters {
     pub min_scans: u32,
     /// Lowest speed that counts as motion, 0 to 5 m/s.
     pub min_speed_m_s: f32,
-    /// A thing counts as moving only if a beam of the last second ended at least this far behind its present position, 0 to
-    /// 100 keep-out distances.
+    /// A thing counts as moving only if, in a scan of the last second, the beams towards its present position ended at least
+    /// this far behind it, 0 to 100 keep-out distances.
     pub free_margin: f32,
 }
 
@@ -205,7 +206,7 @@ pub struct OrcaParameters {
     /// Fraction of the avoidance that the robot takes on itself, 0 to 1: 0.5 if the others avoid it in the same way, 1 if they
     /// do nothing.
     pub responsibility: f32,
-    /// Distance to keep in addition, 0 to 10 keep-out distances.
+    /// Distance to keep beyond the keep-out distance, 0 to 10 keep-out distances.
     pub margin: f32,
     /// Time to turn to the direction of the velocity, 0.001 to 100 s.
     pub turn_time_s: f32,

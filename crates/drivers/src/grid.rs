@@ -37,7 +37,7 @@ impl Grid {
         self.columns * self.rows
     }
 
-    /// Whether `point_m` lies in the rectangle.
+    /// Whether `point_m` lies in the grid.
     pub(crate) fn contains(&self, point_m: Vec2) -> bool {
         let at = (point_m - self.min_m) / self.cell_m;
         at.cmpge(Vec2::ZERO).all() && at.x < self.columns as f32 && at.y < self.rows as f32

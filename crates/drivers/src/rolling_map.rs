@@ -1,6 +1,6 @@
 //! A map that is built from scans: an occupancy grid that moves with the robot.
 //!
-//! The frame of the map is the robot's pose at the start of the episode; odometry says where the robot is. A cell in which a beam
+//! The frame of the map is the robot's pose at the start of the episode; odometry tracks the robot in it. A cell in which a beam
 //! ends becomes occupied; a few beams that pass through it clear it again. Unknown cells count as free. The map keeps the cells
 //! around the robot and forgets the others.
 
@@ -93,7 +93,7 @@ impl RollingMap {
     }
 
     /// Adds a scan to the map.
-    fn enter(&mut self, ranges_m: &[f32]) {
+    fn add_scan(&mut self, ranges_m: &[f32]) {
         let from = self.pose.translation_m;
         for (index, &range_m) in ranges_m.iter().enumerate().take(self.robot.beams.len()) {
             let beam = self.pose.to_outer(self.robot.beams[index]) - from;
@@ -140,11 +140,11 @@ impl RollingMap {
     /// most `max_cost`. Costlier cells at its start, within the keep-out distance of the robot, are ignored; so is everything
     /// outside the window.
     pub(crate) fn is_clear(&self, from_m: Vec2, to_m: Vec2, max_cost: u16) -> bool {
-        let way = to_m - from_m;
-        let samples = (2.0 * way.length() / self.cell_m).ceil().clamp(1.0, MAX_CELLS as f32);
+        let line = to_m - from_m;
+        let samples = (2.0 * line.length() / self.cell_m).ceil().clamp(1.0, MAX_CELLS as f32);
         let mut is_leaving = true;
         (0..=samples as usize).all(|k| {
-            let step = way * (k as f32 / samples);
+            let step = line * (k as f32 / samples);
             let at_m = from_m + step;
             if !self.window.contains(at_m) || self.costs[self.window.cell(at_m)] <= max_cost {
                 is_leaving = false;
@@ -184,7 +184,7 @@ fn stamp(keep_out_m: f32, margin_m: f32, cell_m: f32) -> Vec<(IVec2, u16)> {
 impl Map for RollingMap {
     fn update(&mut self, percept: &Percept) -> Odometry {
         self.pose = self.pose.then(&percept.odometry);
-        self.enter(percept.ranges_m);
+        self.add_scan(percept.ranges_m);
         self.pose
     }
 
@@ -238,15 +238,15 @@ mod tests {
         let mut ranges_m = [3.5; 24];
         ranges_m[0] = 1.0;
         map.update(&percept(&ranges_m, Odometry::default()));
-        let place = map.at(vec2(1.0, 0.0));
-        assert_eq!(map.occupied().collect::<Vec<_>>(), [place]);
+        let seen = map.at(vec2(1.0, 0.0));
+        assert_eq!(map.occupied().collect::<Vec<_>>(), [seen]);
         // After 0.4 m ahead and a turn to the left by one beam, the last beam sees the thing, 0.6 m away.
         let moved = Odometry { translation_m: vec2(0.4, 0.0), rotation_rad: std::f32::consts::TAU / 24.0 };
         ranges_m[0] = 3.5;
         ranges_m[23] = 0.6;
         map.update(&percept(&ranges_m, moved));
         for at in map.occupied() {
-            assert!((at - place).abs().max_element() <= 1, "{at} is not near {place}");
+            assert!((at - seen).abs().max_element() <= 1, "{at} is not near {seen}");
         }
         // It is gone: beams that pass through the cell clear it.
         ranges_m[23] = 3.5;

@@ -17,7 +17,7 @@ pub const OPSET: u64 = 17;
 /// The version of the ONNX file format that belongs to [`OPSET`].
 pub const IR_VERSION: u64 = 8;
 
-/// Fields of `ModelProto`, `OperatorSetIdProto` and `StringStringEntryProto`.
+/// Field numbers of `ModelProto`, `OperatorSetIdProto` and `StringStringEntryProto`.
 mod field {
     pub const IR_VERSION: u32 = 1;
     pub const PRODUCER_NAME: u32 = 2;

@@ -23,8 +23,8 @@ impl Scenario {
 
     /// The scenario of an episode with this layout seed: with a number drawn from each range, with the generated obstacles
     /// after its own, and without generators. A generated obstacle keeps its gap from walls, from static obstacles, from moving
-    /// obstacles at step 0, from the ends of the benchmark route and from positions that the rules name. It is omitted if no
-    /// place is found for it.
+    /// obstacles at step 0, from the ends of the benchmark route and from positions that the start and goal rules name. It is
+    /// omitted if no place is found for it.
     #[must_use]
     pub fn with_generated_obstacles(&self, layout_seed: u64) -> Self {
         let mut layout = Self { generators: Vec::new(), ..self.with_drawn_numbers(layout_seed) };
@@ -38,7 +38,7 @@ impl Scenario {
         layout
     }
 
-    /// The ends of the benchmark route and the positions that the rules name, in m.
+    /// The ends of the benchmark route and the positions that the start and goal rules name, in m.
     fn named_places(&self) -> Vec<Vec2> {
         let mut places: Vec<Vec2> =
             self.benchmark_route.iter().flat_map(|route| [route.start_m, route.goal_m]).collect();

@@ -38,8 +38,8 @@ pub struct ScenarioSetFile {
 pub struct SetEntry {
     /// A scenario: its file, relative to the folder of the set's file, or the name of a shipped one.
     pub scenario: Option<String>,
-    /// A level generator instead of a scenario: its file, relative to the folder of the set's file. Each episode has a
-    /// level.
+    /// A level generator instead of a scenario: its file, relative to the folder of the set's file. Each episode draws
+    /// one of its levels.
     pub generator: Option<String>,
     /// Number of levels of the generator that episodes draw from, 1 to 1,000,000: those with the seeds 0, 1, and so on.
     /// Evaluations use other levels [default: 1,000].

@@ -42,7 +42,7 @@ fn the_shipped_presets_have_no_notes_alone_or_in_any_shipped_scenario() {
 }
 
 #[test]
-fn a_run_without_a_gradient_step_is_warned_of() {
+fn a_run_without_a_gradient_step_gets_a_warning() {
     let nothing = "so nothing will be learned: the first gradient step comes after";
     assert_noted(
         |p| p.learning.train_freq = 5_000_000,
@@ -78,7 +78,7 @@ fn a_run_without_a_gradient_step_is_warned_of() {
 }
 
 #[test]
-fn learning_rates_that_change_nothing_or_diverge_are_warned_of() {
+fn learning_rates_that_change_nothing_or_diverge_get_a_warning() {
     let rate = |rate| move |p: &mut Preset| p.learning.learning_rate = Schedule::Constant(rate);
     assert_noted(rate(0.0), "warning: `learning.learning_rate` is 0 throughout", "nothing will be learned");
     assert_noted(
@@ -95,7 +95,7 @@ fn learning_rates_that_change_nothing_or_diverge_are_warned_of() {
 }
 
 #[test]
-fn rewards_that_teach_nothing_or_the_wrong_thing_are_warned_of() {
+fn rewards_that_teach_nothing_or_the_wrong_thing_get_a_warning() {
     assert_noted(
         |p| p.reward.collided = 50.0,
         "warning: `reward.collided` is 50: ",
@@ -136,7 +136,7 @@ fn schedules_that_end_long_before_or_after_the_budget_are_noted() {
         ),
         "{short:?}"
     );
-    assert_eq!(noted(|p| p.budget = Budget::EnvSteps(300_000)), [""; 0], "half of it is not long");
+    assert_eq!(noted(|p| p.budget = Budget::EnvSteps(300_000)), [""; 0], "twice the budget is not long");
     let long = noted(|p| p.budget = Budget::EnvSteps(5_000_000));
     assert_eq!(fields(&long), ["learning.learning_rate"]);
     assert!(
@@ -244,7 +244,7 @@ fn a_run_names_the_file_of_each_note() {
 }
 
 #[test]
-fn a_transferred_run_is_noted_with_its_own_epsilon() {
+fn the_notes_of_a_run_with_transfer_use_its_own_epsilon() {
     let mut config = RunConfig::resolve("scenario-1", "fast", 0).expect("shipped");
     config.preset.budget = Budget::EnvSteps(3_000);
     let exploration = |config: &RunConfig| {

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::Path;
 
-/// The writer that [`write_atomic`] passes on.
+/// The writer that [`write_atomic`] passes to `write`.
 pub type Sink = Vec<u8>;
 
 /// Offers the file `path`, written with `write`, as a download in the browser.

@@ -19,7 +19,7 @@ impl Suite {
     /// `settings` change fields of the scenarios; `episodes` is the number of episodes in each, in place of the suite's.
     ///
     /// # Errors
-    /// There is no such file or name; a file is invalid, or a scenario does not take the rules of its family or the settings.
+    /// There is no such file or name; a file is invalid, or a scenario does not allow the rules of its family or the settings.
     pub fn load(wanted: &str, settings: &Settings, episodes: Option<u64>) -> Result<Self, RunError> {
         let mut suite = Self::find(wanted)?;
         for family in &mut suite.families {
@@ -96,7 +96,7 @@ pub fn is_meant_by(text: &str) -> bool {
 /// The suite in `text`, the contents of the file at `path`, with the scenarios that it names.
 ///
 /// # Errors
-/// The text is not a suite, or a scenario cannot be read, is invalid, or does not take the rules of its family.
+/// The text is not a suite, or a scenario cannot be read, is invalid, or does not allow the rules of its family.
 pub fn parse(text: &str, path: &Path) -> Result<Suite, FileError> {
     let file = SuiteFile::parse(text, path)?;
     let mut problems = Vec::new();
@@ -164,7 +164,7 @@ fn named_levels(suite: &Path, name: &str, family: &SuiteFamily) -> Result<Vec<Su
     }
 }
 
-/// The scenarios in a folder, by the names of their files.
+/// The scenarios in a folder, in the order of their file names.
 fn in_folder(folder: &Path) -> Result<Vec<SuiteScenario>, RunError> {
     let unreadable =
         |error: std::io::Error| RunError::invalid_input(folder, format!("can't be read: {error}"));
@@ -208,7 +208,7 @@ impl Family {
         Self { name, scenarios, episodes: episodes as usize, benchmark_route: false, score: None }
     }
 
-    /// Checks that the scenarios, or the first level, take the rules of the family, and have a benchmark route if it is needed.
+    /// Checks that the scenarios, or the first level, allow the rules of the family, and have a benchmark route if one is needed.
     fn check(&self) -> Result<(), RunError> {
         for (k, wanted) in self.scenarios.iter().enumerate() {
             if k > 0 && matches!(wanted.source, ScenarioSource::Level(..)) {

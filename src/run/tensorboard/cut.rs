@@ -17,9 +17,9 @@ use crate::run::write_points::write_point;
 pub fn cut_back(dir: &Path, is_kept: impl Fn(&str, u64) -> bool) -> io::Result<f64> {
     let mut latest_s = 0.0_f64;
     for path in files(dir) {
-        let cut = cut_file(&path, &is_kept)
+        let file_latest_s = cut_file(&path, &is_kept)
             .map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", path.display())))?;
-        latest_s = latest_s.max(cut);
+        latest_s = latest_s.max(file_latest_s);
     }
     Ok(latest_s)
 }

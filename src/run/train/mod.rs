@@ -58,7 +58,7 @@ pub enum Job {
 
 /// Runs `job` until its budget is used up or `stop` is set. Returns the run folder and the summary.
 ///
-/// Checkpoints are written at `checkpoint_interval` and at the end; a new run also writes one before its first step.
+/// Checkpoints are written every `checkpoint_interval` and at the end; a new run also writes one before its first step.
 /// Wall time is counted from `began`, the start of the process. Progress is shown on stderr, or passed to `listener` if
 /// there is one.
 ///

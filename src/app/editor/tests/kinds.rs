@@ -41,7 +41,7 @@ fn a_new_orbit_is_centred_in_the_scenario_if_it_fits() {
     editor.set_motion(MotionKind::Orbit);
     let expected = ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: 0.15.into() };
     assert_eq!(editor.scenario().obstacles[0].motion, expected);
-    // From so far out it would cross the boundary; around a point half a metre to the left it fits.
+    // From so far out, an orbit around (0, 0) would cross the boundary; around a point half a metre to the left, it fits.
     editor.edit("x", |s| s.obstacles[0] = circle(1.5, 1.3));
     editor.set_motion(MotionKind::Orbit);
     let expected = ObstacleMotion::Orbit { centre_m: vec2(1.0, 1.3), speed_rad_s: 0.15.into() };

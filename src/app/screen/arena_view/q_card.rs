@@ -51,7 +51,7 @@ fn rows(motions: &[Motion], q: &[f32], chosen: usize) -> Vec<usize> {
 }
 
 /// Draws the card if all Q-values are finite, the robot is in view, and the view is large enough. The card avoids the
-/// rectangles in `avoid`, and the side of the robot that it is on is kept under `id`.
+/// rectangles in `avoid`. Its position next to the robot is kept under `id`.
 pub fn draw(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene, avoid: &[Rect], id: Id) {
     let (motions, q) = (&arena.motions, &arena.q_values);
     if q.is_empty() || !q.iter().all(|value| value.is_finite()) {

@@ -1,4 +1,4 @@
-//! The unfinished wall or path, with its next point at the pointer.
+//! The unfinished wall or path, or the position to add, with the next point at the pointer.
 
 use bevy::math;
 use egui::{Align2, Pos2, Shape, Stroke, Ui, vec2};
@@ -6,7 +6,8 @@ use egui::{Align2, Pos2, Shape, Stroke, Ui, vec2};
 use crate::app::editor::{Editor, Selection, Tool};
 use crate::app::screen::arena_view::canvas::Canvas;
 
-/// Draws the points so far, and a dashed line to the pointer, labelled with its length.
+/// Draws the points so far, and a dashed line to the pointer, labelled with its length. Without points, the label is the
+/// position of the next one.
 pub fn draw(ui: &Ui, canvas: &Canvas, editor: &Editor, pointer: Option<Pos2>) {
     if *editor.tool() == Tool::Select {
         return;
