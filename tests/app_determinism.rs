@@ -141,7 +141,7 @@ fn training_with_interventions_can_be_replayed() {
     app.command(Command::Move(MoveRequest { arena: 3, object: Movable::Robot, to_m: vec2(-1.4, 0.2) }));
     nudge(&mut app, 1);
     app.step_to(240);
-    // An obstacle moved during a demo has moved in the training, too.
+    // Moving an obstacle during a demo also moves it in training.
     app.command(Command::SetMode(SessionMode::Test));
     app.command(Command::Pause(false));
     for _ in 0..10 {
@@ -267,7 +267,7 @@ fn a_saved_run_can_be_replayed_even_if_it_was_reopened_in_between() {
     assert_eq!(other.error_notices(), Vec::<String>::new());
     assert_eq!(verify(&second_run), Ok(ReplayResult { steps: 260, interventions: 2, bit_identical: true }));
 
-    // Its curves again have the mark of the scenario change, on the screen and in a figure.
+    // The curves of the reopened run have the mark of the scenario change, on the screen and in a figure.
     let mut third = HeadlessApp::new(options(1));
     third.command(Command::Pause(true));
     third.command(Command::Open(second_run.clone()));

@@ -1,12 +1,12 @@
-//! Tests of `--set`, of presets that are based on others, and of a run's `config.ron` that is given back: they train what the
-//! edited files train.
+//! Tests of `--set`, of presets that are based on others, and of a run's `config.ron` as an argument: each trains exactly as
+//! edited files do.
 
 mod cli_support;
 
 use cli_support::messages::rejection;
 use cli_support::{SCENARIO_1, Workspace, edited, quick_fast, with_short_episodes};
 
-/// A workspace with a scenario and a preset, and the same with some fields changed.
+/// A workspace with a scenario and a preset, and with copies of both in which some fields are changed.
 fn workspace() -> Workspace {
     let workspace = Workspace::new();
     let scenario = with_short_episodes(SCENARIO_1);
@@ -92,7 +92,7 @@ fn a_run_that_started_from_a_policy_is_repeated_from_its_own_copy() {
 }
 
 #[test]
-fn a_file_of_another_kind_is_named_with_the_way_to_give_it() {
+fn a_file_of_another_kind_is_named_with_the_flag_that_takes_it() {
     let workspace = workspace();
     workspace.write("exp.ron", "(title: \"x\", arms: [(name: \"a\", stages: [(budget: Episodes(1))])])");
     for (arguments, expected) in [

@@ -46,7 +46,8 @@ fn colliders_follow_the_pedestrians_who_stand_at_their_positions_when_an_episode
     }
 }
 
-/// A pedestrian who walks along the x axis into the robot at the origin, which stands still.
+/// Lets a pedestrian walk along the x axis towards the robot, which stands still at the origin. Returns whether they collide,
+/// and the pedestrian's last position.
 fn walk_into_the_robot(sees_robot: bool) -> (bool, Vec2) {
     let motion = ObstacleMotion::Pedestrian {
         goals_m: vec![vec2(1.5, 0.0)],

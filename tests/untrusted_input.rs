@@ -135,11 +135,11 @@ fn seeds(kind: &str) -> Vec<(String, Vec<u8>)> {
 
 /// The description and the image of a map, whose files are neighbours, in the form that the reader takes.
 fn framed_map(files: &[(String, Vec<u8>)]) -> (String, Vec<u8>) {
-    let [(_, picture), (name, yaml)] = files else { panic!("an image and a description") };
-    (name.clone(), [&(yaml.len() as u16).to_le_bytes()[..], yaml, picture].concat())
+    let [(_, image), (name, yaml)] = files else { panic!("an image and a description") };
+    (name.clone(), [&(yaml.len() as u16).to_le_bytes()[..], yaml, image].concat())
 }
 
-/// A scenario that uses every part of the format.
+/// A scenario that uses most parts of the format.
 fn everything() -> (String, Vec<u8>) {
     (
         "everything".into(),
@@ -246,8 +246,8 @@ fn mutated(bytes: &[u8], text: bool, random: &mut Stream) -> Vec<u8> {
             0 => drop(bytes.drain(at.min(to)..to)),
             1 => {
                 let piece = bytes[at.min(to)..to].to_vec();
-                let place = uniform_index(random, bytes.len() + 1);
-                bytes.splice(place..place, piece);
+                let target = uniform_index(random, bytes.len() + 1);
+                bytes.splice(target..target, piece);
             }
             2 if !bytes.is_empty() => bytes[at] = uniform_index(random, 256) as u8,
             3 if !bytes.is_empty() => bytes[at] ^= 1 << uniform_index(random, 8),
@@ -293,7 +293,7 @@ fn mutated_valid_files_never_panic() {
     }
 }
 
-/// The kinds of files that are RON text.
+/// The kinds of files that are text or, like maps, contain text.
 fn texts() -> impl Iterator<Item = (&'static str, Reader)> {
     KINDS.into_iter().filter(|(kind, _)| !matches!(*kind, "policy" | "checkpoint"))
 }

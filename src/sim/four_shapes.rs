@@ -103,7 +103,7 @@ fn between_sides(half_extent: Vec4, origin: Vec4, direction: Vec4) -> (Vec4, Vec
     let per_direction = Vec4::ONE / direction;
     let a = (-half_extent - origin) * per_direction;
     let b = (half_extent - origin) * per_direction;
-    // A beam parallel to the sides is between them, along one of them, or never.
+    // A beam parallel to the sides is between them (or along one of them) over its whole length, or nowhere.
     let is_parallel = direction.cmpeq(Vec4::ZERO);
     let is_between = origin.abs().cmple(half_extent);
     let enter_parallel = Vec4::select(is_between, Vec4::NEG_INFINITY, Vec4::INFINITY);

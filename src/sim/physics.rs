@@ -95,7 +95,7 @@ impl ArenaBodies {
 pub(super) struct KeptBodies(HashMap<usize, ArenaBodies>);
 
 impl KeptBodies {
-    /// The most scenarios whose bodies are kept.
+    /// Maximum number of scenarios whose bodies are kept.
     const MAX: usize = 1_024;
 
     /// Replaces an arena's bodies if its scenario has changed. Nothing of the old ones remains, so that rapier computes the same

@@ -24,10 +24,10 @@ const ROUNDING: f32 = 1e-5;
 pub(super) struct StaticShapes {
     grid: UniformGrid,
     shapes: Vec<StaticShape>,
-    /// The shapes of every cell of the grid, cell by cell, in an order for casts.
+    /// The circles and rectangles of every cell of the grid, cell by cell, in groups of up to four.
     circles: Vec<FourCircles>,
     rectangles: Vec<FourRectangles>,
-    /// Shapes of other kinds, by their indices.
+    /// Shapes of other kinds, cell by cell, as indices into `shapes`.
     others: Vec<u32>,
     /// Where the shapes of each cell begin; one more entry than cells.
     starts: Vec<CellStart>,
@@ -211,7 +211,7 @@ impl Bodies {
         self.not_in_grid.iter().map(|&index| (index, self.solids[index]))
     }
 
-    /// Indexes all solids.
+    /// Indexes all static solids.
     pub(super) fn index_solids(&mut self, colliders: &ColliderSet, max_range_m: f32) {
         let grid = self.make_grid(colliders, max_range_m);
         self.set_grid(grid);

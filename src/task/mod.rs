@@ -82,8 +82,8 @@ impl ActiveActionSet {
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Actions(pub Vec<usize>);
 
-/// For each arena, the motion that its robot is commanded in place of the one that [`Actions`] choose. Without an element, or
-/// with `None`, the action chooses.
+/// For each arena, the motion that is commanded instead of the one that its action selects. Without an element, or with `None`,
+/// the action in [`Actions`] selects the motion.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct CommandedMotions(pub Vec<Option<Motion>>);
 

@@ -81,7 +81,7 @@ impl Task {
     }
 }
 
-/// The path file of the BARN world in the file at `path`, if it is one.
+/// The path file of the BARN world in the file at `path`, if there is one.
 pub fn path_file(path: &Path) -> Option<PathBuf> {
     let number: u32 = path.file_stem()?.to_str()?.strip_prefix("world_")?.parse().ok()?;
     let file = path.parent()?.join(format!("path_files/path_{number}.npy"));

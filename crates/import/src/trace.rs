@@ -104,8 +104,8 @@ pub fn surroundings(
     }
     // Only cells farther from the floor than a wall may be are filled.
     let margin = (tolerance_m + THICKNESS_M) / scale.cell_m + 0.5;
-    let near = floor.squared_distances(false);
-    let deep = |cell: Cell| f64::from(near.at(cell)) > margin * margin;
+    let squared_distances = floor.squared_distances(false);
+    let deep = |cell: Cell| f64::from(squared_distances.at(cell)) > margin * margin;
     blocked.cells().for_each(|cell| blocked.set(cell, blocked.at(cell) && deep(cell)));
     found.obstacles.extend(filled(&blocked, scale, clearance_m - tolerance_m - THICKNESS_M - scale.cell_m));
     Ok(found)

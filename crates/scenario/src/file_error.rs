@@ -50,7 +50,7 @@ pub struct LocatedDiagnostic {
 }
 
 impl LocatedDiagnostic {
-    /// This problem as one in another file than the one that was read.
+    /// This problem, located in `file` instead of the file that was read.
     #[must_use]
     pub fn in_file(self, file: &Path) -> Self {
         Self { file: Some(file.into()), ..self }

@@ -27,10 +27,10 @@ pub fn check_actions(policy: &Policy, scenario: &Scenario) -> Result<(), RunErro
         card.v_m_s * here.v_m_s < 0.0 || card.w_rad_s * here.w_rad_s < 0.0
     };
     let indices = || 0..card.actions.len().min(here.len());
-    let moved = || {
+    let reordered = || {
         indices().find(|k| card.actions[*k] != here[*k]).filter(|_| sorted(&card.actions) == sorted(&here))
     };
-    let Some(k) = indices().find(is_reversed).or_else(moved) else { return Ok(()) };
+    let Some(k) = indices().find(is_reversed).or_else(reordered) else { return Ok(()) };
     Err(RunError::InvalidInput(format!(
         "the policy's card says that action {k} is {}, but in \"{}\" it is {}; help: list the robot's motions in the order \
          of the card, which `wayfield --card` prints",
@@ -183,9 +183,9 @@ fn limit(limit: Option<f32>, unit: &str) -> String {
     limit.map_or_else(|| "none".into(), |limit| format!("{limit} {unit}"))
 }
 
-fn percent(share: Ranged<f32>) -> String {
-    match share {
-        Ranged::Number(share) => (100.0 * share).to_string(),
+fn percent(fraction: Ranged<f32>) -> String {
+    match fraction {
+        Ranged::Number(fraction) => (100.0 * fraction).to_string(),
         Ranged::Range(low, high) => Ranged::Range(100.0 * low, 100.0 * high).to_string(),
     }
 }

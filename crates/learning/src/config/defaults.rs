@@ -2,12 +2,12 @@
 
 use super::Schedule;
 
-/// The |d| at which the Huber loss of PyTorch becomes linear; alpha of algorithm 1; epsilon in the first episode of eq. (10).
+/// The error at which PyTorch's Huber loss becomes linear; alpha of algorithm 1; epsilon in the first episode of eq. (10).
 pub(super) fn one() -> f32 {
     1.0
 }
 
-/// PyTorch's smoothing of RMSProp; the decay of epsilon in eq. (10).
+/// PyTorch's smoothing constant of RMSProp; the decay of epsilon in eq. (10).
 pub(super) fn decay() -> f32 {
     0.99
 }
@@ -22,7 +22,7 @@ pub(super) fn beta2() -> f32 {
     0.999
 }
 
-/// PyTorch's constant in RMSProp and Adam.
+/// PyTorch's epsilon of RMSProp and Adam.
 pub(super) fn optimizer_epsilon() -> f32 {
     1e-8
 }

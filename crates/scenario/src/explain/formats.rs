@@ -16,7 +16,7 @@ impl Place<'_> {
         })
     }
 
-    /// The problem of a file in another format than RON, or with parts of its syntax.
+    /// The problem of a file in a format other than RON, or with parts of another format's syntax.
     pub(super) fn other_format(&self, code: &Error) -> Option<Problem> {
         let root = self.map.start().unwrap_or(0);
         let before = &self.text[..self.end];

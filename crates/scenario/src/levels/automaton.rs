@@ -19,7 +19,7 @@ struct Cells {
     filled: Vec<bool>,
 }
 
-/// Adds a circle for every filled cell, and fills the regions with starts that are cut off from the largest one.
+/// Adds a circle for every filled cell, and fills every region with starts except the largest.
 pub(super) fn add(
     draft: &mut Draft,
     fill: (f32, f32),

@@ -161,7 +161,7 @@ fn default_trap_m() -> (f32, f32) {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Clutter {
-    /// Circles on a grid of cells, by a cellular automaton as in the BARN dataset. The first cells are filled at random. Then,
+    /// Circles on a grid of cells, by a cellular automaton as in the BARN dataset. Cells are filled at random at first. Then,
     /// in each smoothing, a cell with at least 5 filled neighbours of 8 is filled, and one with at most 1 is emptied. Space
     /// that the robot can't reach is filled, too.
     Automaton {

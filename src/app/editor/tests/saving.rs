@@ -98,7 +98,7 @@ fn the_editor_knows_its_file_and_whether_it_is_saved() {
 }
 
 #[test]
-fn another_scenario_can_be_opened_and_undo_brings_the_former_back() {
+fn another_scenario_can_be_opened_and_undo_brings_the_previous_one_back() {
     let mut editor = editor(full());
     editor.select(Selection::Wall(0));
     editor.copy();
@@ -108,7 +108,7 @@ fn another_scenario_can_be_opened_and_undo_brings_the_former_back() {
     assert_eq!((editor.from(), &**editor.scenario()), ("empty", &Scenario::default()));
     assert!(!editor.is_modified() && editor.revision() != revision);
     assert_eq!(editor.selection(), Selection::Nothing);
-    // Undo brings the former scenario back, with its changes.
+    // Undo brings the previous scenario back, with its changes.
     editor.undo();
     assert_eq!((editor.from(), editor.scenario().walls.len()), ("scenarios/mine.ron", 1));
     assert!(editor.is_modified());
