@@ -399,13 +399,13 @@ fn long_lists_of_well_formed_values_are_read_or_rejected_quickly() {
     for (number, text) in cases.iter().enumerate() {
         check_read(&format!("long scenario {number}"), untrusted_input::scenario, text.as_bytes());
     }
-    let stage = "(scenario: \"empty\", preset: \"fast\", budget: Some(Episodes(18446744073709551615))),";
+    let stage = "(scenario: \"empty\", preset: \"fast\", budget: Episodes(18446744073709551615)),";
     let arms = |from: usize, count: usize| -> String {
         (from..from + count).map(|k| format!("(name: \"{k}\", stages: [{stage}]),")).collect()
     };
-    let claims = "(says: \"\", measure: Success, better: \"x\", than: \"y\", after: 7),".repeat(4_000);
+    let claims = "(statement: \"\", measure: Success, better: \"x\", than: \"y\", after: Episodes(7)),".repeat(4_000);
     let table = format!(
-        "tables: [(name: \"t\", title: \"t\", show: Measures(measures: [], after: 1), claims: [{claims}])]"
+        "tables: [(name: \"t\", title: \"t\", show: Measures(measures: [], after: Episodes(1)), claims: [{claims}])]"
     );
     let cases = [
         format!("(title: \"x\", arms: [{}], {table})", arms(0, 6_000)),
