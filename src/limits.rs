@@ -34,7 +34,7 @@ pub const MAX_EVAL_EPISODES: u64 = 1_000_000;
 pub const MAX_EVAL_RESULTS_BYTES: u64 = 1 << 25;
 
 /// Maximum width and height of an image, in pixels.
-pub const MAX_PICTURE_SIDE: u16 = 8192;
+pub const MAX_IMAGE_SIDE: u16 = 8192;
 
 /// Maximum number of levels on a contact sheet.
 pub const MAX_SHEET_LEVELS: u64 = 100;

@@ -11,7 +11,7 @@ use cli_support::{CommandOutput, FAST, Workspace, quick_fast};
 use wayfield::policy::Policy;
 
 const MINE: &str = "(name: \"Mine\")";
-const PICTURE: &str = "--draw map.svg --scenario";
+const IMAGE: &str = "--draw map.svg --scenario";
 
 /// Asserts that the command was refused with a message about the input.
 fn assert_refused(done: &CommandOutput, message: &str) {
@@ -87,7 +87,7 @@ mod unix {
         };
         let message = "it is a named pipe that no program writes to";
         for command in
-            ["--check", "--eval", PICTURE, "--train --scenario", "--train --preset", "--train --init"]
+            ["--check", "--eval", IMAGE, "--train --scenario", "--train --preset", "--train --init"]
         {
             refused_in_time(&format!("{command} d/a.ron"), message);
         }
@@ -137,7 +137,7 @@ mod unix {
             ("dangling.ron", "dangling.ron: this link points to `gone.ron`, which does not exist"),
             ("loop.ron", "loop.ron: can't be read: "),
         ] {
-            assert_refused(&workspace.run(&format!("{PICTURE} {name}")), message);
+            assert_refused(&workspace.run(&format!("{IMAGE} {name}")), message);
         }
         assert_eq!(workspace.run_ok("--check link.ron").stdout, "link.ron: ok (scenario)\n");
         if cfg!(target_os = "linux") {
@@ -234,7 +234,7 @@ mod unix {
     }
 
     #[test]
-    fn a_presets_name_cannot_spoil_pictures_and_folders() {
+    fn a_presets_name_cannot_spoil_images_and_folders() {
         let workspace = Workspace::new();
         workspace.write("q\x08\x1b.ron", quick_fast());
         let done =

@@ -403,7 +403,8 @@ fn long_lists_of_well_formed_values_are_read_or_rejected_quickly() {
     let arms = |from: usize, count: usize| -> String {
         (from..from + count).map(|k| format!("(name: \"{k}\", stages: [{stage}]),")).collect()
     };
-    let claims = "(statement: \"\", measure: Success, better: \"x\", than: \"y\", after: Episodes(7)),".repeat(4_000);
+    let claims =
+        "(statement: \"\", measure: Success, better: \"x\", than: \"y\", after: Episodes(7)),".repeat(4_000);
     let table = format!(
         "tables: [(name: \"t\", title: \"t\", show: Measures(measures: [], after: Episodes(1)), claims: [{claims}])]"
     );

@@ -4,7 +4,7 @@
 //! results, as JSON or as new arrays, and Python exceptions with the texts of the command line. Every long call releases
 //! the GIL and checks for Ctrl-C. A panic becomes a `RuntimeError`.
 //!
-//! | file | duty |
+//! | file | purpose |
 //! |---|---|
 //! | `env.rs` | environments |
 //! | `step_details.rs` | the contents of a step's `info` |

@@ -4,7 +4,7 @@
 //! user's commands. Data flows in one direction: the screen reads the [`scene`] and writes [`commands`]; the
 //! session executes the commands between control steps; the scene is extracted from the world once per frame.
 //!
-//! | file | duty |
+//! | file | purpose |
 //! |---|---|
 //! | `session/` | the training session: commands, time, the journal of interventions, saving |
 //! | `commands.rs` | the commands that the user can give |

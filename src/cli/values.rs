@@ -4,12 +4,12 @@ use std::ops::RangeInclusive;
 use std::time::Duration;
 
 use crate::limits::experiment::MAX_SEEDS;
-use crate::limits::{MAX_PICTURE_SIDE, MAX_SHEET_LEVELS, MAX_STEPS};
+use crate::limits::{MAX_IMAGE_SIDE, MAX_SHEET_LEVELS, MAX_STEPS};
 use crate::reproduce::Seeds;
 use crate::scenario::whole_number;
 
 /// The minimum width and height of an image, in pixels.
-const MIN_PICTURE_SIDE: u16 = 16;
+const MIN_IMAGE_SIDE: u16 = 16;
 
 /// A parser of whole numbers in `range`. They may be written 600000, 600_000, 6e5 or 600k.
 pub fn whole<N: TryFrom<u64>>(
@@ -78,9 +78,9 @@ pub fn fraction(text: &str) -> Result<f32, String> {
 pub fn size(text: &str) -> Result<(u16, u16), String> {
     let sides =
         text.split_once('x').and_then(|(width, height)| Some((width.parse().ok()?, height.parse().ok()?)));
-    let valid = MIN_PICTURE_SIDE..=MAX_PICTURE_SIDE;
+    let valid = MIN_IMAGE_SIDE..=MAX_IMAGE_SIDE;
     sides.filter(|(width, height)| valid.contains(width) && valid.contains(height)).ok_or_else(|| {
-        let (least, most) = (MIN_PICTURE_SIDE, MAX_PICTURE_SIDE);
+        let (least, most) = (MIN_IMAGE_SIDE, MAX_IMAGE_SIDE);
         format!("give width and height, {least}x{least} to {most}x{most}")
     })
 }

@@ -5,8 +5,8 @@ use std::ops::RangeInclusive;
 
 use super::{
     MAX_ABOUT_CHARS, MAX_ARENAS, MAX_BODIES, MAX_CONFIG_BYTES, MAX_EVAL_EPISODES, MAX_EVAL_RESULTS_BYTES,
-    MAX_EVALUATION_EPISODES, MAX_HEAD_BYTES, MAX_JOURNAL_BYTES, MAX_LEVELS_BY_PROGRESS, MAX_OBSERVED_FLOATS,
-    MAX_PICTURE_SIDE, MAX_POLICY_BYTES, MAX_RECENT_RETURNS, MAX_REWARD_PARAMETER, MAX_SHEET_LEVELS,
+    MAX_EVALUATION_EPISODES, MAX_HEAD_BYTES, MAX_IMAGE_SIDE, MAX_JOURNAL_BYTES, MAX_LEVELS_BY_PROGRESS,
+    MAX_OBSERVED_FLOATS, MAX_POLICY_BYTES, MAX_RECENT_RETURNS, MAX_REWARD_PARAMETER, MAX_SHEET_LEVELS,
     MAX_STEPS, MAX_TIME_S, experiment,
 };
 use crate::import::limits as import;
@@ -362,7 +362,7 @@ const TRAINING: &[Limit] = &[
 ];
 
 const IMPORTS: &[Limit] = &[
-    Limit("size of an image file", Bytes(import::MAX_PICTURE_BYTES), "", "memory"),
+    Limit("size of an image file", Bytes(import::MAX_IMAGE_BYTES), "", "memory"),
     Limit("pixels of an image", count(import::MAX_CELLS), "", "memory; checked before it is decoded"),
     Limit(
         "corners of an outline of a map's floor",
@@ -393,12 +393,7 @@ const IMPORTS: &[Limit] = &[
 const COMMAND_LINE: &[Limit] = &[
     Limit("levels of a contact sheet (`--levels`)", Max(MAX_SHEET_LEVELS), "", "size of the image"),
     Limit("episodes of one `--eval`, over all rounds", Max(MAX_EVAL_EPISODES), "", "memory"),
-    Limit(
-        "width and height of an image (`--size`)",
-        Max(MAX_PICTURE_SIDE as u64),
-        "pixels",
-        "memory: 256 MiB",
-    ),
+    Limit("width and height of an image (`--size`)", Max(MAX_IMAGE_SIDE as u64), "pixels", "memory: 256 MiB"),
 ];
 
 const EXPERIMENTS: &[Limit] = &[

@@ -3,7 +3,7 @@
 //! In: experiments (RON files) and a folder. Out, in that folder: a run folder for each training run, and the report:
 //! `report.html`, `README.md`, each figure as SVG and PNG, each table as CSV and Markdown.
 //!
-//! | step | files | duty |
+//! | step | files | purpose |
 //! |---|---|---|
 //! | read | `experiment.rs`, `figure_spec.rs`, `table_spec.rs`, `claim.rs`, `measure.rs`, `seeds.rs` | the schema of an experiment's file |
 //! | | `load.rs`, `check/`, `training_check.rs` | reading and checking such a file, and its training runs |

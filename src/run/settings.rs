@@ -150,7 +150,7 @@ impl Setting {
         }
         let fields = field_names::<Preset>();
         if !fields.contains(&first.split('[').next().unwrap_or_default())
-            && let Some(longer) = paths::longer(&self.path, preset.as_deref(), scenario.as_deref())
+            && let Some(longer) = paths::paths_ending_with(&self.path, preset.as_deref(), scenario.as_deref())
         {
             return Err(format!("`{}` is not the whole path: did you mean {longer}?", self.path));
         }

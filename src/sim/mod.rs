@@ -2,7 +2,7 @@
 //!
 //! In: a scenario, a number of arenas, a seed ([`spawn_arenas`]); then one action per arena and step. Out: poses and scans.
 //!
-//! | file | duty |
+//! | file | purpose |
 //! |---|---|
 //! | `arena.rs` | arenas: spawned from a scenario, reset, saved, restored, edited |
 //! | `physics.rs` | the interface to bevy_rapier: bodies, physics step |

@@ -3,7 +3,7 @@
 //! In: poses and LIDAR scans, written by [`sim`](crate::sim). Out: observations (eq. 8), rewards (eqs. 3 and 7), ended
 //! episodes, and new starts and goals.
 //!
-//! | file | duty |
+//! | file | purpose |
 //! |---|---|
 //! | `state.rs` | the components of an arena |
 //! | `arena_state.rs` | the state of an arena in a checkpoint, and its check |

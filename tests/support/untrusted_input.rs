@@ -129,9 +129,9 @@ fn check_round_trip(scenario: &Scenario, like: &str) {
 pub fn map(bytes: &[u8]) -> bool {
     let [low, high, rest @ ..] = bytes else { return false };
     let length = usize::from(u16::from_le_bytes([*low, *high])).min(rest.len());
-    let (yaml, picture) = rest.split_at(length);
+    let (yaml, image) = rest.split_at(length);
     let Ok(yaml) = std::str::from_utf8(yaml) else { return false };
-    is_imported(import_map(yaml, picture, "untrusted.yaml".as_ref(), &ImportOptions::default()))
+    is_imported(import_map(yaml, image, "untrusted.yaml".as_ref(), &ImportOptions::default()))
 }
 
 /// Imports a world or model in SDF, with the models beside the test that it may include: none.

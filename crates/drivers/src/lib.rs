@@ -23,7 +23,7 @@
 //! # Ok::<(), &str>(())
 //! ```
 //!
-//! | module | duty |
+//! | module | purpose |
 //! |---|---|
 //! | `actions` | the motions that the actions of a policy stand for |
 //! | `config` | the parameters of each driver, as RON |

@@ -4,10 +4,10 @@
 //! In: a file. Out: a valid scenario that can be edited, trained in and drawn over its source, and a list of what could not be
 //! represented. No input causes a panic, and no small file asks for much memory ([`limits`]).
 //!
-//! | file | duty |
+//! | file | purpose |
 //! |---|---|
 //! | `options.rs` | the options of an import |
-//! | `map_file.rs`, `picture.rs`, `pnm.rs` | the description of a map; the pixels of its image |
+//! | `map_file.rs`, `pixels.rs`, `pnm.rs` | the description of a map; the pixels of its image |
 //! | `map.rs` | the import of a map or an image |
 //! | `sdf/` | the solids of an SDF world |
 //! | `world.rs`, `solid.rs` | the import of a world of solids |
@@ -43,7 +43,7 @@ mod map;
 mod map_file;
 mod npy;
 mod options;
-mod picture;
+mod pixels;
 mod pnm;
 mod rectangles;
 mod round;
@@ -95,7 +95,7 @@ pub fn import(path: &Path, options: &ImportOptions) -> Result<Imported, FileErro
     options.check(path)?;
     match kind(path) {
         Some(Kind::Map) => map::Map::read_yaml(path)?.import(path, options),
-        Some(Kind::Picture) => map::Map::read_picture(path, options.resolution_m)?.import(path, options),
+        Some(Kind::Image) => map::Map::read_image(path, options.resolution_m)?.import(path, options),
         Some(Kind::Sdf) => import_sdf(path, options),
         Some(Kind::Worlds) if options.world.is_none() => {
             let message =
@@ -120,9 +120,7 @@ pub fn import_bytes(path: &Path, bytes: &[u8], options: &ImportOptions) -> Resul
     options.check(path)?;
     let text = || std::str::from_utf8(bytes).map_err(|_| FileError::for_file(path, "the text is not UTF-8"));
     match kind(path) {
-        Some(Kind::Picture) => {
-            map::Map::parse_picture(bytes, path, options.resolution_m)?.import(path, options)
-        }
+        Some(Kind::Image) => map::Map::parse_image(bytes, path, options.resolution_m)?.import(path, options),
         Some(Kind::Sdf) => import_solids(path, &sdf::SdfWorld::parse(text()?, path, options)?, options),
         Some(Kind::Worlds) => Ok(json::import_text(text()?, path, options)?.swap_remove(0).1),
         _ => Err(FileError::for_file(path, "not a kind of file that can be imported from memory")),
@@ -135,12 +133,12 @@ pub fn import_bytes(path: &Path, bytes: &[u8], options: &ImportOptions) -> Resul
 /// As for [`import`].
 pub fn import_map(
     yaml: &str,
-    picture: &[u8],
+    image: &[u8],
     path: &Path,
     options: &ImportOptions,
 ) -> Result<Imported, FileError> {
     options.check(path)?;
-    map::Map::from_parts(yaml, picture, path)?.import(path, options)
+    map::Map::from_parts(yaml, image, path)?.import(path, options)
 }
 
 /// The length, in m, of the path from start to goal in `bytes`, the contents of a BARN path file.
@@ -166,7 +164,7 @@ pub fn import_worlds(path: &Path, options: &ImportOptions) -> Result<Vec<(String
 pub fn backdrop(path: &Path, options: &ImportOptions) -> Result<Backdrop, FileError> {
     match kind(path) {
         Some(Kind::Map) => Ok(map::Map::read_yaml(path)?.backdrop()),
-        Some(Kind::Picture) => Ok(map::Map::read_picture(path, options.resolution_m)?.backdrop()),
+        Some(Kind::Image) => Ok(map::Map::read_image(path, options.resolution_m)?.backdrop()),
         _ => Err(FileError::for_file(path, "not a map; help: give a map (.yaml) or an image (.png, .pgm)")),
     }
 }
@@ -190,7 +188,7 @@ fn import_solids(path: &Path, world: &sdf::SdfWorld, options: &ImportOptions) ->
 /// A kind of file.
 enum Kind {
     Map,
-    Picture,
+    Image,
     Sdf,
     Worlds,
 }
@@ -204,7 +202,7 @@ pub fn is_map_or_world(path: &Path) -> bool {
 /// Whether the extension of `path` is that of an image, which does not state its scale.
 #[must_use]
 pub fn is_image(path: &Path) -> bool {
-    matches!(kind(path), Some(Kind::Picture))
+    matches!(kind(path), Some(Kind::Image))
 }
 
 /// The kind that the extension names.
@@ -212,7 +210,7 @@ fn kind(path: &Path) -> Option<Kind> {
     let extension = path.extension()?.to_string_lossy().to_ascii_lowercase();
     match extension.as_str() {
         "yaml" | "yml" => Some(Kind::Map),
-        "png" | "pgm" | "pnm" | "ppm" | "pbm" => Some(Kind::Picture),
+        "png" | "pgm" | "pnm" | "ppm" | "pbm" => Some(Kind::Image),
         "world" | "sdf" => Some(Kind::Sdf),
         "json" => Some(Kind::Worlds),
         _ => None,

@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 /// Maximum size of an image file, in bytes.
-pub const MAX_PICTURE_BYTES: u64 = 1 << 26;
+pub const MAX_IMAGE_BYTES: u64 = 1 << 26;
 /// Maximum number of pixels of an image.
 pub const MAX_CELLS: usize = 1 << 23;
 /// Maximum number of corners of one outline of a map's floor.

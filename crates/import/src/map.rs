@@ -14,7 +14,7 @@ use crate::grid::Grid;
 use crate::limits::RESOLUTION_M;
 use crate::map_file::{MapFile, PixelReading};
 use crate::options::ImportOptions;
-use crate::picture::{self, Pixels};
+use crate::pixels::{self, Pixels};
 use crate::rectangles::rectangles;
 use crate::trace::{Scale, THICKNESS_M, surroundings};
 
@@ -45,15 +45,15 @@ impl Map {
     pub fn read_yaml(path: &Path) -> Result<Self, FileError> {
         let text = read_text(path)?;
         let file = MapFile::parse(&text, path)?;
-        let picture = path.parent().unwrap_or(Path::new("")).join(&file.image);
-        if !is_file(&picture) && !is_special_file(&picture) {
+        let image = path.parent().unwrap_or(Path::new("")).join(&file.image);
+        if !is_file(&image) && !is_special_file(&image) {
             let message = format!(
                 "there is no image `{}`; help: put it there, or name another file in `image`",
                 printable(&file.image)
             );
             return Err(FileError::at_offset(path, &text, file.image_at, message));
         }
-        let pixels = picture::read(&picture)?;
+        let pixels = pixels::read(&image)?;
         Ok(Self { pixels, reading: file.reading, cell_m: file.resolution_m, origin: file.origin })
     }
 
@@ -61,9 +61,9 @@ impl Map {
     ///
     /// # Errors
     /// The description or the image is invalid.
-    pub fn from_parts(yaml: &str, picture: &[u8], path: &Path) -> Result<Self, FileError> {
+    pub fn from_parts(yaml: &str, image: &[u8], path: &Path) -> Result<Self, FileError> {
         let file = MapFile::parse(yaml, path)?;
-        let pixels = picture::decode(picture).map_err(|message| FileError::for_file(path, message))?;
+        let pixels = pixels::decode(image).map_err(|message| FileError::for_file(path, message))?;
         Ok(Self { pixels, reading: file.reading, cell_m: file.resolution_m, origin: file.origin })
     }
 
@@ -72,23 +72,23 @@ impl Map {
     ///
     /// # Errors
     /// The image or the resolution is missing or invalid.
-    pub fn read_picture(path: &Path, resolution_m: Option<f64>) -> Result<Self, FileError> {
+    pub fn read_image(path: &Path, resolution_m: Option<f64>) -> Result<Self, FileError> {
         let cell_m = scale(path, resolution_m)?;
-        Ok(Self::from_picture(picture::read(path)?, cell_m))
+        Ok(Self::from_image(pixels::read(path)?, cell_m))
     }
 
-    /// Like [`Map::read_picture`], with the bytes of the image.
+    /// Like [`Map::read_image`], with the bytes of the image.
     ///
     /// # Errors
     /// The image is invalid, or the resolution is missing or invalid.
-    pub fn parse_picture(bytes: &[u8], path: &Path, resolution_m: Option<f64>) -> Result<Self, FileError> {
+    pub fn parse_image(bytes: &[u8], path: &Path, resolution_m: Option<f64>) -> Result<Self, FileError> {
         let cell_m = scale(path, resolution_m)?;
-        let pixels = picture::decode(bytes).map_err(|message| FileError::for_file(path, message))?;
-        Ok(Self::from_picture(pixels, cell_m))
+        let pixels = pixels::decode(bytes).map_err(|message| FileError::for_file(path, message))?;
+        Ok(Self::from_image(pixels, cell_m))
     }
 
-    fn from_picture(pixels: Pixels, cell_m: f64) -> Self {
-        Self { pixels, reading: PixelReading::PICTURE, cell_m, origin: [0.0; 3] }
+    fn from_image(pixels: Pixels, cell_m: f64) -> Self {
+        Self { pixels, reading: PixelReading::IMAGE, cell_m, origin: [0.0; 3] }
     }
 
     /// The cells that are free.

@@ -51,7 +51,7 @@ pub enum MapMode {
 
 impl PixelReading {
     /// The reading of a plain image: dark is occupied.
-    pub const PICTURE: Self = Self { negate: false, occupied: 0.5, free: 0.5, mode: MapMode::Trinary };
+    pub const IMAGE: Self = Self { negate: false, occupied: 0.5, free: 0.5, mode: MapMode::Trinary };
 
     /// Whether a cell of this brightness, 0 to 255, is free. All other cells count as walls: occupied, unknown, and in the mode
     /// `scale` those between the thresholds. As in `map_server`, occupancy is f32, and a cell at both thresholds is free.

@@ -6,7 +6,7 @@ use crate::limits::MAX_CELLS;
 
 /// A decoded image.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct PnmPicture {
+pub struct PnmImage {
     /// Width in pixels.
     pub width: usize,
     /// Height in pixels.
@@ -24,7 +24,7 @@ pub fn is_pnm(bytes: &[u8]) -> bool {
 ///
 /// # Errors
 /// As a message: the image is incomplete, has an invalid number, or is too large.
-pub fn decode(bytes: &[u8]) -> Result<PnmPicture, String> {
+pub fn decode(bytes: &[u8]) -> Result<PnmImage, String> {
     let format = bytes.get(1).copied().unwrap_or(0);
     let mut reader = Reader { rest: bytes.get(2..).unwrap_or_default() };
     let (width, height) = (reader.number("the width")?, reader.number("the height")?);
@@ -52,7 +52,7 @@ pub fn decode(bytes: &[u8]) -> Result<PnmPicture, String> {
         }
         _ => values.into_iter().map(bright).collect(),
     };
-    Ok(PnmPicture { width, height, brightness })
+    Ok(PnmImage { width, height, brightness })
 }
 
 /// The message about an image that is too large.
@@ -148,9 +148,9 @@ mod tests {
             (b"P5\n2 2\n1000\n\x00\x00\x01\xf4\x03\xe8\x00\x04", [0, 128, 255, 1]),
             (b"P6\n2 2\n255\n\0\0\0\xff\xff\xff\xff\0\0\0\0\xff", [0, 255, 54, 18]),
         ] {
-            let picture = decode(bytes).expect("a valid image");
-            assert_eq!((picture.width, picture.height), (2, 2));
-            assert_eq!(picture.brightness, expected, "{}", String::from_utf8_lossy(bytes));
+            let image = decode(bytes).expect("a valid image");
+            assert_eq!((image.width, image.height), (2, 2));
+            assert_eq!(image.brightness, expected, "{}", String::from_utf8_lossy(bytes));
         }
     }
 

@@ -183,8 +183,8 @@ fn simplified_walls_are_few_and_the_stated_deviation_is_true() {
 
 #[test]
 fn the_mode_the_thresholds_and_negate_decide_what_is_floor() {
-    let width_m = |yaml: &str, picture: &[u8]| {
-        let folder = Folder::new(&[("map.yaml", yaml.as_bytes()), ("map.pgm", picture)]);
+    let width_m = |yaml: &str, image: &[u8]| {
+        let folder = Folder::new(&[("map.yaml", yaml.as_bytes()), ("map.pgm", image)]);
         let (low, high) = folder.import("map.yaml").expect("a map").scenario.enclosure.bounds_m();
         high.x - low.x
     };
@@ -204,13 +204,13 @@ fn the_mode_the_thresholds_and_negate_decide_what_is_floor() {
 
 #[test]
 fn specks_and_unreachable_rooms_are_dropped() {
-    let picture = pgm(120, 80, |column, row| {
+    let image = pgm(120, 80, |column, row| {
         let is_speck = column % 20 == 10 && row % 20 == 10 && column < 80;
         let is_frame = column == 0 || row == 0 || column == 119 || row == 79;
         // A room at the right that has no door.
         if is_speck || is_frame || column == 90 { 0 } else { 254 }
     });
-    let folder = Folder::new(&[("map.yaml", YAML.as_bytes()), ("map.pgm", &picture)]);
+    let folder = Folder::new(&[("map.yaml", YAML.as_bytes()), ("map.pgm", &image)]);
     let all = folder.import("map.yaml").expect("a map").scenario;
     let (low, high) = all.enclosure.bounds_m();
     assert!((high - low - vec2(89.0 * 0.05, 78.0 * 0.05)).length() < 1e-4, "the other room is left out");
@@ -233,7 +233,7 @@ fn the_about_leads_back_to_a_map_whose_origin_has_a_yaw() {
 }
 
 #[test]
-fn a_plain_picture_needs_a_scale() {
+fn a_plain_image_needs_a_scale() {
     let folder = Folder::new(&[("plan.pgm", &hall())]);
     let error = folder.import("plan.pgm").expect_err("no scale");
     assert_eq!(
@@ -402,7 +402,7 @@ fn invalid_worlds_are_rejected_with_the_file_and_a_fix() {
 fn invalid_maps_are_rejected_with_the_file_and_the_problem() {
     let black = pgm(20, 20, |_, _| 0);
     let whole = hall();
-    for (yaml, picture, expected) in [
+    for (yaml, image, expected) in [
         (
             YAML.replace("map.pgm", "other.png"),
             &whole[..],
@@ -417,7 +417,7 @@ fn invalid_maps_are_rejected_with_the_file_and_the_problem() {
         ),
         (String::new(), &whole, "map.yaml: `image` is missing; help: "),
     ] {
-        let folder = Folder::new(&[("map.yaml", yaml.as_bytes()), ("map.pgm", picture)]);
+        let folder = Folder::new(&[("map.yaml", yaml.as_bytes()), ("map.pgm", image)]);
         let error = folder.import("map.yaml").expect_err("invalid");
         assert!(error.starts_with(expected), "{error}");
     }

@@ -84,7 +84,7 @@
 //!
 //! The public types are at the top level, except for the replay buffer and its sum tree.
 //!
-//! | module | duty |
+//! | module | purpose |
 //! |---|---|
 //! | `config` | the options, their defaults (Table 1 of the paper that wayfield reproduces) and their ranges |
 //! | `learner` | storing experiences; the gradient step with TD targets and target network |

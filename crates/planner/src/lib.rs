@@ -20,7 +20,7 @@
 //! # Ok::<(), &str>(())
 //! ```
 //!
-//! | module | duty |
+//! | module | purpose |
 //! |---|---|
 //! | `configuration_space` | robot states, the effect of each motion, inflated obstacles, the goal region |
 //! | `geodesic` | the length of the shortest path around static obstacles |

@@ -4,7 +4,7 @@
 //! package, the ONNX export and the browser build use it; the app and the learner share its file format and observation
 //! encoding.
 //!
-//! | module | duty |
+//! | module | purpose |
 //! |---|---|
 //! | [`observation`] | the network's inputs, from LIDAR scans and a goal |
 //! | [`actions`] | the motions that a policy chooses among |

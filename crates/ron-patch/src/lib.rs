@@ -23,7 +23,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! | module | duty |
+//! | module | purpose |
 //! |---|---|
 //! | [`Style`] | fields that may be left out, blank lines between the top-level fields |
 //! | `value`, `serializer` | any supported serde value as a tree of names, numbers and strings |

@@ -4,7 +4,7 @@
 //! problem and, if all values are valid, a [`Note`] for each questionable setting. The limits also keep a hostile file
 //! from taking too much memory or time: a scenario without diagnostics is safe to run.
 //!
-//! | file | duty |
+//! | file | purpose |
 //! |---|---|
 //! | `numbers.rs` | ranges of numbers, comparisons between numbers; names and descriptions |
 //! | `obstacles.rs`, `key_frames.rs` | the same for walls, obstacles, generators and key frames |

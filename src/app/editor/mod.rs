@@ -4,7 +4,7 @@
 //! diagnostics after every change, and undo. The editor draws nothing and does not touch the running scenario. Positions
 //! are in m, angles in rad.
 //!
-//! | file | duty |
+//! | file | purpose |
 //! |---|---|
 //! | `document.rs` | the [`Editor`]: the scenario, the selection, the diagnostics, one undo step per change |
 //! | `selection.rs`, `pick.rs` | the selection; the item under the pointer |

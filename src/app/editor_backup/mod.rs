@@ -3,7 +3,7 @@
 //! In: the editor. Out: a file (in a browser, an entry in its storage), which is deleted as soon as the changes are saved or
 //! discarded; and the newest backup of an earlier session, which the app offers to restore.
 //!
-//! | file | duty |
+//! | file | purpose |
 //! |---|---|
 //! | `store.rs` | the files of the backups, locked by the processes that write them |
 //! | `browser_store.rs` | the same in a browser, where the page stores them |

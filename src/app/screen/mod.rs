@@ -4,7 +4,7 @@
 //! The screen affects the simulation and the learner only through commands, so drawing, hovering and opening
 //! panels never change training.
 //!
-//! | file | duty |
+//! | file | purpose |
 //! |---|---|
 //! | `arena_view/` | the middle: the arenas, the overlays, dragging |
 //! | `editor/` | the scenario editor, in place of the arenas and of the setup panel |

@@ -3,7 +3,7 @@
 //! In: commands, and the time between frames. Out: control steps of the same plugins that a headless run uses, and the
 //! resources below.
 //!
-//! | file | resource | duty |
+//! | file | resource | purpose |
 //! |---|---|---|
 //! | `training_run.rs` | [`TrainingRun`] | configuration, progress, wall time |
 //! | `active_mode.rs` | [`ActiveMode`] | training, or a demo with the training suspended |

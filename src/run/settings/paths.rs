@@ -10,7 +10,11 @@ const MAX_LISTED: usize = 3;
 
 /// The paths that end with `path`, at most `MAX_LISTED`, shortest first, for a message: "`learning.gamma`". `None` if there are
 /// none.
-pub(super) fn longer(path: &str, preset: Option<&Preset>, scenario: Option<&Scenario>) -> Option<String> {
+pub(super) fn paths_ending_with(
+    path: &str,
+    preset: Option<&Preset>,
+    scenario: Option<&Scenario>,
+) -> Option<String> {
     let (named, index) = path.split_at(path.find('[').unwrap_or(path.len()));
     let mut paths = Vec::new();
     if let Some(value) = preset.and_then(|preset| serde_json::to_value(preset).ok()) {

@@ -38,7 +38,7 @@ pub(crate) type DrawResult = Result<(), Box<dyn Error>>;
 pub(crate) type Pixel = (i32, i32);
 
 /// The SVG of a figure on white, with the given size in drawn pixels. It is displayed at half that size.
-pub(crate) fn picture(
+pub(crate) fn draw_svg(
     (width, height): (u32, u32),
     draw: impl FnOnce(&Canvas) -> DrawResult,
 ) -> Result<String, DrawError> {
@@ -96,13 +96,13 @@ mod tests {
     fn characters_that_xml_does_not_allow_are_left_out() {
         let text = "A\u{0}\u{8}\u{1b}B\u{ffff}\u{fffe}C 迷路\u{1f916}";
         let write = |root: &Canvas| write(root, text, (10, 10), TEXT, &BLACK, HPos::Left);
-        let svg = picture((200, 100), write).expect("the picture is drawn");
+        let svg = draw_svg((200, 100), write).expect("the image is drawn");
         assert!(svg.contains("ABC 迷路\u{1f916}") && svg.chars().all(is_xml), "{svg}");
     }
 
     #[test]
     fn a_figure_is_displayed_at_half_its_drawn_size() {
-        let svg = picture((200, 100), |_| Ok(())).expect("the picture is drawn");
+        let svg = draw_svg((200, 100), |_| Ok(())).expect("the image is drawn");
         assert!(svg.contains(r#"width="100" height="50" viewBox="0 0 200 100""#));
     }
 }

@@ -14,7 +14,7 @@ mod text;
 pub(crate) use axis::{Axis, bounds, is_drawable, thinned};
 pub use canvas::DrawError;
 pub(crate) use canvas::{
-    Canvas, DrawResult, HAIRLINE, HEADING, LINE_HEIGHT, Pixel, STROKE, TEXT, area, is_xml, line, picture,
+    Canvas, DrawResult, HAIRLINE, HEADING, LINE_HEIGHT, Pixel, STROKE, TEXT, area, draw_svg, is_xml, line,
     write,
 };
 pub(crate) use labels::{draw_title, spread, title_height};

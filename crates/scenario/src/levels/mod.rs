@@ -4,7 +4,7 @@
 //! generators, the same bit for bit on every platform. Its passages are wide enough for the robot, so that every goal can be
 //! reached from every start.
 //!
-//! | file | duty |
+//! | file | purpose |
 //! |---|---|
 //! | `schema.rs` | the types of the file |
 //! | `check.rs` | the checks of a generator |

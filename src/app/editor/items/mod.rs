@@ -1,6 +1,6 @@
 //! The items of a scenario that can be selected, one file per kind, all behind the trait [`Editable`].
 //!
-//! | file | duty |
+//! | file | purpose |
 //! |---|---|
 //! | `editable.rs` | the trait, and the types in its methods |
 //! | `enclosure.rs` | the boundary |

@@ -3,7 +3,7 @@
 //! In: the [`ScreenInput`]. Out: shapes, changes of the [`ViewState`] (camera, followed arena, drag), and
 //! [`Command`]s that move a dragged object or set the goal.
 //!
-//! | file | duty |
+//! | file | purpose |
 //! |---|---|
 //! | `transform.rs`, `camera.rs` | metres to points and back; pan, zoom and fit |
 //! | `canvas.rs` | what everything is drawn on: gradient lines, labels, arrow heads |

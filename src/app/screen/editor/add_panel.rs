@@ -3,7 +3,7 @@
 use egui::{Button, Ui, Vec2, vec2};
 
 use super::controls::{choice_ui, set_accessible_name};
-use super::framing::view_center_m;
+use super::framing::view_centre_m;
 use crate::app::editor::{Editor, Snap, Tool, format_metres};
 use crate::app::screen::widgets::text::section_title_ui;
 use crate::app::view_state::ViewCamera;
@@ -17,7 +17,7 @@ const HEIGHT: f32 = 26.0;
 /// Shows the buttons. New obstacles go near the middle of the view.
 pub fn add_ui(ui: &mut Ui, editor: &mut Editor, camera: ViewCamera) {
     section_title_ui(ui, "Add");
-    let near_m = view_center_m(ui, editor, camera);
+    let near_m = view_centre_m(ui, editor, camera);
     let gaps = (COLUMNS - 1) as f32 * ui.spacing().item_spacing.x;
     let size = vec2((ui.available_width() - gaps) / COLUMNS as f32, HEIGHT);
     for row in Shape::templates().chunks(COLUMNS) {

@@ -13,7 +13,7 @@ pub fn canvas_id() -> Id {
 }
 
 /// The point in the middle of the view, in m.
-pub fn view_center_m(ui: &Ui, editor: &Editor, camera: ViewCamera) -> math::Vec2 {
+pub fn view_centre_m(ui: &Ui, editor: &Editor, camera: ViewCamera) -> math::Vec2 {
     let bounds = bounds(ui, canvas_id(), editor, camera);
     ViewTransform::new(Rect::ZERO, Vec2::ZERO, camera, bounds).centre_m.into()
 }

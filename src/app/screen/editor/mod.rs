@@ -3,7 +3,7 @@
 //! In: the [`Editor`](crate::app::editor::Editor) of the [`ViewState`]. Out: its changes, and commands that save, open or
 //! apply the scenario.
 //!
-//! | file | duty |
+//! | file | purpose |
 //! |---|---|
 //! | `confirm_exit.rs`, `set_question.rs` | entering and leaving the editor; the question while training over a set |
 //! | `framing.rs` | the part of the plane that the canvas shows |

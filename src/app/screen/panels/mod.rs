@@ -3,7 +3,7 @@
 //! In: the session state and the [`ViewState`](crate::app::view_state::ViewState). Out: commands, and changes
 //! to the view state.
 //!
-//! | file | duty |
+//! | file | purpose |
 //! |---|---|
 //! | `toolbar.rs` | the toolbar at the top: layout, run and step buttons, pace, panel buttons |
 //! | `mode_switch.rs` | the toolbar's choice of mode: Train, Test, Drive, Compare, Edit |

@@ -3,7 +3,7 @@
 //! In: the history, read only. Out: a column of plots over a shared axis of env steps, and commands to export
 //! them. egui remembers which part of the axis is shown.
 //!
-//! | file | duty |
+//! | file | purpose |
 //! |---|---|
 //! | `list.rs` | the plots: titles, lines, colours |
 //! | `card.rs`, `card_view.rs` | one plot: its data, its drawing |

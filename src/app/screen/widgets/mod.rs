@@ -1,6 +1,6 @@
 //! Widgets shared by the panels, the plots, the arena view and the editor.
 //!
-//! | file | duty |
+//! | file | purpose |
 //! |---|---|
 //! | `icons.rs` | icons drawn with lines and discs, and the square buttons that show them |
 //! | `buttons.rs` | the primary button and the full-width button |

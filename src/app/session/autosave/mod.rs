@@ -5,7 +5,7 @@
 //! interval; and the last session, which the app offers to continue at its next start. The training is copied in a few
 //! milliseconds and written in the background. Nothing is saved while an evaluation runs, because its result belongs to the run.
 //!
-//! | file | duty |
+//! | file | purpose |
 //! |---|---|
 //! | `background.rs` | an autosave that is being written |
 //! | `slot.rs` | the folder of one training run's autosave |

@@ -23,7 +23,7 @@ use panel::{LABEL_TEXT, PanelDrawing};
 use super::layout::{LEFT, WIDTH};
 use crate::style::{
     Axis, Canvas, DrawError, DrawResult, HAIRLINE, HEADING, INK, LINE_HEIGHT, Legend, LegendEntry, Pixel,
-    SOFT_INK, STROKE, area, draw_title, ellipsized, is_drawable, line, picture, title_height, write,
+    SOFT_INK, STROKE, area, draw_svg, draw_title, ellipsized, is_drawable, line, title_height, write,
 };
 
 // In drawn pixels.
@@ -54,7 +54,7 @@ impl CurveChart {
         let top = title_end + legend.height() + marker_height;
         let height = top + panels.len() as i32 * PANEL_HEIGHT + X_AXIS_HEIGHT;
 
-        picture((WIDTH as u32, height as u32), |root| {
+        draw_svg((WIDTH as u32, height as u32), |root| {
             draw_title(root, &self.title, (LEFT, width))?;
             legend.draw(root, (LEFT, title_end), width)?;
             for (i, labels) in (0..).zip(&marker_rows) {

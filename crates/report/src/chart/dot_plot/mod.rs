@@ -17,7 +17,7 @@ pub use model::{DotCell, DotColumn, DotPlot};
 
 use super::layout::{WIDTH, draw_no_data};
 use crate::style::{
-    DrawError, HEADING, INK, TEXT, draw_title, ellipsized, picture, text_width, title_height, wrapped, write,
+    DrawError, HEADING, INK, TEXT, draw_svg, draw_title, ellipsized, text_width, title_height, wrapped, write,
 };
 
 // In drawn pixels.
@@ -50,7 +50,7 @@ impl DotPlot {
         let (row_middles, end) = self.row_middles(upper);
         let lower = end.max(upper + 2 * ROW_HEIGHT);
 
-        picture((WIDTH as u32, (lower + FOOT) as u32), |root| {
+        draw_svg((WIDTH as u32, (lower + FOOT) as u32), |root| {
             draw_title(root, &self.title, (EDGE, width))?;
             legend.draw(root, (EDGE, title_end), width)?;
             for (row, &y) in self.rows.iter().zip(&row_middles) {

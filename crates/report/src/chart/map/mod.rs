@@ -26,8 +26,8 @@ use tracks::draw_tracks;
 
 use super::layout::{LEFT, WIDTH, draw_no_data};
 use crate::style::{
-    Canvas, DrawError, DrawResult, GREEN, Legend, Pixel, STROKE, area, colour, draw_marker, draw_title,
-    is_drawable, line, picture, pixels_along, thinned, title_height,
+    Canvas, DrawError, DrawResult, GREEN, Legend, Pixel, STROKE, area, colour, draw_marker, draw_svg,
+    draw_title, is_drawable, line, pixels_along, thinned, title_height,
 };
 
 /// The maximum number of vertices of a trajectory.
@@ -55,7 +55,7 @@ impl ScenarioMap {
         let plan = FloorPlan::new(&self.enclosure, (LEFT, upper), (f64::from(width), MAX_HEIGHT));
         let lower = plan.as_ref().map_or(upper + 400, |p| p.lower);
 
-        picture((WIDTH as u32, (lower + FOOT) as u32), |root| {
+        draw_svg((WIDTH as u32, (lower + FOOT) as u32), |root| {
             draw_title(root, &self.title, (LEFT, width))?;
             legend.draw(root, (LEFT, title_end), width)?;
             match plan {
@@ -80,7 +80,7 @@ impl ScenarioMap {
         draw_on_top: impl FnOnce(&Canvas, &FloorPlan) -> DrawResult,
     ) -> Result<String, DrawError> {
         let (width, height) = THUMBNAIL;
-        picture((width as u32, height as u32), |root| {
+        draw_svg((width as u32, height as u32), |root| {
             let available = (f64::from(width - 2 * MARGIN), f64::from(height - 2 * MARGIN));
             let Some(plan) = FloorPlan::new(&self.enclosure, (MARGIN, MARGIN), available) else {
                 return draw_no_data(root, (MARGIN, width - MARGIN), (MARGIN, height - MARGIN));

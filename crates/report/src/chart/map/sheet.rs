@@ -7,7 +7,7 @@ use super::ScenarioMap;
 use super::floor_plan::FloorPlan;
 use crate::chart::layout::draw_no_data;
 use crate::style::{
-    Canvas, DrawError, DrawResult, INK, Pixel, TEXT, draw_title, ellipsized, picture, title_height, write,
+    Canvas, DrawError, DrawResult, INK, Pixel, TEXT, draw_svg, draw_title, ellipsized, title_height, write,
 };
 
 /// Number of maps in a row.
@@ -27,7 +27,7 @@ pub fn contact_sheet_svg(title: &str, maps: &[ScenarioMap]) -> Result<String, Dr
     let width = columns * CELL + (columns - 1) * GAP;
     let upper = title_height(title, width) + GAP / 2;
     let height = upper + rows * (LABEL + CELL + GAP);
-    picture(((width + 2 * GAP) as u32, height as u32), |root| {
+    draw_svg(((width + 2 * GAP) as u32, height as u32), |root| {
         draw_title(root, title, (GAP, width))?;
         for (k, map) in maps.iter().enumerate() {
             let (row, column) = ((k / COLUMNS) as i32, (k % COLUMNS) as i32);

@@ -10,7 +10,7 @@ use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use wayfield_scenario::{FileError, is_special_file, read_bytes};
 
 use crate::grid::Grid;
-use crate::limits::{MAX_CELLS, MAX_PICTURE_BYTES};
+use crate::limits::{MAX_CELLS, MAX_IMAGE_BYTES};
 use crate::pnm;
 
 /// The brightness of every pixel, 0 to 255; `None` if it is not opaque.
@@ -27,13 +27,13 @@ pub fn read(path: &Path) -> Result<Pixels, FileError> {
     if is_special_file(path) {
         return Err(fail(format!("it is a device or a pipe; help: {FORMATS}")));
     }
-    let bytes = read_bytes(path, MAX_PICTURE_BYTES + 1).map_err(|error| match error.kind() {
+    let bytes = read_bytes(path, MAX_IMAGE_BYTES + 1).map_err(|error| match error.kind() {
         ErrorKind::NotFound => fail("no such file".into()),
         ErrorKind::IsADirectory => fail(format!("this is a folder; help: {FORMATS}")),
         _ => fail(format!("can't be read: {error}")),
     })?;
-    if bytes.len() as u64 > MAX_PICTURE_BYTES {
-        return Err(fail(format!("larger than {} MiB, the limit for images", MAX_PICTURE_BYTES >> 20)));
+    if bytes.len() as u64 > MAX_IMAGE_BYTES {
+        return Err(fail(format!("larger than {} MiB, the limit for images", MAX_IMAGE_BYTES >> 20)));
     }
     decode(&bytes).map_err(fail)
 }
@@ -44,8 +44,8 @@ pub fn read(path: &Path) -> Result<Pixels, FileError> {
 /// As a message: the image is not in one of the formats, is incomplete, or is too large.
 pub fn decode(bytes: &[u8]) -> Result<Pixels, String> {
     if pnm::is_pnm(bytes) {
-        let picture = pnm::decode(bytes)?;
-        return Ok(upright(picture.width, &picture.brightness, |&brightness| Some(brightness)));
+        let image = pnm::decode(bytes)?;
+        return Ok(upright(image.width, &image.brightness, |&brightness| Some(brightness)));
     }
     if !matches!(image::guess_format(bytes), Ok(ImageFormat::Png)) {
         return Err(format!("not an image that can be read; help: {FORMATS}"));
