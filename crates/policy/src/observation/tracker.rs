@@ -60,6 +60,8 @@ const CENTRE: f32 = 0.7;
 /// A hit is on a surface that an earlier scan shows if its distance from it is less than this. It is where an earlier scan saw
 /// through if both beams beside it go farther by more than this.
 const SURFACE_MARGIN: f32 = 0.3;
+/// Beams are neighbours if the angle between them is less than this many times that between neighbouring beams of the LIDAR.
+const NEIGHBOURS: f32 = 1.5;
 /// A thing does not fit between two beams if their distance there is less than this many of its radii.
 const MAX_GAP: f32 = 1.7;
 /// A hit on its disc where it was is at most this far from its edge.
@@ -157,25 +159,29 @@ impl Rays {
         })
     }
 
+    /// The neighbouring rays to the right and left of the direction `(dx, dy)`; `None` outside the field of view.
+    fn beside(&self, (dx, dy): (f32, f32), spacing_rad: f32) -> Option<(usize, usize)> {
+        let last = self.len().checked_sub(1)?;
+        let is_ahead = |ray: usize| dx * self.cos[ray] + dy * self.sin[ray] > 0.0;
+        let mut to_right = dy * self.cos[last] - dx * self.sin[last];
+        for (left, (cos, sin)) in self.cos.iter().zip(&self.sin).enumerate() {
+            let to_left = dy * cos - dx * sin;
+            if to_right >= 0.0 && to_left < 0.0 {
+                let right = if left > 0 { left - 1 } else { last };
+                if is_ahead(right) && is_ahead(left) {
+                    let gap = apart((self.cos[right], self.sin[right]), (*cos, *sin));
+                    return (gap < NEIGHBOURS * spacing_rad).then_some((right, left));
+                }
+            }
+            to_right = to_left;
+        }
+        None
+    }
+
     /// What the scan shows of a place where another one has hit a thing of this `radius`.
     fn sight(&self, point: (f32, f32), spacing_rad: f32, radius: f32) -> Sight {
         let (dx, dy) = (point.0 - self.origin.0, point.1 - self.origin.1);
-        let Some(last) = self.len().checked_sub(1) else { return Sight::Nothing };
-        let is_ahead = |ray: usize| dx * self.cos[ray] + dy * self.sin[ray] > 0.0;
-        // The rays to the right and left of the place.
-        let mut to_right = dy * self.cos[last] - dx * self.sin[last];
-        let is_left = |(cos, sin): (&f32, &f32)| {
-            let to_left = dy * cos - dx * sin;
-            std::mem::replace(&mut to_right, to_left) >= 0.0 && to_left < 0.0
-        };
-        let mut is_left = is_left;
-        let mut rays = self.cos.iter().zip(&self.sin).enumerate();
-        let beside = |left: usize| (if left > 0 { left - 1 } else { last }, left);
-        let found = rays.find_map(|(left, direction)| {
-            let (right, left) = beside(left);
-            (is_left(direction) && is_ahead(right) && is_ahead(left)).then_some((right, left))
-        });
-        let Some((right, left)) = found else { return Sight::Nothing };
+        let Some((right, left)) = self.beside((dx, dy), spacing_rad) else { return Sight::Nothing };
         let (one, other) = (self.end(right), self.end(left));
         if [one, other].into_iter().flatten().any(|end| apart(end, point) < SURFACE_MARGIN) {
             return Sight::Surface;
@@ -705,6 +711,13 @@ mod tests {
         assert_eq!(sight(HALF_ROOM + 1.0, 2.0, 1.0), Sight::Nothing, "behind the wall");
         assert_eq!(sight(5.0, 0.7, 1.0), Sight::Free, "in the room, too large to fit between two beams");
         assert_eq!(sight(5.0, 0.7, 0.5), Sight::Nothing, "small enough to fit between them");
+        let in_front = (0..BEAMS / 2).map(|beam| {
+            let angle = (beam as f32 - BEAMS as f32 / 4.0) * spacing;
+            (angle.cos(), angle.sin(), f32::INFINITY)
+        });
+        rays.fill(((0.0, 0.0), 0.0), in_front);
+        assert_eq!(rays.sight((5.0, 0.7), spacing, 1.0), Sight::Free);
+        assert_eq!(rays.sight((-5.0, 0.7), spacing, 1.0), Sight::Nothing, "outside the field of view");
     }
 
     #[test]
