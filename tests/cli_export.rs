@@ -21,7 +21,7 @@ fn workspace() -> Workspace {
 }
 
 #[test]
-fn the_python_program_in_the_documentation_prints_what_it_says() {
+fn the_python_program_in_the_documentation_prints_the_documented_output() {
     let Some(python) = python::python() else { return };
     let workspace = workspace();
     let page = include_str!("../docs/onnx.md");
@@ -64,7 +64,7 @@ fn the_model_card_lists_the_results_of_tests() {
     let index = page.lines().find_map(|line| line.strip_prefix("model-index: ")).expect("a model index");
     let index: serde_json::Value = serde_json::from_str(index).expect("JSON");
     let results = index[0]["results"].as_array().expect("a list");
-    assert_eq!(results.len(), 2, "the rate of the training, which is optimistic, is left out: {index}");
+    assert_eq!(results.len(), 2, "the success rate from training, which is optimistic, is left out: {index}");
     for (result, file) in results.iter().zip(["scenario-1.json", "crossing.json"]) {
         let test: serde_json::Value = serde_json::from_str(&workspace.text(file)).expect("JSON");
         assert_eq!(result["dataset"]["name"], test["scenario"]);
@@ -84,7 +84,7 @@ fn the_model_card_lists_the_results_of_tests() {
 }
 
 #[test]
-fn a_policy_trained_with_raw_observations_decides_alike() {
+fn an_exported_policy_with_raw_observations_gives_the_same_results() {
     let Some(python) = python::python() else { return };
     let workspace = Workspace::new();
     workspace.write("raw.ron", raw(&quick_fast()));
@@ -109,7 +109,7 @@ fn a_page_that_a_person_wrote_is_never_overwritten() {
     std::fs::remove_file(workspace.path("README.md")).expect("removed");
     workspace.run_ok("--export policy.safetensors --onnx first.onnx");
     workspace.run_ok("--export policy.safetensors --onnx second.onnx");
-    assert!(workspace.text("README.md").contains("second.onnx"), "wayfield's own page is renewed");
+    assert!(workspace.text("README.md").contains("second.onnx"), "wayfield's own page is overwritten");
 }
 
 #[test]

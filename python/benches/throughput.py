@@ -70,9 +70,9 @@ class NumpyTask:
         dx = self.centres[:, 0] - self.x[:, None]
         dy = self.centres[:, 1] - self.y[:, None]
         along = cos[:, :, None] * dx[:, None] + sin[:, :, None] * dy[:, None]
-        root = self.radius**2 - (dx**2 + dy**2)[:, None] + along**2
-        hits = along - np.sqrt(np.maximum(root, 0.0))
-        hits = np.where((root > 0.0) & (hits > 0.0), hits, MAX_RANGE_M)
+        discriminant = self.radius**2 - (dx**2 + dy**2)[:, None] + along**2
+        hits = along - np.sqrt(np.maximum(discriminant, 0.0))
+        hits = np.where((discriminant > 0.0) & (hits > 0.0), hits, MAX_RANGE_M)
         self.ranges = np.minimum(ranges, hits.min(axis=2))
         self.nearest = self.ranges.min(axis=1)
 

@@ -72,7 +72,7 @@ impl NativeReport {
         json(&records?)
     }
 
-    /// Does the training runs that are missing and writes the report. Returns its folder, and the JSON object of
+    /// Carries out the missing training runs and writes the report. Returns its folder, and the JSON object of
     /// `--reproduce --json`. `parallel` is the number of runs that were done in parallel.
     fn finish(&mut self, py: Python<'_>, parallel: usize) -> PyResult<(PathBuf, String)> {
         let report = self.0.take().ok_or_else(finished)?;
@@ -128,7 +128,7 @@ pub fn run_task(py: Python<'_>, text: &str, runs: PathBuf) -> PyResult<String> {
     }
 }
 
-/// The version and the commit of wayfield. A build carries out only the tasks of an equal build.
+/// The version and the commit of wayfield. A task is carried out only by the build that it comes from.
 #[pyfunction]
 pub fn build() -> String {
     COMMIT.map_or_else(|| VERSION.into(), |commit| format!("{VERSION}, commit {commit}"))

@@ -82,8 +82,8 @@ pub struct EnvOptions {
 }
 
 impl EnvOptions {
-    /// The configuration of environments of `scenario` or, if given, of `set`, and the bounds of their observations. Applies the
-    /// settings to both.
+    /// Applies the settings to `scenario` and `set`. Returns the configuration of environments of `set`, if given, otherwise of
+    /// `scenario`, and the bounds of their observations.
     pub fn config(
         self,
         scenario: &mut Scenario,

@@ -1,4 +1,4 @@
-"""The slow check with Stable-Baselines3, which CI leaves out because torch downloads gigabytes. ``.ci/sb3`` runs it, or:
+"""The slow check with Stable-Baselines3, which CI leaves out because torch is a download of gigabytes. ``.ci/sb3`` runs it, or:
 
     pip install ./python stable-baselines3 pytest
     python -m pytest python/tests/sb3_check.py

@@ -72,7 +72,7 @@ def test_a_policy_that_remembers_scans_drives_as_in_its_evaluation(scenario, tmp
     # Where they differ, rounding has decided between actions of almost equal value.
     for action, step in zip(chosen, steps, strict=True):
         assert step["q_values"][action] > step["q_values"][step["action"]] - 1e-2
-    # The observation is what the network has got, and almost all decisions are greedy.
+    # The observation is the network's input, and almost all decisions are greedy.
     policy = wayfield.Policy.load("general")
     driver.reset()
     first = list(percepts(steps))[:100]

@@ -103,7 +103,7 @@ def train(
         callback: Called every 0.1 s with ``episodes``, ``env_steps``, ``gradient_steps``, ``mean_return``, ``success_rate`` (of
             the last evaluation), and ``epsilon``. The run stops if it returns False.
         progress: Whether to show a progress line on stderr.
-        checkpoint_every_s: The interval of checkpoints in s; it does not change what is learned.
+        checkpoint_every_s: The interval between checkpoints in s; it does not change what is learned.
 
     Raises:
         ValueError: The scenario, the preset or an option is invalid, or ``out`` is in use.

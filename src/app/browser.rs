@@ -1,7 +1,7 @@
 //! The web page around the app in a browser, in place of a command line, a disk and dialogs.
 //!
 //! In: the address of the page, and files that the user gives to it. Out: files to download, a share link, the status of the
-//! training (for screen readers and tests), and the message of a panic.
+//! training run (for screen readers and tests), and the message of a panic.
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -47,7 +47,7 @@ pub fn run() {
     let pace = parse_query("pace", "use 0.01 to 100 (times real time), or full", &mut invalid_options);
     let mut scenario = page::query_parameter("scenario").unwrap_or(default.scenario);
     if let Some(text) = page::embedded_scenario() {
-        // The text is a scenario, also if the link's run started in a shipped one or in an imported map.
+        // The text is a scenario, even if the link's run started in a shipped one or in an imported map.
         if shipped::is_scenario(&scenario) {
             scenario = "scenario.ron".into();
         } else if is_map_or_world(Path::new(&scenario)) {
@@ -120,8 +120,8 @@ pub(super) fn run_file_dialogs(
         if has_map && is_image(Path::new(&name)) {
             continue;
         }
-        let is_edited = view_state.0.editor.is_some() && name.ends_with(".ron");
-        answers.push(if is_edited {
+        let in_editor = view_state.0.editor.is_some() && name.ends_with(".ron");
+        answers.push(if in_editor {
             Command::OpenInEditor(Some(name.into()))
         } else {
             Command::Open(name.into())
@@ -197,7 +197,7 @@ pub(super) struct PageStatus {
     best_success_rate: Option<f64>,
     frames: u64,
     frames_per_s: f64,
-    /// Time spent on control steps in all, in ms.
+    /// Total time spent on control steps, in ms.
     stepping_ms: f64,
     /// Longest time spent on control steps in one frame, in ms.
     longest_slice_ms: f64,
@@ -218,7 +218,7 @@ pub(super) struct SessionView<'w> {
     learner: Res<'w, ActiveLearner>,
 }
 
-/// Reports the status of the training to the page, and keeps the address up to date.
+/// Reports the status of the training run to the page, and keeps the address up to date.
 pub(super) fn report_to_page(
     session: SessionView,
     time: Res<Time<Real>>,

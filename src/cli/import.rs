@@ -96,8 +96,8 @@ fn all_worlds(file: &Path, options: &ImportOptions, folder: &Path, as_json: bool
     if as_json { print_json(&summaries) } else { print_stdout(&paths) }
 }
 
-/// Prints on stderr what the import left out or changed, with the name of `file`: the imported file or, if that file has
-/// several worlds, the written scenario.
+/// Prints on stderr what the import left out or changed, with the name of `file`: the imported file or, if all worlds in
+/// it are imported, the written scenario.
 fn print_findings(file: &Path, imported: &Imported) {
     for finding in &imported.findings {
         print_stderr(&format!("note: {}: {finding}", printable_path(file)));

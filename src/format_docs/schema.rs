@@ -141,7 +141,7 @@ fn without_links(text: &str) -> String {
     plain + rest
 }
 
-/// `Vec` for `Vec<f32>`; empty for a tuple.
+/// The name of a type without its arguments: `Vec` for `Vec<f32>`. Empty for a tuple.
 pub fn name(kind: &Type) -> String {
     match kind {
         Type::Path(path) => path.path.segments.last().expect("a name").ident.to_string(),
@@ -149,7 +149,7 @@ pub fn name(kind: &Type) -> String {
     }
 }
 
-/// `f32` for `Vec<f32>` and `Option<f32>`.
+/// The first type argument: `f32` for `Vec<f32>` and `Option<f32>`.
 pub fn inner(kind: &Type) -> Option<&Type> {
     let Type::Path(path) = kind else { return None };
     let PathArguments::AngleBracketed(arguments) = &path.path.segments.last()?.arguments else { return None };

@@ -1,7 +1,7 @@
 //! The options of the learning algorithm: the `learning:` part of a preset.
 //!
 //! In: a RON (or any serde) document. Out: a [`LearningConfig`], or a [`ConfigError`] with the field, the problem and the
-//! fix. The default is Table 1 of the paper; every option switches one part of the algorithm.
+//! fix. The default is Table 1 of the paper; each option sets one part of the algorithm.
 
 mod check;
 mod defaults;

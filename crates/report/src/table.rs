@@ -128,7 +128,7 @@ impl Cell {
         }
     }
 
-    /// The interval as shown behind the value; empty if the cell has none.
+    /// The interval as shown after the value; empty if the cell has none.
     pub(crate) fn interval_text(&self) -> String {
         match *self {
             Self::Estimate { mean: value, half_width, limits, digits }

@@ -384,7 +384,7 @@ fn changing_one_number_keeps_everything_else() {
     let (before, after) = ("max_range_m: 3.5,", "max_range_m: 4.25,");
     assert_eq!(text.matches(before).count(), 1);
     assert_eq!(edited(&text, |scenario| scenario.lidar.max_range_m = 4.25), text.replace(before, after));
-    // In an aligned line with a comment behind it.
+    // In an aligned line with a comment after it.
     assert_eq!(
         diff(&text, &edited(&text, |scenario| scenario.task.max_episode_steps = 800)),
         "-        max_episode_steps: 500,     // the episode is truncated after this\n\
@@ -790,7 +790,7 @@ proptest! {
     }
 }
 
-/// `text`, whose strings contain no brackets, with comments and line breaks behind some brackets, commas and colons.
+/// `text`, whose strings contain no brackets, with comments and line breaks after some brackets, commas and colons.
 fn with_trivia(text: &str, seeds: &[usize]) -> String {
     const TRIVIA: [&str; 8] =
         ["// c )\n", " /* a, ( */ ", "\n", "\n\n\n", "/* a\n\n b */", " // d\n\n// e\n", "/*/**/*/", " "];

@@ -32,7 +32,7 @@ pub struct Editor {
     revision: u64,
     /// The scenario's name or file.
     pub(super) from: String,
-    /// The scenario as saved in its file; `None` if it was never saved.
+    /// The scenario as shipped or as saved in its file; `None` if unknown.
     pub(super) saved: Option<Arc<Scenario>>,
 }
 
@@ -44,8 +44,8 @@ impl Editor {
         Self::with_changes(scenario, from, in_file)
     }
 
-    /// An editor of `scenario`, which may differ from `in_file`, the scenario as saved in its file; `None` if it was never
-    /// saved.
+    /// An editor of `scenario`, which may differ from `in_file`, the scenario as shipped or as saved in its file; `None` if
+    /// unknown.
     #[must_use]
     pub fn with_changes(scenario: Arc<Scenario>, from: String, in_file: Option<Arc<Scenario>>) -> Self {
         Self {

@@ -52,7 +52,7 @@ impl Editor {
         (path.extension() == Some("ron".as_ref())).then(|| path.into())
     }
 
-    /// The scenario as saved in its file; `None` if it was never saved.
+    /// The scenario as shipped or as saved in its file; `None` if unknown, as after opening one with unsaved changes.
     #[must_use]
     pub fn scenario_in_file(&self) -> Option<&Arc<Scenario>> {
         self.saved.as_ref()

@@ -1,6 +1,6 @@
 //! The notice about questionable settings of the current training run.
 //!
-//! In: the training's configuration. Out: one notice that stays until it is dismissed or the settings change.
+//! In: the training run's configuration. Out: one notice that stays until it is dismissed or the settings change.
 
 use bevy::prelude::*;
 

@@ -20,12 +20,12 @@ pub fn level_generator_diagnostics(generator: &LevelGenerator) -> Vec<Diagnostic
     let mut diagnostics = Diagnostics::default();
     check_scenario_parts(generator, &mut diagnostics);
     check_sizes(generator, &mut diagnostics);
-    let most = 0..=MAX_LEVEL_LAYOUTS;
-    diagnostics.check_count(format_args!("wall_layouts"), generator.wall_layouts.len(), most.clone());
+    let range = 0..=MAX_LEVEL_LAYOUTS;
+    diagnostics.check_count(format_args!("wall_layouts"), generator.wall_layouts.len(), range.clone());
     for (k, walls) in generator.wall_layouts.iter().enumerate().take(MAX_LEVEL_LAYOUTS) {
         check_walls(format_args!("wall_layouts[{k}]"), walls, generator, &mut diagnostics);
     }
-    diagnostics.check_count(format_args!("clutter"), generator.clutter.len(), most);
+    diagnostics.check_count(format_args!("clutter"), generator.clutter.len(), range);
     for (k, clutter) in generator.clutter.iter().enumerate().take(MAX_LEVEL_LAYOUTS) {
         check_clutter(format_args!("clutter[{k}]"), clutter, generator, &mut diagnostics);
     }

@@ -39,8 +39,9 @@ pub fn handle(
     }
 }
 
-/// The index of the motion for the arrow keys held down: the straightest without left or right, otherwise the sharpest turn to
-/// that side, or the gentlest if up is held too. Of motions that turn equally, the fastest. `None` without motions.
+/// The index of the motion for the arrow keys held down. With left or right alone, it is the sharpest turn to that side, or the
+/// gentlest if up is held too. Otherwise, or without a turn to that side, it is the straightest motion. Of motions that turn
+/// equally, it is the fastest. `None` without motions.
 fn steered(motions: &[Motion], left: bool, right: bool, up: bool) -> Option<usize> {
     let turn = |&(_, motion): &(usize, &Motion)| motion.w_rad_s.abs();
     let gentler = |a: &(usize, &Motion), b: &(usize, &Motion)| {

@@ -70,7 +70,8 @@ fn draw_plus(canvas: &Canvas, at: Pos2, half: f32) {
     }
 }
 
-/// Draws the value that a handle changes: to its upper right or, where that would cover one of `others`, on another side.
+/// Draws the value that a handle changes: to its upper right or, where that would cover one of `others` or leave the canvas, on
+/// another side.
 fn draw_value(canvas: &Canvas, handle: &ScreenHandle, others: &[ScreenHandle]) {
     let (painter, palette, text) = (&canvas.painter, &canvas.palette, &handle.handle.text);
     let size = painter.layout_no_wrap(text.clone(), FontId::proportional(SMALL), palette.text).size();

@@ -1,6 +1,7 @@
 //! The slot of a training run in a browser: its autosave in the browser's database, through the page.
 //!
-//! In: copies of the training. Out: files that the page stores. The page reports the result later (`browser_sessions.rs`).
+//! In: copies of the training run. Out: files that the page stores. The page reports the result later
+//! (`browser_sessions.rs`).
 
 use std::path::Path;
 
@@ -32,7 +33,7 @@ impl Slot {
         None
     }
 
-    /// 0: every copy of the training must be complete.
+    /// 0: every copy of the training run must be complete.
     pub(super) fn known_bytes(&self) -> u64 {
         0
     }
