@@ -198,8 +198,8 @@ fn a_classical_driver_drives_next_to_the_policy_with_its_class_and_the_map_that_
     assert_ne!(driver(&app, 1).0, "ORCA", "a policy takes the place of the driver");
 }
 
-/// The motions of `arena`'s driver, each of which is shown with its Q-value.
-fn shows_q_values(app: &HeadlessApp, arena: usize) -> Vec<Motion> {
+/// Asserts that each motion of `arena`'s driver is shown with a Q-value, and returns the motions.
+fn motions_with_q_values(app: &HeadlessApp, arena: usize) -> Vec<Motion> {
     let arena = &app.shown().0.arenas[arena];
     assert_eq!(arena.q_values.len(), arena.motions.len(), "{:?}", arena.q_values);
     assert!(arena.action < arena.motions.len());
@@ -230,7 +230,7 @@ fn a_policy_drives_next_to_itself_with_a_map_that_is_shown() {
         assert_eq!(driver(&app, 1), (name.into(), class.into()));
         let plan = app.shown().0.arenas[1].plan.as_ref().expect("it builds a map");
         assert!(!plan.occupied_m.is_empty(), "walls are in sight: {plan:?}");
-        shows_q_values(&app, 1);
+        motions_with_q_values(&app, 1);
     }
     let folder = tempfile::tempdir().expect("temporary folder");
     let path = folder.path().join("mine.safetensors");
@@ -266,7 +266,7 @@ fn a_policy_with_other_observations_and_actions_drives_next_to_the_current_one()
     let after = app.shown().0.arenas[1].pose;
     assert_eq!((before.x_m, before.y_m), (after.x_m, after.y_m), "it turns in place");
     assert_ne!(before.heading_rad, after.heading_rad);
-    let [ours, other] = [0, 1].map(|arena| shows_q_values(&app, arena));
+    let [ours, other] = [0, 1].map(|arena| motions_with_q_values(&app, arena));
     assert_eq!(ours.len(), 5, "the current policy has the motions of the robot");
     assert_eq!(other.len(), 2);
     assert!(other.iter().all(|motion| motion.v_m_s == 0.0 && motion.w_rad_s > 0.0), "{other:?}");
@@ -296,7 +296,7 @@ fn a_classical_drivers_file_is_opened_like_a_policy() {
     assert_eq!(driver(&app, 1).0, "A* and pure pursuit", "a driver is also opened by its name");
 }
 
-/// A preset with observations by sectors and actions in units of the robot.
+/// A preset with observations by sectors and relative actions.
 fn write_general_preset(folder: &Path) -> String {
     let path = folder.join("general.ron");
     let text = "(based_on: \"fast\", arenas: 4, observation: Sectors(count: 12, earlier_steps: 2), \

@@ -167,7 +167,7 @@ fn a_commanded_motion_drives_like_the_action_with_that_motion() {
 }
 
 #[test]
-fn a_commanded_motion_of_a_car_keeps_its_least_turning_radius() {
+fn a_commanded_motion_of_a_car_keeps_its_minimum_turning_radius() {
     let mut car = shipped::scenario("empty").expect("shipped");
     let motion = |v_m_s, w_rad_s| Motion { v_m_s, w_rad_s };
     car.robot.min_turning_radius_m = Some(0.5);
@@ -177,7 +177,7 @@ fn a_commanded_motion_of_a_car_keeps_its_least_turning_radius() {
         env.reset(6).expect("free space");
         bits(env.step_motions(&[command]).expect("a valid step").observations)
     };
-    assert_eq!(after(motion(0.1, 0.4)), after(motion(0.1, 0.2)), "0.1 m/s in a circle of 0.5 m");
+    assert_eq!(after(motion(0.1, 0.4)), after(motion(0.1, 0.2)), "0.1 m/s on a circle of radius 0.5 m");
     assert_eq!(after(motion(0.0, 0.4)), after(motion(0.0, 0.0)), "it can't turn on the spot");
     assert_ne!(after(motion(0.2, 0.4)), after(motion(0.2, 0.2)));
 }
@@ -263,7 +263,7 @@ fn plugins_extend_a_simulation_from_the_builder_too() {
 }
 
 #[test]
-fn a_run_with_plugins_resumes_to_the_bit_only_with_the_same_plugins() {
+fn a_run_with_plugins_resumes_bit_for_bit_and_only_with_the_same_plugins() {
     use std::sync::atomic::AtomicBool;
     use std::time::Instant;
     use wayfield::run::folder::RunConfig;

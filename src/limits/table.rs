@@ -378,7 +378,7 @@ const IMPORTS: &[Limit] = &[
     ),
     Limit("elements, texts and comments of an SDF file", Max(import::MAX_XML_NODES as u64), "", "memory"),
     Limit(
-        "models around a model in an SDF file",
+        "models that enclose a model in an SDF file",
         count(import::MAX_MODEL_NESTING),
         "",
         "the reader is recursive",

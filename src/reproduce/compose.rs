@@ -142,7 +142,7 @@ fn test_claim(
     Ok(claim_result(claim, &values(&claim.better)?, &values(&claim.than)?, window, anchor))
 }
 
-/// The experiments as executed, and every run's complete configuration (of the first seed).
+/// The experiments as executed, and the complete configuration of every training run with the first seed.
 fn settings(
     results: &Results<'_>,
     selected: &[SelectedExperiment],
@@ -160,10 +160,10 @@ fn settings(
     for arm in (0..selected.len()).flat_map(|index| rows(results, index)) {
         shown.extend(results.first_run(arm)?.stages.iter().map(|stage| stage.0));
     }
-    for (index, training) in shown.into_iter().map(|index| (index, &plan.training_runs[index])) {
+    for (index, run) in shown.into_iter().map(|index| (index, &plan.training_runs[index])) {
         settings.push(Setting {
-            heading: format!("Run {}: {}", training.name, used_by(index, selected, plan)),
-            ron: to_ron(&training.config).map_err(failed)?,
+            heading: format!("Run {}: {}", run.name, used_by(index, selected, plan)),
+            ron: to_ron(&run.config).map_err(failed)?,
         });
     }
     Ok(settings)
@@ -173,7 +173,7 @@ fn settings(
 fn used_by(index: usize, selected: &[SelectedExperiment], plan: &RunPlan) -> String {
     let mut uses = Vec::new();
     for ((experiment, condition, arm, _), arm_run) in &plan.arm_runs {
-        let Some(stage) = arm_run.stages.iter().position(|&(training, _)| training == index) else {
+        let Some(stage) = arm_run.stages.iter().position(|&(run_index, _)| run_index == index) else {
             continue;
         };
         let source = &selected[*experiment].source;

@@ -52,7 +52,7 @@ struct Spent {
 
 impl ReportFolder {
     /// Creates the folder, or continues one that an earlier reproduction created. Checks that the report can be written to it. A
-    /// full report must not be replaced by a quick one, nor by one that leaves out experiments or seeds, or with `--only` figures
+    /// full report must not be replaced by a quick one, nor by one that leaves out experiments, seeds or (with `--only`) figures
     /// or tables. Several shards can use the folder at the same time.
     ///
     /// # Errors
@@ -174,7 +174,7 @@ fn entries(folder: &Path) -> impl Iterator<Item = DirEntry> {
     fs::read_dir(folder).into_iter().flatten().flatten()
 }
 
-/// Whether an entry is the file of the report or of a shard whose name starts with `name`.
+/// Whether an entry is the `name` file of the report or of a shard.
 fn is_named(entry: &DirEntry, name: &str) -> bool {
     let file = entry.file_name();
     let rest = file.to_str().and_then(|file| file.strip_prefix(name));

@@ -55,7 +55,7 @@ pub fn difference(a: Budget, b: Budget) -> Option<Budget> {
     }
 }
 
-/// The shorter one of two lengths, if both are in the same unit.
+/// The shorter of two lengths, if both are in the same unit.
 pub fn shorter(a: Budget, b: Budget) -> Option<Budget> {
     difference(a, b).map(|_| a.min(b))
 }

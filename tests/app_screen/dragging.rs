@@ -114,7 +114,7 @@ fn click_at(window: &mut Window, at_m: math::Vec2) -> Vec<Command> {
 }
 
 #[test]
-fn a_click_on_free_floor_gives_the_goal_while_a_policy_is_watched() {
+fn a_click_on_free_floor_sets_the_goal_while_a_policy_is_watched() {
     let free = math::vec2(0.9, -1.5);
     let mut training = window(ScreenFixture::default());
     assert_eq!(click_at(&mut training, free), [], "not in training");

@@ -3,7 +3,7 @@
 //! | file | about |
 //! |---|---|
 //! | `setup.rs` | the setup panel |
-//! | `layout.rs`, `narrow.rs` | the layout in windows of different sizes, and of a phone |
+//! | `layout.rs`, `narrow.rs` | the layout in windows of different sizes, and on a phone |
 //! | `dragging.rs` | dragging objects in an arena |
 //! | `editor.rs`, `editor_canvas.rs` | the scenario editor: its panel, its drawing |
 
@@ -150,7 +150,7 @@ fn a_key_held_down_acts_once_except_the_step_key() {
 }
 
 #[test]
-fn the_start_button_is_shown_before_the_first_training_only() {
+fn the_start_button_is_shown_only_before_training_has_begun() {
     let mut window = window(ScreenFixture::untrained());
     assert_eq!(click(&mut window, "Start learning"), [Command::Pause(false)]);
     window.state_mut().status.paused = false;
@@ -175,7 +175,7 @@ fn the_modes_can_be_chosen_and_compare_needs_a_second_policy() {
 }
 
 #[test]
-fn in_test_mode_a_note_tells_that_training_is_paused_and_the_grid_is_not_offered() {
+fn in_test_mode_a_note_says_that_training_is_paused_and_the_grid_is_not_offered() {
     let mut window = window(ScreenFixture::default().with_single_policy());
     assert!(window.query_by_label("Training is paused in this mode").is_some());
     assert!(window.query_by_label("All arenas").is_none() && window.query_by_label("Fit").is_some());

@@ -221,7 +221,7 @@ fn write_actions(page: &mut String, card: &Card) -> std::fmt::Result {
     if let Some(motions) = &card.relative_actions {
         writeln!(
             page,
-            "| action | share of the highest speed | share of the highest turning rate |\n|---|---|---|"
+            "| action | fraction of the highest speed | fraction of the highest turning rate |\n|---|---|---|"
         )?;
         for (number, motion) in motions.iter().enumerate() {
             writeln!(page, "| {number} | {} | {} |", motion.speed, motion.turn)?;
@@ -257,7 +257,7 @@ fn write_results(page: &mut String, results: &[EvalResults], has_relative_action
             test.collision_rate,
             test.timeout_rate,
         ]
-        .map(|share| format!("{:.1}", 100.0 * share));
+        .map(|fraction| format!("{:.1}", 100.0 * fraction));
         let time = test.mean_time_s.map_or("-".into(), |time_s| format!("{time_s:.1} s"));
         writeln!(
             page,

@@ -147,7 +147,7 @@ pub fn import(
         findings: &findings,
     };
     let mut imported = world.import(path, &base)?;
-    // Other worlds get a longer time limit if the way to the goal is long. A stage keeps that of `base`.
+    // Other worlds get a longer time limit if the path to the goal is long. A stage keeps that of `base`.
     imported.scenario.task.max_episode_steps = base.task.max_episode_steps;
     Ok(imported)
 }

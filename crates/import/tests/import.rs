@@ -42,7 +42,7 @@ impl Folder {
         if let Ok(imported) = &result {
             assert_eq!(diagnostics(&imported.scenario), [], "the scenario is valid");
             let again = Scenario::parse(&imported.text(), "again.ron").expect("the text is a scenario");
-            assert_eq!(again, imported.scenario, "the text says the same");
+            assert_eq!(again, imported.scenario, "the text has the same contents");
         }
         result
     }
@@ -124,12 +124,7 @@ fn a_map_and_a_world_of_the_same_hall_agree_within_a_cell() {
     let every_cell = ImportOptions { tolerance_m: Some(0.0), ..ImportOptions::default() };
     let cells = folder.import_with("map.yaml", &every_cell).expect("a map");
     assert!(map.deviation_m <= 0.06 && cells.deviation_m == 0.0 && world.deviation_m == 0.0);
-    assert_eq!(
-        world.scenario.obstacles.len(),
-        7,
-        "every shape is taken over: {:?}",
-        world.scenario.obstacles
-    );
+    assert_eq!(world.scenario.obstacles.len(), 7, "every shape is imported: {:?}", world.scenario.obstacles);
     let mut compared = 0;
     for step_x in -24..=24 {
         for step_y in -14..=14 {
@@ -242,7 +237,7 @@ fn a_plain_image_needs_a_scale() {
     );
     let options = ImportOptions { resolution_m: Some(0.1), ..ImportOptions::default() };
     let (low, high) = folder.import_with("plan.pgm", &options).expect("a plan").scenario.enclosure.bounds_m();
-    // The unknown grey is bright, so the outside is floor, but the hall is larger.
+    // The unknown grey is bright, so the outside is floor, too; the hall is imported because it is larger.
     assert!((high - low - vec2(10.0, 6.0)).length() < 1e-4, "{low} {high}");
 }
 
@@ -301,7 +296,7 @@ fn included_models_are_found_and_their_pose_is_replaced() {
     assert!(error.contains("included models are nested more than 8 deep; help: flatten them"), "{error}");
 }
 
-/// An included model counts once, like a model in the same file.
+/// An included model counts as one level, like a model in the same file.
 #[test]
 fn models_may_be_nested_8_deep_whether_or_not_they_are_included() {
     let folder = Folder::new(&[]);
@@ -533,8 +528,8 @@ fn a_barn_world_with_its_path_file_has_barns_task() {
     let folder = Folder::new(&[("world_7.world", text.as_bytes()), ("path_files/path_7.npy", &path)]);
     let imported = folder.import("world_7.world").expect("a world");
     // The cells are (-2.325, 5.075) and (-2.325, 8.075).
-    let ends = 0.075_f64.hypot(2.075) + 3.0 + 0.075_f64.hypot(4.925);
-    assert!((imported.path_length_m.expect("a length") - ends).abs() < 1e-9);
+    let length_m = 0.075_f64.hypot(2.075) + 3.0 + 0.075_f64.hypot(4.925);
+    assert!((imported.path_length_m.expect("a length") - length_m).abs() < 1e-9);
     assert_eq!(imported.scenario.robot.radius_m, 0.3, "the Jackal");
     let scenario_1 = ImportOptions { robot_from: Some(Scenario::default()), ..ImportOptions::default() };
     assert_eq!(

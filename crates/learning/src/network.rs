@@ -26,8 +26,8 @@ const CHUNK_ROWS: usize = 128;
 pub struct QNetwork {
     /// The shape for one quantile.
     shape: NetworkShape,
-    /// The number of quantiles; each has a head of its own on the last hidden layer. If it is 1, the head's output is
-    /// the Q-values.
+    /// The number of quantiles; each has a head of its own on the last hidden layer. If it is 1, the head gives the
+    /// Q-values.
     quantiles: usize,
     parameters: Vec<f32>,
     layers: Vec<Layer>,
@@ -159,7 +159,7 @@ impl QNetwork {
             .expect("`with_parameters` gets a valid shape and its number of parameters")
     }
 
-    /// Replaces all parameters by those of a policy of the same shape. Each quantile gets its head.
+    /// Replaces all parameters by those of a policy of the same shape. Each quantile gets the policy's head.
     pub(crate) fn load(&mut self, policy: &Policy) {
         let (inputs, outputs) = head_size(&self.shape);
         let (hidden, head) = policy.parameters().split_at(policy.parameters().len() - (inputs + 1) * outputs);
@@ -206,8 +206,8 @@ impl QNetwork {
         self.quantiles
     }
 
-    /// All parameters in one flat slice; [`NetworkShape::parameters`] names its parts. With several quantiles, the weights of all
-    /// their heads stand in place of the head's, then all their biases.
+    /// All parameters in one flat slice; [`NetworkShape::parameters`] names its parts. With several quantiles, the
+    /// head's part contains the weights of all heads, then the biases of all heads.
     #[must_use]
     pub fn parameters(&self) -> &[f32] {
         &self.parameters

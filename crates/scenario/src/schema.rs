@@ -242,7 +242,8 @@ pub enum ObstacleMotion {
         /// Whether it returns from the last goal to its position and begins again. Otherwise it stops at the last goal.
         #[serde(default = "default_loops")]
         loops: bool,
-        /// Whether it also avoids the robot, by its collision range, and leaves half of the avoidance to it.
+        /// Whether it also avoids the robot, as a disc that contains its collision range and its shape, and leaves half of the
+        /// avoidance to it.
         #[serde(default)]
         sees_robot: bool,
     },
@@ -368,8 +369,8 @@ pub struct Robot {
 }
 
 impl Default for Robot {
-    /// The paper's five motions, equation (9) in its order (large left, small left, forward, small right,
-    /// large right) with v0 = 0.15 m/s and w0 = 0.75 rad/s of table 1. The paper does not specify the radius (here 0.1 m) or
+    /// The paper's five motions in the order of its equation (9) (large left, small left, forward, small right,
+    /// large right) with v0 = 0.15 m/s and w0 = 0.75 rad/s from table 1. The paper does not specify the radius (here 0.1 m) or
     /// the lag and the accelerations (here no lag and no limits).
     fn default() -> Self {
         let motions = [1.5, 0.75, 0.0, -0.75, -1.5].map(|w_rad_s| Motion { v_m_s: 0.15, w_rad_s });

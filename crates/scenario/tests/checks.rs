@@ -336,7 +336,8 @@ fn goals_beyond_the_time_limit_are_noted_with_their_percentage() {
         "warning: `task.max_episode_steps` is 500: in this time the robot covers at most 15.0 m, but ";
     assert!(note.starts_with(start), "{note}");
     // In a square of 29.3 m, the free space, 49 % of all pairs of points are more than 15.2 m apart.
-    let percent: f32 = note[start.len()..].split(' ').next().and_then(|n| n.parse().ok()).expect("a share");
+    let percent: f32 =
+        note[start.len()..].split(' ').next().and_then(|n| n.parse().ok()).expect("a percentage");
     assert!((46.0..=56.0).contains(&percent), "{note}");
     // The diagonal of the free space is 41.4 m. Less 0.2 m, that is 1,375 steps of 0.03 m.
     let steps: u32 =
@@ -536,7 +537,8 @@ fn obstacles_that_overlap_or_cross_something_are_noted_with_the_place() {
 
 #[test]
 fn notes_on_large_scenarios_are_found_quickly() {
-    // The maximum number of static obstacles, each overlapping its neighbours; and 2,000 with the longest paths, through walls.
+    // The maximum number of static obstacles, each overlapping its neighbours; and 2,000 moving ones with the longest paths,
+    // through walls.
     let ball = |k: usize, motion: ObstacleMotion| {
         obstacle(
             Shape::Circle { radius_m: 1.0 },
@@ -585,7 +587,7 @@ fn both_ends_of_a_benchmark_route_need_free_space() {
 
 /// Asserts that the check of `text` takes at most 20 s, and that its messages contain `needle`.
 fn assert_reported_quickly(what: &str, text: &str, needle: &str) {
-    assert!(text.len() <= 1 << 20, "{what}: {} bytes are no file", text.len());
+    assert!(text.len() <= 1 << 20, "{what}: {} bytes are over the limit", text.len());
     let start = Instant::now();
     let messages = Scenario::parse(text, "w.ron").expect_err(what).to_string();
     assert!(

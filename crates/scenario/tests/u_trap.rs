@@ -1,5 +1,5 @@
-//! A test of the claim in u-trap.ron and docs/worlds.md: a potential field alone gets stuck in the U-trap with any weights,
-//! but succeeds in Scenario I.
+//! A test of the claim in u-trap.ron and docs/worlds.md: a potential field alone gets stuck in the U-trap with every gain and
+//! range tested, but succeeds in Scenario I.
 
 use std::path::Path;
 

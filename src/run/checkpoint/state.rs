@@ -196,7 +196,7 @@ impl TrainerState {
         for (number, arena) in self.arenas.iter().enumerate() {
             let scenario = match (&pool, &arena.scenario) {
                 (None, None) => Some(own.clone()),
-                (Some(pool), Some(arena)) => arena.scenario_in(pool),
+                (Some(pool), Some(drawn)) => drawn.scenario_in(pool),
                 _ => None,
             };
             let scenario = scenario
@@ -211,7 +211,7 @@ impl TrainerState {
         }
         let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
         let TrainingStats { loss, td_error, q_value, .. } = self.stats;
-        let is_share = |rate: f64| (0.0..=1.0).contains(&rate);
+        let is_fraction = |rate: f64| (0.0..=1.0).contains(&rate);
         let milestones = [self.first_96, self.first_99];
         for (what, is_valid) in [
             ("a random stream of exploration", self.exploration.iter().all(random::is_valid)),
@@ -223,7 +223,7 @@ impl TrainerState {
                     && self.recent_returns.iter().all(|value| value.is_finite()),
             ),
             ("the next evaluation", self.next_evaluation <= 1 << 62),
-            ("the last success rate", self.last_success_rate.is_none_or(is_share)),
+            ("the last success rate", self.last_success_rate.is_none_or(is_fraction)),
             ("the best policy", self.best.as_ref().is_none_or(BestPolicy::is_valid)),
             ("the milestones", milestones.iter().flatten().all(|milestone| milestone.wall_s.is_finite())),
             ("the wall time", (0.0..=MAX_TIME_S).contains(&self.wall_s)),

@@ -14,7 +14,7 @@ pub(super) fn lookalike(text: &str, offset: usize) -> Option<(char, String, &'st
         }
         '\u{a0}' | '\u{2007}' | '\u{202f}' => ("a no-break space", " "),
         '−' | '–' | '—' | '‐' | '‑' => ("a dash or minus sign", "-"),
-        '×' | '·' | '•' => ("a sign", "*"),
+        '×' | '·' | '•' => ("a symbol", "*"),
         '\u{ff01}'..='\u{ff5e}' => ("a full-width character", ascii_of_full_width(c)),
         _ if is_unprintable(c) && !c.is_ascii_whitespace() => {
             return Some((c, format!("an invisible character ({code}): delete it"), ""));

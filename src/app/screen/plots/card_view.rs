@@ -19,7 +19,7 @@ const HEIGHT: f32 = 112.0;
 const AXIS_WIDTH: f32 = 44.0;
 /// The radius of the ring around the best point, in points.
 const RING_RADIUS: f32 = 4.5;
-/// The maximum number of points of a line at which it is drawn with dots.
+/// The maximum number of points at which a line is drawn with dots.
 const MAX_DOTS: usize = 40;
 
 /// Draws a card; `labelled` adds the texts of the vertical marks.
@@ -49,12 +49,12 @@ pub fn card_ui(ui: &mut egui::Ui, card: &Card<'_>, shared: &CardContext<'_>, lab
 /// Draws the placeholder of a card without data: `text` between two lines.
 fn empty_card_ui(ui: &mut egui::Ui, text: &str, size: Vec2, palette: Palette) {
     let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
-    let place = rect.with_min_x(rect.left() + AXIS_WIDTH).with_max_y(rect.bottom() - 14.0);
-    for y in [place.top() + 4.0, place.bottom() - 4.0] {
-        ui.painter().hline(place.x_range(), y, Stroke::new(1.0, palette.border));
+    let area = rect.with_min_x(rect.left() + AXIS_WIDTH).with_max_y(rect.bottom() - 14.0);
+    for y in [area.top() + 4.0, area.bottom() - 4.0] {
+        ui.painter().hline(area.x_range(), y, Stroke::new(1.0, palette.border));
     }
     let font = FontId::proportional(SMALL);
-    ui.painter().text(place.center(), egui::Align2::CENTER_CENTER, text, font, palette.weak_text);
+    ui.painter().text(area.center(), egui::Align2::CENTER_CENTER, text, font, palette.weak_text);
 }
 
 /// Draws the plot of a card.
