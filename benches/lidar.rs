@@ -23,36 +23,32 @@ fn main() {
     divan::main();
 }
 
-const WORLDS: [&str; 4] = ["static", "moving", "barn", "office"];
+const SCENARIOS: [&str; 4] = ["static", "moving", "barn", "office"];
 const BEAMS: usize = 24;
 const MAX_RANGE_M: f32 = 3.5;
 /// The number of poses. With only a few, the branch predictor would learn every cast.
 const POSES: usize = 500;
 
-#[divan::bench(args = WORLDS)]
-fn wayfield_scan(bencher: Bencher, obstacles: &str) {
-    scan(bencher, obstacles, |colliders, bodies, pose, beams, ranges_m| {
+#[divan::bench(args = SCENARIOS)]
+fn wayfield_scan(bencher: Bencher, name: &str) {
+    scan(bencher, name, |colliders, bodies, pose, beams, ranges_m| {
         lidar::cast_in_arena(colliders, bodies, pose, beams, MAX_RANGE_M, ranges_m);
     });
 }
 
 /// The same scan without the grid over static shapes.
-#[divan::bench(args = WORLDS)]
-fn without_grid(bencher: Bencher, obstacles: &str) {
-    scan(bencher, obstacles, |colliders, bodies, pose, beams, ranges_m| {
+#[divan::bench(args = SCENARIOS)]
+fn without_grid(bencher: Bencher, name: &str) {
+    scan(bencher, name, |colliders, bodies, pose, beams, ranges_m| {
         lidar::cast(colliders, &bodies.solids, pose, beams, MAX_RANGE_M, ranges_m);
     });
 }
 
 /// Measures a scan by `cast`.
-fn scan(
-    bencher: Bencher,
-    obstacles: &str,
-    cast: impl Fn(&ColliderSet, &Bodies, &Pose, &[Vec2], &mut Vec<f32>),
-) {
-    let mut lab = lab_after_a_step(obstacles);
+fn scan(bencher: Bencher, name: &str, cast: impl Fn(&ColliderSet, &Bodies, &Pose, &[Vec2], &mut Vec<f32>)) {
+    let mut lab = lab_after_a_step(name);
     let beams = Lidar { beams: BEAMS, ..Lidar::default() }.beam_directions();
-    let poses = poses(obstacles);
+    let poses = poses(name);
     lab.with_physics(0, |bodies, _, colliders| {
         let mut ranges_m = Vec::new();
         bencher.counter(ItemsCount::new(BEAMS * POSES)).bench_local(|| {
@@ -64,9 +60,9 @@ fn scan(
     });
 }
 
-#[divan::bench(args = WORLDS)]
-fn rapier_query_pipeline(bencher: Bencher, obstacles: &str) {
-    let mut lab = lab_after_a_step(obstacles);
+#[divan::bench(args = SCENARIOS)]
+fn rapier_query_pipeline(bencher: Bencher, name: &str) {
+    let mut lab = lab_after_a_step(name);
     let beams = Lidar { beams: BEAMS, ..Lidar::default() }.beam_directions();
     let world = lab.simulation.world_mut();
     let mut arenas =
@@ -79,7 +75,7 @@ fn rapier_query_pipeline(bencher: Bencher, obstacles: &str) {
         &colliders.colliders,
         filter,
     );
-    let poses = poses(obstacles);
+    let poses = poses(name);
     let mut ranges_m = vec![0.0; BEAMS];
     bencher.counter(ItemsCount::new(BEAMS * POSES)).bench_local(|| {
         for pose in black_box(&poses) {
@@ -95,20 +91,20 @@ fn rapier_query_pipeline(bencher: Bencher, obstacles: &str) {
 }
 
 /// Random poses that a robot may have when an episode starts.
-fn poses(obstacles: &str) -> Vec<Pose> {
-    let mut lab = Lab::new(&scenario(obstacles), POSES, 1);
+fn poses(name: &str) -> Vec<Pose> {
+    let mut lab = Lab::new(&scenario(name), POSES, 1);
     lab.states().iter().map(|state| state.pose).collect()
 }
 
 /// One arena after a step, so that rapier's query pipeline is up to date.
-fn lab_after_a_step(obstacles: &str) -> Lab {
-    let mut lab = Lab::new(&scenario(obstacles), 1, 1);
+fn lab_after_a_step(name: &str) -> Lab {
+    let mut lab = Lab::new(&scenario(name), 1, 1);
     lab.step(&[2]);
     lab
 }
 
-fn scenario(obstacles: &str) -> Scenario {
-    match obstacles {
+fn scenario(name: &str) -> Scenario {
+    match name {
         "static" => common::four_cylinders(),
         "moving" => common::moving_obstacles(),
         "barn" => common::large_worlds::barn(),

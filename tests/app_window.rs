@@ -126,7 +126,7 @@ fn at_every_scale_factor_the_controls_are_in_the_window() {
 }
 
 #[test]
-fn without_a_display_the_error_names_the_way_out() {
+fn without_a_display_the_error_names_an_alternative() {
     let home = tempfile::tempdir().expect("temporary folder");
     for display in [None, Some(":54321")] {
         let output = wayfield(display, home.path(), &[]);
@@ -232,7 +232,7 @@ fn the_view_is_stored_in_the_preferences() {
     assert!(preferences.contains("size: (900.0, 600.0)"), "{preferences}");
 }
 
-/// Asserts that the app ended with status 2 and one error, which contains all `needles` and the way out.
+/// Asserts that the app ended with status 2 and one error, which contains all `needles` and the alternative.
 fn assert_no_window(output: &Output, needles: &[&str]) {
     let stderr = text(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{stderr}");

@@ -129,14 +129,14 @@ def evaluate(
     tested in the same episodes.
 
     Args:
-        policy: A policy, its file, or the name of a shipped one; with ``+map`` after file or name, the policy builds a map as
-            it drives. Or a classical driver: its name, such as ``"dwa"``, its RON file or its RON text. Or a list of these.
+        policy: A policy, its file, or the name of a shipped one; with ``+map`` after the file or name, the policy builds a map
+            as it drives. Or a classical driver: its name, such as ``"dwa"``, its RON file or its RON text. Or a list of these.
             See docs/drivers.md.
         scenario: A shipped name, a path or RON text; None for the scenario that the policies were trained in, or Scenario I if
-            there are none.
+            there are only classical drivers.
         suite: In place of ``scenario``, many scenarios with results by family: the file of a suite or ``"shipped"`` or
             ``"validation"``, a folder of scenarios, a set of scenarios, or a level generator (docs/suites.md). ``episodes`` is
-            the number in each scenario then; ``rounds``, ``benchmark_route`` and ``trace`` are for one scenario.
+            then the number in each scenario; ``rounds``, ``benchmark_route`` and ``trace`` can't be used.
         set: Fields of the scenario with other values, as ``--set`` takes them: ``{"scenario.lidar.noise_std_m": 0.02}``.
         episodes: The episodes of a round; 100 if None, or in a suite the number that the suite sets.
         rounds: The number of rounds; 5 if None.

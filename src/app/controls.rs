@@ -85,7 +85,7 @@ fn take_tree(mut contexts: Query<(&mut EguiContext, &mut EguiOutput)>) -> Option
     tree
 }
 
-/// The names and rectangles, in points, of all enabled controls and arena objects, by their top edges, then their left edges.
+/// The names and rectangles, in points, of all enabled controls and arena objects, sorted by top edge, then by left edge.
 fn named_controls(tree: &TreeUpdate) -> Vec<(&str, [f64; 4])> {
     let usable = tree.nodes.iter().map(|(_, node)| node).filter(|node| is_usable(node));
     let named = usable.filter_map(|node| Some((accessible_name(tree, node)?, node.bounds()?)));

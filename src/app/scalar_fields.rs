@@ -123,7 +123,7 @@ pub(super) struct FieldSources<'w, 's> {
 }
 
 impl FieldSources<'_, '_> {
-    /// Whether a field is shown: not in the grid of all arenas, and only with its overlay.
+    /// Whether any field is shown: its overlay is on, and the view is not the grid of all arenas.
     fn is_shown(&self) -> bool {
         let overlays = self.view_state.0.overlays;
         let is_grid = self.view_state.0.grid && self.mode.is_training();

@@ -21,7 +21,7 @@ use crate::scenario::{printable, read_text};
 pub struct FinishedRun {
     /// The run's folder.
     pub folder: PathBuf,
-    /// A name for the folder of its test results. Another run in the same folder has another name.
+    /// A name for the folder of its test results. If another run replaces it in the same folder, the name differs.
     pub name: String,
     /// The number of finished episodes.
     episodes: u64,

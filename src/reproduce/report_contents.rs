@@ -50,8 +50,8 @@ impl ReportContents {
         }
     }
 
-    /// Why this report must not replace the full report `old`, with the fix: it leaves out an experiment file, seeds of an experiment
-    /// in both, or, because of `--only`, figures or tables. `None` if it may.
+    /// Why this report must not replace the full report `old`, with the fix: it lacks an experiment file, has fewer seeds of an
+    /// experiment, or lacks figures or tables because of `--only`. `None` if it may.
     pub fn cannot_replace(&self, old: &Self) -> Option<String> {
         if let Some(other) = old.experiments.iter().find(|other| !self.includes(other)) {
             let other = printable_path(Path::new(other));

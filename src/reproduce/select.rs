@@ -10,7 +10,7 @@ use super::selected::{ExperimentSource, SelectedExperiment};
 use crate::run::{RunError, shipped};
 use crate::scenario::closest_name;
 
-/// The experiments that `options` ask for, with the options' settings, length and seeds applied to them.
+/// The experiments that `options` ask for, with `--set`, `--quick` and `--seeds` applied to them.
 ///
 /// # Errors
 /// A file is invalid, a name is used twice, a name after `--only` does not exist, or `--set` or `--quick` is given for an

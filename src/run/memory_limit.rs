@@ -65,8 +65,8 @@ fn too_small(limit: u64, flag: &str, needed: u64, or: &str) -> RunError {
     ))
 }
 
-/// Memory of the learner and of all bodies, in training and in evaluations, in bytes. Of a set, it is enough for the scenario with
-/// the most bodies.
+/// Memory of the learner and of all bodies, in training and in evaluations, in bytes. For a set, it is enough for the scenario
+/// with the most bodies.
 fn training_bytes(config: &RunConfig) -> u64 {
     let (preset, scenario) = (&config.preset, &config.scenario);
     let learning = &preset.learning;

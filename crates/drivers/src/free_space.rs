@@ -1,4 +1,4 @@
-//! The space that earlier scans saw free.
+//! The space that earlier scans found free.
 //!
 //! A hit where an earlier beam had passed is on something that has moved there. Source: C.-C. Wang, C. Thorpe and S. Thrun,
 //! *Online simultaneous localization and mapping with detection and tracking of moving objects*, ICRA 2003.

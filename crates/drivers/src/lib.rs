@@ -1,4 +1,4 @@
-//! Drivers behind one interface: classical ones, as baselines for trained policies, and the policies, without and with a map.
+//! Drivers behind one interface: classical ones, as baselines for trained policies, and the policies, with or without a map.
 //!
 //! In: a [`Percept`] per control step. Out: an action, an index into the robot's motions or the driver's own. A driver knows its
 //! [`Robot`] and what it has perceived since its episode began, nothing else, so that its results can be compared with a
@@ -28,18 +28,18 @@
 //! | `actions` | the motions that the actions of a policy stand for |
 //! | `config` | the parameters of each driver, as RON |
 //! | `percept` | what a driver perceives |
-//! | `observer` | for policies: the observer of the sectors around a scenario's robot |
+//! | `observer` | for policies: the observer that makes observations by sectors, for a scenario's robot |
 //! | `robot` | what a driver knows about its robot; arcs, and the motion that is closest to a wanted velocity |
 //! | `field` | potential field (Khatib 1986) |
 //! | `dwa` | dynamic window approach (Fox, Burgard and Thrun 1997) |
 //! | `tracks` | velocities of moving obstacles, estimated from scans |
-//! | `free_space` | the space that earlier scans saw free |
+//! | `free_space` | the space that earlier scans found free |
 //! | `grid`, `path_search` | grids of cells, and A* over them (Hart, Nilsson and Raphael 1968) |
 //! | `rolling_map` | a map that is built from scans |
 //! | `true_map` | a map of the true scenario |
 //! | `path` | following a path: the point to pursue (Coulter 1992) |
 //! | `planned` | the drivers with a map: A* with DWA or pure pursuit |
-//! | `policy_driver` | a policy as a driver, without and with a map that it builds |
+//! | `policy_driver` | a policy as a driver, with or without a map that it builds |
 //! | `waypoints` | the point to drive to, in place of a goal that is out of sight in the map |
 //! | `orca` | a robot that follows the velocities of [`wayfield_orca`] (van den Berg et al. 2011) |
 

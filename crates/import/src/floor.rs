@@ -7,8 +7,8 @@ use std::collections::VecDeque;
 
 use crate::grid::{Cell, Grid};
 
-/// A clearance is chosen if at least this share of the reachable positions has it.
-const ROOMY_SHARE: f64 = 0.2;
+/// A clearance is chosen if at least this fraction of the reachable positions has it.
+const ROOMY_FRACTION: f64 = 0.2;
 
 /// The smallest clearance of starts and goals, in collision ranges: the robot has 10 % to spare.
 pub const MIN_CLEARANCE: f64 = 1.1;
@@ -46,16 +46,16 @@ impl Floor {
         for cell in free.members() {
             centres.set(cell, wall_distance(cell) > margins.collision);
         }
-        let (numbers, sizes) = centres.components();
+        let (labels, sizes) = centres.components();
         let mut counts = vec![0_usize; sizes.len()];
         for row in low.1..high.1 {
             for cell in (low.0..high.0).map(|column| (column, row)).filter(|&cell| centres.at(cell)) {
-                counts[numbers.at(cell) as usize] += 1;
+                counts[labels.at(cell) as usize] += 1;
             }
         }
         let most = |&part: &usize| (counts[part], sizes[part], usize::MAX - part);
         let part = (0..counts.len()).max_by_key(most)? as u32;
-        let centres = numbers.map(|number| number == part);
+        let centres = labels.map(|label| label == part);
         let wall_distances: Vec<f64> = centres.members().map(wall_distance).collect();
         let clearance = clearance(&wall_distances, margins);
         let cells = widened(free, centres.clone(), (clearance / 1.12).floor() as usize);
@@ -69,13 +69,13 @@ impl Floor {
 /// The largest of a few clearances that enough positions have. `wall_distances` holds their distances from cells that are not
 /// free.
 fn clearance(wall_distances: &[f64], Margins { collision, clearance }: Margins) -> f64 {
-    let share = |least: f64| {
+    let fraction = |least: f64| {
         wall_distances.iter().filter(|&&distance| distance > least).count() as f64
             / wall_distances.len() as f64
     };
     let smaller = [1.8, 1.5, 1.25].map(|factor| factor * collision).into_iter();
     let mut choices = std::iter::once(clearance).chain(smaller.filter(|&smaller| smaller < clearance));
-    choices.find(|&least| share(least) >= ROOMY_SHARE).unwrap_or(MIN_CLEARANCE * collision)
+    choices.find(|&least| fraction(least) >= ROOMY_FRACTION).unwrap_or(MIN_CLEARANCE * collision)
 }
 
 /// The cells of `free` that are at most `steps` steps from the cells `from`. Every other step may be diagonal, so that n steps

@@ -30,8 +30,8 @@ impl HalfPlane {
         Self::beyond(-normal * ((distance_m - agent.radius_m) / horizon_s), normal)
     }
 
-    /// The velocities with which `agent` does its share of avoiding `other` (section 4 of the paper): u is the smallest change
-    /// of the relative velocity that leads out of the velocity obstacle.
+    /// The velocities with which `agent` does its share of avoiding `other` (section 4 of van den Berg et al.): u is the smallest
+    /// change of the relative velocity that leads out of the velocity obstacle.
     pub(super) fn beside_disc(agent: &Disc, other: &Disc, avoidance: &Avoidance) -> Self {
         let position = other.at_m - agent.at_m;
         let velocity = agent.velocity_m_s - other.velocity_m_s;
@@ -67,7 +67,7 @@ impl HalfPlane {
         self.direction.perp_dot(self.point - velocity)
     }
 
-    /// The best velocity on the line of this half plane, in all `others` and at most `max_speed` fast; `None` if there is none.
+    /// The best velocity on the line of this half plane, in all `others`, of at most `max_speed`; `None` if there is none.
     fn best_on_line(&self, others: &[Self], max_speed: f32, objective: Objective) -> Option<Vec2> {
         let along = self.point.dot(self.direction);
         let discriminant = along * along + max_speed * max_speed - self.point.length_squared();
@@ -131,7 +131,7 @@ fn solve(planes: &[HalfPlane], max_speed: f32, objective: Objective) -> Result<V
 }
 
 /// The velocity closest to `wanted` in all `planes`, of which the first `fixed` belong to points and the rest to discs. If there
-/// is none: the one that violates the planes of discs least, in all those of points if that is possible.
+/// is none: the one that violates the planes of discs least and, if possible, none of the planes of points.
 pub(super) fn best_velocity(planes: &[HalfPlane], fixed: usize, wanted: Vec2, max_speed: f32) -> Vec2 {
     let (first, mut velocity) = match solve(planes, max_speed, Objective::Closest(wanted)) {
         Ok(velocity) => return velocity,

@@ -66,13 +66,12 @@ impl IndexedScenario<'_> {
         let scenario = self.scenario;
         let body = PlacedBody::new(&scenario.robot.body(), pose);
         let mut best = (Solid::Enclosure, body.enclosure_distance(scenario));
-        let mut consider =
-            |solid: Solid, from_origin_m: f32, obstacle: &mut dyn Iterator<Item = Obstacle>| {
-                if from_origin_m - body.reach_m < best.1 {
-                    let distance = obstacle.map(|part| body.distance(&part)).fold(f32::INFINITY, f32::min);
-                    best = if distance < best.1 { (solid, distance) } else { best };
-                }
-            };
+        let mut consider = |solid: Solid, from_origin_m: f32, parts: &mut dyn Iterator<Item = Obstacle>| {
+            if from_origin_m - body.reach_m < best.1 {
+                let distance = parts.map(|part| body.distance(&part)).fold(f32::INFINITY, f32::min);
+                best = if distance < best.1 { (solid, distance) } else { best };
+            }
+        };
         for (index, wall) in scenario.walls.iter().enumerate() {
             let from_origin_m = inner_wall_distance(wall, body.origin_m);
             consider(Solid::Wall(index), from_origin_m, &mut Wall::segments(wall));

@@ -4,7 +4,7 @@ use super::fields::{Field, FieldValue, Quantity};
 use super::schema::ObstacleMotion;
 use glam::Vec2;
 
-/// The kind of a motion, without its numbers.
+/// The kind of a motion, without its parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MotionKind {
     /// No motion.

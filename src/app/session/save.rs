@@ -66,8 +66,8 @@ pub(super) fn save(world: &mut World, what: SaveKind, path: &Path) -> Result<(),
             editor_files::save_scenario(world, &scenario, &based_on, path)
         }
         SaveKind::Csv => {
-            let curves = &mut world.resource_mut::<TrainingHistory>().0;
-            curves.write_csv(path).map_err(|error| failed(error.to_string()))
+            let history = &mut world.resource_mut::<TrainingHistory>().0;
+            history.write_csv(path).map_err(|error| failed(error.to_string()))
         }
         SaveKind::Figure(_) => write_figure(&figure(world), path),
         SaveKind::Run => save_run(world, path),
@@ -83,7 +83,7 @@ fn figure(world: &mut World) -> RunFigure {
     world.resource_mut::<TrainingHistory>().0.figure(title, best, is_paper_scenario_1)
 }
 
-/// The current policy or the best one as a file; after a failure of the training, the best one.
+/// The current policy or the best one as a file. After training has failed, the best one if there is one.
 fn policy_bytes(world: &World, what: SaveKind) -> Result<Vec<u8>, RunError> {
     let run = world.resource::<TrainingRun>();
     let is_best = what == SaveKind::BestPolicy || (run.has_failed && run.trainer_state.best.is_some());
@@ -114,7 +114,7 @@ fn save_run(_: &mut World, _: &Path) -> Result<(), RunError> {
     Err(RunError::InvalidInput(why.into()))
 }
 
-/// Waits for the running evaluation, if any, and copies the run with its result and the changes of the scenario during a demo.
+/// Waits for the running evaluation, if any, and copies the run, with its result and any scenario changes made in a demo.
 ///
 /// # Errors
 /// An evaluation failed, or the rows of the episodes could not be stored.
@@ -150,7 +150,7 @@ pub(crate) fn unused_path(name: &str) -> PathBuf {
     let runs = std::path::absolute("runs").unwrap_or_else(|_| "runs".into());
     // If the folder cannot be created, saving reports the error.
     let _ = std::fs::create_dir_all(&runs);
-    // A folder of a run may end in a number with a decimal point.
+    // The name of a run's folder may end in a number with a decimal point.
     let extension = name.rsplit_once('.').filter(|(_, end)| end.chars().all(char::is_alphabetic));
     let (stem, extension) = extension.map_or((name, String::new()), |(stem, end)| (stem, format!(".{end}")));
     let numbered = (2..).map(|number| runs.join(format!("{stem}-{number}{extension}")));

@@ -1,7 +1,7 @@
 //! The check that the robot can reach every possible goal from every possible start.
 //!
-//! In: the part of a scenario with valid numbers. The robot's centre must keep the collision range from everything, or
-//! the robot's inner radius if that is more; the space that remains is divided into a fine grid. A cell counts as free if it
+//! In: the valid part of a scenario. The robot's centre must stay at least the collision range away from everything, or the
+//! robot's inner radius if that is more; the space that remains is divided into a fine grid. A cell counts as free if it
 //! could contain a free point, so that only goals that are certainly out of reach are reported. Moving and generated
 //! obstacles are ignored: the former don't block a passage forever, the latter leave gaps.
 
@@ -13,8 +13,8 @@ use glam::DVec2;
 
 /// A connected region of free space that contains positions of a rule.
 pub(crate) struct RegionSite {
-    /// Number of the region.
-    pub(crate) part: u32,
+    /// Number of the region, as in [`ConnectedRegions`].
+    pub(crate) region: u32,
     /// Number of its cells that the rule allows.
     pub(crate) cells: usize,
     /// A position in it that the rule allows.
@@ -59,9 +59,9 @@ fn check_rules(
     let goals = sites(scenario, &scenario.goals, grid, regions);
     // The region with the most cells that a rule allows is taken for the intended one.
     let Some(main) = starts.iter().chain(&goals).max_by_key(|site| site.cells) else { return };
-    let odd = |sites: &[RegionSite]| sites.iter().position(|site| site.part != main.part);
+    let odd = |sites: &[RegionSite]| sites.iter().position(|site| site.region != main.region);
     let (odd_start, odd_goal) = (odd(&starts), odd(&goals));
-    let all_starts_odd = starts.iter().all(|site| site.part != main.part);
+    let all_starts_odd = starts.iter().all(|site| site.region != main.region);
     let (name, odd_site, message) = match (odd_start, odd_goal) {
         (Some(start), _) if all_starts_odd => ("starts", &starts[start], "from which the robot can't reach"),
         (_, Some(goal)) => ("goals", &goals[goal], "which the robot can't reach from"),
@@ -101,10 +101,10 @@ pub(crate) fn sites(
     let mut sites: Vec<RegionSite> = Vec::new();
     let mut longest: Vec<usize> = Vec::new();
     // Adds a run of cells and a position in it.
-    let mut add = |part: Option<u32>, cells: usize, place: DVec2| {
-        let Some(part) = part else { return };
-        let index = sites.iter().position(|site| site.part == part).unwrap_or_else(|| {
-            sites.push(RegionSite { part, cells: 0, place });
+    let mut add = |region: Option<u32>, cells: usize, place: DVec2| {
+        let Some(region) = region else { return };
+        let index = sites.iter().position(|site| site.region == region).unwrap_or_else(|| {
+            sites.push(RegionSite { region, cells: 0, place });
             longest.push(0);
             sites.len() - 1
         });

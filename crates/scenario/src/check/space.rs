@@ -1,6 +1,6 @@
 //! The checks that everything stays inside the enclosure and leaves free space for starts, goals and the benchmark route.
 //!
-//! In: the part of a scenario with valid numbers.
+//! In: the valid part of a scenario.
 
 use super::extent::{EnclosureExtent, TOLERANCE_M};
 use super::{Diagnostics, ValidPart};

@@ -1,6 +1,6 @@
 //! The note on goals that the robot cannot reach within the time limit.
 //!
-//! A goal counts as out of reach only if the straight line to it is too long. With walls, the true fraction may be larger.
+//! A goal counts as out of reach only if the straight line to it is too long. Walls may put more goals out of reach.
 
 use super::motions::{more_steps, step_m, steps_to};
 use super::space::{possible_positions, without_moving_obstacles};

@@ -17,7 +17,7 @@ const MAX_REPAIRS: usize = 64;
 /// Values of different types, tried in this order in place of an unreadable value. The choices of an enum are tried after them.
 const VALUES: [&str; 6] = ["0", "0.0", "\"\"", "true", "[]", "(0, 0)"];
 
-/// The problems of a text, by byte offset, and what could be read without them.
+/// The problems of a text, each with its byte offset, and what could be read without them.
 pub struct Recovered<T> {
     pub problems: Vec<(usize, String)>,
     pub value: Option<T>,

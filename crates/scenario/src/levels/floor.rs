@@ -53,8 +53,8 @@ impl<'a> Floor<'a> {
         if starts.is_empty() || goals.is_empty() {
             return Err("there is no free space for starts and goals");
         }
-        let all_in = |part| starts.iter().chain(&goals).all(|site| site.part == part);
-        if all_in(starts[0].part) { Ok(()) } else { Err("some goals can't be reached from some starts") }
+        let all_in = |region| starts.iter().chain(&goals).all(|site| site.region == region);
+        if all_in(starts[0].region) { Ok(()) } else { Err("some goals can't be reached from some starts") }
     }
 
     /// Those of `candidates`, circles of radius `radius_m`, that cover cells of any region with starts except the largest one,
@@ -65,9 +65,9 @@ impl<'a> Floor<'a> {
         let radius_m = f64::from(radius_m);
         candidates.retain(|plug| {
             let near =
-                |part, away_m| self.regions.is_near(&self.grid, part, plug.position_m.as_dvec2(), away_m);
-            sites.iter().any(|site| site.part != main.part && near(site.part, radius_m))
-                && !near(main.part, self.room_m + radius_m)
+                |region, away_m| self.regions.is_near(&self.grid, region, plug.position_m.as_dvec2(), away_m);
+            sites.iter().any(|site| site.region != main.region && near(site.region, radius_m))
+                && !near(main.region, self.room_m + radius_m)
         });
         candidates
     }

@@ -171,7 +171,7 @@ fn resizing_a_rotated_box_keeps_the_opposite_corner() {
 fn rotation_snaps_to_fifteen_degrees_wherever_the_drag_began() {
     let mut editor = with(static_obstacle(Shape::Rectangle { width_m: 0.6, height_m: 0.4 }, vec2(1.0, 0.0)));
     assert_eq!(editor.rotation_of(), Some((vec2(1.0, 0.0), 0.0)));
-    // Dragged from 90 to 128 degrees: 38 degrees, snapped 45.
+    // Dragged from 90 to 128 degrees: 38 degrees, snapped to 45.
     assert!(editor.begin_drag(HandleKind::Rotate, vec2(1.0, 2.0)));
     let at = |degrees: f32| vec2(1.0 + degrees.to_radians().cos(), degrees.to_radians().sin());
     editor.drag_to(at(128.0), false);

@@ -81,17 +81,17 @@ pub fn robot_ui(ui: &mut Ui, editor: &mut Editor) {
     rows.commit(editor, "robot", |scenario| scenario.robot = robot);
 }
 
-/// A checkbox for the slip of the wheels and, if they slip, its numbers.
+/// A checkbox for the slip of the wheels and, if they slip, its parameters.
 fn slip_rows(rows: &mut FieldRows<'_>, slip: &mut Option<Slip>) {
     let mut slips = slip.is_some();
     rows.checkbox("Wheels slip", "The robot moves less than its wheels", &mut slips);
     match slip {
         Some(Slip { forward, turning, std }) if slips => {
-            let share = NumberSpec::FRACTION.with_range(SLIP);
-            rows.ranged("Slip forward", "Part of the wheels' speed that is lost", forward, share);
-            rows.ranged("Slip in turns", "Part of the wheels' turning rate that is lost", turning, share);
-            let share = share.with_range(SLIP_STD);
-            rows.ranged("Slip variation", "Standard deviation from step to step", std, share);
+            let spec = NumberSpec::FRACTION.with_range(SLIP);
+            rows.ranged("Slip forward", "Fraction of the wheels' speed that is lost", forward, spec);
+            rows.ranged("Slip in turns", "Fraction of the wheels' turning rate that is lost", turning, spec);
+            let spec = spec.with_range(SLIP_STD);
+            rows.ranged("Slip variation", "Standard deviation from step to step", std, spec);
         }
         _ => *slip = slips.then(Slip::default),
     }
@@ -100,7 +100,7 @@ fn slip_rows(rows: &mut FieldRows<'_>, slip: &mut Option<Slip>) {
 /// A checkbox for the drift of odometry and, if it drifts, its errors.
 fn odometry_rows(rows: &mut FieldRows<'_>, drift: &mut Option<OdometryDrift>) {
     let mut drifts = drift.is_some();
-    let tip = "The robot observes the goal from where its odometry says that it is";
+    let tip = "The robot observes the goal from the pose that its odometry gives";
     rows.checkbox("Odometry drifts", tip, &mut drifts);
     match drift {
         Some(OdometryDrift { distance_error, rotation_error, heading_drift_rad_m }) if drifts => {
@@ -122,12 +122,12 @@ fn odometry_rows(rows: &mut FieldRows<'_>, drift: &mut Option<OdometryDrift>) {
     }
 }
 
-/// A checkbox for a limit and, if there is one, its number.
+/// A checkbox for a limit and, if there is one, its value.
 fn limit_row(rows: &mut FieldRows<'_>, name: &str, limit: &mut Option<f32>, spec: NumberSpec) {
     let mut is_limited = limit.is_some();
     rows.checkbox(name, "Otherwise the drive changes its speed at once, apart from the lag", &mut is_limited);
     match limit {
-        Some(limit) if is_limited => rows.number("At most", "In speeding up and in braking", limit, spec),
+        Some(limit) if is_limited => rows.number("At most", "When speeding up and when braking", limit, spec),
         _ => *limit = is_limited.then_some(1.0),
     }
 }
@@ -159,7 +159,7 @@ pub fn task_ui(ui: &mut Ui, editor: &mut Editor) {
     let mut rows = FieldRows::new(ui);
     let tip = "The goal is reached within this distance";
     rows.number("Goal radius", tip, &mut task.goal_radius_m, NumberSpec::length(GOAL_RADIUS_M));
-    let tip = "An obstacle within this distance of the robot's centre is a collision; must exceed the radius of a disc";
+    let tip = "An obstacle this close to the robot's centre counts as a collision; must exceed the radius of a disc";
     rows.number("Collision range", tip, &mut task.collision_range_m, NumberSpec::length(COLLISION_RANGE_M));
     let tip = "Smallest distance from the robot to a new goal";
     let distance = NumberSpec::length(GOAL_DISTANCE_M);

@@ -41,7 +41,7 @@ pub struct DotCell {
 }
 
 impl DotCell {
-    /// The finite values of the cell.
+    /// The cell with only the values that can be drawn.
     pub(super) fn drawable(&self) -> Self {
         Self {
             values: self.values.iter().copied().filter(|&x| is_drawable(x)).collect(),
