@@ -240,13 +240,11 @@ impl SectorObserver {
     fn track(&mut self, sensed: &Sensed) {
         let Self { beams, body, max_range_m, memory, spacing_rad, .. } = self;
         let (x, y, heading_rad) = sensed.pose;
-        let beam = |(beam, &range_m): (&Beam, &f32)| {
-            let is_hit = range_m < *max_range_m;
-            (beam.cos, beam.sin, if is_hit { range_m / body.unit_m } else { f32::INFINITY })
-        };
+        let beam =
+            |(beam, &range_m): (&Beam, &f32)| (beam.cos, beam.sin, range_m.min(*max_range_m) / body.unit_m);
         let beams = beams.iter().zip(sensed.ranges_m).map(beam);
         let pose = ((x / body.unit_m, y / body.unit_m), heading_rad);
-        memory.tracker.add_scan(pose, *spacing_rad, beams);
+        memory.tracker.add_scan(pose, *max_range_m / body.unit_m, *spacing_rad, beams);
     }
 
     /// Finds motion and collisions from the newest scan and those before it.
