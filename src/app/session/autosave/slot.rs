@@ -1,7 +1,7 @@
 //! The slot of a training run: the folder of its autosave.
 //!
-//! In: copies of the training. Out: a folder under the folder of all autosaves, locked by this process. A new copy is written
-//! next to it and renamed, so a complete one exists at any moment.
+//! In: copies of the training run. Out: a folder under the folder of all autosaves, locked by this process. A new copy is
+//! written next to it and renamed, so a complete one exists at any moment.
 
 use std::fs;
 use std::io::{self, ErrorKind, Write};
