@@ -162,7 +162,7 @@ pub(super) const fn distance_at(nearness: f32) -> f32 {
 /// The LIDAR of a robot, as far as it matters for pooling its beams.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LidarBeams {
-    /// The direction of each beam relative to the heading, counterclockwise positive, in rad.
+    /// The direction of each beam relative to the heading, counterclockwise positive, in rad; in counterclockwise order.
     pub angles_rad: Vec<f32>,
     /// The angle between neighbouring beams, in rad.
     pub spacing_rad: f32,

@@ -188,7 +188,7 @@ impl Rays {
             (Some(one), Some(other)) => {
                 let is_linked = apart(one, other) <= (SURFACE_LINK * spacing_rad * shorter).max(MIN_LINK);
                 if is_linked {
-                    from_line(place, one, other)
+                    from_segment(place, one, other)
                 } else {
                     apart(place, one).min(apart(place, other))
                 }
@@ -266,8 +266,8 @@ fn apart(one: (f32, f32), other: (f32, f32)) -> f32 {
     (dx * dx + dy * dy).sqrt()
 }
 
-/// The distance of a place from the line between two points.
-fn from_line(place: (f32, f32), one: (f32, f32), other: (f32, f32)) -> f32 {
+/// The distance of a place from the line segment between two points.
+fn from_segment(place: (f32, f32), one: (f32, f32), other: (f32, f32)) -> f32 {
     let (dx, dy) = (other.0 - one.0, other.1 - one.1);
     let along = (place.0 - one.0) * dx + (place.1 - one.1) * dy;
     let t = (along / (dx * dx + dy * dy).max(1e-6)).clamp(0.0, 1.0);
@@ -410,7 +410,7 @@ impl Track {
 
     fn is_valid(&self) -> bool {
         let Self { disc, velocity, covariance, misfit, evidence, .. } = self;
-        let numbers = [disc.x, disc.y, disc.radius, velocity.0, velocity.1, *misfit, *evidence];
+        let numbers = [disc.x, disc.y, velocity.0, velocity.1, *misfit];
         numbers.iter().chain(covariance.iter().flatten()).all(|number| number.is_finite())
             && (RADII.0..=RADII.1).contains(&disc.radius)
             && (0.0..=MAX_EVIDENCE).contains(evidence)
