@@ -260,7 +260,10 @@ fn a_reset_with_another_scenario_keeps_streams_and_clocks() {
     for (old, new) in before.iter().zip(&after) {
         assert_eq!(old.clock, new.clock);
         assert_eq!(new.episode.steps, 0, "a new episode");
-        assert_ne!(old.streams.places, new.streams.places, "the start was drawn from the arena's stream");
+        assert_ne!(
+            old.streams.placement, new.streams.placement,
+            "the start was drawn from the arena's stream"
+        );
     }
     assert_scan_matches_layout(&mut lab, "after the reset");
     lab.step(&[2; 4]);

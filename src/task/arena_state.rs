@@ -120,7 +120,7 @@ impl ArenaState {
             ("the potential", potential.total().is_finite()),
             ("the pending reset", *pending_reset == PendingReset::None),
             ("the inactive flag", !inactive),
-            ("a random stream", random::is_valid(&streams.places) && random::is_valid(&streams.sensor)),
+            ("a random stream", random::is_valid(&streams.placement) && random::is_valid(&streams.sensor)),
         ] {
             if !is_valid {
                 return Err(what);

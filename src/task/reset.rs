@@ -71,7 +71,7 @@ pub(super) fn draw(setup: Res<EpisodeSetup>, mut fault: ResMut<TaskFault>, mut a
         let mut attempts = if generates { MAX_LAYOUT_ATTEMPTS } else { 1 };
         let drawn = loop {
             if varies {
-                let layout_seed = layout_seed(&layout.written, *clock, &mut streams.places);
+                let layout_seed = layout_seed(&layout.written, *clock, &mut streams.placement);
                 layout.generate(layout_seed);
             }
             let drawn = match *setup {
@@ -125,7 +125,7 @@ fn draw_random(
     kept_pose: Option<Pose>,
     streams: &mut Streams,
 ) -> Result<StartAndGoalDraw, NoFreeSpace> {
-    let stream = &mut streams.places;
+    let stream = &mut streams.placement;
     let goal = kept_pose.map(|pose| draw_goal(scenario, step, vec2(pose.x_m, pose.y_m), stream));
     if let Some(Ok(Vec2 { x: x_m, y: y_m })) = goal {
         return Ok((None, Goal { x_m, y_m }));

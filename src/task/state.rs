@@ -265,7 +265,7 @@ pub struct Episode {
 #[derive(Component, Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Streams {
     /// Layout seeds, starts and goals.
-    pub places: Stream,
+    pub placement: Stream,
     /// LIDAR noise and dropout.
     pub sensor: Stream,
 }
@@ -274,7 +274,10 @@ impl Streams {
     /// The streams of arena `index` in the run with `seed`.
     #[must_use]
     pub fn new(seed: u64, index: u64) -> Self {
-        Self { places: random::stream(seed, "places", index), sensor: random::stream(seed, "sensor", index) }
+        Self {
+            placement: random::stream(seed, "places", index),
+            sensor: random::stream(seed, "sensor", index),
+        }
     }
 }
 

@@ -63,16 +63,21 @@ pub struct Avoidance<'a> {
     pub period_s: f32,
 }
 
-/// The velocity of `agent`, in m/s, that is closest to `wanted_m_s`, at most `max_speed_m_s` fast, and avoids the
+/// The velocity of `agent`, in m/s, that is closest to `preferred_m_s`, at most `max_speed_m_s` fast, and avoids the
 /// discs and points of `avoidance`.
 #[must_use]
-pub fn avoiding_velocity(agent: &Disc, wanted_m_s: Vec2, max_speed_m_s: f32, avoidance: &Avoidance) -> Vec2 {
+pub fn avoiding_velocity(
+    agent: &Disc,
+    preferred_m_s: Vec2,
+    max_speed_m_s: f32,
+    avoidance: &Avoidance,
+) -> Vec2 {
     let point = |point_m: &Vec2| HalfPlane::before_point(agent, *point_m, avoidance.static_horizon_s);
     let disc = |other: &Disc| HalfPlane::beside_disc(agent, other, avoidance);
     let mut planes: Vec<HalfPlane> = avoidance.points_m.iter().map(point).collect();
     let fixed = planes.len();
     planes.extend(avoidance.discs.iter().map(disc));
-    best_velocity(&planes, fixed, wanted_m_s, max_speed_m_s)
+    best_velocity(&planes, fixed, preferred_m_s, max_speed_m_s)
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 use super::MARGIN_M;
 use super::configuration_space::{GoalRegion, State};
-use super::geodesic::Geodesic;
+use super::visibility_graph::VisibilityGraph;
 use glam::Vec2;
 use wayfield_scenario::Scenario;
 
@@ -17,7 +17,7 @@ pub(super) struct LowerBound {
     stride: f64,
     /// The smallest turning radius, in m; `None` if a motion turns on the spot or drives backward, or if none turns.
     pub(super) turning_radius: Option<f64>,
-    pub(super) geodesic: Geodesic,
+    pub(super) visibility_graph: VisibilityGraph,
 }
 
 impl LowerBound {
@@ -30,25 +30,26 @@ impl LowerBound {
         let radii = motions.iter().map(|m| f64::from(m.v_m_s) / f64::from(m.w_rad_s).abs());
         let turning_radius = radii.fold(f64::INFINITY, f64::min);
         let goal_region = GoalRegion::new(scenario, goal, MARGIN_M);
-        let geodesic = Geodesic::new(scenario, (start.0.into(), start.1.into()), &goal_region, stride);
+        let visibility_graph =
+            VisibilityGraph::new(scenario, (start.0.into(), start.1.into()), &goal_region, stride);
         Self {
             goal_region,
             stride,
             turning_radius: Some(turning_radius).filter(|radius| radius.is_finite() && *radius > 0.0),
-            geodesic,
+            visibility_graph,
         }
     }
 
     /// The bound from an allowed state: a number of steps, not rounded, or infinity if there is no path.
     pub(super) fn steps(&self, state: &State) -> f64 {
-        let length = self.geodesic.length((state.x, state.y)).max(self.turning_length(state));
+        let length = self.visibility_graph.length((state.x, state.y)).max(self.turning_length(state));
         ((length - self.goal_region.radius) / self.stride).max(0.0)
     }
 
     /// The length, in m, of the shortest path around the static obstacles, from a point to the edge of the goal region; infinite
     /// if there is none.
     pub(super) fn path_m(&self, from: (f64, f64)) -> f64 {
-        (self.geodesic.length(from) - self.goal_region.radius).max(0.0)
+        (self.visibility_graph.length(from) - self.goal_region.radius).max(0.0)
     }
 
     /// The length, in m, of the shortest path to the goal that curves no more tightly than the turning radius: an arc, then its

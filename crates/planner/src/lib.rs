@@ -23,8 +23,8 @@
 //! | module | purpose |
 //! |---|---|
 //! | `configuration_space` | robot states, the effect of each motion, inflated obstacles, the goal region |
-//! | `geodesic` | the length of the shortest path around static obstacles |
-//! | `bound` | the lower bound on the remaining steps, from geodesic length and turning radius |
+//! | `visibility_graph` | the length of the shortest path around static obstacles |
+//! | `bound` | the lower bound on the remaining steps, from that length and the turning radius |
 //! | `search` | the best-first searches for a plan and for a lower bound |
 //!
 //! # Model
@@ -53,8 +53,8 @@
 
 mod bound;
 mod configuration_space;
-mod geodesic;
 mod search;
+mod visibility_graph;
 
 use bound::LowerBound;
 use configuration_space::{ConfigurationSpace, GoalRegion};

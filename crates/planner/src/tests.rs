@@ -282,7 +282,8 @@ fn the_bound_never_exceeds_the_plan_of_a_search_without_it() {
             let bound = LowerBound::new(&scenario, start, goal);
             let mut straight_line = LowerBound::new(&scenario, start, goal);
             straight_line.turning_radius = None;
-            (straight_line.geodesic.occluders, straight_line.geodesic.corners) = (Vec::new(), Vec::new());
+            let graph = &mut straight_line.visibility_graph;
+            (graph.occluders, graph.corners) = (Vec::new(), Vec::new());
             let mut space = ConfigurationSpace::new(&scenario, 0, scenario.keep_out_m().into());
             let goal_region = GoalRegion::new(&scenario, goal, 0.0);
             let limits = SearchLimits { step_limit: 500, max_states: MAX_STATES };

@@ -146,8 +146,8 @@ impl Pedestrian {
             responsibility: 0.5,
             period_s,
         };
-        let wanted_m_s = walk.velocity_towards(self.next_goal, own.at_m);
-        avoiding_velocity(own, wanted_m_s, walk.speed_m_s, &avoidance)
+        let preferred_m_s = walk.velocity_towards(self.next_goal, own.at_m);
+        avoiding_velocity(own, preferred_m_s, walk.speed_m_s, &avoidance)
     }
 }
 

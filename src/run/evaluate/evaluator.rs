@@ -301,7 +301,7 @@ pub(super) fn set_observation(world: &mut World, encoding: Encoding, beams: usiz
 pub fn episode_streams(seed: u64, index: u64) -> (Streams, Clock) {
     let clock = random::uniform_index(&mut random::stream(seed, "navigation: clock", index), 100_000);
     let streams = Streams {
-        places: random::stream(seed, "navigation: places", index),
+        placement: random::stream(seed, "navigation: places", index),
         sensor: random::stream(seed, "navigation: sensor", index),
     };
     (streams, Clock(clock as u64))

@@ -3,7 +3,6 @@
 //! In: a scenario, and the paths of its invalid values. Out: a [`ValidPart`]. Walls, obstacles and generators with an invalid
 //! value are left out of it. That can only make more space, so a problem of the valid part is one of the whole scenario.
 
-use crate::fields::Quantity;
 use crate::file_error::{Diagnostic, overlap};
 use crate::schema::*;
 
@@ -120,7 +119,6 @@ fn paths(whole: &Scenario, invalid: &[String]) -> Vec<(usize, Obstacle)> {
             if !here.all(|other| other.starts_with(&speed)) {
                 return None;
             }
-            obstacle.motion.number_mut(Quantity::Speed).into_iter().for_each(|speed| *speed = ANY_SPEED);
             obstacle.motion.ranged_speed_mut().into_iter().for_each(|speed| *speed = ANY_SPEED.into());
         }
         Some((k, obstacle))

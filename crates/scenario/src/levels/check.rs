@@ -245,7 +245,13 @@ fn check_floor_size(generator: &LevelGenerator, diagnostics: &mut Diagnostics) {
     let cell_m = floor::cell_m(generator.gap_m / 2.0, generator.route);
     let cells = f64::from(generator.width_m.1) * f64::from(generator.height_m.1) / (cell_m * cell_m);
     if cells > f64::from(MAX_FLOOR_CELLS) {
-        let message = "is too large for such narrow passages: write a smaller enclosure, a larger gap_m, or a larger clearance_m";
-        diagnostics.push(format_args!("width_m"), message);
+        let clearance = match generator.route {
+            Route::Random { .. } => ", or a larger clearance_m",
+            Route::Across { .. } | Route::Fixed { .. } => "",
+        };
+        let message = format!(
+            "is too large for such narrow passages: write a smaller enclosure, or a larger gap_m{clearance}"
+        );
+        diagnostics.push("width_m", message);
     }
 }

@@ -65,30 +65,30 @@ impl Occluder {
     }
 }
 
-/// The lengths of the shortest paths to one goal.
-pub(super) struct Geodesic {
+/// The corners that the shortest paths to one goal bend at.
+pub(super) struct VisibilityGraph {
     goal: (f64, f64),
     pub(super) occluders: Vec<Occluder>,
     /// The corners from which the goal can be reached, with the length in m of the path to it, shortest first.
     pub(super) corners: Vec<((f64, f64), f64)>,
 }
 
-impl Geodesic {
+impl VisibilityGraph {
     pub(super) fn new(scenario: &Scenario, start: (f64, f64), goal_region: &GoalRegion, stride: f64) -> Self {
         let goal = (goal_region.x, goal_region.y);
         let range = f64::from(scenario.sure_collision_m()) - MARGIN_M;
-        let mut geodesic = Self { goal, occluders: Vec::new(), corners: Vec::new() };
+        let mut graph = Self { goal, occluders: Vec::new(), corners: Vec::new() };
         if range <= stride / 2.0 {
-            return geodesic;
+            return graph;
         }
-        let mut corners = geodesic.add_occluders(scenario, start, goal_region, stride, range);
+        let mut corners = graph.add_occluders(scenario, start, goal_region, stride, range);
         // A shortest path does not bend outside the rectangle that contains the robot's centre and the goal.
         let (_, Vec2 { x: half_width, y: half_height }) = scenario.enclosure.bounds_m();
         let (reach_x, reach_y) = (f64::from(half_width) - range, f64::from(half_height) - range);
         let (reach_x, reach_y) = (reach_x.max(goal_region.x.abs()), reach_y.max(goal_region.y.abs()));
         corners.retain(|&(x, y)| x.abs() <= reach_x && y.abs() <= reach_y);
-        geodesic.measure(corners);
-        geodesic
+        graph.measure(corners);
+        graph
     }
 
     /// Adds the occluders of the static obstacles, and returns the corners of their polygons.
