@@ -42,7 +42,7 @@ fn options(file: &Path) -> StartOptions {
     }
 }
 
-/// The time between two frames. The file watch counts it too: it checks a file every tenth frame.
+/// The time between two frames. The file watch measures time in these frames, too: it checks a file every tenth.
 const FRAME: Duration = Duration::from_millis(20);
 
 /// Runs frames until `done`, for at most a minute.
@@ -198,7 +198,7 @@ fn an_edited_scenario_continues_or_restarts_the_training() {
         from: "scenario-1".into(),
         restart,
     };
-    let learnt = app.shown().1.env_steps;
+    let env_steps = app.shown().1.env_steps;
     app.command(Command::SetMode(SessionMode::Test));
     app.frame(Duration::from_millis(10));
     app.command(apply(&edited, false));
@@ -207,7 +207,7 @@ fn an_edited_scenario_continues_or_restarts_the_training() {
     assert_eq!(app.shown().0.scenario.obstacles[0].position_m, vec2(0.9, 0.9));
     assert_eq!(
         (app.shown().1.mode, app.shown().1.env_steps),
-        (SessionMode::Test, learnt),
+        (SessionMode::Test, env_steps),
         "training is kept"
     );
     assert!(app.shown().1.scenario_modified && !app.shown().1.is_paper_scenario_1);

@@ -18,7 +18,7 @@ use wayfield::scenario::Scenario;
 
 use headless_app::HeadlessApp;
 
-/// Writes a set of a scenario with an obstacle and the levels of a generator, with short episodes. Returns its path.
+/// Writes a set of two members, a scenario with an obstacle and a generator, with short episodes. Returns its path.
 fn write_set(folder: &Path) -> PathBuf {
     let write = |name: &str, text: &str| {
         std::fs::write(folder.join(name), text).expect("a writable folder");

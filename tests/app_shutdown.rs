@@ -1,5 +1,5 @@
-//! The end of the real window, whoever ends it: the training is in a folder that `--resume` continues, stderr says where, and
-//! the next start offers it.
+//! The end of the real window, whoever ends it: the training run is saved in a folder from which `--resume` continues, stderr
+//! names the folder, and the next start offers to continue.
 #![cfg(all(feature = "gui", target_os = "linux"))]
 
 #[path = "support/window_process.rs"]
@@ -95,13 +95,13 @@ fn headless(arguments: &[&str]) -> Output {
 
 /// Env steps of the training in the autosave at `folder`; `None` while the autosave is being replaced.
 fn saved_env_steps(folder: &Path) -> Option<u64> {
-    let note = fs::read_to_string(folder.join("autosave.ron")).ok()?;
-    note.split("env_steps:").nth(1)?.split(',').next()?.trim().parse().ok()
+    let metadata = fs::read_to_string(folder.join("autosave.ron")).ok()?;
+    metadata.split("env_steps:").nth(1)?.split(',').next()?.trim().parse().ok()
 }
 
 /// Checks that the run in `folder` continues from where the window saved it.
 fn assert_resumes(folder: &Path) {
-    let target = saved_env_steps(folder).expect("a note") + 1600;
+    let target = saved_env_steps(folder).expect("metadata") + 1600;
     let path = folder.to_str().expect("UTF-8");
     let replayed = headless(&["--replay", path]);
     assert!(replayed.status.success(), "{}", text(&replayed.stderr));
@@ -161,7 +161,7 @@ fn request_close(display: &Display) {
 fn closing_the_window_asks_and_saves_and_the_next_start_offers_the_session() {
     let Some(display) = Display::new() else { return };
     let mut app = App::training(&display, "1");
-    // 20,000 env steps or a minute are worth a question.
+    // After 20,000 env steps or a minute, closing needs a confirmation.
     assert!(wait_until(120, || app.saved_env_steps() > Some(20_000)), "it trains");
     request_close(&display);
     app.click(&display, "Cancel");

@@ -161,7 +161,7 @@ impl NativeEnv {
         self.encoding.width(self.scenario.lidar.beams)
     }
 
-    /// The smallest and the largest value of every number of an observation; infinite for observations by sectors.
+    /// The smallest and the largest value of every entry of an observation; infinite for observations by sectors.
     #[getter]
     fn observation_bounds(&self) -> (&[f32], &[f32]) {
         (&self.bounds.low, &self.bounds.high)
@@ -225,7 +225,7 @@ impl NativeEnv {
         self.autoreset == Autoreset::Disabled
     }
 
-    /// Takes a step. Actions must have the shape `shape`, motions a further axis of length 2.
+    /// Takes a step. Actions must have the shape `shape`; motions have a further axis of length 2.
     fn take_step<'py>(
         &mut self,
         py: Python<'py>,

@@ -59,5 +59,7 @@ pub fn check_ctrl_c() -> PyResult<()> {
 fn internal_error(panic: &(dyn Any + Send)) -> PyErr {
     let text = panic.downcast_ref::<&str>().copied();
     let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str)).unwrap_or("unknown");
-    PyRuntimeError::new_err(format!("internal error: {text}; help: please report it, with what you called"))
+    PyRuntimeError::new_err(format!(
+        "internal error: {text}; help: please report it, with the call that caused it"
+    ))
 }

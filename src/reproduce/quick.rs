@@ -9,18 +9,18 @@ use super::table_spec::TableKind;
 use crate::run::preset::{Budget, EvaluationConfig};
 
 /// The divisor of budgets and of the number of test episodes.
-const SHORTER: u64 = 10;
+const DIVISOR: u64 = 10;
 
 /// The maximum number of seeds.
-const SEEDS: u64 = 2;
+const MAX_SEEDS: u64 = 2;
 
-/// The most episodes of an evaluation during training.
+/// The maximum number of episodes of an evaluation during training.
 const MAX_EVALUATION_EPISODES: usize = 20;
 
 /// Shortens `experiment`. `budget_of` returns a preset's budget by the preset's name, for stages without their own.
 pub fn make_quick(experiment: &mut Experiment, budget_of: impl Fn(&str) -> Option<Budget>) {
-    experiment.seeds = experiment.seeds.at_most(SEEDS);
-    experiment.test.episodes = (experiment.test.episodes / SHORTER as usize).max(1);
+    experiment.seeds = experiment.seeds.at_most(MAX_SEEDS);
+    experiment.test.episodes = (experiment.test.episodes / DIVISOR as usize).max(1);
     experiment.evaluation = Some(experiment.evaluation.map_or_else(default_evaluation, quick_evaluation));
     for stage in experiment.arms.iter_mut().flat_map(|arm| &mut arm.stages) {
         stage.budget = stage.budget.or_else(|| budget_of(&stage.preset)).map(shortened);
@@ -30,7 +30,7 @@ pub fn make_quick(experiment: &mut Experiment, budget_of: impl Fn(&str) -> Optio
         figure.title += suffix;
         match &mut figure.draw {
             FigureKind::LearningCurves { smoothing, .. } => {
-                *smoothing = (*smoothing / SHORTER as usize).max(1);
+                *smoothing = (*smoothing / DIVISOR as usize).max(1);
             }
             FigureKind::DotPlot { after, .. } | FigureKind::BenchmarkRoute { after } => {
                 *after = after.map(shortened);
@@ -68,16 +68,16 @@ fn default_evaluation() -> EvaluationConfig {
     }
 }
 
-/// The experiment's own evaluation, as often in the shorter training, with at most [`MAX_EVALUATION_EPISODES`] episodes each time.
-/// The final test stays the same.
+/// The experiment's own evaluation, the same number of times in the shorter training, with at most
+/// [`MAX_EVALUATION_EPISODES`] episodes each time. The final test stays the same.
 fn quick_evaluation(own: EvaluationConfig) -> EvaluationConfig {
-    let every_env_steps = (own.every_env_steps / SHORTER).max(1);
+    let every_env_steps = (own.every_env_steps / DIVISOR).max(1);
     EvaluationConfig { every_env_steps, episodes: own.episodes.min(MAX_EVALUATION_EPISODES), ..own }
 }
 
 fn shortened(length: Budget) -> Budget {
     // 0 stays 0, and anything longer stays at least 1.
-    let shortened = |n: u64| (n / SHORTER).max(n.min(1));
+    let shortened = |n: u64| (n / DIVISOR).max(n.min(1));
     match length {
         Budget::Episodes(n) => Budget::Episodes(shortened(n)),
         Budget::EnvSteps(n) => Budget::EnvSteps(shortened(n)),

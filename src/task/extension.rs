@@ -62,7 +62,7 @@ impl ExtraRewards {
 
 /// Methods that add sensors and reward terms to a simulation's app.
 pub trait SimulationAppExt {
-    /// Adds a sensor named `name` with `width` numbers in every observation.
+    /// Adds a sensor named `name` with `width` values in every observation.
     ///
     /// `sensor` receives the handle of the sensor's slice and returns a system. The system runs in every control step and
     /// after every reset, and writes the slice of every arena's [`SensorReadings`](super::SensorReadings). It may read
@@ -112,7 +112,7 @@ impl SimulationAppExt for App {
     }
 }
 
-/// `Reward`: adds the plugins' terms to the outcomes and to the episodes' sums, and sets them to 0 for the next step.
+/// `Reward`: adds the plugins' terms to the outcomes and to the episodes' sums, then resets the terms to 0.
 fn add_extra_rewards(
     mut extra: ResMut<ExtraRewards>,
     mut outcomes: ResMut<StepOutcomes>,

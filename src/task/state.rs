@@ -137,8 +137,8 @@ impl PathLengths {
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 pub struct EstimatedPose(pub Pose);
 
-/// The robot's speed and turning rate as its wheels turn, after the actuator lag. Zero at the start of an episode. A contact
-/// that stops the body does not change it.
+/// The robot's speed and turning rate according to its wheels: after the actuator lag, before slip. Zero at the start of an
+/// episode. A contact that stops the body does not change it.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Twist {
     /// Speed along the heading, in m/s.

@@ -136,7 +136,7 @@ fn the_drive_and_the_odometry_of_a_robot_are_edited() {
 }
 
 #[test]
-fn a_number_that_a_scenario_may_not_have_becomes_the_nearest_one_that_it_may_have() {
+fn a_number_out_of_range_becomes_the_nearest_allowed_number() {
     let mut window = editing();
     click(&mut window, "Episodes");
     write(&mut window, "Collision range", "0.001");
@@ -319,7 +319,7 @@ fn clicking_a_problem_selects_its_item_or_opens_its_group() {
         assert_eq!(click(&mut window, label), [], "{label} is disabled");
     }
     assert!(window.query_by_label("Fix the problems first").is_some());
-    // A setting of the scenario opens its group.
+    // Clicking the problem of a scenario setting opens the setting's group.
     click(&mut window, "Undo");
     editor(&mut window).edit("limit", |s| s.task.max_episode_steps = 0);
     settle(&mut window);
@@ -786,7 +786,7 @@ fn a_static_obstacle_can_be_given_a_path() {
 }
 
 #[test]
-fn in_a_training_over_a_set_a_copy_of_the_shown_scenario_can_be_edited() {
+fn when_training_over_a_set_a_copy_of_the_shown_scenario_can_be_edited() {
     let mut window = window(ScreenFixture::default());
     let ScreenFixture { scene, status, .. } = window.state_mut();
     status.is_set = true;

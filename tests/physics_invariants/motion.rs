@@ -1,9 +1,9 @@
-//! The robot has the commanded speed and energy.
+//! The robot has the speed and the energy of the commanded motion.
 //!
 //! Without contact, a step takes the robot along the chord of the arc of v and w (with a lag, of their means over the step)
 //! and turns it by w T. Rapier's body has the chord's velocity v_c, so its kinetic energy is m v_c^2 / 2 with the mass m of a
-//! disc of 1 kg/m^2. The tolerances cover the rounding of f32: 2e-6 of distances, speeds and rotations, and half a bit of
-//! the coordinates.
+//! disc of 1 kg/m^2. The tolerances cover the rounding of f32: up to 3e-6 of distances, speeds, rotations and energies,
+//! and half a unit in the last place of the coordinates.
 
 use std::f64::consts::{PI, TAU};
 
@@ -54,7 +54,7 @@ fn angle_between(a: f64, b: f64) -> f64 {
     turn.min(TAU - turn)
 }
 
-/// A control period from 0.001 s to 10 s, and no, a short or a long lag, in s.
+/// A control period from 0.001 s to 10 s, and a lag: none, up to two periods, or up to 10 s. Both in s.
 fn period_and_lag(number: u64, stream: &mut Stream) -> (f32, f32) {
     let period = [0.001, 10.0, 0.2].get(number as usize).copied();
     let period = period.unwrap_or_else(|| 10.0_f32.powf(uniform(stream, -3.0, 1.0)).clamp(0.001, 10.0));
@@ -99,14 +99,14 @@ fn a_step_without_contact_has_the_arc_and_the_energy_of_the_commanded_motion() {
                 let collided = after.scan.touching || lab.outcomes()[arena].collided;
                 assert!(!collided, "{}: a collision without obstacles", context());
 
-                // The rounding of the coordinates is half a bit.
+                // Each coordinate is rounded by up to half a unit in the last place.
                 let rounding =
                     2.0_f64.powi(-24) * (expected.0.abs() + expected.1.abs() + from.0.abs() + from.1.abs());
                 let off_m = (distance(centre(&after.pose), expected) - rounding).max(0.0);
                 let off = off_m / (mean.0.abs() * period).max(1e-3);
-                let turn = angle_between(f64::from(after.pose.heading_rad), expected_heading);
+                let off_rad = angle_between(f64::from(after.pose.heading_rad), expected_heading);
                 assert!(off < 2e-6, "{}: position off by {off} of the distance", context());
-                assert!(turn < 2e-6, "{}: heading off by {turn} rad", context());
+                assert!(off_rad < 2e-6, "{}: heading off by {off_rad} rad", context());
                 let off_v = (f64::from(after.twist.v_m_s) - end.0).abs() / 5.0;
                 assert!(off_v < 1e-6, "{}: {:?}, expected {end:?}", context(), after.twist);
 
@@ -116,8 +116,8 @@ fn a_step_without_contact_has_the_arc_and_the_energy_of_the_commanded_motion() {
                     (body.linvel(), f64::from(body.mass()), f64::from(body.kinetic_energy()))
                 });
                 let chord = ((expected.0 - from.0) / period, (expected.1 - from.1) / period);
-                let speed = distance((f64::from(velocity.x), f64::from(velocity.y)), chord) / 5.0;
-                assert!(speed < 1e-6, "{}: velocity {velocity} m/s, expected {chord:?}", context());
+                let off_velocity = distance((f64::from(velocity.x), f64::from(velocity.y)), chord) / 5.0;
+                assert!(off_velocity < 1e-6, "{}: velocity {velocity} m/s, expected {chord:?}", context());
                 let disc = PI * f64::from(scenario.robot.radius_m).powi(2);
                 assert!((mass / disc - 1.0).abs() < 1e-6, "mass {mass} kg, expected {disc} kg");
                 let expected_energy = 0.5 * disc * chord_m_s * chord_m_s;
@@ -128,8 +128,8 @@ fn a_step_without_contact_has_the_arc_and_the_energy_of_the_commanded_motion() {
                     context()
                 );
                 worst_distance = worst_distance.max(off);
-                worst_speed = worst_speed.max(speed);
-                worst_turn = worst_turn.max(turn);
+                worst_speed = worst_speed.max(off_velocity);
+                worst_turn = worst_turn.max(off_rad);
             }
         }
     }

@@ -1,7 +1,7 @@
 """Compares an exported policy with wayfield's own decisions.
 
-In the working directory are `policy.onnx` and, as rows of little-endian f32, a file for each input of the policy, such as
-`ranges.f32`, and `q_values.f32`, the Q-values that wayfield computes for them.
+The working directory contains `policy.onnx`, a file for each input of the policy, such as `ranges.f32`, and `q_values.f32`, the
+Q-values that wayfield computes for these inputs. The `.f32` files are rows of little-endian f32 values.
 """
 
 import json
@@ -46,13 +46,13 @@ else:
     motions = np.array([[a["v_m_s"], a["w_rad_s"]] for a in card["actions"]], np.float32)
     assert (velocity == motions[action]).all(), "not the velocities of the action"
 
-# One observation alone, in which a beam hits nothing: at the maximum range, and infinite, as a real LIDAR reports it.
+# One observation alone, in which a beam hits nothing: first with the maximum range, then infinite, as a real LIDAR reports it.
 one = {name: rows[:1].copy() for name, rows in inputs.items()}
 if "ranges" in one:
     one["ranges"][0, 0] = card["scenario"]["lidar"]["max_range_m"]
     limited = session.run(["q_values"], one)[0]
     one["ranges"][0, 0] = np.inf
-    assert (session.run(["q_values"], one)[0] == limited).all(), "an infinite range is not the LIDAR's range"
+    assert (session.run(["q_values"], one)[0] == limited).all(), "an infinite range does not count as the maximum range"
 
 example = card["example"]
 given = {

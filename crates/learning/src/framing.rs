@@ -84,7 +84,7 @@ impl HeaderFormat {
         if length > self.max_bytes {
             return Err(HeaderError::Corrupt("its header is too long"));
         }
-        // `take` allocates as bytes arrive, so a wrong length does not reserve memory.
+        // `read_to_end` allocates as bytes arrive, so a wrong length does not reserve memory.
         let mut content = Vec::new();
         file.take(length).read_to_end(&mut content)?;
         if content.len() as u64 != length {

@@ -149,8 +149,8 @@ fn the_path_around_a_box_has_the_length_computed_by_hand() {
     assert!((77..=78).contains(&plan.steps), "{} steps", plan.steps);
 }
 
-/// The box of the previous test: 2.30874 m, at any heading of the robot. A wall of the same size, of corners or of cells, gives
-/// the same length.
+/// The box of the previous test: 2.30874 m, at any heading of the robot. A wall of the same size, given by corners or by cells,
+/// yields the same length.
 #[test]
 fn the_shortest_path_goes_round_obstacles_and_walls_to_the_edge_of_the_goal() {
     let (start, goal) = ((-1.0, 0.0, 2.0), vec2(1.0, 0.0));
@@ -336,13 +336,13 @@ proptest! {
 
     /// The bound from each state of a random trajectory is at most the number of steps to the trajectory's end.
     #[test]
-    fn no_random_trajectory_is_shorter_than_the_bounds(seed: u64, map in 0_usize..3, turns in 1_usize..8, held in 1_u32..20) {
+    fn no_random_trajectory_is_shorter_than_the_bounds(seed: u64, map in 0_usize..3, motions in 1_usize..8, held in 1_u32..20) {
         let scenario = &[Scenario::default(), cylinders(0.0), maze()][map];
         let mut draws = stream(seed, "drive", 0);
         let start = draw_start(scenario, 0, &mut draws).expect("free space");
         let free = ConfigurationSpace::new(scenario, 0, scenario.keep_out_m().into());
         let mut path = vec![State::new(start)];
-        for _ in 0..turns {
+        for _ in 0..motions {
             let step = &free.motion_primitives[wayfield_random::uniform_index(&mut draws, free.motion_primitives.len())];
             for _ in 0..held {
                 let last = path[path.len() - 1];

@@ -23,7 +23,7 @@ fn policy(encoding: Encoding) -> Policy {
     policy_of(shape(), encoding)
 }
 
-/// A policy whose network has this `shape`: that of the function [`shape`], with any activation and layer normalization.
+/// A policy whose network has `shape`, which may differ from [`shape()`] in activation and layer normalization only.
 fn policy_of(shape: NetworkShape, encoding: Encoding) -> Policy {
     let parameters: Vec<f32> =
         (0..shape.parameter_count()).map(|k| (k * 37 % 19) as f32 * 0.1 - 0.9).collect();

@@ -97,7 +97,7 @@ fn a_robot_of_twice_the_size_in_a_world_of_twice_the_size_observes_the_same() {
         row(&observer, (1.0, 0.8 * scale))
     };
     for (k, (one, two)) in observe(1.0).iter().zip(observe(2.0)).enumerate() {
-        assert!((one - two).abs() < 1e-5, "number {k}: {one} and {two}");
+        assert!((one - two).abs() < 1e-5, "value {k}: {one} and {two}");
     }
 }
 
@@ -122,7 +122,7 @@ fn a_change_shows_what_approaches_and_not_the_robot_s_own_motion() {
     let changes = |disc_speed: f32| {
         let mut observer = observer(LAYOUT, 180, 0.1);
         for step in 0..3 {
-            // The robot drives and turns; the disc ahead of it approaches.
+            // The robot drives and turns; the disc ahead of it approaches at `disc_speed`.
             let pose = (-0.5 + 0.03 * step as f32, 0.0, 0.3 * step as f32);
             let disc_m = (0.5 - disc_speed * step as f32, 0.0);
             let ranges_m = ranges(180, pose, disc_m);
@@ -131,13 +131,13 @@ fn a_change_shows_what_approaches_and_not_the_robot_s_own_motion() {
         row(&observer, (0.0, 1.0))[36..72].to_vec()
     };
     // After the turn of 0.6 rad, the disc is 0.6 rad to the right: 3.4 sectors.
-    let towards = 36 - 3;
+    let sector = 36 - 3;
     let still = changes(0.0);
     assert!(still.iter().all(|change| change.abs() < 0.1), "nothing moves: {still:?}");
     let moving = changes(0.1);
-    assert!(moving[towards] > 0.2, "it approaches: {moving:?}");
+    assert!(moving[sector] > 0.2, "it approaches: {moving:?}");
     let leaving = changes(-0.1);
-    assert!(leaving[towards] < -0.1, "it leaves: {leaving:?}");
+    assert!(leaving[sector] < -0.1, "it leaves: {leaving:?}");
 }
 
 #[test]
@@ -176,8 +176,8 @@ fn predicted_paths_show_where_moving_things_will_be() {
 }
 
 #[test]
-fn collisions_are_foreseen_with_walls_and_with_what_moves() {
-    // A wall ahead, or a disc that comes towards the robot, which drives 0.2 units a step.
+fn collisions_are_foreseen_with_what_stands_still_and_what_moves() {
+    // A disc in front stands still or comes towards the robot. The motion `ahead` is 0.2 units a step.
     let observe = |at_m: f32, speed: f32| {
         let mut observer = observer(LAYOUT, 180, 0.1);
         for step in 0..6 {
@@ -214,7 +214,7 @@ fn waiting_is_dangerous_where_something_comes() {
         let ranges_m = ranges(180, pose, (0.5 - 0.05 * step as f32, 0.0));
         observer.sense(&Sensed { ranges_m: &ranges_m, pose, twist: (0.0, 0.0) });
     }
-    // The disc's front, 0.65 m away, comes at 0.05 m a step: 11 steps to a contact, in which the robot would drive 2.2 units.
+    // The disc, 0.55 m from the body, comes at 0.05 m a step: 11 steps to contact, in which the robot would drive 2.2 units.
     let waiting = row(&observer, (0.0, 1.0))[152];
     assert!((waiting - 1.0 / (1.0 + 2.2 / 2.0)).abs() < 0.06, "{waiting}");
 }
@@ -232,12 +232,12 @@ fn the_mirror_image_of_an_observation_is_the_observation_of_the_mirrored_world()
     };
     let (left, right) = (observe(1.0), observe(-1.0));
     for (k, (from, sign)) in LAYOUT.mirrored_columns().into_iter().enumerate() {
-        assert!((right[k] - sign * left[from]).abs() < 1e-4, "number {k}: {} and {}", right[k], left[from]);
+        assert!((right[k] - sign * left[from]).abs() < 1e-4, "value {k}: {} and {}", right[k], left[from]);
     }
 }
 
 #[test]
-fn a_restored_observer_goes_on_to_the_bit() {
+fn a_restored_observer_continues_bit_identically() {
     let sense = |observer: &mut SectorObserver, step: u8| {
         let pose = (0.05 * f32::from(step), 0.0, 0.3 * f32::from(step));
         let ranges_m = ranges(36, pose, (0.5, 0.3));

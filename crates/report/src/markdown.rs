@@ -154,7 +154,7 @@ fn markdown_table(columns: &[Column], rows: &[Vec<String>]) -> String {
     lines.join("\n")
 }
 
-/// `text` on one line, with the characters escaped that are markup anywhere in a line.
+/// `text` on one line. Escapes all characters that are markup anywhere in a line.
 fn escaped(text: &str) -> String {
     let mut result = String::new();
     for c in single_line(text).chars() {

@@ -102,7 +102,7 @@ pub fn band(curves: &[Vec<f64>]) -> Vec<Estimate> {
     (0..length).map(|i| Estimate::from_values(&at(i)).unwrap_or(unknown)).collect()
 }
 
-/// What the formulas need of one sample.
+/// The statistics of one sample that the formulas need.
 struct Sample {
     n: f64,
     mean: f64,

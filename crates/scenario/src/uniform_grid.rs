@@ -7,9 +7,9 @@ use glam::{Vec2, vec2};
 
 /// The number of cells per item. Items are cheaper to test than cells are to walk through.
 const CELLS_PER_ITEM: f32 = 0.35;
-/// The most cells along a side.
+/// The maximum length of a side, in cells.
 const MAX_SIDE: f32 = 512.0;
-/// The most cells in all bounding boxes together. If many items are large, the grid is coarser.
+/// The maximum number of cells in all bounding boxes together. If many items are large, the grid is coarser.
 const MAX_BOX_CELLS: f64 = 262_144.0;
 
 /// A grid of square cells that lists items by their indices. Immutable.
@@ -135,9 +135,9 @@ impl UniformGrid {
         self.starts.windows(2).map(|ends| &self.items[ends[0] as usize..ends[1] as usize])
     }
 
-    /// Walks along a ray from a point inside the grid, in a direction of length 1. Calls `visit` with the index of every cell
-    /// on its way, in the order of [`Self::cells`], and the distance, in m, at which the ray leaves the cell. Ends when `visit`
-    /// returns false, or at the border.
+    /// Walks along a ray from a point inside the grid, in a direction of length 1. Calls `visit` with every cell on its
+    /// way: its index in [`Self::cells`], and the distance, in m, at which the ray leaves it. Ends when `visit` returns false, or
+    /// at the border.
     #[inline]
     pub fn walk(&self, origin: Vec2, direction: Vec2, mut visit: impl FnMut(usize, f32) -> bool) {
         let start = (origin - self.low) * self.cells_per_m;
@@ -149,7 +149,7 @@ impl UniformGrid {
             if !visit(row * self.columns + column, exit_m) || exit_m == f32::INFINITY {
                 return;
             }
-            // Without a branch, which would often be predicted wrong.
+            // Without a branch, which would often be mispredicted.
             let along_x = next_x < next_y;
             (column, next_x) = (
                 column.wrapping_add_signed(if along_x { step_x } else { 0 }),

@@ -76,7 +76,7 @@ impl SuspendedTraining {
 }
 
 impl ActiveMode {
-    /// The mode's name.
+    /// The session mode.
     #[must_use]
     pub fn mode(&self) -> SessionMode {
         match self {

@@ -5,7 +5,7 @@
 //!
 //! TensorBoard reads the files of a folder in the order of their names, and plots the points in the order in which it reads
 //! them. A resumed run therefore first cuts off what a killed process wrote after the last checkpoint ([`cut_back`]), because
-//! it will write that again, and then creates a file whose name comes last.
+//! that will be written again, and then creates a file whose name comes last.
 //!
 //! | file | contents |
 //! |---|---|

@@ -2,7 +2,7 @@
 //!
 //! | encoding | what it is |
 //! |---|---|
-//! | [`Encoding::Scaled`], [`Encoding::Raw`] | eq. (8) of the paper: a number per beam, and the goal ([`encode`]) |
+//! | [`Encoding::Scaled`], [`Encoding::Raw`] | eq. (8) of the paper: a range per beam, the goal, and the nearest beam ([`encode`]) |
 //! | [`Encoding::Sectors`] | sectors around the robot, in units of the robot, with motion since an earlier scan ([`SectorObserver`]): for any LIDAR and any robot |
 
 mod moving;
@@ -26,7 +26,7 @@ pub enum Encoding {
     /// Eq. (8) of the paper, each number divided by a constant, so that it is of the order of one.
     #[default]
     Scaled,
-    /// Eq. (8) of the paper without scaling: lengths are in m, the bearing in rad, and n is the beam's index.
+    /// Eq. (8) of the paper without scaling: lengths are in m, the bearing in rad, and n is the index of the nearest beam.
     Raw,
     /// Sectors around the robot, in units of the robot, with motion since an earlier scan: for any LIDAR and any robot.
     Sectors {
@@ -89,7 +89,7 @@ impl Encoding {
         self.sectors().is_none_or(|layout| layout.shows_motion(row))
     }
 
-    /// Checks the numbers of an encoding.
+    /// Checks the parameters of the encoding.
     ///
     /// # Errors
     /// The problem and its fix.

@@ -12,8 +12,8 @@ pub(super) struct MovingDisc {
 }
 
 impl MovingDisc {
-    /// The number of control steps until the robot collides with the disc if it moves from the origin by `step` in each of
-    /// them; infinite if they do not collide. Without branches, so that a loop over many steps is vectorized.
+    /// The number of control steps until the robot, moving from the origin by `step` in each of them, collides with the
+    /// disc; infinite if they do not collide. Without branches, so that a loop over many steps is vectorized.
     #[inline(always)]
     pub(super) fn steps_to_collision(&self, step: (f32, f32)) -> f32 {
         let Self { disc, velocity } = self;

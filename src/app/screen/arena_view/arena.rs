@@ -23,7 +23,7 @@ pub fn draw_solids(canvas: &Canvas, scenario: &Scenario, poses: &[ObstaclePose])
     }
 }
 
-/// Draws the inner walls, then the enclosure, which hides the ends of inner walls that reach beyond it.
+/// Draws the inner walls, covers the parts of them outside the enclosure, and draws the enclosure.
 fn draw_walls(canvas: &Canvas, scenario: &Scenario, color: Color32) {
     let thickness = if canvas.compact { 1.5 } else { 4.0 };
     for piece in scenario.walls.iter().flat_map(Wall::segments) {
