@@ -45,7 +45,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (folder, _) = train(job, CHECKPOINT_INTERVAL, &AtomicBool::new(false), Instant::now(), None)?;
 
     let policy = policy_card::read(&folder.join("policy.safetensors"))?;
-    println!("the policy has {} inputs: the paper's 28 and 2 of the odometry", policy.shape().inputs);
+    println!("the policy has {} inputs: the paper's 28 and the odometry's 2", policy.shape().inputs);
     let (seed, count) = (1000, 100);
     let mut evaluator = Evaluator::with_extensions(&scenario, count, &extensions);
     let episodes = evaluator.run(&policy, seed, count, EpisodeSetup::Random)?;

@@ -1,4 +1,4 @@
-//! Tests of signals: which ones stop a run, what is saved, and with which exit status.
+//! Tests of signals: which ones stop a run, what is saved, and the exit status.
 #![cfg(target_os = "linux")]
 
 mod cli_support;
@@ -32,14 +32,14 @@ fn wait_for_progress(workspace: &Workspace, child: &mut Child) {
     wait_until(child, "more rows in episodes.csv", || size(workspace, "run/episodes.csv") > before);
 }
 
-/// Whether the process has a handler of SIGTERM.
+/// Whether the process has a handler for SIGTERM.
 fn handles_sigterm(process: u32) -> bool {
     let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
     let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
     caught.is_some_and(|mask| u64::from_str_radix(mask.trim(), 16).unwrap() >> 14 & 1 == 1)
 }
 
-/// Asserts that the stopped run in `run` is complete, and that it resumes.
+/// Asserts that the run in `run` was saved unfinished, and that it resumes.
 fn assert_saved(workspace: &Workspace) {
     let summary = workspace.json("run/summary.json");
     assert_eq!(summary["finished"], false);
@@ -125,7 +125,7 @@ fn a_later_second_ctrl_c_in_the_terminal_ends_at_once() {
     for _ in 0..2 {
         keyboard.write_all(b"\x03").unwrap();
         keyboard.flush().unwrap();
-        // A second Ctrl-C within half a second would be taken for the same.
+        // A second Ctrl-C within half a second would count as the first one.
         sleep(Duration::from_millis(1500));
     }
     let done = wait_for_output(child);

@@ -147,7 +147,7 @@ proptest! {
                 pipeline.cast_ray(&ray, 3.5, true).map_or(3.5, |(_, distance)| distance)
             };
             // The rotation of the beam is rounded differently. So a beam that grazes an edge may hit either the edge or what
-            // is behind it. Rapier's beam does the same when it is rotated by the root of f32's rounding error.
+            // is behind it. Rapier's beam does the same when rotated by 1e-3 rad, more than the root of f32's rounding error.
             let (straight, left, right) = (theirs(0.0), theirs(1e-3), theirs(-1e-3));
             let at_an_edge = (left - right).abs() > 0.02
                 && ours[i] > left.min(right) - 0.02
@@ -230,7 +230,7 @@ fn drive_until_contact(scenario: &Scenario, from: Pose, max_steps: usize) -> f64
 }
 
 #[test]
-fn the_smallest_range_falls_below_l_c_before_contact_and_the_robot_penetrates_nothing() {
+fn the_smallest_range_is_below_l_c_at_contact_and_the_robot_penetrates_nothing() {
     let cylinder = one_obstacle(Shape::Circle { radius_m: 0.15 }, vec2(0.6, 0.0), 0.0);
     let slab = one_obstacle(Shape::Rectangle { width_m: 0.1, height_m: 1.0 }, vec2(0.6, 0.0), 0.0);
     let mut worst = f64::INFINITY;
@@ -298,9 +298,9 @@ fn cast_every_beam(
 /// Discs and rotated boxes from 1 mm to 5 m, some at round coordinates, so that beams run along their sides.
 fn any_solid() -> impl Strategy<Value = ColliderBuilder> {
     let size = || prop_oneof![(-3.0_f32..0.7).prop_map(|power| 10.0_f32.powf(power)), Just(0.25)];
-    let place = || prop_oneof![-4.0_f32..4.0, (-8_i8..8).prop_map(|k| 0.5 * f32::from(k))];
+    let coordinate = || prop_oneof![-4.0_f32..4.0, (-8_i8..8).prop_map(|k| 0.5 * f32::from(k))];
     let turn = prop_oneof![-PI..PI, Just(0.0)];
-    (any::<bool>(), size(), size(), place(), place(), turn).prop_map(|(disc, a, b, x, y, turn)| {
+    (any::<bool>(), size(), size(), coordinate(), coordinate(), turn).prop_map(|(disc, a, b, x, y, turn)| {
         let solid = if disc { ColliderBuilder::ball(a) } else { ColliderBuilder::cuboid(a, b) };
         solid.translation(Vector::new(x, y)).rotation(turn)
     })

@@ -78,7 +78,7 @@ impl NativeDriver {
         if goal.1 < 0.0 {
             let distance_m = goal.1;
             return Err(PyValueError::new_err(format!(
-                "goal: distance_m is {distance_m:?}; help: give a distance from 0 m, and the direction as bearing_rad"
+                "goal: distance_m is {distance_m:?}; help: give a distance of at least 0 m, and the direction as bearing_rad"
             )));
         }
         let ranges_m = self.scan(ranges_m.as_array().iter().copied().collect())?;
@@ -131,13 +131,14 @@ impl NativeDriver {
         if given != beams {
             return Err(PyValueError::new_err(format!(
                 "the scan has {given} ranges, but the LIDAR of \"{name}\" has {beams} beams; help: give {beams} ranges, at the \
-                 driver's beam_angles_rad, or make the driver with set={{\"scenario.lidar.beams\": {given}}} if the policy takes them"
+                 driver's beam_angles_rad, or make the driver with set={{\"scenario.lidar.beams\": {given}}} if the policy \
+                 takes that many"
             )));
         }
         if let Some(index) = ranges_m.iter().position(|range| !(range.is_finite() && *range >= 0.0)) {
             return Err(PyValueError::new_err(format!(
-                "range {index} of the scan is {:?}; help: give numbers from 0 m, and for a beam that hits nothing the maximum range, \
-                 {max_range_m} m",
+                "range {index} of the scan is {:?}; help: give numbers of at least 0 m, and for a beam that hits nothing the \
+                 maximum range, {max_range_m} m",
                 ranges_m[index]
             )));
         }

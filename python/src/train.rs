@@ -99,7 +99,7 @@ fn name(wanted: &str) -> String {
     if is_text(wanted) { "text".into() } else { wanted.into() }
 }
 
-/// Runs `job`. An exception of the callback or Ctrl-C stops the run after a checkpoint; then it is raised.
+/// Runs `job`. Ctrl-C or an exception in the callback stops the run after a checkpoint, and is then raised.
 fn run(
     py: Python<'_>,
     job: Job,
@@ -130,8 +130,8 @@ fn run(
     Ok((folder, summary))
 }
 
-/// A listener that passes the progress to `callback` and checks for Ctrl-C, every 0.1 s. It stores an exception in `raised`,
-/// and sets `stop`.
+/// A listener that passes the progress to `callback` and checks for Ctrl-C, every 0.1 s. It sets `stop` if the callback returns
+/// False or an exception is raised, and stores the first exception in `raised`.
 pub fn listener(
     callback: Option<Py<PyAny>>,
     stop: Arc<AtomicBool>,

@@ -79,7 +79,7 @@ pub(super) fn fit_to_monitor(
     }
 }
 
-/// Opens files that are dropped on the window. Scenarios open in the editor if the editor is shown.
+/// Opens files that are dropped on the window. RON files open in the editor if the editor is shown.
 pub(super) fn take_dropped_files(
     view_state: Res<CurrentViewState>,
     mut dropped: MessageReader<FileDragAndDrop>,
@@ -87,8 +87,8 @@ pub(super) fn take_dropped_files(
 ) {
     for event in dropped.read() {
         if let FileDragAndDrop::DroppedFile { path_buf: path, .. } = event {
-            let is_scenario = path.extension().is_some_and(|extension| extension == "ron");
-            commands.write(if is_scenario && view_state.0.editor.is_some() {
+            let is_ron = path.extension().is_some_and(|extension| extension == "ron");
+            commands.write(if is_ron && view_state.0.editor.is_some() {
                 Command::OpenInEditor(Some(path.clone()))
             } else {
                 Command::Open(path.clone())

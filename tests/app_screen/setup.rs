@@ -147,7 +147,7 @@ fn training_can_start_from_an_opened_policy() {
     window.state_mut().status.restart_loses_training = false;
     click(&mut window, "Scenario");
     click(&mut window, "Scenario II");
-    assert_eq!(click(&mut window, "Continue this policy in Scenario II"), [from_opened("scenario-2")]);
+    assert_eq!(click(&mut window, "Train this policy in Scenario II"), [from_opened("scenario-2")]);
 }
 
 fn from_opened(scenario: &str) -> Command {

@@ -1,9 +1,10 @@
-//! Programs whose signals have their usual effect.
+//! Programs started with the default handling of signals.
 
 use std::ffi::OsStr;
 use std::process::Command;
 
-/// The command for `program`, which ignores no signal even if the tests run in the background of a shell or under `nohup`.
+/// The command for `program`. On Linux, it doesn't ignore SIGINT, SIGHUP or SIGTERM, even if the tests run in the background
+/// of a shell or under `nohup`.
 pub fn with_default_signals(program: impl AsRef<OsStr>) -> Command {
     if !cfg!(target_os = "linux") {
         return Command::new(program);

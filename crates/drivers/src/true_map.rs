@@ -40,7 +40,7 @@ struct Moving {
 }
 
 impl Moving {
-    /// The pose `steps` control steps of `period_s` after `clock`.
+    /// The obstacle's pose at control step `clock + steps`; each step lasts `period_s`.
     fn pose(&self, clock: u64, steps: u64, period_s: f32) -> (f32, f32, f32) {
         match self.walk {
             Some((at_m, velocity_m_s)) => {
@@ -101,13 +101,13 @@ impl TrueMap {
     /// The clearance of the static parts at a point, in m: bilinear between the centres of four cells.
     fn static_clearance_m(&self, point_m: Vec2) -> f32 {
         let at = (point_m - self.grid.min_m) / self.grid.cell_m - 0.5;
-        let (low, part) = (at.floor(), at - at.floor());
+        let (low, fraction) = (at.floor(), at - at.floor());
         let value = |dx: f32, dy: f32| {
             let corner = self.grid.min_m + (low + Vec2::new(dx, dy) + 0.5) * self.grid.cell_m;
             self.clearances_m[self.grid.cell(corner)]
         };
-        let along = |dy| value(0.0, dy) * (1.0 - part.x) + value(1.0, dy) * part.x;
-        along(0.0) * (1.0 - part.y) + along(1.0) * part.y
+        let along = |dy| value(0.0, dy) * (1.0 - fraction.x) + value(1.0, dy) * fraction.x;
+        along(0.0) * (1.0 - fraction.y) + along(1.0) * fraction.y
     }
 
     /// The distance in m from a point to the nearest moving obstacle, `after_s` seconds from now.

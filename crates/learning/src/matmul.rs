@@ -8,7 +8,7 @@ const ROWS: usize = 4;
 /// The number of columns of a block of the result.
 const COLUMNS: usize = 16;
 
-/// The left factor of a product. Its strides make a transposed matrix possible without a copy.
+/// The left factor of a product. Its strides can describe a transposed matrix, without a copy.
 #[derive(Clone, Copy)]
 pub(crate) struct LeftMatrix<'a> {
     pub(crate) values: &'a [f32],
@@ -87,12 +87,12 @@ mod tests {
 
     #[test]
     fn products_of_any_size_match_the_definition() {
-        let number = |k: usize| ((k * 2_654_435_761) % 1000) as f32 / 500.0 - 1.0;
+        let value = |k: usize| ((k * 2_654_435_761) % 1000) as f32 / 500.0 - 1.0;
         for (m, k, n) in
             [(1, 1, 1), (1, 28, 64), (3, 5, 7), (4, 16, 16), (5, 17, 33), (64, 28, 64), (66, 64, 6)]
         {
-            let a: Vec<f32> = (0..m * k).map(number).collect();
-            let b: Vec<f32> = (0..k * n).map(|i| number(i + 7)).collect();
+            let a: Vec<f32> = (0..m * k).map(value).collect();
+            let b: Vec<f32> = (0..k * n).map(|i| value(i + 7)).collect();
             let expected: Vec<f32> = (0..m * n)
                 .map(|at| (0..k).fold(0.0, |sum, p| sum + a[at / n * k + p] * b[p * n + at % n]))
                 .collect();

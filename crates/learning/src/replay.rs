@@ -127,7 +127,7 @@ impl ReplayBuffer {
     }
 
     /// Stores a transition, and gives it the largest priority so far. A full buffer removes its oldest transition. A
-    /// transition whose states have been overwritten is not stored: its environment paused while the others filled the buffer.
+    /// transition whose states have been overwritten (while its environment paused and others filled the buffer) is not stored.
     pub fn push(&mut self, transition: &Transition) {
         let next = if transition.terminated { transition.state } else { transition.next };
         if !self.contains_state(transition.state) || !self.contains_state(next) {

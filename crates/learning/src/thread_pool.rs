@@ -1,7 +1,7 @@
 //! A thread pool for large matrix products, even where no thread can be started.
 //!
-//! The gemm crate asks rayon for its global pool, and rayon panics if that cannot start its threads (because of a limit on
-//! processes, such as `ulimit -u` or a container's). So the pool is started here first. If this fails, each thread that
+//! The gemm crate asks rayon for its global pool, and rayon panics if the pool cannot start its threads (because of a limit
+//! on processes, such as `ulimit -u` or a container's). So the pool is started here first. If this fails, each thread that
 //! multiplies gets its own pool, of that thread alone.
 
 use std::cell::OnceCell;

@@ -166,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cut_message_is_never_read_as_another_one() {
+    fn a_truncated_message_is_never_read_as_another_one() {
         let mut message = Message::default();
         message.double(1, -0.5).uint(2, 1 << 40).bytes(16, b"abc");
         let bytes = message.into_bytes();

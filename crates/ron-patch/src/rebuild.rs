@@ -152,7 +152,7 @@ impl<'a> ChildrenRebuilder<'a> {
         }
     }
 
-    /// Inserts a child; `key` is empty for a list element. It is written on a new line if the previous child ended its line.
+    /// Inserts a child; `key` is empty for a list element. The child starts a new line if the previous one ended its line.
     pub fn insert(&mut self, key: &'a str, value: &Value) {
         let own_line = self.out.ends_with('\n');
         if own_line {

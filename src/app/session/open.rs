@@ -1,4 +1,4 @@
-//! Files opened in the app: a run or its checkpoint, a policy, a scenario, a preset, a classical driver.
+//! Files opened in the app: a run or its checkpoint, a policy, a scenario, a map, a preset, a classical driver.
 //!
 //! In: a path. Out: training that resumes or starts, or a second driver to compare with; otherwise a notice with the
 //! error.
@@ -29,7 +29,7 @@ const OPENABLE: &str = "a policy (.safetensors), a scenario, a preset or a class
 pub struct OpenedFiles {
     /// A second policy to compare with, and its name.
     pub policy: Option<(String, Policy)>,
-    /// A classical driver, or a policy with a map, to compare with in place of that policy, and its name.
+    /// A classical driver, or a policy with a map, to compare with instead of `policy`, and its name.
     pub driver: Option<(String, DriverKind)>,
     /// The user's own scenarios.
     pub scenarios: Vec<Choice>,
@@ -76,8 +76,8 @@ fn confirm_by_repeating(world: &mut World, path: &Path) -> Result<(), RunError> 
     )))
 }
 
-/// Opens a run's folder or its checkpoint, a policy, a scenario, a preset or a classical driver. Returns a confirmation for the
-/// user.
+/// Opens a run's folder or its checkpoint, a policy, a scenario, a map, a preset or a classical driver. Returns a confirmation
+/// for the user.
 fn open(world: &mut World, path: &Path) -> Result<String, RunError> {
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
     if path.is_dir() {
@@ -217,8 +217,8 @@ fn task_of(member: &SetMember) -> Scenario {
     Scenario { name: member.name.clone(), robot, lidar, task, ..Scenario::default() }
 }
 
-/// Whether `policy` has the observations and actions of the training of `config`. Otherwise it drives like a classical driver,
-/// by percepts (scan, goal and speed).
+/// Whether `policy` has the observations and actions of the training run `config`. Otherwise it drives like a classical driver,
+/// from percepts (scan, goal and speed).
 pub(super) fn matches_training(config: &RunConfig, policy: &Policy) -> Result<bool, RunError> {
     let own = (policy_card::encoding(policy)?, policy_card::action_set(policy));
     Ok(own == (config.preset.observation, config.preset.actions.clone()))

@@ -57,8 +57,8 @@ impl FileKind {
         }
     }
 
-    /// The kind of a RON file: the one with whose name the text begins, or else the one that has most of the text's fields. A
-    /// text that could be of any kind is a scenario.
+    /// The kind of a RON file: the one whose name the text begins with, or else the one that has the most of the text's fields.
+    /// A text that could be of any kind is a scenario.
     pub fn of_text(text: &str) -> Self {
         // `max_by_key` chooses the last of several kinds that match equally well.
         let kinds = [

@@ -76,10 +76,10 @@ pub struct EvalArgs {
     trace: Option<PathBuf>,
 }
 
-/// What the first signal prints if the test writes files.
+/// The message on the first signal if the test writes files.
 const STOPPING: &str = "stopping; no file is written";
 
-/// What the first signal prints if the test writes a report.
+/// The message on the first signal if the test writes a report.
 const STOPPING_REPORT: &str = "stopping; finished tests are kept";
 
 /// Tests the policies and drivers `paths`, which are files or shipped names, and prints the results.

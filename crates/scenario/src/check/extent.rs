@@ -44,7 +44,7 @@ impl<'a> EnclosureExtent<'a> {
     /// How far `obstacle` extends outside the enclosure along its whole path, in m.
     pub(super) fn overhang_m(&self, obstacle: &Obstacle) -> f32 {
         let (points, mut margin) = obstacle.shape.support_points(obstacle.rotation_rad);
-        let mut around = obstacle.shape.bounding_radius_m();
+        let mut bounding_radius = obstacle.shape.bounding_radius_m();
         let start = obstacle.position_m;
         let path = match obstacle.actual_track() {
             Track::Point => vec![start],
@@ -54,7 +54,7 @@ impl<'a> EnclosureExtent<'a> {
             }
             Track::Disc { radius_m } => {
                 margin += radius_m;
-                around += radius_m;
+                bounding_radius += radius_m;
                 vec![start]
             }
             Track::Lines { mut corners_m, closed } => {
@@ -65,7 +65,7 @@ impl<'a> EnclosureExtent<'a> {
         let mut worst = f32::NEG_INFINITY;
         let mut last: Option<(Vec2, f32)> = None;
         for &stop in &path {
-            let past = around - enclosure_distance(self.enclosure, stop);
+            let past = bounding_radius - enclosure_distance(self.enclosure, stop);
             if past > 0.0 {
                 worst = worst.max(self.overhang_at_m(&points, stop, margin));
             }
@@ -86,7 +86,7 @@ impl<'a> EnclosureExtent<'a> {
 
     /// How far the area within `margin` of the line between two points extends outside the enclosure, in m.
     pub(super) fn segment_overhang_m(&self, from: Vec2, to: Vec2, margin: f32) -> f32 {
-        let past = |place| margin - enclosure_distance(self.enclosure, place);
+        let past = |point| margin - enclosure_distance(self.enclosure, point);
         self.between((from, past(from)), (to, past(to)), margin)
     }
 
@@ -107,8 +107,8 @@ impl<'a> EnclosureExtent<'a> {
             return worst;
         }
         self.points_left.set(self.points_left.get() - 1);
-        let place = (from.0 + to.0) / 2.0;
-        let middle = (place, margin - enclosure_distance(self.enclosure, place));
+        let point = (from.0 + to.0) / 2.0;
+        let middle = (point, margin - enclosure_distance(self.enclosure, point));
         self.between(from, middle, margin).max(self.between(middle, to, margin))
     }
 }

@@ -31,7 +31,7 @@ fn check_time(path: Arguments<'_>, time_s: f32, before_s: f32, diagnostics: &mut
     }
 }
 
-/// Checks the number of all key frames together.
+/// Checks the total number of key frames of `obstacles`.
 pub(super) fn check_total(obstacles: &[Obstacle], diagnostics: &mut Diagnostics) {
     let count = |obstacle: &Obstacle| match &obstacle.motion {
         ObstacleMotion::KeyFrames { frames, .. } => frames.len(),

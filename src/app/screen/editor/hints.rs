@@ -7,7 +7,7 @@ use crate::app::editor::{Editor, HandleKind, PointerHit, Selection, Tool};
 use crate::app::screen::arena_view::canvas::Canvas;
 use crate::app::screen::theme::SMALL;
 
-/// Draws the hint line, unless the canvas is too low for it.
+/// Draws the hint line, unless the canvas is too short for it.
 pub fn draw(canvas: &Canvas, editor: &Editor, hit: PointerHit) {
     let view = canvas.transform.rect.shrink2(vec2(8.0, 5.0));
     if view.height() < 120.0 {

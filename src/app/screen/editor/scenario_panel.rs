@@ -101,7 +101,7 @@ fn benchmark_route_ui(ui: &mut Ui, editor: &mut Editor) {
     }
 }
 
-/// Shows a list of the generators: one without a region is not on the canvas.
+/// Lists the generators, because one without a region cannot be selected on the canvas.
 fn generators_ui(ui: &mut Ui, editor: &mut Editor) {
     for k in 0..editor.scenario().generators.len() {
         let name = format!("Generator {}", k + 1);

@@ -108,7 +108,7 @@ fn opened_policy_ui(
     section_title_ui(ui, "Opened policy");
     ui.add(Label::new(weak_text(name)).truncate()).on_hover_text(name);
     let (text, about) = if form.differs_from_running() {
-        let text = format!("Continue this policy{}", choice_in_words(status, form));
+        let text = format!("Train this policy{}", choice_in_words(status, form));
         (text, "Start training with these settings from this policy. The current training run is discarded")
     } else {
         let about = "Start training the same learner in the same scenario from this policy. The current training run is \

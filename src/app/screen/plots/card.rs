@@ -44,7 +44,7 @@ pub struct Card<'a> {
     pub about: &'static str,
     /// The y axis.
     pub scale: AxisScale,
-    /// Decimals of the values that are shown as numbers.
+    /// Decimals of the values that are shown as numbers (on a log axis: significant digits).
     pub digits: usize,
     /// The card's lines. The first one is drawn on top, and its value is next to the title.
     pub traces: Vec<Trace<'a>>,
