@@ -97,7 +97,7 @@ fn report(workspace: &Workspace, folder: &str) -> BTreeMap<PathBuf, Vec<u8>> {
     files
 }
 
-/// Makes the folder of a report one of an earlier version, which did not record what the report shows: any report may replace it.
+/// Turns a report's folder into one of an earlier version, which did not record what the report shows. Any report may replace it.
 fn forget_contents(workspace: &Workspace, folder: &str) {
     workspace.write(&format!("{folder}/spent.json"), r#"{"wall_s": 0.0}"#);
 }
@@ -280,7 +280,7 @@ fn a_full_disk_leaves_the_last_report_as_it_was() {
     assert_eq!(names, ["figures/dots.png", "figures/dots.svg", "tables/times.csv", "tables/times.md"]);
 }
 
-/// The test aborts the process as often as it replaces a file.
+/// Aborts the process once after each file that it writes, and once after each that it replaces.
 #[test]
 fn a_report_that_is_killed_while_it_is_written_consists_of_whole_files() {
     let workspace = workspace();

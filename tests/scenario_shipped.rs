@@ -53,7 +53,7 @@ fn every_scenario_file_is_shipped_under_its_name_and_is_valid() {
 }
 
 #[test]
-fn the_shipped_scenarios_use_every_part_of_the_format() {
+fn the_shipped_scenarios_use_every_listed_part_of_the_format() {
     let mut unused = BTreeSet::from([
         "a wall",
         "a polygonal enclosure",

@@ -65,7 +65,7 @@ def reproduce(
         set: Fields of presets and scenarios with other values, as in ``wayfield.train``.
         quick: Whether to make a rough report in a minute.
         out: The folder of the report; None for that of the command line.
-        cpus: The CPUs that a training run needs. It changes no result.
+        cpus: The number of CPUs for a training run. It changes no result.
         retries: How many times a training run is repeated after its node was lost.
         progress: Whether to show the finished runs on stderr.
         pool: The pool of processes to use instead of Ray's.

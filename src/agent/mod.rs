@@ -5,7 +5,7 @@
 //! | file | responsible for |
 //! |---|---|
 //! | `decide.rs` | `Decide`: observations -> actions, epsilon-greedy or greedy |
-//! | `drive.rs` | `Decide`: the actions of classical drivers, and of policies with a map that they build |
+//! | `drive.rs` | `Decide`: the actions of classical drivers, and of policies that build a map |
 //! | `train.rs` | `Store` and `Learn`: transitions -> replay buffer -> gradient steps |
 
 mod decide;

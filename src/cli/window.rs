@@ -81,7 +81,7 @@ enum OverlayArg {
 /// Opens the app and returns when its window is closed. The training is saved at the interval `save_every`.
 ///
 /// # Errors
-/// The scenario or preset is invalid, the window cannot be opened, or a signal or a failure has closed it.
+/// An option, the scenario or the preset is invalid, the window cannot be opened, or a signal or a failure has closed it.
 pub fn run(args: WindowArgs, shared: SharedArgs, save_every: Option<Duration>) -> Result<(), RunError> {
     let size = shared.size.map(window_size).transpose()?;
     let defaults = StartOptions::default();

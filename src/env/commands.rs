@@ -11,8 +11,8 @@ use crate::task::{Actions, CommandedMotions};
 pub enum Commands<'a> {
     /// Indices into the robot's motions.
     Actions(&'a [usize]),
-    /// Speeds and turning rates. They are limited to the range of the robot's motions and 0; then turning rates are limited to
-    /// what the robot's minimum turning radius allows at that speed.
+    /// Speeds and turning rates. They are limited to the range that the robot's motions and 0 span; then turning rates are
+    /// limited to what the robot's minimum turning radius allows at that speed.
     Motions(&'a [Motion]),
 }
 

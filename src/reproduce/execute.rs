@@ -24,7 +24,7 @@ use crate::run::train::{CHECKPOINT_INTERVAL, Job, train};
 use crate::run::{RunError, checkpoint};
 use crate::simulation::Extensions;
 
-/// Does all training runs of `plan` in folders below `folder`, `jobs` at a time.
+/// Trains and tests all runs of `plan` in folders below `folder`, `jobs` at a time.
 ///
 /// # Errors
 /// A run failed (the others are stopped and keep their checkpoints), or `stop` was set.

@@ -1,4 +1,4 @@
-//! A small file system of its own, on which a test can fill the disk or forbid writing.
+//! A small separate file system, on which a test can fill the disk or forbid writing.
 
 #![allow(dead_code, reason = "each test file uses part of this module")]
 
@@ -26,7 +26,7 @@ pub fn with_small_disk(workspace: &Workspace, options: &str, script: &str) -> Co
     workspace.finish(command)
 }
 
-/// A script that fills the disk at `small` but for `free_kib`.
+/// A script that fills the disk at `small`, except for `free_kib` KiB.
 pub fn fill_disk(free_kib: u32) -> String {
     format!(
         "{{ dd if=/dev/zero of=small/fill bs=1k 2>/dev/null || true; }}; truncate -s -{free_kib}k small/fill"

@@ -88,7 +88,7 @@ impl MapFile {
         let (occupied, free) = (fraction("occupied_thresh", 0.65)?, fraction("free_thresh", 0.196)?);
         if free > occupied {
             let entry = keys.required("free_thresh", "")?;
-            let message = format!("is {free}, more than occupied_thresh, {occupied}; help: exchange them");
+            let message = format!("is {free}, more than occupied_thresh, {occupied}; help: swap them");
             return Err(keys.error(&entry, message));
         }
         let reading = PixelReading { negate: keys.negate()?, occupied, free, mode: keys.mode()? };
@@ -293,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn the_grey_of_unknown_cells_is_floor_only_if_the_threshold_exceeds_its_occupancy() {
+    fn the_grey_of_unknown_cells_is_free_only_if_the_threshold_exceeds_its_occupancy() {
         let reading = |free| PixelReading { negate: false, occupied: 0.65, free, mode: MapMode::Trinary };
         // A brightness of 205 is an occupancy of 0.19608.
         assert!(!reading(0.196).is_free(205) && reading(0.25).is_free(205));

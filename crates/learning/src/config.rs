@@ -158,7 +158,7 @@ pub enum Schedule {
         /// The env step at which `to` is reached, at least 1.
         env_steps: u64,
     },
-    /// Steps down: from x factor^k after k times `every_env_steps` (PyTorch's `StepLR`).
+    /// Steps down: `from` x `factor`^k after k times `every_env_steps` (PyTorch's `StepLR`).
     Step {
         /// The value before the first step down.
         from: f32,

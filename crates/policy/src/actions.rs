@@ -20,8 +20,8 @@ pub enum ActionSet {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RelativeMotion {
-    /// Speed as a fraction of the highest speed, -1 to 1. Below 0: of the highest speed backwards, 0 for a robot that only
-    /// drives forwards.
+    /// Speed as a fraction of the highest speed, -1 to 1. Below 0: of the highest speed backwards, which is 0 for a robot
+    /// that only drives forwards.
     pub speed: f32,
     /// Turning rate as a fraction of the highest turning rate, -1 (right) to 1 (left).
     pub turn: f32,

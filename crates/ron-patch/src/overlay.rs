@@ -26,7 +26,7 @@ pub fn overlay(base: &str, text: &str) -> String {
     result
 }
 
-/// Adds the edits that override the struct `entries.0` of the base text by the fields of the struct `entries.1`.
+/// Adds the edits that override the struct `entries.0` of the base text with the fields of the struct `entries.1`.
 fn collect(maps: (&SourceMap, &SourceMap), entries: (usize, usize), edits: &mut Vec<Edit>) {
     let (base, text) = maps;
     for (name, field) in text.fields_of(entries.1) {

@@ -104,8 +104,8 @@ fn back_and_forth(start: DVec2, waypoints: &[Vec2], distance: f64) -> DVec2 {
     corners().last().unwrap_or(start)
 }
 
-/// The point of a random walk about `middle` after the time that `distance` takes at its highest speed. Every leg takes the
-/// time of the longest possible leg, which is twice the `reach`.
+/// The point of a random walk about `middle` after the time in which its highest speed would cover `distance`. Every leg takes
+/// the time of the longest possible leg, which is twice the `reach`.
 fn random_walk(middle: DVec2, reach: f64, seed: u32, distance: f64) -> DVec2 {
     let legs = distance.abs() / (2.0 * reach);
     if !legs.is_finite() {

@@ -31,7 +31,7 @@ impl Editor {
         self.clipboard = self.selected_copy().or_else(|| self.clipboard.take());
     }
 
-    /// [`copy`](Self::copy) and [`delete`](Self::delete).
+    /// Copies the selected item to the clipboard, and deletes it.
     pub fn cut(&mut self) {
         if self.can_copy() {
             self.copy();

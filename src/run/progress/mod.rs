@@ -144,14 +144,14 @@ impl ProgressReporter {
             }
             Display::Bar(bar) => {
                 self.due = now + REDRAW;
-                bar.set_prefix(view.advance());
+                bar.set_prefix(view.completion());
                 bar.set_message(view.learning());
                 bar.set_position(self.budget.done(&self.last));
                 bar.tick();
             }
             Display::Lines => {
                 self.due = now + NEXT_LINE;
-                print_stderr(&format!("{}  {}", view.advance(), view.learning()));
+                print_stderr(&format!("{}  {}", view.completion(), view.learning()));
             }
         }
     }

@@ -42,7 +42,7 @@ pub struct View<'a> {
 
 impl View<'_> {
     /// The progress of the run, such as ` 41%  412/1000 episodes  1:23, 1:58 left`.
-    pub fn advance(&self) -> String {
+    pub fn completion(&self) -> String {
         let (done, total) = (self.budget.done(self.progress), self.budget.total());
         // Rounded down, so that 100% means the end. A total of zero is complete at once.
         let percent = (u128::from(done) * 100).checked_div(u128::from(total)).unwrap_or(100).min(100);
@@ -93,21 +93,21 @@ fn count(n: u64) -> String {
     if n < 10_000 { n.to_string() } else { short(n as f64) }
 }
 
-/// A non-negative number, rounded to three digits or fewer, with a unit: `7.4`, `68.2k`, `1.25M`.
+/// A non-negative number, rounded to three digits or fewer, with an SI prefix: `7.4`, `68.2k`, `1.25M`.
 fn short(x: f64) -> String {
-    const UNITS: [&str; 5] = ["", "k", "M", "G", "T"];
-    let (mut x, mut unit) = (x, 0);
+    const PREFIXES: [&str; 5] = ["", "k", "M", "G", "T"];
+    let (mut x, mut prefix) = (x, 0);
     // 999.5 would round to a fourth digit.
-    while x >= 999.5 && unit + 1 < UNITS.len() {
+    while x >= 999.5 && prefix + 1 < PREFIXES.len() {
         x /= 1000.0;
-        unit += 1;
+        prefix += 1;
     }
     let digits = match x {
         x if x >= 99.95 => 0,
-        x if x >= 9.995 || unit == 0 => 1,
+        x if x >= 9.995 || prefix == 0 => 1,
         _ => 2,
     };
-    format!("{x:.digits$}{}", UNITS[unit])
+    format!("{x:.digits$}{}", PREFIXES[prefix])
 }
 
 /// A signed number, with one decimal if it is small: `-12.3`, `340`.
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_rounded_and_have_a_unit() {
+    fn numbers_are_rounded_and_have_an_si_prefix() {
         let cases = [
             (0.0, "0.0"),
             (7.44, "7.4"),
@@ -209,7 +209,7 @@ mod tests {
             progress: &progress,
             rates: &rates,
         };
-        assert_eq!(view.advance(), " 60%  1.20M/2.00M steps  1:23, 0:11 left");
+        assert_eq!(view.completion(), " 60%  1.20M/2.00M steps  1:23, 0:11 left");
         assert_eq!(
             view.learning(),
             "12.0k episodes  68.2k steps/s  3.41k grad/s  return -12.3  success 96.6%  ε 0.05"
@@ -217,7 +217,7 @@ mod tests {
         assert!(view.learning().chars().count() <= 80);
 
         let view = View { budget: ProgressTotal::Episodes(30_000), ..view };
-        assert_eq!(view.advance(), " 40%  12.0k/30.0k episodes  1:23, 0:26 left");
+        assert_eq!(view.completion(), " 40%  12.0k/30.0k episodes  1:23, 0:26 left");
         assert!(
             view.learning().starts_with("1.20M steps  68.2k steps/s"),
             "the count in the bar is not repeated"
@@ -233,10 +233,10 @@ mod tests {
             progress: &progress,
             rates: &rates,
         };
-        assert_eq!(view.advance(), "  0%  0/1000 episodes  0:00");
+        assert_eq!(view.completion(), "  0%  0/1000 episodes  0:00");
         assert_eq!(view.learning(), "0 steps  ε 1.00");
         let view = View { budget: ProgressTotal::Episodes(0), ..view };
-        assert_eq!(view.advance(), "100%  0/0 episodes  0:00", "an empty budget is complete");
+        assert_eq!(view.completion(), "100%  0/0 episodes  0:00", "an empty budget is complete");
     }
 
     #[test]
@@ -248,6 +248,6 @@ mod tests {
             progress: &progress,
             rates: &rates,
         };
-        assert!(view.advance().starts_with(" 99%"), "{}", view.advance());
+        assert!(view.completion().starts_with(" 99%"), "{}", view.completion());
     }
 }

@@ -60,7 +60,7 @@ fn assert_tool_fits(editor: &Editor, before: Selection) {
 
 fn random_edit(editor: &mut Editor, stream: &mut Stream) {
     let at = random_position(stream);
-    let rule = [PlacementRole::Starts, PlacementRole::Goals][one_of(stream, 2)];
+    let role = [PlacementRole::Starts, PlacementRole::Goals][one_of(stream, 2)];
     match one_of(stream, 28) {
         0 | 26 => match Shape::templates().get(one_of(stream, 6)) {
             Some((_, shape)) => editor.add_obstacle(shape.clone(), at),
@@ -81,7 +81,7 @@ fn random_edit(editor: &mut Editor, stream: &mut Stream) {
         12 => editor.paste([None, Some(at)][one_of(stream, 2)]),
         13 => editor.nudge(1, -2, uniform(stream, 0.0, 1.0) < 0.5),
         14 => editor.set_motion(MotionKind::ALL[one_of(stream, MotionKind::ALL.len())].0),
-        15 => editor.set_rule(rule, PlacementKind::ALL[one_of(stream, 4)]),
+        15 => editor.set_rule(role, PlacementKind::ALL[one_of(stream, 4)]),
         16 => editor.set_enclosure([EnclosureKind::Rectangle, EnclosureKind::Polygon][one_of(stream, 2)]),
         17 => {
             let handles = editor.handles();
@@ -106,7 +106,7 @@ fn random_edit(editor: &mut Editor, stream: &mut Stream) {
 
 #[test]
 fn random_edits_can_be_undone_redone_and_saved() {
-    let (mut paths, mut places) = (0, 0);
+    let (mut paths, mut positions) = (0, 0);
     for seed in 0..6 {
         let mut stream = stream(seed, "anything", 0);
         let mut editor = editor(full());
@@ -116,7 +116,7 @@ fn random_edits_can_be_undone_redone_and_saved() {
             random_edit(&mut editor, &mut stream);
             assert_tool_fits(&editor, before);
             paths += usize::from(matches!(editor.tool(), Tool::Path { .. }));
-            places += usize::from(*editor.tool() == Tool::Positions);
+            positions += usize::from(*editor.tool() == Tool::Positions);
             assert_eq!(editor.selection(), editor.selection().if_present(editor.scenario()));
             most = most.max(item_count(editor.scenario()));
             if editor.dragged().is_none() {
@@ -146,5 +146,5 @@ fn random_edits_can_be_undone_redone_and_saved() {
         }
         assert_eq!(*editor.scenario(), last);
     }
-    assert!(paths > 10 && places > 10, "tools were used: {paths} {places}");
+    assert!(paths > 10 && positions > 10, "tools were used: {paths} {positions}");
 }

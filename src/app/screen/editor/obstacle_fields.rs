@@ -119,7 +119,7 @@ fn end_rows(rows: &mut FieldRows<'_>, frames: &[KeyFrame], end: &mut KeyFrameEnd
     }
 }
 
-/// The radius and the speed of an orbit, the speed of key frames, or the length and the duration of a round trip.
+/// The radius and the speed of an orbit, the highest speed of key frames, or the length and the duration of a round trip.
 fn track_summary(obstacle: &Obstacle) -> Option<String> {
     let speed_m_s = obstacle.origin_speed_m_s();
     match obstacle.track() {
