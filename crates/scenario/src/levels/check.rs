@@ -252,6 +252,6 @@ fn check_floor_size(generator: &LevelGenerator, diagnostics: &mut Diagnostics) {
         let message = format!(
             "is too large for such narrow passages: write a smaller enclosure, or a larger gap_m{clearance}"
         );
-        diagnostics.push("width_m", message);
+        diagnostics.push(format_args!("width_m"), message);
     }
 }
