@@ -288,6 +288,7 @@ const LEVEL_GENERATORS: &[Limit] = &[
     Limit("rooms, approximately", Max(scenario::MAX_LEVEL_ROOMS as u64), "", "time of a step"),
     Limit("obstacles of a layout", counts32(&scenario::LEVEL_COUNT), "", "time of a step"),
     Limit("pairs of lanes", counts32(&scenario::LANE_PAIRS), "", "time of a step"),
+    Limit("circles with obstacles on them", counts32(&scenario::ORBIT_CIRCLES), "", "time of a step"),
     Limit(
         "sizes of moving obstacles, reach of walks",
         reals(&scenario::TRAFFIC_SIZE_M),
@@ -295,6 +296,12 @@ const LEVEL_GENERATORS: &[Limit] = &[
         "mistyped values",
     ),
     Limit("radius of a crossed circle", reals(&scenario::LEVEL_CIRCLE_M), "m", "mistyped values"),
+    Limit(
+        "radius of a circle with obstacles on it",
+        reals(&scenario::LEVEL_ORBIT_M),
+        "m",
+        "highest angular speed",
+    ),
     Limit("noise of starts on a crossed circle", reals(&scenario::LEVEL_NOISE_M), "m", "mistyped values"),
     Limit("goals of a pedestrian of a level", counts32(&scenario::LEVEL_GOALS), "", "time of a level"),
     Limit(

@@ -36,6 +36,9 @@ pub struct Preset {
     /// The observation: the paper's, eq. (8), `Scaled` to the order of one or `Raw` in m and rad (the paper doesn't say which);
     /// or `Sectors`, for any LIDAR and any robot.
     pub observation: Encoding,
+    /// Fraction of the moving things, 0 to 1, whose motion is left out of predicted paths in training, so that the policy does not
+    /// rely on predictions. Evaluations leave nothing out.
+    pub prediction_dropout: f32,
     /// The motions to choose among: those of the scenario's `Robot`, as in the paper, or `Relative` ones, in units of any
     /// robot's limits.
     pub actions: ActionSet,
@@ -92,6 +95,7 @@ impl Default for Preset {
             budget: Budget::Episodes(1000),
             evaluation: EvaluationConfig::default(),
             observation: Encoding::default(),
+            prediction_dropout: 0.0,
             actions: ActionSet::default(),
             reward: RewardConfig::default(),
             learning: LearningConfig::default(),
@@ -171,6 +175,12 @@ impl Preset {
         if let Some(problem) = mirror::problem_of(self.observation).filter(|_| self.learning.mirror) {
             diagnostics.push(Diagnostic { path: "learning.mirror".into(), message: problem.into() });
         }
+        let predicts = self.observation.sectors().is_some_and(|sectors| sectors.predicted_paths);
+        if self.prediction_dropout > 0.0 && !predicts {
+            let message = "needs an observation with predictions; help: use `observation: Sectors(..., predicted_paths: true)`, or \
+                           `prediction_dropout: 0.0`";
+            diagnostics.push(Diagnostic { path: "prediction_dropout".into(), message: message.into() });
+        }
         if self.based_on.is_some() {
             let message = "is only read from a preset's own file; help: remove it here".into();
             diagnostics.push(Diagnostic { path: "based_on".into(), message });
@@ -191,6 +201,7 @@ impl Preset {
             within("evaluation.every_env_steps", every_env_steps, 1..=MAX_STEPS),
             within("evaluation.episodes", episodes, 1..=MAX_EVALUATION_EPISODES),
             within("evaluation.final_episodes", final_episodes, 0..=MAX_EVALUATION_EPISODES),
+            within("prediction_dropout", self.prediction_dropout, 0.0..=1.0),
         ];
         let uniform = match self.levels {
             LevelSampling::Uniform => Ok(()),

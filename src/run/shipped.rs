@@ -47,7 +47,7 @@ const GENERAL_GENERATORS: &[Shipped] = shipped!(
     "general/clutter-agile", "general/caves-fine", "general/caves-fast", "general/rooms-small",
     "general/rooms-noisy", "general/traffic-small", "general/traffic-agile", "general/traffic-noisy",
     "general/mixed-small", "general/mixed-noisy", "general/crowd-small", "general/crowd-agile",
-    "general/crossing-small", "general/crossing-agile"
+    "general/crossing-small", "general/crossing-agile", "general/orbits-small", "general/orbits-agile"
 );
 const SETS: &[Shipped] = shipped!("scenarios/sets": "general");
 const SUITES: &[Shipped] =

@@ -18,8 +18,8 @@ use crate::scenario::Scenario;
 use crate::sim::spawn_arenas;
 use crate::simulation::{Extensions, Simulation, SimulationBuilder};
 use crate::task::{
-    ActiveActionSet, EpisodeEnded, EpisodeSetup, LevelProgress, ObservationLayout, ScenarioPool, TaskFault,
-    TaskMode,
+    ActiveActionSet, EpisodeEnded, EpisodeSetup, LevelProgress, ObservationLayout, PredictionDropout,
+    ScenarioPool, TaskFault, TaskMode,
 };
 
 /// A simulation in which `learner` trains with `preset` in parallel arenas of `scenario`.
@@ -45,6 +45,7 @@ pub fn start_training(
     learner: Learner,
 ) {
     world.resource_mut::<ObservationLayout>().encoding = preset.observation;
+    world.insert_resource(PredictionDropout(preset.prediction_dropout));
     world.insert_resource(ActiveActionSet(preset.actions.clone()));
     world.insert_resource(preset.reward.clone());
     world.insert_resource(TaskMode::Continuing);
@@ -116,4 +117,56 @@ fn check_encoding(policy: &Policy, expected: Encoding) -> Result<(), RunError> {
         policy_card::encoding_name(encoding),
         policy_card::encoding_name(expected)
     )))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::policy::observation::Quantity;
+    use crate::run::shipped;
+    use crate::task::Observations;
+
+    /// How many predicted paths differ from free paths in the first 20 control steps of a training run with moving obstacles.
+    fn predictions(prediction_dropout: f32) -> usize {
+        const ARENAS: usize = 32;
+        let scenario = shipped::scenario("crowd").expect("it is shipped");
+        let encoding =
+            Encoding::Sectors { count: 36, earlier_steps: 3, free_paths: true, predicted_paths: true };
+        let mut preset =
+            Preset { arenas: ARENAS, observation: encoding, prediction_dropout, ..Preset::default() };
+        preset.learning.network.hidden = vec![8];
+        assert_eq!(preset.diagnostics(), []);
+        let config = RunConfig::new(("crowd".into(), scenario), ("mine".into(), preset), 1);
+        let learner = create_learner(&config, None).expect("a learner");
+        let mut simulation =
+            training(&Arc::new(config.scenario.clone()), &config.preset, 1, learner, &Extensions::default());
+        let layout = config.observation_layout().encoding.sectors().expect("by sectors");
+        let columns: Vec<_> = layout.columns().collect();
+        let mut count = 0;
+        for _ in 0..20 {
+            simulation.step().expect("it simulates");
+            let observations = simulation.world().resource::<Observations>();
+            for row in observations.current.chunks(observations.width) {
+                let all = |quantity: Quantity| {
+                    columns
+                        .iter()
+                        .zip(row)
+                        .filter(move |(c, _)| c.quantity == quantity)
+                        .map(|(_, value)| *value)
+                };
+                let pairs = all(Quantity::PredictedNearness).zip(all(Quantity::CollisionNearness));
+                count += pairs.filter(|(predicted, free)| predicted != free).count();
+            }
+        }
+        count
+    }
+
+    #[test]
+    fn predictions_of_the_given_fraction_of_moving_things_are_left_out_in_training() {
+        let all = predictions(0.0);
+        assert!(all > 500, "{all}");
+        let half = predictions(0.5);
+        assert!((all / 4..=3 * all / 4).contains(&half), "{half} of {all}");
+        assert_eq!(predictions(1.0), 0);
+    }
 }

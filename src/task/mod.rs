@@ -37,7 +37,8 @@ pub(crate) use fault::step_is_finite;
 pub use fault::{Fault, TaskFault};
 pub use level_progress::{LevelProgress, LevelResults, LevelSampling};
 pub use observation::{
-    Encoding, ObservationLayout, ObservationSlice, Observations, ScanMemory, SensorReadings, SensorSlice,
+    Encoding, ObservationLayout, ObservationSlice, Observations, PredictionDropout, ScanMemory,
+    SensorReadings, SensorSlice,
 };
 pub use outcome::{EpisodeEnd, EpisodeEnded, StepOutcome, StepOutcomes};
 pub use reset::EpisodeSetup;
@@ -121,6 +122,7 @@ impl Plugin for TaskPlugin {
         app.insert_resource(ObservationLayout::new(self.observation, Vec::new()))
             .insert_resource(self.reward.clone())
             .insert_resource(self.mode)
+            .init_resource::<PredictionDropout>()
             .init_resource::<DeferResets>()
             .init_resource::<Observations>()
             .init_resource::<Actions>()

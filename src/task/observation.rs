@@ -12,9 +12,12 @@ use serde::{Deserialize, Serialize};
 
 pub use crate::policy::observation::{DISTANCE_SCALE_M, Encoding, RANGE_SCALE_M, width};
 
-use super::{Arena, ArenaLayout, Episode, EstimatedPose, Goal, PathLengths, PendingReset, Pose, Scan, Twist};
+use super::{
+    Arena, ArenaLayout, Episode, EstimatedPose, Goal, PathLengths, PendingReset, Pose, Scan, Streams, Twist,
+};
 use crate::drivers::sector_observer;
 use crate::policy::observation::{self as encodings, Column, ObserverMemory, SectorObserver, Sensed};
+use crate::random::{Stream, random_u64};
 use crate::scenario::Scenario;
 
 /// The parts of an observation: the numbers of an encoding, then one named slice per plugin sensor.
@@ -143,6 +146,10 @@ impl ObservationLayout {
     }
 }
 
+/// The fraction of moving things whose motion predicted paths leave out (`prediction_dropout` of a preset), 0 to 1.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
+pub struct PredictionDropout(pub f32);
+
 /// The scans that an arena's robot remembers for its observation by sectors; none for the paper's observation.
 #[derive(Component, Clone, Debug, Default, PartialEq)]
 pub struct ScanMemory {
@@ -167,6 +174,15 @@ impl ScanMemory {
             sectors.reset();
         }
         self.sense(scan, pose, twist);
+    }
+
+    /// Leaves the motion of a fraction of the moving things out of predicted paths, until the robot is placed again.
+    fn drop_predictions(&mut self, PredictionDropout(fraction): PredictionDropout, stream: &mut Stream) {
+        if let Some(sectors) = &mut self.sectors
+            && fraction > 0.0
+        {
+            sectors.drop_predictions(fraction, random_u64(stream));
+        }
     }
 
     /// Takes in the scan after a control step.
@@ -328,12 +344,12 @@ type Observed = (
     &'static Goal,
     &'static SensorReadings,
     &'static mut ScanMemory,
-    (&'static mut PathLengths, &'static mut Episode),
+    (&'static mut PathLengths, &'static mut Episode, &'static mut Streams),
 );
 
 /// Schedule `Reset`: encodes the observations and computes the potentials of arenas with a pending reset.
 pub(super) fn observe_first(
-    layout: Res<ObservationLayout>,
+    (layout, dropout): (Res<ObservationLayout>, Res<PredictionDropout>),
     mut observations: ResMut<Observations>,
     reward: Res<super::RewardConfig>,
     mut arenas: Query<Observed>,
@@ -347,13 +363,14 @@ pub(super) fn observe_first(
         goal,
         readings,
         mut memory,
-        (mut paths, mut episode),
+        (mut paths, mut episode, mut streams),
     ) in &mut arenas
     {
         if episode.pending_reset != PendingReset::None {
             let row = &mut observations.current[arena.0 * width..][..width];
             if episode.pending_reset.moves_robot() {
                 memory.begin(layout.encoding, &arena_layout.written, scan, &estimate.0, twist);
+                memory.drop_predictions(*dropout, &mut streams.sensor);
             }
             encode(layout.encoding, &memory, scan, (&estimate.0, goal), readings, row);
             let scale = reward.scale(arena_layout.robot_unit_m);

@@ -176,6 +176,49 @@ fn predicted_paths_show_where_moving_things_will_be() {
 }
 
 #[test]
+fn motion_is_hidden_until_the_next_reset() {
+    // A disc drives past in front of the robot.
+    let senses = |observer: &mut SectorObserver| {
+        for step in 0..8 {
+            let pose = (-0.6, 0.0, 0.0);
+            let ranges_m = ranges(72, pose, (0.0, 0.03 * step as f32));
+            observer.sense(&Sensed { ranges_m: &ranges_m, pose, twist: (0.0, 0.0) });
+        }
+        let columns: Vec<Column> = LAYOUT.columns().collect();
+        let row = row(observer, (0.0, 1.0));
+        let all = |quantity: Quantity| -> Vec<f32> {
+            columns
+                .iter()
+                .zip(&row)
+                .filter(|(c, _)| c.quantity == quantity)
+                .map(|(_, value)| *value)
+                .collect()
+        };
+        all(Quantity::PredictedNearness) != all(Quantity::CollisionNearness)
+    };
+    let mut observer = observer(LAYOUT, 72, 0.1);
+    assert!(senses(&mut observer), "a moving disc is predicted");
+    observer.reset();
+    observer.drop_predictions(1.0, 1);
+    assert!(!senses(&mut observer));
+    let is_hidden = |seed: &u64| {
+        observer.reset();
+        observer.drop_predictions(0.7, *seed);
+        !senses(&mut observer)
+    };
+    let hidden = (0..100).filter(is_hidden).count();
+    assert!((60..80).contains(&hidden), "the one disc is hidden with {hidden} of 100 seeds");
+    observer.reset();
+    observer.drop_predictions(1.0, 1);
+    assert!(!senses(&mut observer));
+    let memory = observer.memory().clone();
+    observer.reset();
+    assert!(senses(&mut observer));
+    observer.restore(&memory, (0.0, 0.0));
+    assert!(!senses(&mut observer), "a checkpoint remembers it");
+}
+
+#[test]
 fn collisions_are_foreseen_with_what_stands_still_and_what_moves() {
     // A disc in front stands still or comes towards the robot. The motion `ahead` is 0.2 units a step.
     let observe = |at_m: f32, speed: f32| {

@@ -41,10 +41,11 @@ const LANES: &str = "(name: \"Lanes\", traffic: [Lanes()])";
 const CIRCLE: &str = "(name: \"Circle\", traffic: [CircleCrossing()])";
 const CROSSING: &str = "(name: \"Crossing\", traffic: [RandomCrossing()])";
 const WALKS: &str = "(name: \"Walks\", traffic: [RandomWalks()])";
+const ORBITS: &str = "(name: \"Orbits\", traffic: [Orbits()])";
 const MIXED: &str =
     "(name: \"Mixed\", gap_m: 0.45, route: Random(clearance_m: 0.3), wall_layouts: [Cells(), Rooms(), Traps()],
     clutter: [Scatter(count: (2, 6), shapes: [Circle(radius_m: (0.05, 0.2))])],
-    traffic: [Lanes(), CircleCrossing(), RandomCrossing(), RandomWalks()])";
+    traffic: [Lanes(), CircleCrossing(), RandomCrossing(), RandomWalks(), Orbits()])";
 
 const PEDESTRIANS: &str = "(name: \"Pedestrians\", width_m: (12.0, 12.0), height_m: (12.0, 12.0),
     traffic: [PedestrianCircle(circle_m: (4.0, 4.0), noise_m: 0.5, loops: false)],
@@ -53,7 +54,7 @@ const CROWD: &str =
     "(name: \"Crowd\", wall_layouts: [Traps()], traffic: [PedestrianCrowd(sees_robot: true)])";
 
 /// One generator of every layout.
-const ALL: [&str; 16] = [
+const ALL: [&str; 17] = [
     AUTOMATON,
     ACROSS,
     SCATTER,
@@ -67,6 +68,7 @@ const ALL: [&str; 16] = [
     CIRCLE,
     CROSSING,
     WALKS,
+    ORBITS,
     MIXED,
     PEDESTRIANS,
     CROWD,
@@ -289,6 +291,37 @@ fn an_invalid_generator_is_reported_with_line_and_fix() {
 }
 
 #[test]
+fn obstacles_on_orbits_drive_one_after_the_other_around_a_common_centre() {
+    let text = "(name: \"a\", traffic: [Orbits(circles: (1, 1), count: (3, 3), radius_m: (0.1, 0.1),
+        speed_m_s: (0.12, 0.12), orbit_m: (0.5, 0.8))])";
+    let levels =
+        (0..SEEDS).map(|seed| level(&generator(text), seed)).filter(|level| !level.obstacles.is_empty());
+    let (mut clockwise, mut count) = (0, 0);
+    for level in levels {
+        assert_eq!(level.obstacles.len(), 3, "{}", level.name);
+        let orbit = |obstacle: &Obstacle| {
+            let ObstacleMotion::Orbit { centre_m, speed_rad_s } = &obstacle.motion else {
+                panic!("an orbit")
+            };
+            (*centre_m, speed_rad_s.value(), obstacle.position_m.distance(*centre_m))
+        };
+        let (centre_m, speed_rad_s, radius_m) = orbit(&level.obstacles[0]);
+        assert!((0.5 - 1e-5..=0.8 + 1e-5).contains(&radius_m), "{radius_m}");
+        assert!((speed_rad_s.abs() * radius_m - 0.12).abs() < 1e-5, "{speed_rad_s}");
+        for (k, obstacle) in level.obstacles.iter().enumerate() {
+            let other = orbit(obstacle);
+            assert_eq!((other.0, other.1), (centre_m, speed_rad_s));
+            assert!((other.2 - radius_m).abs() < 1e-5, "{}", other.2);
+            let next = &level.obstacles[(k + 1) % 3];
+            assert!(next.position_m.distance(obstacle.position_m) > 0.2, "{}: they overlap", level.name);
+        }
+        clockwise += usize::from(speed_rad_s < 0.0);
+        count += 1;
+    }
+    assert!(4 * clockwise > count && 4 * clockwise < 3 * count, "{clockwise} of {count} turn clockwise");
+}
+
+#[test]
 fn pedestrians_start_apart_near_the_circle_and_cross_it() {
     let generator = generator(PEDESTRIANS);
     let mut angles_rad = Vec::new();
@@ -387,6 +420,11 @@ fn any_traffic() -> impl Strategy<Value = Traffic> {
         (count(), radius(), speed(), range(0.01, 2.0)).prop_map(|(count, radius_m, speed_m_s, reach_m)| {
             Traffic::RandomWalks { count, radius_m, speed_m_s, reach_m }
         }),
+        (whole_range(10), count(), radius(), speed(), range(0.25, 5.0)).prop_map(
+            |(circles, count, radius_m, speed_m_s, orbit_m)| {
+                Traffic::Orbits { circles, count, radius_m, speed_m_s, orbit_m }
+            }
+        ),
         (count(), radius(), speed(), range(0.1, 5.0), 0.0_f32..2.0, any::<(bool, bool)>()).prop_map(
             |(count, radius_m, speed_m_s, circle_m, noise_m, (loops, sees_robot))| {
                 Traffic::PedestrianCircle { count, radius_m, speed_m_s, circle_m, noise_m, loops, sees_robot }

@@ -22,7 +22,8 @@ use crate::run::checkpoint::TrainerState;
 use crate::scenario::Scenario;
 use crate::sim;
 use crate::task::{
-    Actions, ArenaState, CommandedMotions, CurrentScenario, EpisodeEnded, LevelProgress, TaskMode,
+    Actions, ArenaState, CommandedMotions, CurrentScenario, EpisodeEnded, LevelProgress, PredictionDropout,
+    TaskMode,
 };
 
 /// The mode that is active now.
@@ -190,11 +191,12 @@ fn enter_demo(world: &mut World, mode: SessionMode) -> Result<(), RunError> {
 
 /// Resumes the suspended training run.
 fn resume_training(world: &mut World) {
-    let (arenas, seed) = {
+    let (arenas, seed, dropout) = {
         let config = &world.resource::<TrainingRun>().config;
-        (config.preset.arenas, config.seed)
+        (config.preset.arenas, config.seed, PredictionDropout(config.preset.prediction_dropout))
     };
     world.insert_resource(ActionSelection::EpsilonGreedy);
+    world.insert_resource(dropout);
     world.resource_mut::<CommandedMotions>().0.clear();
     world.insert_resource(TaskMode::Continuing);
     world.resource_mut::<Messages<EpisodeEnded>>().clear();

@@ -24,7 +24,8 @@ use crate::run::{RunError, evaluate, policy_card};
 use crate::scenario::Motion;
 use crate::sim;
 use crate::task::{
-    ActiveActionSet, Arena, CommandedMotions, CurrentScenario, Episode, EpisodeEnded, ScenarioPool, TaskMode,
+    ActiveActionSet, Arena, CommandedMotions, CurrentScenario, Episode, EpisodeEnded, PredictionDropout,
+    ScenarioPool, TaskMode,
 };
 
 /// Control steps between two rounds, so that the user sees how a round ended.
@@ -68,6 +69,7 @@ pub(super) fn spawn_arenas(world: &mut World, mode: SessionMode, sources: Vec<Ac
     world.insert_resource(ActionSources { arenas: sources, num_actions });
     world.resource_mut::<CommandedMotions>().0.clear();
     world.insert_resource(ActionSelection::PerArena);
+    world.insert_resource(PredictionDropout::default());
     world.insert_resource(Decisions::new(seed, arenas));
     world.insert_resource(if mode == SessionMode::Test {
         TaskMode::Continuing

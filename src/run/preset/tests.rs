@@ -32,6 +32,15 @@ fn a_file_without_fields_is_the_paper_s_training() {
 }
 
 #[test]
+fn dropout_of_predictions_needs_predictions() {
+    let found = error(&[("p.ron", "(\n    prediction_dropout: 0.5,\n)")], "p.ron");
+    let expected = "p.ron:2:25: `prediction_dropout` needs an observation with predictions; help: ";
+    assert!(found.starts_with(expected), "{found}");
+    let found = error(&[("p.ron", "(prediction_dropout: 1.5)")], "p.ron");
+    assert!(found.contains("`prediction_dropout`") && found.contains("0 to 1"), "{found}");
+}
+
+#[test]
 fn a_preset_takes_what_it_lacks_from_the_one_that_it_is_based_on() {
     let folder = folder(&[
         (

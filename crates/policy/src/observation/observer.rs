@@ -201,6 +201,12 @@ impl SectorObserver {
         self.twist = (0.0, 0.0);
     }
 
+    /// Until it is [reset](Self::reset), takes a random `fraction` (0 to 1) of the things that move to stand still. Training does
+    /// so, so that a policy does not rely on predictions. The draws depend on `seed` alone.
+    pub fn drop_predictions(&mut self, fraction: f32, seed: u64) {
+        self.memory.tracker.hide_motion(fraction, seed);
+    }
+
     /// What it remembers.
     #[must_use]
     pub fn memory(&self) -> &ObserverMemory {

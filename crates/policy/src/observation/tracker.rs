@@ -289,17 +289,20 @@ struct Track {
     misfit: f32,
     /// The evidence that it has moved: 0 to [`MAX_EVIDENCE`].
     evidence: f32,
+    /// Whether its motion is hidden, see [`Dropout`].
+    is_hidden: bool,
 }
 
 impl Track {
     /// A thing at a position that no beam has hit yet.
-    fn new((x, y): (f32, f32), max_speed: f32) -> Self {
+    fn new((x, y): (f32, f32), max_speed: f32, is_hidden: bool) -> Self {
         let speed_sd = SPEED_SD * max_speed;
         let mut covariance = [[0.0; 5]; 5];
         let deviations = [POSITION_SD, POSITION_SD, speed_sd, speed_sd, RADIUS.1];
         deviations.into_iter().enumerate().for_each(|(k, sd)| covariance[k][k] = sd * sd);
         let disc = Disc { x, y, radius: RADIUS.0 };
-        Self { disc, velocity: (0.0, 0.0), covariance, seen: 0, missed: 0, misfit: 1.0, evidence: 0.0 }
+        let velocity = (0.0, 0.0);
+        Self { disc, velocity, covariance, seen: 0, missed: 0, misfit: 1.0, evidence: 0.0, is_hidden }
     }
 
     /// Moves it on by one control step.
@@ -417,6 +420,27 @@ impl Track {
     }
 }
 
+/// Hides the motion of a random fraction of the tracks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Dropout {
+    fraction: f32,
+    /// The state of the random number generator, SplitMix64 (Steele et al. 2014).
+    state: u64,
+}
+
+impl Dropout {
+    /// Whether the motion of a new track is hidden.
+    fn draw(&mut self) -> bool {
+        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut bits = self.state;
+        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        bits ^= bits >> 31;
+        let uniform_01 = (bits >> 40) as f32 / (1_u32 << 24) as f32;
+        uniform_01 < self.fraction
+    }
+}
+
 /// The tracks of all compact things in sight.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Tracker {
@@ -431,6 +455,7 @@ pub(super) struct Tracker {
     mismatch_of_ray: Vec<f32>,
     /// The robot's highest speed.
     max_speed: f32,
+    dropout: Dropout,
 }
 
 impl Tracker {
@@ -443,12 +468,19 @@ impl Tracker {
     pub(super) fn reset(&mut self) {
         self.tracks.clear();
         self.scans.clear();
+        self.dropout = Dropout::default();
+    }
+
+    /// From now on, hides the motion of a random fraction of new tracks. The draws depend on `seed`.
+    pub(super) fn hide_motion(&mut self, fraction: f32, seed: u64) {
+        self.dropout = Dropout { fraction, state: seed };
     }
 
     /// The discs that move, with their displacements in a control step.
     pub(super) fn moving(&self) -> impl Iterator<Item = (Disc, (f32, f32))> {
         let moves = |track: &&Track| {
-            track.evidence >= MIN_EVIDENCE
+            !track.is_hidden
+                && track.evidence >= MIN_EVIDENCE
                 && track.seen >= MIN_SEEN
                 && track.misfit < MAX_MISFIT.0
                 && track.is_fast(self.max_speed)
@@ -501,7 +533,7 @@ impl Tracker {
 
     /// Starts a track for each compact group of neighbouring hits that belong to no track.
     fn start_tracks(&mut self, rays: &Rays, spacing_rad: f32) {
-        let Self { tracks, track_of_ray, max_speed, .. } = self;
+        let Self { tracks, track_of_ray, max_speed, dropout, .. } = self;
         let count = rays.len();
         let next = |ray: usize| if ray + 1 < count { ray + 1 } else { 0 };
         let new_hit = |ray: usize, owners: &[Option<u16>]| {
@@ -542,7 +574,7 @@ impl Tracker {
                 let middle = at((start + end - 1) / 2);
                 let centre = rays.at(middle, rays.length[middle] + RADIUS.0);
                 (start..end).for_each(|index| track_of_ray[at(index)] = Some(tracks.len() as u16));
-                tracks.push(Track::new(centre, *max_speed));
+                tracks.push(Track::new(centre, *max_speed, dropout.draw()));
             }
             start = end;
         }
@@ -603,6 +635,7 @@ impl Tracker {
         self.tracks.len() <= MAX_TRACKS
             && self.scans.len() <= REMEMBERED_SCANS + 1
             && self.max_speed.is_finite()
+            && (0.0..=1.0).contains(&self.dropout.fraction)
             && self.tracks.iter().all(Track::is_valid)
             && self.scans.iter().all(Rays::is_valid)
     }
@@ -735,7 +768,7 @@ mod tests {
     #[test]
     fn the_velocity_of_a_track_that_misfits_is_less_certain() {
         let variance = |misfit: f32| {
-            let mut track = Track { misfit, ..Track::new((3.0, 0.0), 0.5) };
+            let mut track = Track { misfit, ..Track::new((3.0, 0.0), 0.5, false) };
             let before = track.covariance[2][2];
             track.predict(0.5);
             track.covariance[2][2] - before

@@ -195,6 +195,7 @@ fn check_traffic(
     | Traffic::CircleCrossing { count, radius_m, speed_m_s, .. }
     | Traffic::RandomCrossing { count, radius_m, speed_m_s }
     | Traffic::RandomWalks { count, radius_m, speed_m_s, .. }
+    | Traffic::Orbits { count, radius_m, speed_m_s, .. }
     | Traffic::PedestrianCircle { count, radius_m, speed_m_s, .. }
     | Traffic::PedestrianCrowd { count, radius_m, speed_m_s, .. }) = *traffic;
     diagnostics.check_pair(format_args!("{path}.count"), count, LEVEL_COUNT, "");
@@ -210,6 +211,10 @@ fn check_traffic(
             diagnostics.check_pair(format_args!("{path}.circle_m"), circle_m, LEVEL_CIRCLE_M, METRES);
         }
         Traffic::RandomCrossing { .. } => {}
+        Traffic::Orbits { circles, orbit_m, .. } => {
+            diagnostics.check_pair(format_args!("{path}.circles"), circles, ORBIT_CIRCLES, "");
+            diagnostics.check_pair(format_args!("{path}.orbit_m"), orbit_m, LEVEL_ORBIT_M, METRES);
+        }
         Traffic::PedestrianCircle { circle_m, noise_m, .. } => {
             diagnostics.check_pair(format_args!("{path}.circle_m"), circle_m, LEVEL_CIRCLE_M, METRES);
             diagnostics.check_range(format_args!("{path}.noise_m"), noise_m, LEVEL_NOISE_M, METRES);

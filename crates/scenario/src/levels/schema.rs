@@ -264,6 +264,24 @@ pub enum Traffic {
         #[serde(default = "default_reach_m")]
         reach_m: (f32, f32),
     },
+    /// Circles around random points, on which obstacles drive one after the other.
+    Orbits {
+        /// Number of circles, 0 to 20.
+        #[serde(default = "default_pairs")]
+        circles: (u32, u32),
+        /// Number of obstacles on each circle, 0 to 200, at about the same distance from each other. Fewer if they could overlap.
+        #[serde(default = "default_per_circle")]
+        count: (u32, u32),
+        /// Radius of an obstacle, 0.01 to 10 m; the same for all obstacles on a circle.
+        #[serde(default = "default_radius_m")]
+        radius_m: (f32, f32),
+        /// Speed, 0 to 5 m/s; the same for all obstacles on a circle.
+        #[serde(default = "default_speed_m_s")]
+        speed_m_s: (f32, f32),
+        /// Radius of a circle, 0.25 to 50 m.
+        #[serde(default = "default_orbit_m")]
+        orbit_m: (f32, f32),
+    },
     /// Pedestrians who start at random near a circle, walk to the opposite points and avoid each other by ORCA, as in CrowdNav.
     PedestrianCircle {
         /// Number of pedestrians, 0 to 200.
@@ -318,6 +336,14 @@ fn default_goals() -> (u32, u32) {
 
 fn default_pairs() -> (u32, u32) {
     (1, 2)
+}
+
+fn default_per_circle() -> (u32, u32) {
+    (1, 4)
+}
+
+fn default_orbit_m() -> (f32, f32) {
+    (0.4, 1.2)
 }
 
 fn default_per_pair() -> (u32, u32) {

@@ -3,7 +3,7 @@
 use std::f32::consts::{PI, TAU};
 
 use glam::{Vec2, vec2};
-use wayfield_random::{Stream, random_u64, uniform};
+use wayfield_random::{Stream, random_u64, uniform, uniform_01};
 
 use super::draft::Draft;
 use super::pedestrians::Behavior;
@@ -16,6 +16,8 @@ use crate::schema::{Obstacle, ObstacleMotion, Shape};
 const TRIES: usize = 50;
 /// Largest deviation of an obstacle from its evenly spaced position on the circle, as a fraction of the spacing.
 const JITTER: f32 = 0.3;
+/// Smallest even spacing along an orbit, in radii of an obstacle. With the largest deviations, two obstacles then just touch.
+const MIN_SPACING_RADII: f32 = 5.0;
 
 /// Adds one of `layouts`; nothing if there is none.
 pub(super) fn add(draft: &mut Draft, layouts: &[Traffic], stream: &mut Stream) {
@@ -41,6 +43,13 @@ pub(super) fn add(draft: &mut Draft, layouts: &[Traffic], stream: &mut Stream) {
                 let walker = Walkers { radius_m, speed_m_s }.draw(stream);
                 let reach_m = number(stream, reach_m);
                 add_walk(draft, walker, reach_m, stream);
+            }
+        }
+        Traffic::Orbits { circles, count, radius_m, speed_m_s, orbit_m } => {
+            for _ in 0..whole(stream, circles) {
+                let walker = Walkers { radius_m, speed_m_s }.draw(stream);
+                let orbit_m = number(stream, orbit_m);
+                add_orbits(draft, whole(stream, count), walker, orbit_m, stream);
             }
         }
         Traffic::PedestrianCircle { count, radius_m, speed_m_s, circle_m, noise_m, loops, sees_robot } => {
@@ -95,12 +104,32 @@ fn add_circle(draft: &mut Draft, count: u32, walkers: Walkers, circle_m: (f32, f
     let size = draft.field.max_m - draft.field.min_m;
     for k in 0..count {
         let walker = walkers.draw(stream);
-        let angle = first + TAU * (k as f32 + uniform(stream, -JITTER, JITTER)) / count as f32;
+        let angle = angle_on_circle(k, count, first, stream);
         let (sin, cos) = libm::sincosf(angle);
         let offset = circle_m.min(size.min_element() / 2.0 - walker.radius_m).max(0.0) * vec2(cos, sin);
         if draft.is_free(middle + offset, middle - offset, walker.radius_m) {
             draft.add_moving(walker.between(middle + offset, middle - offset));
         }
+    }
+}
+
+/// The angle of obstacle `k` of `count` on a circle whose first one is at about the angle `first`, in rad.
+fn angle_on_circle(k: u32, count: u32, first: f32, stream: &mut Stream) -> f32 {
+    first + TAU * (k as f32 + uniform(stream, -JITTER, JITTER)) / count as f32
+}
+
+/// Adds obstacles that drive one after the other on a circle with the radius `orbit_m` around a random point.
+fn add_orbits(draft: &mut Draft, count: u32, walker: Walker, orbit_m: f32, stream: &mut Stream) {
+    let mut points = (0..TRIES).map(|_| draft.random_point(stream));
+    let Some(centre_m) = points.find(|&at| draft.is_free(at, at, orbit_m + walker.radius_m)) else { return };
+    let direction = if uniform_01(stream) < 0.5 { 1.0 } else { -1.0 };
+    let speed_rad_s = direction * walker.speed_m_s / orbit_m;
+    let first = uniform(stream, -PI, PI);
+    let count = count.min((TAU * orbit_m / (MIN_SPACING_RADII * walker.radius_m)) as u32);
+    for k in 0..count {
+        let (sin, cos) = libm::sincosf(angle_on_circle(k, count, first, stream));
+        let motion = ObstacleMotion::Orbit { centre_m, speed_rad_s: speed_rad_s.into() };
+        draft.add_moving(walker.at(centre_m + orbit_m * vec2(cos, sin), motion));
     }
 }
 
