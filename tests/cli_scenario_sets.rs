@@ -1,4 +1,4 @@
-//! Tests of training over sets of scenarios on the command line: every episode draws a scenario, and runs are repeated and
+//! Tests of training on sets of scenarios on the command line: every episode draws a scenario, and runs are repeated and
 //! resumed bit for bit.
 
 mod cli_support;

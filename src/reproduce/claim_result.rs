@@ -11,7 +11,7 @@ use super::measure::Measure;
 use super::measured_value::ArmValues;
 use crate::report::claim::{ClaimOutcome, ClaimResult};
 use crate::report::format::{counted, interval, number};
-use crate::report::statistics::{Estimate, SMALL_SAMPLE, difference, paired_difference};
+use crate::report::statistics::{Estimate, MIN_SEEDS, difference, paired_difference};
 
 /// The comparison of two arms.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,7 +54,7 @@ pub fn compare(measure: Measure, better: &ArmValues, than: &ArmValues) -> Compar
 /// Whether all seeds agree exactly, but are too few to know their spread.
 fn is_coincidence(difference: Option<Estimate>, better: &ArmValues, than: &ArmValues) -> bool {
     let fewest = better.seeds.len().min(than.seeds.len());
-    fewest < SMALL_SAMPLE && difference.is_some_and(|difference| difference.half_width == Some(0.0))
+    fewest < MIN_SEEDS && difference.is_some_and(|difference| difference.half_width == Some(0.0))
 }
 
 /// Tests `claim`. `anchor` is the section that shows the data, and `window` the number of training episodes in the moving means
@@ -99,7 +99,7 @@ pub fn claim_result(
 /// A remark on a small number of seeds, after a conclusion.
 fn small_sample_remark(seeds: usize, outcome: ClaimOutcome) -> String {
     match (seeds, outcome) {
-        (0 | 1 | SMALL_SAMPLE.., _) => String::new(),
+        (0 | 1 | MIN_SEEDS.., _) => String::new(),
         (n, ClaimOutcome::NotShown) => format!(" n = {n} says little."),
         (n, ClaimOutcome::Held | ClaimOutcome::Reversed) => {
             format!(" With n = {n}, more seeds need to confirm it.")

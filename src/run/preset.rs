@@ -46,7 +46,7 @@ pub struct Preset {
     pub reward: RewardConfig,
     /// The algorithm and its hyperparameters.
     pub learning: LearningConfig,
-    /// How levels are drawn in training over a level generator or a set with generators.
+    /// How levels are drawn in training on a level generator or a set with generators.
     pub levels: LevelSampling,
     /// The scenario, level generator or set of scenarios to train in, unless `--scenario` names another: a file, relative to
     /// this one, or a shipped name, such as `"clutter"`.

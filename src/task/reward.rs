@@ -18,10 +18,10 @@ pub enum RewardKind {
 }
 
 /// How the distance to the goal is measured for the attraction. It is d_g in eq. (5). The policy always observes the
-/// straight distance, which also decides whether a goal is reached. Evaluations do not use the reward.
+/// straight-line distance, which also decides whether a goal is reached. Evaluations do not use the reward.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum GoalDistance {
-    /// The straight distance, as in the paper.
+    /// The straight-line distance, as in the paper.
     #[default]
     Straight,
     /// The length of the shortest path around walls and static obstacles, for a disc as large as the robot. Then the

@@ -340,7 +340,7 @@ fn a_path_through_an_obstacle_is_noted_and_blocks_nothing() {
         .click();
     settle(&mut window);
     assert_eq!(editor(&mut window).selection(), Selection::Obstacle(1));
-    let place = editor(&mut window).notes()[0].place_m.expect("on the map");
+    let place = editor(&mut window).notes()[0].position_m.expect("on the map");
     assert!(place.distance(vec2(0.6, 0.6)) < 0.05, "{place}");
     assert!(!click(&mut window, "Continue here").is_empty(), "training may continue");
 }

@@ -60,11 +60,11 @@ pub(crate) fn advice(config: &LearningConfig) -> String {
     changes.join(", ")
 }
 
-/// The cause of a non-finite loss, as text: the first non-finite value among the rewards, the Q-values of the next states
+/// The cause of a non-finite loss, as text: the first non-finite value among the returns, the Q-values of the next states
 /// and the Q-values.
-pub(crate) fn non_finite_loss_cause(rewards: &[f32], next_q: &[f32], q: &[f32], td_errors: &[f32]) -> String {
+pub(crate) fn non_finite_loss_cause(returns: &[f32], next_q: &[f32], q: &[f32], td_errors: &[f32]) -> String {
     for (what, values) in [
-        ("a stored reward is", rewards),
+        ("a stored return is", returns),
         ("the target network's Q-value of a next state is", next_q),
         ("a Q-value is", q),
     ] {
@@ -98,7 +98,7 @@ mod tests {
     fn the_first_non_finite_input_is_reported_as_the_cause_of_a_non_finite_loss() {
         let (nan, inf) = (f32::NAN, f32::INFINITY);
         let message = non_finite_loss_cause(&[1.0, inf], &[nan], &[nan], &[nan]);
-        assert_eq!(message, "the loss is not finite, because a stored reward is inf");
+        assert_eq!(message, "the loss is not finite, because a stored return is inf");
         let message = non_finite_loss_cause(&[1.0], &[0.0, nan], &[nan], &[nan]);
         assert!(message.ends_with("the target network's Q-value of a next state is NaN"), "{message}");
         assert!(non_finite_loss_cause(&[1.0], &[0.0], &[-inf], &[nan]).ends_with("a Q-value is -inf"));

@@ -102,7 +102,7 @@ mod tests {
             states: rows.iter().flat_map(|row| row.0).collect(),
             actions: rows.iter().map(|row| row.1).collect(),
             next_states: rows.iter().flat_map(|row| row.2).collect(),
-            rewards: vec![3.0; rows.len()],
+            returns: vec![3.0; rows.len()],
             discounts: vec![0.5; rows.len()],
             ..Batch::default()
         }
@@ -124,8 +124,8 @@ mod tests {
         }
         // Four standard deviations of a binomial distribution are 63.
         assert!(mirrored.abs_diff(500) < 64, "{mirrored} of 1000");
-        let Batch { rewards, discounts, .. } = augmented;
-        assert_eq!((rewards, discounts), (vec![3.0; 1000], vec![0.5; 1000]));
+        let Batch { returns, discounts, .. } = augmented;
+        assert_eq!((returns, discounts), (vec![3.0; 1000], vec![0.5; 1000]));
     }
 
     #[test]

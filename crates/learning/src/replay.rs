@@ -59,7 +59,7 @@ pub struct Batch {
     /// The indices of the actions taken.
     pub actions: Vec<u8>,
     /// The returns R, each over the m steps of its transition.
-    pub rewards: Vec<f32>,
+    pub returns: Vec<f32>,
     /// The factors of Q(next): gamma^m, or 0 if terminated.
     pub discounts: Vec<f32>,
     /// The next states, row-major, n x inputs; meaningless where the discount is 0.
@@ -205,7 +205,7 @@ impl ReplayBuffer {
             batch.states.extend_from_slice(self.states.row(state as usize));
             batch.next_states.extend_from_slice(self.states.row(next as usize));
             batch.actions.push(action);
-            batch.rewards.push(reward);
+            batch.returns.push(reward);
             batch.discounts.push(discount);
         }
     }
@@ -231,10 +231,10 @@ impl ReplayBuffer {
 
 impl Batch {
     fn clear(&mut self) {
-        let Self { slots, states, actions, rewards, discounts, next_states, weights } = self;
+        let Self { slots, states, actions, returns, discounts, next_states, weights } = self;
         slots.clear();
         actions.clear();
-        for values in [states, rewards, discounts, next_states, weights] {
+        for values in [states, returns, discounts, next_states, weights] {
             values.clear();
         }
     }

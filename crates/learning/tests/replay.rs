@@ -97,7 +97,7 @@ proptest! {
                 continue;
             }
             let batch = sampled(&replay, &mut random);
-            prop_assert_eq!(&batch.states, &batch.rewards, "the states are as stored");
+            prop_assert_eq!(&batch.states, &batch.returns, "the states are as stored");
             prop_assert_eq!(&batch.next_states, &batch.discounts, "the next states are as stored");
             for (state, next) in batch.states.iter().zip(&batch.next_states) {
                 let found = stored.contains(&(*state as usize, *next as usize));
@@ -143,7 +143,7 @@ proptest! {
             }
             let batch = sampled(learner.replay(), &mut random);
             for i in 0..64 {
-                let (state, next, steps) = (batch.states[i], batch.next_states[i], batch.rewards[i]);
+                let (state, next, steps) = (batch.states[i], batch.next_states[i], batch.returns[i]);
                 prop_assert!((1.0..=n_step as f32).contains(&steps), "the return has 1 to n rewards");
                 let scale = scale.into_iter().find(|s| next - state == s * steps);
                 let consistent = batch.discounts[i] == 0.0 || scale.is_some();

@@ -70,16 +70,16 @@ pub fn paired_difference(a: &[f64], b: &[f64]) -> Option<Estimate> {
 }
 
 /// With fewer seeds than this, [`small_sample_note`] warns.
-pub const SMALL_SAMPLE: usize = 5;
+pub const MIN_SEEDS: usize = 5;
 
-/// A note that `n` seeds are too few, such as "n = 2 says little: ...". `None` if `n` is 0, or at least [`SMALL_SAMPLE`].
+/// A note that `n` seeds are too few, such as "n = 2 says little: ...". `None` if `n` is 0, or at least [`MIN_SEEDS`].
 #[must_use]
 pub fn small_sample_note(n: usize) -> Option<String> {
-    let advice = format!("Use at least {SMALL_SAMPLE} seeds");
+    let advice = format!("Use at least {MIN_SEEDS} seeds");
     match n {
         0 => None,
         1 => Some(format!("n = 1 says nothing about other seeds: there is no interval. {advice}.")),
-        n if n < SMALL_SAMPLE => {
+        n if n < MIN_SEEDS => {
             let quantile =
                 StudentsT::new(0.0, 1.0, n as f64 - 1.0).map_or(f64::NAN, |t| t.inverse_cdf(0.975));
             Some(format!(

@@ -2,7 +2,7 @@
 //!
 //! Source: A. Nash, S. Koenig and C. Tovey, *Lazy Theta\*: any-angle path planning and path length analysis in 3D*, AAAI 2010,
 //! here without a heuristic, from the goal outwards to as many cells as are asked for. A path is a chain of straight lines
-//! between centres of cells, so where the goal is in sight, its length is the straight distance.
+//! between centres of cells, so where the goal is in sight, its length is the straight-line distance.
 
 use std::sync::Arc;
 
@@ -72,8 +72,8 @@ impl Queue {
 
 impl Geodesic {
     /// The length, in m, of the shortest path from `from_m` to `goal_m` over `free`, for the robot's centre. Never less than the
-    /// straight distance, and equal to it where the line to the goal is free. If walls close off the goal, the path breaks
-    /// through them. If no cell is free, it is the straight distance.
+    /// straight-line distance, and equal to it where the line to the goal is free. If walls close off the goal, the path breaks
+    /// through them. If no cell is free, it is the straight-line distance.
     pub fn distance_m(&mut self, free: &Arc<FreeCells>, goal_m: Vec2, from_m: Vec2) -> f32 {
         let is_current = self.free.as_ref().is_some_and(|current| Arc::ptr_eq(current, free));
         if !is_current || self.goal_m != goal_m {

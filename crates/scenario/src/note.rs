@@ -14,7 +14,7 @@ pub struct Note {
     /// The field, what is questionable about it, and the fix.
     pub diagnostic: Diagnostic,
     /// Where on the map it is, in m; `None` if it concerns no single place.
-    pub place_m: Option<Vec2>,
+    pub position_m: Option<Vec2>,
 }
 
 /// The level of a note.
@@ -31,7 +31,7 @@ impl Note {
     #[must_use]
     pub fn new(level: NoteLevel, path: impl Into<String>, message: impl Into<String>) -> Self {
         let diagnostic = Diagnostic { path: path.into(), message: message.into() };
-        Self { level, diagnostic, place_m: None }
+        Self { level, diagnostic, position_m: None }
     }
 }
 

@@ -111,7 +111,7 @@ impl Journal {
                 Err(format!("the set of scenarios of the run is invalid: {found}"))
             })?;
             if self.scenario_changes().next().is_some() {
-                return Err("training over a set of scenarios cannot have changes of the scenario".into());
+                return Err("training on a set of scenarios cannot have changes of the scenario".into());
             }
         }
         for JournalEntry { after_steps, intervention } in &self.entries {

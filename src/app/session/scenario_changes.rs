@@ -81,7 +81,7 @@ fn switch_scenario(world: &mut World, scenario: &Scenario) -> Result<(), RunErro
 pub(super) fn check_can_switch(config: &RunConfig, scenario: &Scenario) -> Result<(), RunError> {
     if let Some(set) = &config.scenario_set {
         return Err(RunError::InvalidInput(format!(
-            "{}: training over this set of scenarios cannot continue in another scenario\nhelp: start a new training run there",
+            "{}: training on this set of scenarios cannot continue in another scenario\nhelp: start a new training run there",
             set.name
         )));
     }

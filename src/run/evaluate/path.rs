@@ -10,7 +10,7 @@ use crate::task::{Arena, ArenaLayout, Clock, EpisodeEnd, Pedestrians, Pose, Scan
 /// The measures of the path that the robot took in an episode.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PathMeasures {
-    /// Length of the path in m: the sum of the straight distances between the robot's positions after consecutive control
+    /// Length of the path in m: the sum of the straight-line distances between the robot's positions after consecutive control
     /// steps.
     pub length_m: f64,
     /// Smallest distance in m between the robot's body and the surface of a wall or an obstacle, at the start and after each

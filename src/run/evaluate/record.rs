@@ -28,7 +28,7 @@ pub struct EpisodeRecord {
     pub steps: u32,
     /// Simulated time of the episode, in s.
     pub time_s: f64,
-    /// Length of the path in m: the sum of the straight distances between the positions after consecutive control steps.
+    /// Length of the path in m: the sum of the straight-line distances between the positions after consecutive control steps.
     pub path_length_m: Option<f64>,
     /// Length of the shortest path around static obstacles and walls to the edge of the goal, in m
     /// ([`shortest_paths_m`](super::shortest_paths_m)).

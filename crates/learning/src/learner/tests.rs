@@ -5,9 +5,9 @@ use super::*;
 use crate::Schedule;
 use crate::replay::Batch;
 
-/// Two transitions with the rewards 1 and 2 and the discounts 0.9 and 0 (terminated).
+/// Two transitions with the returns 1 and 2 and the discounts 0.9 and 0 (terminated).
 fn batch() -> Batch {
-    Batch { rewards: vec![1.0, 2.0], discounts: vec![0.9, 0.0], ..Batch::default() }
+    Batch { returns: vec![1.0, 2.0], discounts: vec![0.9, 0.0], ..Batch::default() }
 }
 
 #[test]

@@ -118,7 +118,7 @@ impl Learner {
         let (gradient_step, env_step) = (counters.gradient_steps, counters.env_steps);
         let diverged = |what| DivergenceError { gradient_step, env_step, what, advice: advice(config) };
         if !gradient.loss.is_finite() {
-            let what = non_finite_loss_cause(&batch.rewards, target_q, &gradient.q, &gradient.td_errors);
+            let what = non_finite_loss_cause(&batch.returns, target_q, &gradient.q, &gradient.td_errors);
             return Err(diverged(what));
         }
         if let Some(max_norm) = config.max_gradient_norm {
@@ -163,10 +163,10 @@ impl Learner {
 /// the Q-values of which a* is the argmax: Q(s', .) of the online network in double DQN, of the target network otherwise.
 /// `target_q` holds the quantiles Z(s', .), or Q(s', .), of the target network (n x quantiles x actions).
 pub(super) fn td_targets(batch: &Batch, chooser: &[f32], target_q: &[f32], targets: &mut Vec<f32>) {
-    let n = batch.rewards.len();
+    let n = batch.returns.len();
     let actions = chooser.len() / n;
     let rows = chooser.chunks_exact(actions).zip(target_q.chunks_exact(target_q.len() / n));
-    let steps = batch.rewards.iter().zip(&batch.discounts);
+    let steps = batch.returns.iter().zip(&batch.discounts);
     targets.clear();
     for ((r, discount), (choose, quantiles)) in steps.zip(rows) {
         let best = greedy(choose);

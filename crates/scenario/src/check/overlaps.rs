@@ -71,10 +71,10 @@ fn static_solids(scenario: &Scenario) -> Vec<(SolidId, StaticSolid)> {
 }
 
 fn note(scenario: &Scenario, k: usize, path: &SweptPath<'_>, (id, solid): (SolidId, &StaticSolid)) -> Note {
-    let place_m = path.place_m(solid);
+    let position_m = path.position_m(solid);
     // Adding 0 turns -0 into 0.
     let round = |x: f32| (100.0 * x).round() / 100.0 + 0.0;
-    let at = format!("({:.2}, {:.2})", round(place_m.x), round(place_m.y));
+    let at = format!("({:.2}, {:.2})", round(position_m.x), round(position_m.y));
     let crossing = |crosses: &str| {
         let why = if scenario.obstacles[k].motion.is_pedestrian() {
             "pedestrians don't find a way around; add goals on the way"
@@ -92,5 +92,5 @@ fn note(scenario: &Scenario, k: usize, path: &SweptPath<'_>, (id, solid): (Solid
         Track::Disc { .. } => crossing("may cross"),
         Track::Circle { .. } | Track::Lines { .. } => crossing("crosses"),
     };
-    Note { level: NoteLevel::Note, diagnostic: Diagnostic { path, message }, place_m: Some(place_m) }
+    Note { level: NoteLevel::Note, diagnostic: Diagnostic { path, message }, position_m: Some(position_m) }
 }

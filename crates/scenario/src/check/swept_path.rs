@@ -95,7 +95,7 @@ impl<'a> SweptPath<'a> {
     }
 
     /// A point near the deepest point of the overlap with `solid`, in m; for a moving obstacle, a point of its track.
-    pub(super) fn place_m(&self, solid: &StaticSolid) -> Vec2 {
+    pub(super) fn position_m(&self, solid: &StaticSolid) -> Vec2 {
         let samples = || (0..=SAMPLES).map(|k| f32::from(k) / f32::from(SAMPLES));
         let at = self.obstacle.position_m;
         let points: Vec<Vec2> = match self.obstacle.actual_track() {

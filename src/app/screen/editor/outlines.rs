@@ -86,8 +86,8 @@ pub fn draw_errors(canvas: &Canvas, editor: &Editor) {
 /// Draws a ring with an exclamation mark at the position of each note, if it has one.
 pub fn draw_notes(canvas: &Canvas, editor: &Editor) {
     let (painter, palette) = (&canvas.painter, &canvas.palette);
-    for place_m in editor.notes().iter().filter_map(|note| note.place_m) {
-        let at = canvas.to_screen(place_m.into());
+    for position_m in editor.notes().iter().filter_map(|note| note.position_m) {
+        let at = canvas.to_screen(position_m.into());
         painter.circle(at, NOTE_RADIUS, palette.panel, Stroke::new(2.0, palette.warning));
         canvas.small_text(at, Align2::CENTER_CENTER, "!", palette.warning);
     }

@@ -1,4 +1,4 @@
-//! The question in place of the editor while training over a set of scenarios. The set cannot be edited: the question is
+//! The question in place of the editor while training on a set of scenarios. The set cannot be edited: the question is
 //! whether to edit a copy of the scenario that is shown.
 
 use egui::{Key, Rect, RichText, Ui, vec2};

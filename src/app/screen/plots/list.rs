@@ -24,7 +24,7 @@ pub struct PlotContext {
     pub has_disk: bool,
 }
 
-/// The cards that are always shown; while training over a set, also the success in each of its scenarios.
+/// The cards that are always shown; while training on a set, also the success in each of its scenarios.
 #[must_use]
 pub fn main_cards(history: &History, palette: Palette, context: PlotContext) -> Vec<Card<'_>> {
     let curves = history.curves();
