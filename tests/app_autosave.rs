@@ -1,5 +1,5 @@
-//! Autosaves: while the app trains, it keeps a copy of the training run. The next session offers the copy, and it resumes
-//! bit-identically. A failed autosave does not stop the training.
+//! Autosaves: while the app trains, it keeps a copy of the training run. The next session offers the copy, and training
+//! resumes from it bit-identically. A failed autosave does not stop the training.
 #![cfg(feature = "gui")]
 
 #[path = "support/headless_app.rs"]
@@ -96,7 +96,7 @@ fn exits(app: &mut HeadlessApp) -> Vec<AppExit> {
 }
 
 #[test]
-fn an_autosave_is_a_run_folder_that_the_next_session_and_the_command_line_continue_to_the_same_bits() {
+fn an_autosave_resumes_bit_identically_in_the_next_session_and_is_a_run_folder_for_the_command_line() {
     let folder = temporary();
     let mut first = app(folder.path(), 3);
     train_to(&mut first, folder.path(), 300);
@@ -122,7 +122,7 @@ fn an_autosave_is_a_run_folder_that_the_next_session_and_the_command_line_contin
     assert_eq!((next.steps(), next.run().config.seed), (700, 3), "{:?}", next.notices());
     assert_eq!(next.shown().1.last_session, None, "the offer is gone");
     train_to(&mut next, killed.path(), 1_000);
-    assert!(learner_bytes(&mut next) == uninterrupted, "the training continues to the same bits");
+    assert!(learner_bytes(&mut next) == uninterrupted, "training resumes bit-identically");
     assert_eq!(
         autosaves(killed.path()),
         std::slice::from_ref(&copy),
@@ -205,7 +205,7 @@ fn an_autosave_that_fails_is_reported_once_and_training_continues() {
 }
 
 #[test]
-fn a_damaged_autosave_is_reported_and_the_new_training_goes_on() {
+fn a_damaged_autosave_is_reported_and_the_new_training_run_goes_on() {
     let folder = temporary();
     let mut first = app(folder.path(), 3);
     train_to(&mut first, folder.path(), 50);

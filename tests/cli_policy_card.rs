@@ -205,7 +205,7 @@ fn the_printed_card_is_complete() {
     assert_eq!(card["program"]["version"], env!("CARGO_PKG_VERSION"));
     assert_eq!(card["program"]["commit"], json!(option_env!("WAYFIELD_COMMIT")));
     let scenario: Scenario = serde_json::from_value(card["scenario"].clone()).expect("a scenario");
-    assert_eq!(scenario, Scenario::load(workspace.path("mine.ron")).expect("the scenario of the training"));
+    assert_eq!(scenario, Scenario::load(workspace.path("mine.ron")).expect("the scenario of the run"));
     let example = &card["example"];
     let policy = Policy::from_bytes(&workspace.read("mine/policy.safetensors")).expect("a valid policy");
     let row: Vec<f32> = serde_json::from_value(example["observation"].clone()).expect("numbers");
@@ -257,7 +257,7 @@ fn a_card_that_contradicts_its_scenario_is_refused() {
 }
 
 #[test]
-fn a_scenario_that_only_a_hand_could_make_is_refused_without_a_file_but_tested_with_one() {
+fn a_policy_trained_with_its_goal_in_an_obstacle_can_be_tested_only_in_another_scenario() {
     let workspace = workspace();
     // In the app an obstacle can be dragged onto a fixed goal.
     let policy = with_scenario(policy(), |scenario| {
@@ -319,7 +319,7 @@ fn program() -> String {
 }
 
 #[test]
-fn the_python_program_in_the_documentation_takes_as_long_on_the_benchmark_route() {
+fn the_python_program_in_the_documentation_takes_as_long_as_wayfield_on_the_benchmark_route() {
     if !PYTHON.is_met() {
         return;
     }

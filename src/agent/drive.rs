@@ -1,4 +1,4 @@
-//! Classical drivers, and policies with a map, as action sources (`Decide`).
+//! Classical drivers, policies as drivers (with or without a map) and manual control, as action sources (`Decide`).
 //!
 //! In: the components of an arena. Out: its action. A driver of class A or B gets what a policy's observation is made of, and
 //! odometry; one of class C also gets the true scenario and pose.
@@ -122,7 +122,7 @@ impl Commanded<'_> {
     }
 }
 
-/// `Decide`: lets the drivers choose the actions of their arenas.
+/// `Decide`: sets the actions of the arenas that a driver or the user controls.
 pub(super) fn drive(
     sources: Option<ResMut<ActionSources>>,
     arenas: Query<Perceived>,

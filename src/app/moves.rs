@@ -87,7 +87,7 @@ pub enum MoveRejection {
     /// An obstacle would cover the goal.
     #[error("Covers the goal")]
     CoversGoal,
-    /// An obstacle would cover the start or a goal of the benchmark route.
+    /// An obstacle would cover the start or the goal of the benchmark route.
     #[error("Blocks the benchmark route")]
     BlocksBenchmarkRoute,
     /// There is no such arena or obstacle, or the obstacle is generated for each episode or belongs to a set of scenarios.
@@ -153,7 +153,7 @@ fn check_obstacle(arena: &MoveContext<'_>, index: usize, to_m: Vec2) -> Result<(
     }
 }
 
-/// The position in m at step 0 that moves `obstacle` from its current `pose` to `to_m`.
+/// The position in m at step 0 with which `obstacle` would be at `to_m` instead of at its current `pose`.
 #[must_use]
 pub fn initial_position(obstacle: &Obstacle, pose: ObstaclePose, to_m: Vec2) -> Vec2 {
     match obstacle.motion {

@@ -19,7 +19,7 @@ extern "C" {
     /// Downloads a file.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn save(name: &str, bytes: &[u8]);
-    /// Reports the status of the training, as JSON.
+    /// Reports the status of the training run, as JSON.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn report(json: &str);
     /// Makes the address a link that starts the same training run. `embedded` is the scenario's text, unless it is shipped.

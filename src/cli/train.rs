@@ -43,7 +43,7 @@ pub struct TrainArgs {
     #[arg(long, value_name = "X", requires = "init", value_parser = values::fraction, allow_negative_numbers = true)]
     epsilon: Option<f32>,
 
-    /// Continue the run in DIR exactly where it stopped (--train may be left out); --episodes or --steps set a
+    /// Continue the run in DIR exactly where it stopped (--train may be left out); --episodes or --steps sets a
     /// larger budget, counted from the start of the run
     #[arg(long, value_name = "DIR",
         conflicts_with_all = ["scenario", "preset", "set", "seed", "arenas", "out", "init", "epsilon"])]

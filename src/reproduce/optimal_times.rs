@@ -61,7 +61,7 @@ impl OptimalTimesCache {
         rule: TestRule,
         policy: &Path,
     ) -> Result<Rc<OptimalTimes>, RunError> {
-        // Another version may plan otherwise.
+        // Another version of wayfield may plan differently.
         let key = (scenario, rule, env!("CARGO_PKG_VERSION"));
         let text = to_ron(&key).map_err(|error| RunError::Failed(error.to_string()))?;
         let name = format!("{:08x}.json", crc32c::crc32c(text.as_bytes()));

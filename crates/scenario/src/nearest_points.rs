@@ -50,8 +50,8 @@ fn nearest_point(at_m: Vec2, reach_m: f32, distance: impl Fn(Vec2) -> f32) -> Op
 
 fn nearest_on_segment(from: Vec2, to: Vec2, point: Vec2) -> Vec2 {
     let along = to - from;
-    let part = (point - from).dot(along) / along.length_squared().max(f32::MIN_POSITIVE);
-    from + along * part.clamp(0.0, 1.0)
+    let fraction = (point - from).dot(along) / along.length_squared().max(f32::MIN_POSITIVE);
+    from + along * fraction.clamp(0.0, 1.0)
 }
 
 #[cfg(test)]

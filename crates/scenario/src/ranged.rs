@@ -24,7 +24,7 @@ pub enum Ranged<T> {
 
 /// A type of number that may be given as a range.
 pub trait RangeNumber: Copy + PartialOrd + fmt::Display {
-    /// The number in the middle between `low` and `high`, rounded down if it must be whole.
+    /// The number midway between `low` and `high`, rounded down if it must be whole.
     #[must_use]
     fn middle(low: Self, high: Self) -> Self;
 

@@ -12,7 +12,7 @@ pub enum HandleKind {
     Side(i8, i8),
     /// A radius.
     Radius,
-    /// An end of a long shape in its local frame: the right end (1) or the left end (-1). The other end stays.
+    /// An end of a capsule in its local frame: the right end (1) or the left end (-1). The other end stays.
     End(i8),
     /// A corner of a polygon or a wall.
     Corner(usize),
@@ -28,7 +28,7 @@ pub enum HandleKind {
     InsertWaypoint(usize),
     /// The centre of an orbit.
     Centre,
-    /// The largest distance of an obstacle from its position.
+    /// The largest distance of a random walk from the obstacle's position.
     Reach,
     /// One of the positions of a start or goal rule.
     Position(usize),

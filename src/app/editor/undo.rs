@@ -69,7 +69,7 @@ impl UndoStack {
         self.open_field.as_deref() == Some(field)
     }
 
-    /// Ends the last step: the next change is another one.
+    /// Ends the last step: the next change begins a new one.
     pub fn close_group(&mut self) {
         self.open_field = None;
     }

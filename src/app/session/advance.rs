@@ -1,6 +1,6 @@
 //! The session's work in each frame: it executes commands, then takes as many control steps as the pacer allows.
 //!
-//! In: commands, and the time since the last frame. Out: the world after these steps. A command is never executed in the
+//! In: commands, and the time since the last frame. Out: the `World` after these steps. A command is never executed in the
 //! middle of a control step.
 
 use bevy::platform::time::Instant;
@@ -68,7 +68,8 @@ fn may_step(world: &mut World) -> bool {
 /// Takes one control step.
 ///
 /// # Errors
-/// There is no free space for a start or a goal, a value is not finite, or the evaluator's thread has ended.
+/// There is no free space for a start or a goal, a generator has no level with the drawn seed, a value is not finite, or the
+/// evaluator's thread has ended.
 fn step(world: &mut World) -> Result<(), RunError> {
     let is_training = world.resource::<ActiveMode>().is_training();
     if is_training && evaluations::is_due(world) {
@@ -96,7 +97,7 @@ fn step(world: &mut World) -> Result<(), RunError> {
         scenario_changes::apply_pending_scenario(world);
     }
     if stepped.is_err() {
-        // The user can make room in a scenario without free space; non-finite numbers cannot be repaired.
+        // The user can make room in a scenario without free space; the other faults cannot be repaired.
         let fault = world.resource_mut::<TaskFault>().0.take();
         let is_repairable = matches!(fault, Some(Fault::NoFreeSpace { .. }));
         world.resource_mut::<TrainingRun>().has_failed |= !is_repairable && is_training;

@@ -1,4 +1,4 @@
-//! Demos: a policy or the user drives, and nothing is learnt.
+//! Demos: a policy, a classical driver or the user drives, and nothing is learnt.
 //!
 //! In: a mode other than training. Out: arenas with their action sources, and a sequence of rounds. In each round all drivers
 //! have the same start and goal.
@@ -31,7 +31,7 @@ use crate::task::{
 /// Control steps between two rounds, so that the user sees how a round ended.
 const PAUSE_BETWEEN_ROUNDS: u32 = 4;
 
-/// The first round of every demo: the index of an episode in an evaluation with the seed of the training.
+/// The first round of every demo: the index of an episode in an evaluation with the seed of the training run.
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub(super) struct FirstRound(pub u64);
 
@@ -176,7 +176,8 @@ fn begin_round(world: &mut World, round: u64) {
     }
 }
 
-/// Gives every arena the goal at `to_m`, in m. Time limits start again, and a robot that waits at its last goal drives on.
+/// Moves the goal of every arena to `to_m`, in m. Time limits start again, and a robot that has finished the round drives on
+/// unless it collided.
 pub(super) fn set_goal(world: &mut World, to_m: Vec2) {
     let arenas = world.resource::<Trails>().0.len();
     let collided: Vec<bool> = {

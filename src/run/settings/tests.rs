@@ -11,7 +11,7 @@ fn settings(texts: &[&str]) -> Settings {
     )
 }
 
-/// The shipped Scenario II and the preset `fast` with settings.
+/// Applies the settings `texts` to the shipped Scenario II and the preset `fast`.
 fn set(texts: &[&str]) -> Result<(Scenario, Preset), Vec<SettingError>> {
     let mut scenario = shipped::scenario("scenario-2").expect("shipped");
     let mut preset = shipped::preset("fast").expect("shipped");
@@ -149,7 +149,7 @@ fn the_error_names_the_setting_the_problem_and_the_fix() {
 }
 
 #[test]
-fn all_invalid_settings_are_reported_at_once_and_the_last_that_contains_a_field_is_named() {
+fn all_errors_are_reported_at_once_and_each_names_the_last_setting_that_contains_its_field() {
     let found = message(&["arenas=0.5", "learning.gama=1"]);
     assert_eq!(found.lines().count(), 2, "{found}");
     let speed = "scenario.obstacles[*].motion.speed_rad_s=99";

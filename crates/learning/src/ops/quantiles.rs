@@ -7,8 +7,8 @@ use super::{Regression, Rows, loss_and_slope, rows, scalar, values};
 /// The quantile regression loss (Dabney et al. 2018, equations 9 and 10, times 2 so that a single quantile has the loss of
 /// [`td_loss`](super::td_loss)): the mean over the batch of weight x sum over i of mean over j of
 /// 2 |tau_i - (u < 0)| Huber(u), where u = y_j - Z_i and tau_i = (i + 1/2) / N. `quantiles` has the N quantiles Z_i of each
-/// transition as rows (n N x actions), and the regression has N targets y_j per transition. Writes the n differences of the
-/// means of Z and y into `errors` and the n means of Z into `chosen`.
+/// of the n transitions as rows (n N x actions), and the regression has N targets y_j per transition. Writes the n differences
+/// of the means of Z and y into `errors` and the n means of Z into `chosen`.
 pub(crate) fn quantile_loss<T: Tape<f32, Cpu>>(
     quantiles: Rows<T>,
     count: usize,
@@ -58,7 +58,7 @@ pub(crate) fn mean_of_quantiles(heads: Rows, count: usize) -> Rows {
     let outputs = width / count;
     let mut out = Vec::with_capacity(n * outputs);
     for row in values(&heads).chunks_exact(width) {
-        let mean = |unit: usize| row[unit..].iter().step_by(outputs).sum::<f32>() / count as f32;
+        let mean = |output: usize| row[output..].iter().step_by(outputs).sum::<f32>() / count as f32;
         out.extend((0..outputs).map(mean));
     }
     rows(heads.device(), out, n, outputs)
@@ -69,7 +69,7 @@ mod tests {
     use super::*;
     use crate::config::Loss;
 
-    /// Loss and gradient of two quantiles, of returns of one action, for one transition.
+    /// Loss, gradient and error of two quantiles of the return of one action, for one transition.
     fn loss(quantiles: [f32; 2], targets: [f32; 2], weight: f32) -> (f32, Vec<f32>, f32) {
         let device = Cpu::default();
         let z = rows(&device, quantiles.to_vec(), 2, 1);
@@ -94,7 +94,7 @@ mod tests {
         let expected = 2.0 * ((0.25 * 0.125 + 0.25 * 2.5) / 2.0 + (0.25 * 0.125 + 0.75 * 1.5) / 2.0);
         let (found, gradient, error) = loss([0.0, 1.0], [0.5, 3.0], 1.0);
         assert!((found - expected).abs() < 1e-6, "{found} instead of {expected}");
-        // The slopes of Huber(u) at u are u up to 1: -(0.25 x 0.5 + 0.25 x 1) and 0.25 x 0.5 - 0.75 x 1.
+        // The slope of Huber(u) is u, clipped to -1..1: -(0.25 x 0.5 + 0.25 x 1) and 0.25 x 0.5 - 0.75 x 1.
         for (found, expected) in gradient.iter().zip([-0.375, -0.625]) {
             assert!((found - expected).abs() < 1e-6, "{found} instead of {expected}");
         }
@@ -104,9 +104,9 @@ mod tests {
     }
 
     #[test]
-    fn the_mean_of_quantiles_is_taken_unit_by_unit() {
+    fn the_mean_of_quantiles_is_taken_output_by_output() {
         let device = Cpu::default();
-        // Two rows of three quantiles of two units.
+        // Two rows of three quantiles of two outputs.
         let heads = rows(&device, vec![1.0, 10.0, 2.0, 20.0, 6.0, 60.0, 0.0, 1.0, 0.0, 1.0, 3.0, 1.0], 2, 6);
         assert_eq!(values(&mean_of_quantiles(heads, 3)), [3.0, 30.0, 1.0, 1.0]);
     }

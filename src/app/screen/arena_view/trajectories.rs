@@ -1,4 +1,4 @@
-//! Trajectories: the path since the last goal, and past paths coloured by outcome.
+//! Trajectories: the path since the last start or goal, and past paths coloured by outcome.
 
 use egui::{Color32, Painter, Pos2, Rect, Stroke, StrokeKind, vec2};
 
@@ -21,7 +21,7 @@ pub fn draw(canvas: &Canvas, arena: &ArenaScene, overlays: &Overlays) {
         let path = arena.path_m.iter().copied().chain([[arena.pose.x_m, arena.pose.y_m]]);
         let color = canvas.palette.accent;
         let width = if canvas.compact { 1.25 } else { 2.5 };
-        canvas.gradient_line(path, width, |part| color.gamma_multiply(0.06 + 0.84 * part * part));
+        canvas.gradient_line(path, width, |fraction| color.gamma_multiply(0.06 + 0.84 * fraction * fraction));
     }
 }
 
@@ -39,8 +39,8 @@ pub fn outcome_color(palette: &Palette, end: TrailEnd) -> Color32 {
 fn draw_trail(canvas: &Canvas, trail: &Trail, strength: f32) {
     let color = outcome_color(&canvas.palette, trail.end);
     let width = if canvas.compact { 1.0 } else { 1.5 };
-    canvas.gradient_line(trail.points_m.iter().copied(), width, |part| {
-        color.gamma_multiply(strength * (0.35 + 0.65 * part))
+    canvas.gradient_line(trail.points_m.iter().copied(), width, |fraction| {
+        color.gamma_multiply(strength * (0.35 + 0.65 * fraction))
     });
     if let (Some(&end), false) = (trail.points_m.last(), canvas.compact) {
         outcome_mark(

@@ -34,7 +34,7 @@ pub fn draw(ui: &Ui, canvas: &Canvas, id: Id, editor: &Editor, hit: PointerHit) 
     }
     outlines::draw_errors(canvas, editor);
     draw_paths(canvas, scenario, selected);
-    marks::draw_places(canvas, editor);
+    marks::draw_starts_and_goals(canvas, editor);
     if let PointerHit::Body(hovered) = hit
         && hovered != selected
     {

@@ -74,7 +74,7 @@ fn shade(canvas: &Canvas, region: Region, color: Color32, strength: f32, label: 
 }
 
 /// Draws the ends of the benchmark route, and the positions that the rules for starts and goals list.
-pub fn draw_places(canvas: &Canvas, editor: &Editor) {
+pub fn draw_starts_and_goals(canvas: &Canvas, editor: &Editor) {
     if let Some(route) = editor.scenario().benchmark_route {
         draw_benchmark_goal(canvas, editor, route);
         draw_benchmark_start(canvas, editor, route);

@@ -34,7 +34,7 @@ pub(super) fn choices_ui(ui: &mut Ui, status: &AppSnapshot, form: &mut SetupForm
     }
 }
 
-/// Shows notes on the running scenario: the policy that the training started from, and changes by hand.
+/// Shows notes on the running scenario: the policy that the training run started from, and changes by hand.
 fn scenario_notes_ui(ui: &mut Ui, status: &AppSnapshot) {
     if let Some(from) = &status.transfer_from {
         let text = format!("policy from {from}");
@@ -45,7 +45,7 @@ fn scenario_notes_ui(ui: &mut Ui, status: &AppSnapshot) {
     }
 }
 
-/// The most important choice that differs from the running training, as the end of a sentence.
+/// The most important choice that differs from the current training run, as the end of a sentence.
 pub(super) fn choice_in_words(status: &AppSnapshot, form: &SetupForm) -> String {
     if form.scenario != status.scenario_from {
         format!(" in {}", title_of(&status.scenarios, &form.scenario))
@@ -58,7 +58,7 @@ pub(super) fn choice_in_words(status: &AppSnapshot, form: &SetupForm) -> String 
     }
 }
 
-/// The title of the choice from the name or file `from`; `from` itself if there is none.
+/// The title of the choice whose name or file is `from`; `from` itself if there is none.
 fn title_of<'a>(choices: &'a [Choice], from: &'a str) -> &'a str {
     choices.iter().find(|choice| choice.from == from).map_or(from, |choice| choice.title.as_str())
 }
@@ -80,7 +80,7 @@ fn choice_ui(ui: &mut Ui, title: &str, choices: &[Choice], from: &mut String) {
     shown.response.labelled_by(label.id);
 }
 
-/// Shows the description of the choice from `from`.
+/// Shows the description of the choice whose name or file is `from`.
 fn about_ui(ui: &mut Ui, choices: &[Choice], from: &str) {
     let chosen = choices.iter().find(|choice| choice.from == from);
     if let Some(Choice { about, .. }) = chosen.filter(|choice| !choice.about.is_empty()) {

@@ -4,7 +4,7 @@ use egui::{Align2, Area, Frame, Id, Margin, Order as Layer, Rect, Stroke, Ui};
 
 use crate::app::screen::theme::Palette;
 
-/// Draws a frame in the middle of `canvas`, with `contents` of `width` points in it.
+/// Draws a frame in the middle of `canvas`, with `contents` in it, `width` points wide.
 pub fn question_ui(ui: &Ui, canvas: Rect, id: &str, width: f32, contents: impl FnOnce(&mut Ui)) {
     let palette = Palette::from_ui(ui);
     let area = Area::new(Id::new(id)).order(Layer::Foreground).pivot(Align2::CENTER_CENTER);
