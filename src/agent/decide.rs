@@ -47,7 +47,7 @@ pub enum ActionSource {
     Policy(QNetwork),
     /// The user, with the action that is selected at the moment.
     Manual(usize),
-    /// A classical driver, or a policy with a map.
+    /// A classical driver, or a policy used as a driver, with or without a map.
     Driver(DriverSource),
 }
 

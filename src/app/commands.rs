@@ -42,7 +42,7 @@ pub enum SessionMode {
     /// The learner drives in all arenas, explores and learns.
     #[default]
     Train,
-    /// The current or the best policy drives greedily in one arena; nothing is learnt.
+    /// The current or the best policy drives greedily in one arena; nothing is learned.
     Test,
     /// The user drives in one arena, and the current or the best policy in another, to the same goals.
     Drive,

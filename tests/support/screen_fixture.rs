@@ -340,36 +340,36 @@ fn status() -> AppSnapshot {
 fn history() -> History {
     let mut history = History::new();
     for n in 1..=1284_u64 {
-        let learnt = 1.0 - (-(n as f64) / 300.0).exp();
+        let learned = 1.0 - (-(n as f64) / 300.0).exp();
         // Scattered, but deterministic.
         let chance = (n * 7_919 % 101) as f64 / 101.0;
-        let goals = (6.0 * learnt * chance) as u32;
+        let goals = (6.0 * learned * chance) as u32;
         history.push_episode(&EpisodeRow {
             episode: n,
             arena: (n % 8) as usize,
             env_steps: n * 243,
             gradient_steps: n * 30,
             steps: 243,
-            total_return: -180.0 + 900.0 * learnt * chance,
+            total_return: -180.0 + 900.0 * learned * chance,
             scenario: None,
             reward_goal: 250.0 * goals as f32,
             reward_collision: -200.0,
             extra_rewards: Vec::new(),
-            reward_attraction: 80.0 * learnt as f32,
+            reward_attraction: 80.0 * learned as f32,
             reward_repulsion: -30.0,
             goals,
             collision: 1,
             epsilon: (1.0 - n as f32 / 1400.0).max(0.05),
             loss: Some(0.4 / (1.0 + n as f64 / 200.0) + 0.02 * chance),
             td_error: Some(0.3 / (1.0 + n as f64 / 300.0)),
-            mean_q: Some(60.0 * learnt),
+            mean_q: Some(60.0 * learned),
             wall_s: 0.0,
         });
         if n % 80 == 0 {
             history.push_evaluation(&EvaluationRow {
                 env_steps: n * 243,
                 episodes: n,
-                success_rate: (learnt * 0.96).min(0.96),
+                success_rate: (learned * 0.96).min(0.96),
                 ..EvaluationRow::default()
             });
         }

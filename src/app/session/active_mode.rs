@@ -36,7 +36,7 @@ pub enum ActiveMode {
     Demo(Box<Demo>),
 }
 
-/// A demo: a policy or the user drives, and nothing is learnt.
+/// A demo: a policy, a classical driver or the user drives, and nothing is learned.
 pub struct Demo {
     /// The mode: any except [`SessionMode::Train`].
     pub(super) mode: SessionMode,

@@ -1,4 +1,4 @@
-//! Demos: a policy, a classical driver or the user drives, and nothing is learnt.
+//! Demos: a policy, a classical driver or the user drives, and nothing is learned.
 //!
 //! In: a mode other than training. Out: arenas with their action sources, and a sequence of rounds. In each round all drivers
 //! have the same start and goal.

@@ -1,7 +1,7 @@
 //! The pacer: how many control steps each frame may take.
 //!
 //! In: the time since the last frame, the requested pace, and the time spent on steps in this frame. Out: whether to take
-//! another step. What is learnt depends only on the number of steps, never on when they are taken.
+//! another step. What is learned depends only on the number of steps, never on when they are taken.
 
 use std::time::Duration;
 
