@@ -53,7 +53,7 @@ pub enum Autoreset {
 pub struct VecEnvConfig {
     /// The number of environments, at least 1. The results of environment k do not depend on it.
     pub num_envs: usize,
-    /// The units of the observation, eq. (8).
+    /// The encoding of the observation.
     pub encoding: Encoding,
     /// The parameters of the reward, eqs. (3) to (7).
     pub reward: RewardConfig,
@@ -137,7 +137,7 @@ pub struct Step<'a> {
     pub ended: &'a [EpisodeEnded],
 }
 
-/// Environments of one scenario, stepped together. [`Autoreset`] says when the next episode begins.
+/// Environments of one scenario, stepped together. [`Autoreset`] determines when the next episode begins.
 ///
 /// Without plugins, a step allocates no memory except inside rapier.
 pub struct VecEnv {
@@ -219,14 +219,14 @@ impl VecEnv {
     /// into the robot's motions.
     ///
     /// # Errors
-    /// The number of actions is wrong, an action is out of range, an environment has ended and is not reset, or the
-    /// simulation failed.
+    /// The number of actions is wrong, an action is out of range, an environment waits for its reset, or the simulation
+    /// failed.
     pub fn step(&mut self, actions: &[usize]) -> Result<Step<'_>, VecEnvError> {
         self.step_by(Commands::Actions(actions))
     }
 
-    /// Runs one control step in every environment. `motions[k]` is the speed and turning rate that environment k commands; it
-    /// is limited to [`motion_limits`](Self::motion_limits).
+    /// Runs one control step in every environment. `motions[k]` is the speed and turning rate commanded in environment k,
+    /// limited to [`motion_limits`](Self::motion_limits).
     ///
     /// # Errors
     /// As for [`step`](Self::step), or a motion is not finite.
@@ -258,7 +258,7 @@ impl VecEnv {
         self.command_rules.num_actions
     }
 
-    /// The length of an observation: 28 with the paper's 24 beams, plus the slices of plugins' sensors.
+    /// The length of an observation: 28 for the paper's observation with 24 beams, plus the readings of plugin sensors.
     #[must_use]
     pub fn observation_width(&self) -> usize {
         self.observation_width

@@ -1,4 +1,4 @@
-//! The pose of an obstacle depends on the clock alone, even when robots drive into it.
+//! The pose of an obstacle, unless it is a pedestrian, depends on the clock alone, even when robots drive into it.
 
 mod common;
 

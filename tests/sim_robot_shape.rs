@@ -9,14 +9,14 @@ use wayfield::scenario::{
 };
 use wayfield::task::{DeferResets, Pose, wrap_angle};
 
-/// The gap below which bodies are in contact, and the advance by which a contact may be missed, in m.
+/// The tolerance of a contact, in m: the gap below which bodies touch, and the resolution of the search for the contact.
 const CONTACT_M: f32 = 0.0007;
 
 fn pose(x_m: f32, y_m: f32, heading_rad: f32) -> Pose {
     Pose { x_m, y_m, heading_rad }
 }
 
-/// The default enclosure of 4 m x 4 m with a robot of this shape and one motion, without a collision range that counts.
+/// The default enclosure of 4 m x 4 m with a robot of this shape and one motion. The collision range is too short to count.
 fn scenario(shape: Shape, v_m_s: f32, w_rad_s: f32) -> Scenario {
     Scenario {
         robot: Robot { shape: Some(shape), motions: vec![Motion { v_m_s, w_rad_s }], ..Robot::default() },
@@ -25,7 +25,7 @@ fn scenario(shape: Shape, v_m_s: f32, w_rad_s: f32) -> Scenario {
     }
 }
 
-/// The poses of a robot from `start` on, until it has touched something.
+/// Drives a robot from `start` until it touches something, and returns its poses.
 fn drive_until_contact(scenario: &Scenario, start: Pose) -> Vec<Pose> {
     let mut lab = Lab::new(scenario, 1, 1);
     lab.edit(0, |state| {
@@ -36,7 +36,7 @@ fn drive_until_contact(scenario: &Scenario, start: Pose) -> Vec<Pose> {
     for _ in 0..200 {
         let before = lab.state(0).episode.steps;
         assert_eq!(before as usize, poses.len() - 1, "one episode");
-        // The pose at the end of an episode is replaced by that of the next one.
+        // Keeps the pose at the end of the episode; a reset would replace it with the next start.
         let world = lab.simulation.world_mut();
         world.insert_resource(DeferResets(true));
         lab.step(&[0]);
@@ -149,7 +149,8 @@ fn between_steps(scenario: &Scenario, step: u64, fraction: f32) -> Scenario {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 150, ..ProptestConfig::default() })]
 
-    /// The robot stops where it first touches something, in the middle of a step, too. Until then, it follows its arcs.
+    /// The robot stops where it first touches something, even in the middle of a step. In a step, it moves along the chord
+    /// of its arc while its heading changes at constant speed.
     #[test]
     fn a_robot_stops_at_its_first_contact_and_overlaps_nothing_before(
         shape in shapes(),
@@ -175,7 +176,7 @@ proptest! {
             let touches = lab.state(0).scan.touching;
             let turn = wrap_angle(to.heading_rad - from.heading_rad);
             let whole = w_rad_s * 0.2;
-            // The heading changes at constant speed, so it says how much of the step was made.
+            // The heading changes at constant speed, so the turn shows what fraction of the step was made.
             let made = if touches { (turn / whole).clamp(0.0, 1.0) } else { 1.0 };
             for k in 0..=20_u8 {
                 let part = f32::from(k) / 20.0;

@@ -50,7 +50,7 @@ fn file() -> Option<PathBuf> {
     Some(folders.config_dir().join("preferences.ron"))
 }
 
-/// The stored preferences, if they can be read.
+/// Reads the stored preferences; `None` if they cannot be read.
 #[cfg(not(target_arch = "wasm32"))]
 fn read() -> Option<Preferences> {
     file().and_then(|file| read_ron(file).ok())
@@ -74,7 +74,7 @@ fn write(text: &str) {
 #[cfg(target_arch = "wasm32")]
 use super::page::save_preferences as write;
 
-/// The stored preferences, or the default.
+/// Loads the stored preferences, or the default.
 #[must_use]
 pub fn load() -> Preferences {
     let mut stored = read().unwrap_or_default();

@@ -26,7 +26,7 @@ pub struct Shard {
 impl FromStr for Shard {
     type Err = String;
 
-    /// The shard in a text such as "2/8".
+    /// Parses a shard such as "2/8".
     fn from_str(text: &str) -> Result<Self, String> {
         let numbers = text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
         match numbers {

@@ -74,7 +74,7 @@ fn all_shipped_experiments_can_be_planned_in_full_and_quickly() {
 }
 
 #[test]
-fn a_quick_version_has_the_experiments_own_evaluation() {
+fn a_quick_version_shortens_the_experiments_own_evaluation() {
     let text = |evaluation: &str| {
         format!(
             r#"(title: "T", {evaluation}
@@ -126,7 +126,7 @@ fn a_training_run_shared_by_experiments_is_planned_once() {
 }
 
 #[test]
-fn shards_are_a_plan_in_equal_parts_and_keep_transfers_together() {
+fn shards_split_a_plan_equally_and_keep_transfers_together() {
     let (_, plan) = planned(&ReproduceOptions::default());
     let cost = |part: &RunPlan| -> f64 {
         part.training_runs.iter().map(|t| gradient_steps(t, t.config.preset.budget)).sum()
@@ -139,7 +139,7 @@ fn shards_are_a_plan_in_equal_parts_and_keep_transfers_together() {
             let shard: Shard = format!("{number}/{count}").parse().expect("a shard");
             let part = shard.of(&plan);
             let most = 1.001 * (cost(&plan) / f64::from(count) + largest_chain);
-            assert!(cost(&part) <= most, "part {shard} takes longer than its share and a chain of transfers");
+            assert!(cost(&part) <= most, "part {shard} costs more than an equal part and the longest chain");
             for training in &part.training_runs {
                 let whole = plan.training_runs.iter().find(|t| t.name == training.name).expect("in the plan");
                 let origin =
@@ -162,7 +162,7 @@ fn shards_are_a_plan_in_equal_parts_and_keep_transfers_together() {
 }
 
 #[test]
-fn only_needed_episodes_and_seeds_are_trained() {
+fn only_needed_episodes_and_seeds_are_planned() {
     let (_, plan) = planned(&only(&["table2"]));
     assert_eq!(
         budgets(&plan, 1),

@@ -73,7 +73,7 @@ impl SimulationBuilder {
         Self { seed, ..self }
     }
 
-    /// Sets the encoding of the paper's observation.
+    /// Sets the encoding of the observation.
     #[must_use]
     pub fn encoding(self, encoding: Encoding) -> Self {
         Self { encoding, ..self }
@@ -133,7 +133,7 @@ impl SimulationBuilder {
         self.extensions.build(app);
     }
 
-    /// A headless simulation without arenas; call [`spawn_arenas`] next.
+    /// Builds a headless simulation without arenas; call [`spawn_arenas`] next.
     #[must_use]
     pub(crate) fn build_empty(&self) -> Simulation {
         let mut app = App::new();
@@ -147,7 +147,7 @@ impl SimulationBuilder {
         Simulation { world: std::mem::take(app.world_mut()) }
     }
 
-    /// A headless simulation, with every arena at its first observation.
+    /// Builds a headless simulation, with every arena at its first observation.
     #[must_use]
     pub fn build(&self) -> Simulation {
         let mut simulation = self.build_empty();

@@ -6,7 +6,7 @@ use crate::table::{Cell, Table};
 impl Table {
     /// The table as CSV: a line of headings, then a line for each row. Title and notes are left out.
     ///
-    /// Numbers are plain (`-1234.5678`), with two more decimals than shown. A column of estimates or differences is
+    /// Numbers are plain (`-1234.5678`), with two more decimals than in the report. A column of estimates or differences is
     /// followed by a column `<heading>, 95 % half width`. A column with a censored value is followed by a column
     /// `<heading>, censored`: `true` where the number is only a lower bound. Unknown values are empty.
     #[must_use]

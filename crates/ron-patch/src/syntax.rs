@@ -22,7 +22,7 @@ pub(crate) struct SyntaxNode {
 }
 
 impl SyntaxNode {
-    /// The top-level value of `text`; `None` if its brackets do not match.
+    /// Parses the top-level value of `text`; `None` if its brackets do not match.
     pub fn parse(text: &str) -> Option<Self> {
         Parser { text, at: 0 }.node()
     }
@@ -50,7 +50,7 @@ impl Parser<'_> {
         Some((start, end))
     }
 
-    /// The next value with its key. The recursion cannot overflow the stack: ron, which limits the depth, has already read
+    /// Reads the next value with its key. The recursion cannot overflow the stack: ron, which limits the depth, has already read
     /// the text.
     fn node(&mut self) -> Option<SyntaxNode> {
         let (mut start, mut end) = self.next()?;

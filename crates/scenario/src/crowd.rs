@@ -11,7 +11,7 @@ use super::limits::COORDINATE_M;
 use super::nearest_points::nearest_points;
 use super::schema::{Obstacle, ObstacleMotion, Scenario};
 
-/// Time for which pedestrians avoid each other, in s. This and the next three are the values of vita-epfl/CrowdNav.
+/// How far ahead pedestrians avoid collisions with each other, in s. This and the next three values are vita-epfl/CrowdNav's.
 const TIME_HORIZON_S: f32 = 5.0;
 /// The distance in m beyond which pedestrians ignore each other.
 const NEIGHBOR_DISTANCE_M: f32 = 10.0;
@@ -19,7 +19,7 @@ const NEIGHBOR_DISTANCE_M: f32 = 10.0;
 const MAX_NEIGHBORS: usize = 10;
 /// What pedestrians add to all radii, in m.
 const MARGIN_M: f32 = 0.01;
-/// Time for which pedestrians avoid walls and static obstacles, in s.
+/// How far ahead pedestrians avoid collisions with walls and static obstacles, in s.
 const STATIC_HORIZON_S: f32 = 1.0;
 /// A pedestrian slows down before its last goal: it covers the remaining distance in no less than this time, in s.
 const STOPPING_TIME_S: f32 = 1.0;
@@ -84,7 +84,7 @@ impl Crowd {
         }
     }
 
-    /// Moves each pedestrian by the difference of its starting positions in two versions of a scenario. All start anew if
+    /// Moves each pedestrian by the difference between its starting positions in two versions of a scenario. All start anew if
     /// other obstacles are pedestrians now, or the state does not fit the new version.
     pub fn follow_change(&mut self, from: &Scenario, to: &Scenario) {
         let (before, after) = (Self::at_start(from), Self::at_start(to));
@@ -172,7 +172,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// The number of goals, including the starting position if it returns there.
+    /// The number of goals, including the starting position if the pedestrian returns there.
     fn goal_count(&self) -> usize {
         self.goals_m.len() + usize::from(self.loops)
     }
@@ -196,11 +196,11 @@ impl<'a> Walk<'a> {
 
     /// The velocity in m/s from `at_m` towards `goal`, if nothing is in the way.
     fn velocity_towards(&self, goal: u32, at_m: Vec2) -> Vec2 {
-        let way_m = self.goal_m(goal) - at_m;
+        let to_goal_m = self.goal_m(goal) - at_m;
         if self.is_last(goal) && !self.loops {
-            (way_m / STOPPING_TIME_S).clamp_length_max(self.speed_m_s)
+            (to_goal_m / STOPPING_TIME_S).clamp_length_max(self.speed_m_s)
         } else {
-            way_m.normalize_or_zero() * self.speed_m_s
+            to_goal_m.normalize_or_zero() * self.speed_m_s
         }
     }
 }

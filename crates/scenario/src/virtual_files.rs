@@ -1,6 +1,6 @@
 //! Virtual files for the browser, which has no disk.
 //!
-//! In: uploads of the user and files that the program writes. Out: uploads by name, and downloads for the page to save.
+//! In: the user's uploads, and files that the program writes. Out: uploads by name, and downloads for the page to save.
 //! Uploads stay available, so that a scenario can be loaded again. Policies are large, so reading one removes it.
 
 use std::collections::VecDeque;
@@ -31,7 +31,7 @@ pub fn add_upload(name: String, bytes: Vec<u8>) {
     }
 }
 
-/// The first `max_bytes` bytes of the upload at `path`. Reading a policy removes it.
+/// Reads the first `max_bytes` bytes of the upload at `path`. Reading a policy removes it.
 ///
 /// # Errors
 /// `NotFound` if there is none of that name.

@@ -118,7 +118,7 @@ fn everyday_number_notations_get_the_number_to_write() {
             ),
             (
                 "(name: \"Mine\", robot: (radius_m: 1/2))",
-                "1:37: this starts no comment: write `//` or `/* */`, or the result of a division as one number",
+                "1:37: this is not a comment: write `//` or `/* */`, or the result of a division as one number",
             ),
             ("(name: \"Mine\", lidar: (beams: 2e1))", "1:31: `lidar.beams` must be a whole number: write 20"),
             (

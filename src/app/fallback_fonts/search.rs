@@ -5,7 +5,7 @@ use egui::FontData;
 
 use crate::report::fonts::{SystemFont, system_fonts_with};
 
-/// Fonts by name.
+/// The fonts found, each with its name.
 pub(super) type FoundFonts = Vec<(String, FontData)>;
 
 /// A search in progress.

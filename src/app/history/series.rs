@@ -38,7 +38,7 @@ impl Default for DownsampledSeries {
 }
 
 impl DownsampledSeries {
-    /// Adds a row. Non-finite values are ignored. An x before the last one is replaced by the last one, so
+    /// Adds a row. Non-finite values are ignored. An x smaller than the latest is replaced by the latest, so
     /// that points stay in order.
     pub fn push(&mut self, x: f64, value: f64) {
         if !x.is_finite() || !value.is_finite() {

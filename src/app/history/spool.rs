@@ -55,7 +55,7 @@ impl<Row: Serialize + DeserializeOwned + Default + SetColumns> Spool<Row> {
         self.read(|mut file| io::copy(&mut file, to).map(|_| ()))
     }
 
-    /// The CSV after its first `offset` bytes.
+    /// Reads the CSV after its first `offset` bytes.
     ///
     /// # Errors
     /// A row could not be stored, or cannot be read back.
@@ -111,7 +111,7 @@ mod memory {
     use std::io::{Cursor, Read, Result, Seek, SeekFrom, Write};
     use std::sync::{Mutex, MutexGuard, PoisonError};
 
-    /// Bytes in memory that can be written, sought and read through a shared reference, like a file.
+    /// A file in memory. Like a real file, it can be read and repositioned through a shared reference.
     #[derive(Default)]
     pub struct File(Mutex<Cursor<Vec<u8>>>);
 

@@ -151,7 +151,7 @@ impl RunFolder {
         Ok(self)
     }
 
-    /// The folder of an existing run, and its configuration. It is read-only until it is
+    /// Opens the folder of an existing run, and reads its configuration. The folder is read-only until it is
     /// [`locked`](Self::locked).
     ///
     /// # Errors

@@ -127,7 +127,7 @@ pub struct Example {
 }
 
 impl Example {
-    /// An arbitrary observation by eq. (8) with the `lidar` (number of beams, maximum range in m): the ranges vary from beam to
+    /// An arbitrary observation of eq. (8) for a `lidar` (number of beams, maximum range in m): the ranges vary from beam to
     /// beam, and the goal is behind the robot to the right. `q_values` computes the Q-values.
     pub fn new(
         encoding: Encoding,

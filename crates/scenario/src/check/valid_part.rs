@@ -11,7 +11,7 @@ const ANY_SPEED: f32 = 0.01;
 
 /// The valid part of a scenario.
 pub(super) struct ValidPart {
-    /// A scenario with valid numbers. What is invalid in the whole one is left out, or has its default.
+    /// The scenario without invalid values in the fields that the checks use: those are left out, or have their default.
     pub(super) scenario: Scenario,
     /// The obstacles whose path is valid, with their index in the whole scenario. An invalid speed is replaced.
     pub(super) paths: Vec<(usize, Obstacle)>,

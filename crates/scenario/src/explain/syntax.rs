@@ -70,7 +70,7 @@ impl Place<'_> {
             }
             E::UnexpectedChar(_) => self.problem(
                 end,
-                "this starts no comment: write `//` or `/* */`, or the result of a division as one number",
+                "this is not a comment: write `//` or `/* */`, or the result of a division as one number",
             ),
             E::Eof => self.problem(end, "the file ends too early: a closing bracket is missing"),
             E::ExceededRecursionLimit => self.problem(

@@ -79,7 +79,7 @@ impl Canvas {
     }
 }
 
-/// Drops points within `min_distance` of the one kept before, but always keeps the last point.
+/// Drops points within `min_distance` of the last point kept, but always keeps the end of the line.
 fn thinned(points: impl Iterator<Item = Pos2>, min_distance: f32) -> Vec<Pos2> {
     let mut kept: Vec<Pos2> = Vec::new();
     let mut skipped = None;

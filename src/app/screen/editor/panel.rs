@@ -60,7 +60,7 @@ pub fn panel_ui(
     }
 }
 
-/// Withdraws the question whether to restart, and finishes an unfinished drawing unless the action is to close the editor.
+/// Dismisses the question whether to restart, and finishes an unfinished drawing unless the action is to close the editor.
 /// Returns the command that applies the scenario; `None` if the action is to close, or is blocked.
 fn prepare(
     action: Action,

@@ -70,7 +70,7 @@ pub(super) fn legend_entries(map: &ScenarioMap) -> Vec<LegendEntry> {
     entries
 }
 
-/// Draws a dot with a white rim, and a line in the direction of its heading (in rad).
+/// Draws the robot: a dot with a white rim, and a line in the direction of `heading`, in rad.
 pub(super) fn draw_robot(root: &Canvas, (x, y): Pixel, heading: f64) -> DrawResult {
     let nose = (x + (34.0 * heading.cos()).round() as i32, y - (34.0 * heading.sin()).round() as i32);
     line(root, vec![(x, y), nose], WHITE.stroke_width(STROKE + 6))?;
