@@ -18,7 +18,7 @@ use super::load::{parse_ron, to_ron};
 pub fn with_setting<T: Serialize + DeserializeOwned>(old: &T, path: &str, text: &str) -> Result<T, String> {
     let value = with_plain_numbers(text.trim());
     if !is_closed(&value) {
-        return Err(format!("`{value}` has brackets that do not match; help: close each that is open"));
+        return Err(format!("`{value}` has brackets that do not match; help: close every open bracket"));
     }
     let before = to_ron(old).map_err(|error| error.to_string())?;
     // The line break ends a comment at the end of the value.

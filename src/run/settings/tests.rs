@@ -107,7 +107,7 @@ fn the_error_names_the_setting_the_problem_and_the_fix() {
         ("learning.gamma=0.97, double: false", "`double` appears twice in `learning`: remove one".into()),
         (
             "learning.gamma=(0.97",
-            "`(0.97` has brackets that do not match; help: close each that is open".into(),
+            "`(0.97` has brackets that do not match; help: close every open bracket".into(),
         ),
         ("learning.gamma=1.5", "`learning.gamma` is 1.5".into()),
         ("learning.optimizer=Adam", "`learning.optimizer` must be written with parentheses: Adam()".into()),
