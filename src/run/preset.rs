@@ -36,7 +36,7 @@ pub struct Preset {
     /// The observation: the paper's, eq. (8), `Scaled` to the order of one or `Raw` in m and rad (the paper doesn't say which);
     /// or `Sectors`, for any LIDAR and any robot.
     pub observation: Encoding,
-    /// Fraction of the moving things, 0 to 1, whose motion is left out of predicted paths in training, so that the policy does not
+    /// Fraction of the moving things, 0 to 1, whose motion is left out of predictions in training, so that the policy does not
     /// rely on predictions. Evaluations leave nothing out.
     pub prediction_dropout: f32,
     /// The motions to choose among: those of the scenario's `Robot`, as in the paper, or `Relative` ones, in units of any

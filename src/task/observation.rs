@@ -13,11 +13,12 @@ use serde::{Deserialize, Serialize};
 pub use crate::policy::observation::{DISTANCE_SCALE_M, Encoding, RANGE_SCALE_M, width};
 
 use super::{
-    Arena, ArenaLayout, Episode, EstimatedPose, Goal, PathLengths, PendingReset, Pose, Scan, Streams, Twist,
+    Arena, ArenaLayout, Clock, Episode, EstimatedPose, Goal, PathLengths, PendingReset, Pose, Scan, Streams,
+    Twist,
 };
 use crate::drivers::sector_observer;
 use crate::policy::observation::{self as encodings, Column, ObserverMemory, SectorObserver, Sensed};
-use crate::random::{Stream, random_u64};
+use crate::random::{self, Stream};
 use crate::scenario::Scenario;
 
 /// The parts of an observation: the numbers of an encoding, then one named slice per plugin sensor.
@@ -146,7 +147,7 @@ impl ObservationLayout {
     }
 }
 
-/// The fraction of moving things whose motion predicted paths leave out (`prediction_dropout` of a preset), 0 to 1.
+/// The fraction of moving things that predictions leave out (`prediction_dropout` of a preset), 0 to 1.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
 pub struct PredictionDropout(pub f32);
 
@@ -169,19 +170,33 @@ impl ScanMemory {
         pose: &Pose,
         twist: &Twist,
     ) {
+        self.forget(encoding, scenario);
+        self.sense(scan, pose, twist);
+    }
+
+    /// Forgets all scans.
+    fn forget(&mut self, encoding: Encoding, scenario: &Arc<Scenario>) {
         self.fit(encoding, scenario);
         if let Some(sectors) = &mut self.sectors {
             sectors.reset();
         }
-        self.sense(scan, pose, twist);
     }
 
-    /// Leaves the motion of a fraction of the moving things out of predicted paths, until the robot is placed again.
-    fn drop_predictions(&mut self, PredictionDropout(fraction): PredictionDropout, stream: &mut Stream) {
+    /// Leaves a fraction of the moving things that it will see out of predictions, until it forgets all scans. Which ones is a
+    /// function of the stream's state and of the clock, and nothing is drawn from the stream, so that all else is the same with
+    /// and without dropout.
+    fn drop_predictions(
+        &mut self,
+        PredictionDropout(fraction): PredictionDropout,
+        stream: &Stream,
+        clock: Clock,
+    ) {
         if let Some(sectors) = &mut self.sectors
             && fraction > 0.0
         {
-            sectors.drop_predictions(fraction, random_u64(stream));
+            let state = random::random_u64(&mut stream.clone());
+            let seed = random::random_u64(&mut random::stream(state, "predictions", clock.0));
+            sectors.drop_predictions(fraction, seed);
         }
     }
 
@@ -344,7 +359,8 @@ type Observed = (
     &'static Goal,
     &'static SensorReadings,
     &'static mut ScanMemory,
-    (&'static mut PathLengths, &'static mut Episode, &'static mut Streams),
+    (&'static mut PathLengths, &'static mut Episode),
+    (&'static Streams, &'static Clock),
 );
 
 /// Schedule `Reset`: encodes the observations and computes the potentials of arenas with a pending reset.
@@ -363,14 +379,16 @@ pub(super) fn observe_first(
         goal,
         readings,
         mut memory,
-        (mut paths, mut episode, mut streams),
+        (mut paths, mut episode),
+        (streams, clock),
     ) in &mut arenas
     {
         if episode.pending_reset != PendingReset::None {
             let row = &mut observations.current[arena.0 * width..][..width];
             if episode.pending_reset.moves_robot() {
-                memory.begin(layout.encoding, &arena_layout.written, scan, &estimate.0, twist);
-                memory.drop_predictions(*dropout, &mut streams.sensor);
+                memory.forget(layout.encoding, &arena_layout.written);
+                memory.drop_predictions(*dropout, &streams.sensor, *clock);
+                memory.sense(scan, &estimate.0, twist);
             }
             encode(layout.encoding, &memory, scan, (&estimate.0, goal), readings, row);
             let scale = reward.scale(arena_layout.robot_unit_m);

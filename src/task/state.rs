@@ -266,7 +266,7 @@ pub struct Episode {
 pub struct Streams {
     /// Layout seeds, starts and goals.
     pub placement: Stream,
-    /// LIDAR noise and dropout, and dropout of predictions.
+    /// LIDAR noise and dropout; and, without drawing from it, which predictions are dropped.
     pub sensor: Stream,
 }
 

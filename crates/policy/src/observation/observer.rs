@@ -201,8 +201,8 @@ impl SectorObserver {
         self.twist = (0.0, 0.0);
     }
 
-    /// Until it is [reset](Self::reset), takes a random `fraction` (0 to 1) of the things that move to stand still. Training does
-    /// so, so that a policy does not rely on predictions. The draws depend on `seed` alone.
+    /// Until it is [reset](Self::reset), treats a random `fraction` (0 to 1) of the things that it has not seen before as
+    /// standing still. Training does this so that a policy does not rely on predictions. The draws depend on `seed` alone.
     pub fn drop_predictions(&mut self, fraction: f32, seed: u64) {
         self.memory.tracker.hide_motion(fraction, seed);
     }

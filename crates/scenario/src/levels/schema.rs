@@ -264,7 +264,7 @@ pub enum Traffic {
         #[serde(default = "default_reach_m")]
         reach_m: (f32, f32),
     },
-    /// Circles around random points, on which obstacles drive one after the other.
+    /// Circles around random points, on which obstacles drive one behind another.
     Orbits {
         /// Number of circles, 0 to 20.
         #[serde(default = "default_pairs")]

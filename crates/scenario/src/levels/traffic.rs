@@ -16,8 +16,6 @@ use crate::schema::{Obstacle, ObstacleMotion, Shape};
 const TRIES: usize = 50;
 /// Largest deviation of an obstacle from its evenly spaced position on the circle, as a fraction of the spacing.
 const JITTER: f32 = 0.3;
-/// Smallest even spacing along an orbit, in radii of an obstacle. With the largest deviations, two obstacles then just touch.
-const MIN_SPACING_RADII: f32 = 5.0;
 
 /// Adds one of `layouts`; nothing if there is none.
 pub(super) fn add(draft: &mut Draft, layouts: &[Traffic], stream: &mut Stream) {
@@ -125,7 +123,9 @@ fn add_orbits(draft: &mut Draft, count: u32, walker: Walker, orbit_m: f32, strea
     let direction = if uniform_01(stream) < 0.5 { 1.0 } else { -1.0 };
     let speed_rad_s = direction * walker.speed_m_s / orbit_m;
     let first = uniform(stream, -PI, PI);
-    let count = count.min((TAU * orbit_m / (MIN_SPACING_RADII * walker.radius_m)) as u32);
+    // On both sides of the middle of two neighbours, with the largest deviations, there must be room for one radius.
+    let half_angle = libm::asinf((walker.radius_m / orbit_m).min(1.0));
+    let count = count.min((((0.5 - JITTER) * TAU / half_angle) as u32).max(1));
     for k in 0..count {
         let (sin, cos) = libm::sincosf(angle_on_circle(k, count, first, stream));
         let motion = ObstacleMotion::Orbit { centre_m, speed_rad_s: speed_rad_s.into() };
