@@ -86,8 +86,8 @@ fn pose(step: usize) -> (f32, f32, f32) {
     (angle.sin(), -angle.cos(), angle)
 }
 
-/// The scan at that pose: of the arena's walls, and of discs with a radius of 0.2 m that move the other way on a circle with a
-/// radius of 2 m.
+/// The scan after `step` control steps: of the arena's walls, and of discs with a radius of 0.2 m that move the other way on a
+/// circle with a radius of 2 m.
 fn scan(lidar: &Lidar, step: usize) -> Vec<f32> {
     let (x, y, heading) = pose(step);
     let at = vec2(x, y);

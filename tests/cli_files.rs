@@ -1,5 +1,5 @@
-//! Tests of files that users name: pipes, devices, links, names that need quoting or are no text, and what stands in files
-//! must never control a terminal.
+//! Tests of files that users name: pipes, devices, links, and names that need quoting or are not UTF-8. Neither the name nor the
+//! text of a file may control a terminal.
 
 mod cli_support;
 
@@ -141,7 +141,7 @@ mod unix {
         }
         assert_eq!(workspace.run_ok("--check link.ron").stdout, "link.ron: ok (scenario)\n");
         if cfg!(target_os = "linux") {
-            // Its length is 0, but it has a content.
+            // Its length is 0, but it has content.
             assert_refused(
                 &workspace.run("--check /proc/version"),
                 "/proc/version:1:1: expected `Scenario(...)`",
@@ -173,7 +173,7 @@ mod unix {
         assert!(workspace.path("").join(&out).join("summary.json").exists());
     }
 
-    /// The command in the last line of a training run's summary, which has a program of another name in it.
+    /// The command that a training run's summary gives for testing the policy, limited to one episode.
     fn printed_command(summary: &str) -> String {
         let line = summary
             .lines()

@@ -1,4 +1,4 @@
-//! In worlds with many still shapes, the grid over them changes no bit: not of ranges, contacts, starts or goals.
+//! In scenarios with many static shapes, the grid over them changes no bit of ranges, contacts, starts or goals.
 
 mod common;
 
@@ -26,7 +26,7 @@ fn without_index(mut lab: Lab) -> Lab {
 
 /// Drives robots at random, until contacts end their episodes, with and without the index. Returns the number of contacts.
 fn contacts_with_equal_bits(mut scenario: Scenario, steps: usize) -> usize {
-    // Only contact ends an episode.
+    // Only contact counts as a collision.
     scenario.task.collision_range_m = 0.0;
     let (mut indexed, mut plain) = (Lab::new(&scenario, 8, 1), without_index(Lab::new(&scenario, 8, 1)));
     let mut streams = common::action_streams(8);
@@ -36,8 +36,8 @@ fn contacts_with_equal_bits(mut scenario: Scenario, steps: usize) -> usize {
         indexed.step(&actions);
         plain.step(&actions);
         for (arena, (state, expected)) in indexed.states().iter().zip(plain.states()).enumerate() {
-            let place = |pose: &Pose| bits(&[pose.x_m, pose.y_m, pose.heading_rad]);
-            assert_eq!(place(&state.pose), place(&expected.pose), "step {step}, arena {arena}");
+            let pose_bits = |pose: &Pose| bits(&[pose.x_m, pose.y_m, pose.heading_rad]);
+            assert_eq!(pose_bits(&state.pose), pose_bits(&expected.pose), "step {step}, arena {arena}");
             assert_eq!(
                 bits(&state.scan.ranges_m),
                 bits(&expected.scan.ranges_m),
@@ -59,7 +59,7 @@ fn a_simulation_in_a_field_of_277_circles_has_the_same_bits_with_and_without_the
 #[test]
 fn a_simulation_in_an_office_with_a_moving_obstacle_has_the_same_bits_with_and_without_the_index() {
     let mut office = large_worlds::office();
-    // Robots start around an obstacle on patrol in the room in the middle.
+    // Robots start around an obstacle on patrol in a room in the middle.
     let region =
         |clearance_m| PlacementRule::Within { min_m: vec2(0.3, 0.3), max_m: vec2(4.7, 4.7), clearance_m };
     (office.starts, office.goals) = (region(0.2), region(0.2));
@@ -70,17 +70,17 @@ fn a_simulation_in_an_office_with_a_moving_obstacle_has_the_same_bits_with_and_w
     assert!(contacts > 30, "{contacts}");
 }
 
-/// Drives the same robots in a wall of cells, and among the rectangles that they form as static obstacles.
+/// Drives the same robots around a wall of cells, and around static obstacles: the rectangles that the cells form.
 #[test]
 fn a_wall_of_cells_is_seen_and_touched_as_its_rectangles() {
     let rows = ["#########", "#...#...#", "#.#.#.#.#", "#.#...#.#", "#.##.##.#", "#.......#", "#########"];
     let cells = WallCells::new(rows.map(String::from).to_vec(), 0.75, vec2(0.125, 0.0));
     let wall = Wall { cells: Some(cells), ..Wall::default() };
-    let small = PlacementRule::Random { clearance_m: 0.2 };
+    let random = PlacementRule::Random { clearance_m: 0.2 };
     let empty = Scenario {
         enclosure: Enclosure::Rectangle { width_m: 7.0, height_m: 5.25 },
-        starts: small.clone(),
-        goals: small,
+        starts: random.clone(),
+        goals: random,
         ..Scenario::default()
     };
     let obstacles = wall.segments().collect();
@@ -93,8 +93,8 @@ fn a_wall_of_cells_is_seen_and_touched_as_its_rectangles() {
         cells.step(&actions);
         boxes.step(&actions);
         for (state, expected) in cells.states().iter().zip(boxes.states()) {
-            let place = |pose: &Pose| bits(&[pose.x_m, pose.y_m, pose.heading_rad]);
-            assert_eq!(place(&state.pose), place(&expected.pose), "step {step}");
+            let pose_bits = |pose: &Pose| bits(&[pose.x_m, pose.y_m, pose.heading_rad]);
+            assert_eq!(pose_bits(&state.pose), pose_bits(&expected.pose), "step {step}");
             assert_eq!(bits(&state.scan.ranges_m), bits(&expected.scan.ranges_m), "step {step}");
             assert_eq!((state.goal, state.scan.touching), (expected.goal, expected.scan.touching));
         }
@@ -103,17 +103,17 @@ fn a_wall_of_cells_is_seen_and_touched_as_its_rectangles() {
     assert!(contacts > 20, "{contacts}");
 }
 
-/// A pose on a lattice of 0.5 m, so that beams run along sides, or anywhere.
+/// A pose anywhere, or on a lattice of 0.5 m so that beams run along sides.
 fn pose() -> impl Strategy<Value = Pose> {
-    let place = || prop_oneof![-9.9_f32..9.9, (-19_i8..=19).prop_map(|k| 0.5 * f32::from(k))];
+    let coordinate = || prop_oneof![-9.9_f32..9.9, (-19_i8..=19).prop_map(|k| 0.5 * f32::from(k))];
     let heading = prop_oneof![-PI..PI, (-4_i8..=4).prop_map(|k| f32::from(k) * PI / 4.0)];
-    (place(), place(), heading).prop_map(|(x_m, y_m, heading_rad)| Pose { x_m, y_m, heading_rad })
+    (coordinate(), coordinate(), heading).prop_map(|(x_m, y_m, heading_rad)| Pose { x_m, y_m, heading_rad })
 }
 
-/// A scenario of 20 m x 20 m with 32 to 80 still obstacles of all shapes, some moving ones, and walls.
+/// A scenario of 20 m x 20 m with 45 to 84 obstacles of all shapes, most of them static, and walls.
 fn scenario() -> impl Strategy<Value = Scenario> {
-    let place = || prop_oneof![-10.0_f32..10.0, (-20_i8..=20).prop_map(|k| 0.5 * f32::from(k))];
-    let point = move || (place(), place()).prop_map(Vec2::from);
+    let coordinate = || prop_oneof![-10.0_f32..10.0, (-20_i8..=20).prop_map(|k| 0.5 * f32::from(k))];
+    let point = move || (coordinate(), coordinate()).prop_map(Vec2::from);
     let size = || prop_oneof![(-2.0_f32..0.3).prop_map(|power| 10.0_f32.powf(power)), Just(0.5), Just(9.0)];
     let shape = prop_oneof![
         size().prop_map(|radius_m| Shape::Circle { radius_m: radius_m.min(1.0) }),
@@ -153,7 +153,7 @@ fn scenario() -> impl Strategy<Value = Scenario> {
         })
 }
 
-/// Asserts that ranges from `poses` have the bits of casts against every shape.
+/// Asserts that ranges from `poses` have the same bits as casts against every shape.
 fn assert_ranges_of_all_shapes(lab: &mut Lab, poses: &[Pose]) {
     let beams = lab.scenario.lidar.beam_directions();
     let max_range_m = lab.scenario.lidar.max_range_m;
@@ -171,7 +171,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
     #[test]
-    fn ranges_in_worlds_with_many_shapes_are_those_of_a_test_of_every_shape(
+    fn ranges_among_many_shapes_are_those_of_a_test_of_every_shape(
         scenario in scenario(), poses in prop::collection::vec(pose(), 40),
     ) {
         assert_ranges_of_all_shapes(&mut Lab::new(&scenario, 1, 1), &poses);
@@ -192,9 +192,9 @@ fn many_generated_obstacles_are_indexed_in_every_episode() {
     let mut layouts = Vec::new();
     let mut stream = wayfield::random::stream(1, "poses", 0);
     for _ in 0..5 {
-        let mut place = || wayfield::random::uniform(&mut stream, -9.9, 9.9);
+        let mut coordinate = || wayfield::random::uniform(&mut stream, -9.9, 9.9);
         let poses: Vec<Pose> =
-            (0..200).map(|_| Pose { x_m: place(), y_m: place(), heading_rad: 0.3 }).collect();
+            (0..200).map(|_| Pose { x_m: coordinate(), y_m: coordinate(), heading_rad: 0.3 }).collect();
         assert_ranges_of_all_shapes(&mut lab, &poses);
         layouts.push(lab.state(0).layout_seed);
         lab.edit(0, |state| state.layout_seed += 1);

@@ -1,7 +1,7 @@
 //! The result of a claim: the outcome, and a sentence with the numbers.
 //!
 //! In: a claim, and the values of both arms over the seeds. Out: a [`ClaimResult`]. If both arms have the same seeds, the
-//! difference is taken within each seed, with Student's interval; otherwise it is that of the means, with Welch's interval.
+//! difference is taken within each seed, with Student's interval; otherwise between the means, with Welch's interval.
 //! A claim **held** if the 95 % interval of the difference lies entirely on the claimed side of 0. It is **reversed** if
 //! the interval lies entirely on the other side, and otherwise **not shown**. An arm with a lower bound among its values is
 //! never called better, and a few seeds that happen to agree exactly show nothing.

@@ -14,7 +14,7 @@ use crate::run::preset::Budget;
 /// An experiment and its source.
 #[derive(Clone, Debug)]
 pub struct ExperimentSource {
-    /// The file, or the path in the repository of a shipped experiment.
+    /// The file, or a shipped experiment's path in the repository.
     pub from: String,
     /// The experiment.
     pub experiment: Experiment,

@@ -4,8 +4,8 @@
 //! first contact, and whether the robot may rest where rapier stopped it.
 //!
 //! Rapier alone does not detect every contact. It takes an obstacle's motion into account only near the robot (its prediction
-//! distance is 20 mm), and looks one second ahead. An obstacle that moves or turns fast can pass over a small robot, and in a
-//! step of ten seconds a robot slides along a wall and off its end. Rapier also stops a body at the plane in front of an
+//! distance is 20 mm), and looks ahead only one second. An obstacle that moves or turns fast can pass over a small robot, and in
+//! a step of ten seconds a robot slides along a wall and off its end. Rapier also stops a body at the plane in front of an
 //! obstacle, even if the body would pass beside the obstacle. So this file checks the motion of robot and obstacles through the
 //! step by conservative advancement: two bodies cannot touch before they have covered the distance between them.
 

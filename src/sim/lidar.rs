@@ -66,8 +66,8 @@ fn take_scan(
 
 /// Adds the sensor's noise to exact ranges, in m.
 ///
-/// A beam is lost with probability `dropout` and then reads the maximum range. Otherwise it has a normal error with
-/// standard deviation `noise_std_m`, clamped to [0, maximum range].
+/// A beam is lost with probability `dropout` and then reads the maximum range. Otherwise a normally distributed error with
+/// standard deviation `noise_std_m` is added, and the sum is clamped to [0, maximum range].
 fn add_noise(lidar: &Lidar, stream: &mut Stream, ranges_m: &mut [f32]) {
     if lidar.is_exact() {
         return;

@@ -803,5 +803,5 @@ fn when_training_over_a_set_a_copy_of_the_shown_scenario_can_be_edited() {
     let editor = window.state().view_state.editor.as_ref().expect("the editor is open");
     assert_eq!(**editor.scenario(), *window.state().scene.arenas[0].written);
     assert_eq!(editor.file(), None, "the copy is a file of its own once it is saved");
-    assert!(window.query_by_label_contains("Restart to train in this one").is_some());
+    assert!(window.query_by_label_contains("Restart to train in this scenario").is_some());
 }

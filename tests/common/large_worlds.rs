@@ -1,4 +1,4 @@
-//! Large worlds with hundreds of still shapes.
+//! Large scenarios with hundreds of static shapes.
 
 use bevy::math::{Vec2, vec2};
 use wayfield::random::{self, uniform, uniform_01};
@@ -6,7 +6,7 @@ use wayfield::scenario::{
     Enclosure, Obstacle, ObstacleMotion, PlacementRule, Scenario, Shape, TaskRules, Wall,
 };
 
-/// The cells along a side of the field of [`barn`].
+/// The number of cells along a side of the field of [`barn`].
 const FIELD_CELLS: usize = 30;
 /// The side of such a cell, in m.
 const CELL_M: f32 = 0.15;
@@ -14,7 +14,7 @@ const CELL_M: f32 = 0.15;
 const CIRCLES: usize = 277;
 
 /// A field of 4.5 m x 4.5 m with 277 circles of radius 0.075 m, as in the benchmark BARN: filled cells of a cellular
-/// automaton. Of the random fields, the first one with this number.
+/// automaton. It is the first random field with this number of circles.
 pub fn barn() -> Scenario {
     let side_m = FIELD_CELLS as f32 * CELL_M;
     let cells = (0..).map(filled_cells).find(|cells| cells.len() == CIRCLES).unwrap_or_default();
@@ -32,8 +32,8 @@ pub fn barn() -> Scenario {
     }
 }
 
-/// The filled cells (column, row) of a random field: 28 % at first. In three passes, a cell with five filled neighbours
-/// or more fills, and one with at most one empties.
+/// The filled cells (column, row) of a random field. At first, about 28 % are filled. In each of three passes, a cell with at
+/// least five filled neighbours is filled, and one with at most one is emptied.
 fn filled_cells(seed: u64) -> Vec<(usize, usize)> {
     let mut stream = random::stream(seed, "barn", 0);
     let mut filled: Vec<bool> =
@@ -55,13 +55,13 @@ fn filled_cells(seed: u64) -> Vec<(usize, usize)> {
     indices.map(|(index, _)| (index % FIELD_CELLS, index / FIELD_CELLS)).collect()
 }
 
-/// The rooms along a side of [`office`].
+/// The number of rooms along a side of [`office`].
 const ROOMS: usize = 10;
 /// The side of a room of [`office`], in m.
 const ROOM_M: f32 = 5.0;
 
-/// An office of 50 m x 50 m: 100 rooms, whose walls have a door each, with two desks and two chairs per room. 360 segments
-/// of walls and 400 obstacles.
+/// An office of 50 m x 50 m: 100 rooms, whose walls have a door each, with two desks and two chairs per room. It has 360 wall
+/// segments and 400 obstacles.
 pub fn office() -> Scenario {
     let mut stream = random::stream(1, "office", 0);
     let (side_m, door_m) = (ROOMS as f32 * ROOM_M, 1.2);

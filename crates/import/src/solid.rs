@@ -89,8 +89,8 @@ impl Solid {
 
 /// The rotation of a rectangle in rad, wrapped to -pi/2 to pi/2 and rounded.
 fn turned(yaw_rad: f64) -> f32 {
-    let half = std::f64::consts::PI;
-    let turned = yaw_rad - half * (yaw_rad / half).round();
+    let half_turn = std::f64::consts::PI;
+    let turned = yaw_rad - half_turn * (yaw_rad / half_turn).round();
     // Six decimals suffice: Gazebo's files often have 1.5708 for a quarter turn.
     ((turned * 1e6).round() / 1e6 + 0.0) as f32
 }

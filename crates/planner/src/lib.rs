@@ -101,7 +101,7 @@ pub struct Resolution {
     pub cell_m: f64,
     /// The extent of the coarsest cells in heading, in rad.
     pub heading_rad: f64,
-    /// The number of halvings. Each search only accepts plans shorter than the previous one, so a halving never makes the
+    /// The number of halvings. Each search only accepts plans shorter than the best so far, so a halving never makes the
     /// result worse.
     pub refinements: u32,
     /// The maximum number of states of a search with halved cells; each takes 48 bytes and about 0.3 us. A search that

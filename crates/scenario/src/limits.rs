@@ -11,7 +11,7 @@ use std::ops::RangeInclusive;
 pub const MAX_FILE_BYTES: u64 = 1 << 20;
 /// Deepest nesting of brackets in a RON file.
 pub const MAX_NESTING: usize = 64;
-/// Most problems that are reported for one file; the rest are counted.
+/// Maximum number of problems that are reported for one file; the rest are counted.
 pub const MAX_PROBLEMS: usize = 100;
 
 // Texts.
@@ -51,22 +51,22 @@ pub const COORDINATE_M: RangeInclusive<f32> = -500.0..=500.0;
 pub const ENCLOSURE_SIDE_M: RangeInclusive<f32> = 0.5..=1000.0;
 /// Number of corners of a polygonal enclosure.
 pub const ENCLOSURE_CORNERS: RangeInclusive<usize> = 3..=64;
-/// Most inner walls.
+/// Maximum number of inner walls.
 pub const MAX_WALLS: usize = 1_000;
 /// Number of corners of an inner wall.
 pub const WALL_CORNERS: RangeInclusive<usize> = 2..=256;
 /// Thickness of an inner wall, in m.
 pub const WALL_THICKNESS_M: RangeInclusive<f32> = 0.01..=100.0;
-/// Most cells of an inner wall.
+/// Maximum number of cells of an inner wall.
 pub const MAX_WALL_CELLS: usize = 250_000;
 /// Side of a cell of an inner wall, in m.
 pub const WALL_CELL_M: RangeInclusive<f32> = 0.01..=100.0;
-/// Most segments of all inner walls together. Solid cells count as the rectangles that they form.
+/// Maximum number of segments of all inner walls together. Solid cells count as the rectangles that they form.
 pub const MAX_WALL_SEGMENTS: usize = 10_000;
 
 // Obstacles.
 
-/// Most obstacles.
+/// Maximum number of obstacles.
 pub const MAX_OBSTACLES: usize = 10_000;
 /// Sizes of shapes, in m.
 pub const SHAPE_SIZE_M: RangeInclusive<f32> = 0.001..=1000.0;
@@ -86,22 +86,22 @@ pub const MAX_ANGULAR_SPEED_RAD_S: f32 = 20.0;
 pub const MAX_STEP_M: f32 = 0.5;
 /// Number of waypoints of a path, or of goals of a pedestrian.
 pub const WAYPOINTS: RangeInclusive<usize> = 1..=256;
-/// Most pedestrians.
+/// Maximum number of pedestrians.
 pub const MAX_PEDESTRIANS: usize = 200;
 /// Reach of a random walk, in m.
 pub const WALK_RADIUS_M: RangeInclusive<f32> = 0.01..=500.0;
-/// Most key frames of all obstacles together.
+/// Maximum number of key frames of all obstacles together.
 pub const MAX_KEY_FRAMES: usize = 10_000;
 /// Times of key frames, in s.
 pub const KEY_FRAME_TIME_S: RangeInclusive<f32> = 0.001..=100_000.0;
 
 // Generators.
 
-/// Most generators.
+/// Maximum number of generators.
 pub const MAX_GENERATORS: usize = 16;
 /// Number of obstacles of one generator.
 pub const GENERATOR_COUNT: RangeInclusive<u32> = 1..=200;
-/// Most obstacles of all generators together.
+/// Maximum number of obstacles of all generators together.
 pub const MAX_GENERATED_OBSTACLES: u64 = 200;
 /// Smallest gap around generated obstacles, and the clearance of placement rules, in m.
 pub const CLEARANCE_M: RangeInclusive<f32> = 0.0..=1000.0;
@@ -120,7 +120,7 @@ pub const LEVEL_CLEARANCE_M: RangeInclusive<f32> = 0.01..=50.0;
 pub const MIN_CLEARANCE_GAPS: f64 = 0.55;
 /// Depth of the free strips at both ends of a level, in m.
 pub const LEVEL_MARGIN_M: RangeInclusive<f32> = 0.1..=50.0;
-/// Most layouts in a list of a level generator, and most shapes of a layout.
+/// Maximum number of layouts in a list of a level generator, and of shapes of a layout.
 pub const MAX_LEVEL_LAYOUTS: usize = 16;
 /// Fraction of cells that a cellular automaton fills at first.
 pub const AUTOMATON_FILL: RangeInclusive<f32> = 0.0..=0.5;
@@ -132,9 +132,9 @@ pub const SOLID_FILL: RangeInclusive<f32> = 0.0..=0.8;
 pub const ROOM_SIDE_M: RangeInclusive<f32> = 0.2..=50.0;
 /// Side of a cell of a level, in m.
 pub const LEVEL_CELL_M: RangeInclusive<f32> = 0.02..=10.0;
-/// Most cells of a layout of a level.
+/// Maximum number of cells of a layout of a level.
 pub const MAX_LEVEL_CELLS: u32 = 4_000;
-/// Most rooms of a level, approximately.
+/// Approximate maximum number of rooms of a level.
 pub const MAX_LEVEL_ROOMS: u32 = 250;
 /// Number of pairs of lanes of a level.
 pub const LANE_PAIRS: RangeInclusive<u32> = 0..=10;
@@ -152,7 +152,7 @@ pub const LEVEL_NOISE_M: RangeInclusive<f32> = 0.0..=10.0;
 pub const LEVEL_GOALS: RangeInclusive<u32> = 1..=256;
 /// Number of obstacles of a layout.
 pub const LEVEL_COUNT: RangeInclusive<u32> = 0..=200;
-/// Most cells of the grid on which a level is searched for paths.
+/// Maximum number of cells of the grid on which a level is searched for paths.
 pub const MAX_FLOOR_CELLS: u32 = 1 << 24;
 
 // Robot and LIDAR.

@@ -49,7 +49,7 @@ fn topic(command: &Command) -> NoticeTopic {
     }
 }
 
-/// Does what `open` does, and shows the confirmation that it returns.
+/// Calls `open`, and shows the confirmation that it returns.
 fn confirm(
     world: &mut World,
     open: impl FnOnce(&mut World) -> Result<String, RunError>,

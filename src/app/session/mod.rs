@@ -19,11 +19,11 @@
 //! | `trails.rs` | [`Trails`] | the robots' paths |
 //! | `advance.rs` | | a frame: commands, then control steps |
 //! | `execute.rs` | | the execution of each command |
-//! | `interventions.rs`, `scenario_changes.rs` | | changes made to a running training |
+//! | `interventions.rs`, `scenario_changes.rs` | | changes made during a training run |
 //! | `start_training.rs`, `saved_run.rs`, `first_training.rs` | | the start of a training run |
 //! | `demo.rs` | | a policy or the user drives |
 //! | `save.rs`, `run_snapshot.rs`, `editor_files.rs` | | the saving of files |
-//! | `autosave/` | [`Autosave`] | a copy of the training for the next session |
+//! | `autosave/` | [`Autosave`] | a copy of the training run for the next session |
 //! | `quit.rs` | [`QuitQuestion`] | the end of the app |
 //! | `session_policy.rs` | | the policies that can be tested, saved or transferred |
 //!
@@ -108,7 +108,7 @@ pub struct StartOptions {
     pub edit: bool,
     /// Messages about invalid options, which are replaced by their defaults.
     pub invalid_options: Vec<String>,
-    /// Where and how often to save the training; `None` disables autosaves.
+    /// Where and how often to save the training run; `None` disables autosaves.
     pub autosave: Option<AutosaveOptions>,
     /// The user's plugins.
     pub extensions: Extensions,
@@ -142,7 +142,7 @@ pub struct QuitQuestion(pub bool);
 #[derive(Resource)]
 pub struct TrainingHistory(pub History);
 
-/// The plugin of the session. It adds the plugins of the training.
+/// The plugin of the session. It adds the plugins for training.
 pub struct SessionPlugin {
     /// Options of the first training run.
     pub start: StartOptions,

@@ -36,7 +36,7 @@ pub enum NoticeTopic {
     TrainingFailure,
     /// Evaluation during training.
     Evaluation,
-    /// The autosave of the training.
+    /// The autosave of the training run.
     Autosave,
 }
 

@@ -59,9 +59,9 @@ fn base_of(preset: &Preset, text: &str, path: &Path, chain: &[PathBuf]) -> Resul
         let diagnostic = Diagnostic { path: "based_on".into(), message };
         FileError::from_diagnostics(path, text, &[diagnostic])
     };
-    let chain: Vec<PathBuf> = chain.iter().cloned().chain([identity(path)]).collect();
+    let chain: Vec<PathBuf> = chain.iter().cloned().chain([canonical(path)]).collect();
     let file = file_of(name, path);
-    if chain.contains(&identity(&file)) || chain.len() >= MAX_CHAIN {
+    if chain.contains(&canonical(&file)) || chain.len() >= MAX_CHAIN {
         let files: Vec<_> = chain.iter().map(|file| printable_path(file)).collect();
         let files = files.join(" -> ");
         return Err(fail(format!(
@@ -131,6 +131,6 @@ fn file_of(name: &str, path: &Path) -> PathBuf {
 }
 
 /// The canonical form of `path`, to compare files whose paths are spelled differently.
-fn identity(path: &Path) -> PathBuf {
+fn canonical(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.into())
 }

@@ -50,7 +50,7 @@ pub struct Progress {
     pub epsilon: f32,
 }
 
-/// A callback that receives the progress in place of a bar: at most every 0.1 s, and at the end.
+/// A callback that receives the progress in place of a bar: at most once every 0.1 s, and at the end.
 pub type ProgressListener = Box<dyn FnMut(&Progress)>;
 
 /// A display of a run's progress.

@@ -6,7 +6,7 @@ use super::blocks::Blocks;
 use super::draft::Draft;
 use super::number;
 
-/// Makes random cells of the enclosure solid. Cells that the robot can't reach become solid, too.
+/// Makes random cells of the enclosure solid. Cells that are cut off from the largest free area become solid, too.
 pub(super) fn add(draft: &mut Draft, cell_m: (f32, f32), fill: (f32, f32), stream: &mut Stream) {
     let (cell_m, fill) = (number(stream, cell_m), number(stream, fill));
     let size = draft.size_m();

@@ -11,7 +11,7 @@ use crate::schema::{Lidar, RandomShape, Robot, TaskRules};
 /// A level generator: a family of scenarios. Each seed gives one of them, a level.
 ///
 /// A level has one layout of `wall_layouts`, one of `clutter` and one of `traffic`, each drawn from its list with equal
-/// probabilities. With several lists, a level has rooms with things and traffic in them.
+/// probabilities. With more than one list, a level can have rooms with clutter and traffic in them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LevelGenerator {
@@ -66,7 +66,8 @@ fn default_gap_m() -> f32 {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum WallLayout {
-    /// Solid square cells at random, as in the levels of JaxNav. Cells that the robot can't reach are solid, too.
+    /// Solid square cells at random, as in the levels of JaxNav. Cells that are cut off from the largest free area become
+    /// solid, too.
     Cells {
         /// Side of a cell, 0.02 to 10 m. It is increased so that the cells cover the enclosure.
         #[serde(default = "default_solid_m")]
@@ -317,7 +318,7 @@ pub enum Traffic {
         /// Highest speed, 0 to 5 m/s.
         #[serde(default = "default_speed_m_s")]
         speed_m_s: (f32, f32),
-        /// Number of goals that each visits before it returns, 1 to 256.
+        /// Number of goals that each visits before returning, 1 to 256.
         #[serde(default = "default_goals")]
         goals: (u32, u32),
         /// Whether they also avoid the robot.

@@ -314,7 +314,8 @@ pub fn valid_scenario() -> impl Strategy<Value = Scenario> {
     })
 }
 
-/// Draws new positions for the part called `what`; resets the task, and makes a rule without listed positions random.
+/// Draws new positions for the part called `what`; a rule without listed positions becomes random. If the part is the task,
+/// resets it and the robot.
 fn put_elsewhere(what: &str, scenario: &mut Scenario, attempt: u64) {
     let random = PlacementRule::Random { clearance_m: 0.2 };
     let free =

@@ -42,7 +42,7 @@ pub fn draw(ui: &Ui, id: Id, header: Rect, width: f32, arena: &ArenaScene) {
     response.on_hover_text(if origin.is_empty() { name.to_owned() } else { format!("{name}\n{origin}") });
 }
 
-/// The driver's name and its origin.
+/// The driver's name, and its origin; for the user, a hint in place of the origin.
 fn driver(driver: &DriverLabel) -> (&str, &str) {
     match driver {
         DriverLabel::Learner => ("Learner", ""),

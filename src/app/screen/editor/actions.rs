@@ -90,7 +90,7 @@ pub fn continue_blocker(input: &ScreenInput<'_>, editor: &Editor) -> Option<Stri
         return Some(reason.into());
     }
     if input.status.is_set {
-        return Some("Training uses a set of scenarios. Restart to train in this one.".into());
+        return Some("Training uses a set of scenarios. Restart to train in this scenario.".into());
     }
     let (edited, running) = (&**editor.scenario(), &*input.scene.scenario);
     let needs = |scenario: &Scenario| {

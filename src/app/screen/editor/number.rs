@@ -123,7 +123,7 @@ impl FieldEvents {
 pub fn number_ui(ui: &mut Ui, name: FieldName, tip: &str, value: &mut f32, spec: NumberSpec) -> FieldEvents {
     let mut shown = f64::from(*value) * spec.factor;
     let before = shown;
-    // A value out of range, as a file may have it, stays until it is changed.
+    // A value out of range, which a file may contain, stays until it is changed.
     let (low, high) = (f64::from(spec.range.0) * spec.factor, f64::from(spec.range.1) * spec.factor);
     let (min, max) = (before.min(low), before.max(high));
     let field = DragValue::new(&mut shown)

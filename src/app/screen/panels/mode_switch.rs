@@ -55,7 +55,7 @@ fn segments(opened: Option<&str>, expert: Option<&str>) -> [Segment; 5] {
         Segment::new("Train", "Robots explore and learn"),
         Segment::new(
             "Test",
-            "Test the current policy: no exploration, no learning. Click on the floor to set its goal",
+            "Test the current policy: no exploration, no learning. Click on the floor to set the goal",
         ),
         Segment::new("Drive", "Race the policy to the same goals: steer with the arrow keys"),
         Segment::new("Compare", compare),

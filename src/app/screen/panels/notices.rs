@@ -37,7 +37,7 @@ pub fn notices_ui(ui: &mut Ui, arena: Rect, notices: &[Notice], commands: &mut V
 
 fn notice_ui(ui: &mut Ui, notice: &Notice, index: usize, commands: &mut Vec<Command>) {
     let palette = Palette::from_ui(ui);
-    let edge = match notice.severity {
+    let color = match notice.severity {
         Severity::Info => palette.accent,
         Severity::Warning => palette.warning,
         Severity::Error => palette.error,
@@ -66,5 +66,5 @@ fn notice_ui(ui: &mut Ui, notice: &Notice, index: usize, commands: &mut Vec<Comm
     let mut mark = shown.response.rect;
     mark.max.x = mark.min.x + EDGE;
     let radius = egui::CornerRadius { nw: 6, sw: 6, ne: 0, se: 0 };
-    ui.painter().rect(mark, radius, edge, Stroke::new(0.0, Color32::TRANSPARENT), egui::StrokeKind::Inside);
+    ui.painter().rect(mark, radius, color, Stroke::new(0.0, Color32::TRANSPARENT), egui::StrokeKind::Inside);
 }
