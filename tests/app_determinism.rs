@@ -1,4 +1,4 @@
-//! The app does not affect what is learnt: with pauses, changes of pace, open panels and demos in between, it learns the same
+//! The app does not affect what is learned: with pauses, changes of pace, open panels and demos in between, it learns the same
 //! bits as a bare loop under `MinimalPlugins`. And training with interventions can be replayed from its journal.
 #![cfg(feature = "gui")]
 
@@ -18,12 +18,13 @@ use wayfield::app::session::{StartOptions, TrainingHistory};
 use wayfield::app::view_state::Overlays;
 use wayfield::learning::Learner;
 use wayfield::run::preset::Budget;
+use wayfield::run::settings::{Setting, Settings};
 use wayfield::run::train::{CHECKPOINT_INTERVAL, Job, train};
 use wayfield::run::{shipped, training_setup};
 use wayfield::scenario::pose_at;
 use wayfield::sim;
 use wayfield::simulation::Extensions;
-use wayfield::task::{ArenaState, Clock, CurrentScenario, observation};
+use wayfield::task::{ArenaState, Clock, CurrentScenario};
 
 use headless_app::HeadlessApp;
 
@@ -37,11 +38,19 @@ fn state(world: &mut bevy::prelude::World) -> (Vec<u8>, Vec<ArenaState>) {
     (bytes, sim::snapshot(world))
 }
 
+/// Settings with which also what a robot remembers of earlier scans matters, and which of its predictions are dropped.
+fn settings() -> Settings {
+    let setting = |(path, value): (&str, &str)| Setting { path: path.into(), value: value.into() };
+    let observation = "Sectors(count: 12, earlier_steps: 3, predicted_paths: true)";
+    Settings([("observation", observation), ("prediction_dropout", "0.5")].map(setting).to_vec())
+}
+
 /// The state after the same training in a bare loop.
 fn train_headless(seed: u64, steps: u64) -> (Vec<u8>, Vec<ArenaState>) {
     let scenario = Arc::new(shipped::scenario("scenario-2").expect("shipped"));
-    let preset = shipped::preset("fast").expect("shipped");
-    let inputs = observation::width(scenario.lidar.beams);
+    let mut preset = shipped::preset("fast").expect("shipped");
+    settings().apply_to_preset(&mut preset).expect("valid");
+    let inputs = preset.observation.width(scenario.lidar.beams);
     let actions = scenario.robot.motions.len();
     let learner =
         Learner::new(&preset.learning, inputs, actions, preset.arenas, seed).expect("the preset is valid");
@@ -65,7 +74,8 @@ fn save_policy(folder: &std::path::Path) -> std::path::PathBuf {
 }
 
 fn options(seed: u64) -> StartOptions {
-    StartOptions { scenario: "scenario-2".into(), seed, pace: Pace::Times(40.0), ..StartOptions::default() }
+    let scenario = "scenario-2".into();
+    StartOptions { scenario, settings: settings(), seed, pace: Pace::Times(40.0), ..StartOptions::default() }
 }
 
 #[test]
@@ -109,10 +119,10 @@ fn two_thousand_steps_in_the_app_learn_the_same_bits_as_a_bare_loop() {
     app.command(Command::Pause(true));
     app.frame(Duration::from_millis(10));
     app.step_to(STEPS);
-    let (learnt, arenas) = state(app.world());
+    let (learned, arenas) = state(app.world());
     let (bare, bare_arenas) = train_headless(5, STEPS);
     assert!(arenas == bare_arenas, "the arenas are bit-identical");
-    assert!(learnt == bare, "the learners are bit-identical");
+    assert!(learned == bare, "the learners are bit-identical");
 }
 
 /// Moves an obstacle a little from its current position.
@@ -154,15 +164,15 @@ fn training_with_interventions_can_be_replayed() {
 
     let journal = app.journal().clone();
     assert_eq!((journal.steps, journal.entries.len()), (400, 4));
-    let (learnt, arenas) = state(app.world());
+    let (learned, arenas) = state(app.world());
     let mut replayed = journal.replay(None).expect("the journal is valid");
     let (replayed_learner, replayed_arenas) = state(replayed.world_mut());
-    assert!(arenas == replayed_arenas && learnt == replayed_learner, "bit-identical");
+    assert!(arenas == replayed_arenas && learned == replayed_learner, "bit-identical");
 
     let mut untouched = journal.clone();
     untouched.entries.clear();
     let mut other = untouched.replay(None).expect("the journal is valid");
-    assert!(state(other.world_mut()).0 != learnt, "without the interventions the training differs");
+    assert!(state(other.world_mut()).0 != learned, "without the interventions the training differs");
 }
 
 #[test]

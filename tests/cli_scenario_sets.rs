@@ -72,16 +72,18 @@ fn a_run_that_draws_levels_by_progress_resumes_bit_identically() {
 }
 
 #[test]
-fn a_run_with_mirror_augmentation_resumes_bit_identically() {
+fn a_run_with_mirror_augmentation_and_dropout_of_predictions_resumes_bit_identically() {
     let workspace = workspace();
-    let preset = |mirror: bool| {
+    let preset = |mirror: bool, dropout: f32| {
         format!(
-            "(based_on: \"fast.ron\", observation: Sectors(count: 12), learning: (mirror: {mirror}), actions: \
+            "(based_on: \"fast.ron\", observation: Sectors(count: 12, earlier_steps: 1, predicted_paths: true), \
+             prediction_dropout: {dropout:?}, learning: (mirror: {mirror}), actions: \
              Relative([(speed: 1, turn: 1), (speed: 1, turn: 0), (speed: 1, turn: -1), (speed: 0, turn: 1), (speed: 0, turn: -1)]))"
         )
     };
-    workspace.write("mirrored.ron", preset(true));
-    workspace.write("plain.ron", preset(false));
+    workspace.write("mirrored.ron", preset(true, 0.5));
+    workspace.write("plain.ron", preset(false, 0.5));
+    workspace.write("predicted.ron", preset(true, 0.0));
     let train = "--train --scenario set.ron --seed 5 --steps";
     workspace.run_ok(&format!("{train} 4000 --preset mirrored.ron --out straight"));
     workspace.run_ok(&format!("{train} 1 --preset mirrored.ron --out pieces"));
@@ -90,8 +92,10 @@ fn a_run_with_mirror_augmentation_resumes_bit_identically() {
     }
     workspace.assert_same_run("straight", "pieces");
     workspace.run_ok(&format!("{train} 4000 --preset plain.ron --out plain"));
+    workspace.run_ok(&format!("{train} 4000 --preset predicted.ron --out predicted"));
     let weights = |run: &str| workspace.read(&format!("{run}/policy-last.safetensors"));
     assert!(weights("straight") != weights("plain"), "the mirrored transitions change what is learned");
+    assert!(weights("straight") != weights("predicted"), "dropout changes what is learned");
 }
 
 #[test]

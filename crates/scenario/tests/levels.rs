@@ -322,6 +322,18 @@ fn obstacles_on_orbits_drive_one_after_the_other_around_a_common_centre() {
 }
 
 #[test]
+fn a_circle_has_at_most_as_many_obstacles_as_cannot_overlap() {
+    // With gaps of 0.4 even spacings at least, 0.4 x 2 pi / n >= 2 asin(0.1 / 0.3) gives n = 3 of the 20.
+    for (radius_m, most) in [("0.1", 3), ("0.3", 1), ("0.5", 1)] {
+        let text = format!(
+            "(name: \"a\", traffic: [Orbits(circles: (1, 1), count: (20, 20), radius_m: ({radius_m}, {radius_m}), orbit_m: (0.3, 0.3))])"
+        );
+        let counts = (0..SEEDS).map(|seed| level(&generator(&text), seed).obstacles.len());
+        assert_eq!(counts.max(), Some(most), "obstacles of {radius_m} m");
+    }
+}
+
+#[test]
 fn pedestrians_start_apart_near_the_circle_and_cross_it() {
     let generator = generator(PEDESTRIANS);
     let mut angles_rad = Vec::new();

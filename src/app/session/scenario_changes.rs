@@ -76,7 +76,7 @@ fn switch_scenario(world: &mut World, scenario: &Scenario) -> Result<(), RunErro
 /// Checks that the training run of `config` can continue in `scenario`.
 ///
 /// # Errors
-/// The run trains over a set of scenarios, the network does not fit the number of beams or motions, or the scenario needs too
+/// The run trains on a set of scenarios, the network does not fit the number of beams or motions, or the scenario needs too
 /// much memory.
 pub(super) fn check_can_switch(config: &RunConfig, scenario: &Scenario) -> Result<(), RunError> {
     if let Some(set) = &config.scenario_set {

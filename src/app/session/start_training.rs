@@ -143,7 +143,7 @@ pub(super) fn start_training(
     Ok(())
 }
 
-/// Starts a training run from random weights, with the current preset and seed: in a scenario, or over a set, given with its
+/// Starts a training run from random weights, with the current preset and seed: in a scenario, or on a set, given with its
 /// first scenario. `from` is the scenario's or the set's file or shipped name.
 ///
 /// # Errors
