@@ -178,7 +178,7 @@ fn set_goal(world: &mut World, request: &MoveRequest) {
 fn record(world: &mut World, intervention: &Intervention) {
     let changes_scenario = intervention.changes_scenario();
     if changes_scenario || world.resource::<ActiveMode>().is_training() {
-        let exact = world.resource::<TrainingRun>().config.scenario.lidar.is_exact();
+        let exact = world.resource::<TrainingRun>().config.has_exact_lidars();
         world.resource_mut::<ActiveMode>().record_for_training(intervention, exact);
         world.resource_mut::<Journal>().record(intervention.clone(), exact);
     }

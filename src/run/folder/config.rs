@@ -225,6 +225,13 @@ impl RunConfig {
         ))
     }
 
+    /// Whether the LIDARs of all its scenarios measure exactly, so that no scan draws from a random stream.
+    #[must_use]
+    pub fn has_exact_lidars(&self) -> bool {
+        let mut members = self.scenario_set.iter().flat_map(|set| &set.members);
+        self.scenario.lidar.is_exact() && members.all(|member| member.source.task().1.is_exact())
+    }
+
     /// The layout of the run's observations.
     #[must_use]
     pub fn observation_layout(&self) -> ObservationLayout {
