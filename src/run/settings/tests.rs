@@ -71,7 +71,8 @@ fn any_field_can_be_set_and_the_others_stay() {
 
 #[test]
 fn the_error_names_the_setting_the_problem_and_the_fix() {
-    let top = "`about`, `based_on`, `arenas`, `budget`, `evaluation`, `observation`, `actions`, `reward`, `learning`, `levels`, \
+    let top = "`about`, `based_on`, `arenas`, `budget`, `evaluation`, `observation`, \
+               `prediction_dropout`, `actions`, `reward`, `learning`, `levels`, \
                `scenario`";
     for (text, expected) in [
         (
