@@ -194,9 +194,7 @@ impl ScanMemory {
         if let Some(sectors) = &mut self.sectors
             && fraction > 0.0
         {
-            let state = random::random_u64(&mut stream.clone());
-            let seed = random::random_u64(&mut random::stream(state, "predictions", clock.0));
-            sectors.drop_predictions(fraction, seed);
+            sectors.drop_predictions(fraction, random::derived_seed(stream, "predictions", clock.0));
         }
     }
 

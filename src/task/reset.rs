@@ -108,8 +108,7 @@ fn layout_seed(written: &Scenario, clock: Clock, places: &mut Stream) -> u64 {
     if !written.generators.is_empty() {
         return random::random_u64(places);
     }
-    let state = random::random_u64(&mut places.clone());
-    random::random_u64(&mut random::stream(state, "ranges", clock.0))
+    random::derived_seed(places, "ranges", clock.0)
 }
 
 /// The start and goal of a route.

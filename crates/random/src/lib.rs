@@ -76,6 +76,13 @@ pub fn random_u64(stream: &mut Stream) -> u64 {
     stream.next_u64()
 }
 
+/// A seed that is a function of the state of the stream `from`, the `name` and the `index`. Nothing is drawn from that stream.
+#[must_use]
+pub fn derived_seed(from: &Stream, name: &str, index: u64) -> u64 {
+    let state = random_u64(&mut from.clone());
+    random_u64(&mut stream(state, name, index))
+}
+
 /// A draw from the normal distribution with mean 0 and standard deviation 1, by the Box-Muller transform. It uses `libm`,
 /// so that the bits do not depend on the platform's logarithm and cosine.
 pub fn normal(stream: &mut Stream) -> f32 {

@@ -111,6 +111,11 @@ fn add_circle(draft: &mut Draft, count: u32, walkers: Walkers, circle_m: (f32, f
     }
 }
 
+/// A random point without anything static within `reach_m`; `None` if none is found.
+fn free_point(draft: &Draft, reach_m: f32, stream: &mut Stream) -> Option<Vec2> {
+    (0..TRIES).map(|_| draft.random_point(stream)).find(|&at| draft.is_free(at, at, reach_m))
+}
+
 /// The angle of obstacle `k` of `count` on a circle whose first one is at about the angle `first`, in rad.
 fn angle_on_circle(k: u32, count: u32, first: f32, stream: &mut Stream) -> f32 {
     first + TAU * (k as f32 + uniform(stream, -JITTER, JITTER)) / count as f32
@@ -118,8 +123,7 @@ fn angle_on_circle(k: u32, count: u32, first: f32, stream: &mut Stream) -> f32 {
 
 /// Adds obstacles that drive one after the other on a circle with the radius `orbit_m` around a random point.
 fn add_orbits(draft: &mut Draft, count: u32, walker: Walker, orbit_m: f32, stream: &mut Stream) {
-    let mut points = (0..TRIES).map(|_| draft.random_point(stream));
-    let Some(centre_m) = points.find(|&at| draft.is_free(at, at, orbit_m + walker.radius_m)) else { return };
+    let Some(centre_m) = free_point(draft, orbit_m + walker.radius_m, stream) else { return };
     let direction = if uniform_01(stream) < 0.5 { 1.0 } else { -1.0 };
     let speed_rad_s = direction * walker.speed_m_s / orbit_m;
     let first = uniform(stream, -PI, PI);
@@ -147,8 +151,7 @@ fn add_crossing(draft: &mut Draft, walker: Walker, stream: &mut Stream) {
 
 /// Adds an obstacle that walks at random within `reach_m` of a random point.
 fn add_walk(draft: &mut Draft, walker: Walker, reach_m: f32, stream: &mut Stream) {
-    let mut points = (0..TRIES).map(|_| draft.random_point(stream));
-    if let Some(at) = points.find(|&at| draft.is_free(at, at, walker.radius_m + reach_m)) {
+    if let Some(at) = free_point(draft, walker.radius_m + reach_m, stream) {
         let seed = random_u64(stream) as u32;
         let motion =
             ObstacleMotion::RandomWalk { radius_m: reach_m, speed_m_s: walker.speed_m_s.into(), seed };
