@@ -55,7 +55,7 @@ pub struct TrainerState {
     pub estimated_poses: Vec<Pose>,
     /// The pedestrians of each arena; empty if there are none.
     pub pedestrians: Vec<Pedestrians>,
-    /// What each arena's robot remembers for its observation by sectors; empty without one.
+    /// What each arena's robot remembers for its observation by sectors; empty with any other observation.
     pub observer_memories: Vec<ObserverMemory>,
     /// The results in each level, by member of the run's set; empty unless levels are drawn by their results.
     pub level_results: Vec<Vec<LevelResults>>,
@@ -111,7 +111,7 @@ impl BestPolicy {
 }
 
 impl TrainerState {
-    /// Copies the state of the arenas and of the agent from `world`.
+    /// Copies the state of the arenas, of the agent and of the levels from `world`.
     pub fn update(&mut self, world: &mut World) {
         let arenas = sim::snapshot(world);
         let exploration = world.resource::<Decisions>().streams.clone();
@@ -127,7 +127,7 @@ impl TrainerState {
     }
 
     /// Copies from the arenas what their serialized form leaves out: plugin data, scenarios, estimated poses, pedestrians and
-    /// earlier scans.
+    /// observer memories.
     fn collect_extensions(&mut self) {
         self.arena_extensions = self.arenas.iter().map(ArenaExtension::from_state).collect();
         if self.arena_extensions.iter().all(ArenaExtension::is_empty) {
@@ -149,34 +149,33 @@ impl TrainerState {
     }
 
     /// Copies these data back into the arenas.
+    ///
+    /// # Errors
+    /// Some of the data are for a different number of arenas.
     pub(super) fn distribute_extensions(&mut self) -> Result<(), String> {
-        if !self.arena_extensions.is_empty() && self.arena_extensions.len() != self.arenas.len() {
-            return Err("is damaged: it has plugin data for a different number of arenas".into());
+        for (what, count) in [
+            ("plugin data", self.arena_extensions.len()),
+            ("scenarios", self.arena_scenarios.len()),
+            ("estimated poses", self.estimated_poses.len()),
+            ("pedestrians", self.pedestrians.len()),
+            ("earlier scans", self.observer_memories.len()),
+        ] {
+            if count != 0 && count != self.arenas.len() {
+                return Err(format!("is damaged: it has {what} for a different number of arenas"));
+            }
         }
         for (arena, extension) in self.arenas.iter_mut().zip(&self.arena_extensions) {
             arena.readings.clone_from(&extension.readings);
             arena.episode.extra_rewards.clone_from(&extension.extra_rewards);
         }
-        if !self.arena_scenarios.is_empty() && self.arena_scenarios.len() != self.arenas.len() {
-            return Err("is damaged: it has scenarios for a different number of arenas".into());
-        }
         for (arena, scenario) in self.arenas.iter_mut().zip(&self.arena_scenarios) {
             arena.scenario = Some(scenario.clone());
-        }
-        if !self.estimated_poses.is_empty() && self.estimated_poses.len() != self.arenas.len() {
-            return Err("is damaged: it has estimated poses for a different number of arenas".into());
         }
         for (k, arena) in self.arenas.iter_mut().enumerate() {
             arena.estimated_pose = self.estimated_poses.get(k).copied().unwrap_or(arena.pose);
         }
-        if !self.pedestrians.is_empty() && self.pedestrians.len() != self.arenas.len() {
-            return Err("is damaged: it has pedestrians for a different number of arenas".into());
-        }
         for (arena, pedestrians) in self.arenas.iter_mut().zip(&self.pedestrians) {
             arena.pedestrians.clone_from(pedestrians);
-        }
-        if !self.observer_memories.is_empty() && self.observer_memories.len() != self.arenas.len() {
-            return Err("is damaged: it has earlier scans for a different number of arenas".into());
         }
         for (arena, memory) in self.arenas.iter_mut().zip(&self.observer_memories) {
             arena.observer_memory.clone_from(memory);
