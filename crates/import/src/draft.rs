@@ -39,7 +39,7 @@ pub fn needed_m(base: &Scenario) -> f64 {
 pub fn margins(base: &Scenario, cell_m: f64) -> Margins {
     let usual = |rule: &PlacementRule| rule.clearance_m().map_or(0.0, f64::from);
     let clearance_m = usual(&base.starts).max(usual(&base.goals)).max(needed_m(base));
-    Margins { collision: f64::from(base.keep_out_m()) / cell_m, clearance: clearance_m / cell_m }
+    Margins { keep_out: f64::from(base.keep_out_m()) / cell_m, clearance: clearance_m / cell_m }
 }
 
 /// The scenario with the robot, the LIDAR and the rules of `base` in these surroundings. `size_m` is the size of its enclosure.

@@ -10,14 +10,14 @@ use crate::grid::{Cell, Grid};
 /// A clearance is chosen if at least this fraction of the reachable positions has it.
 const ROOMY_FRACTION: f64 = 0.2;
 
-/// The smallest clearance of starts and goals, in collision ranges: the robot has 10 % to spare.
+/// The smallest clearance of starts and goals, in keep-out distances: the robot has 10 % to spare.
 pub const MIN_CLEARANCE: f64 = 1.1;
 
 /// What the robot needs, in cells.
 #[derive(Clone, Copy, Debug)]
 pub struct Margins {
-    /// The collision range.
-    pub collision: f64,
+    /// The robot's keep-out distance ([`wayfield_scenario::Scenario::keep_out_m`]).
+    pub keep_out: f64,
     /// The usual clearance of starts and goals.
     pub clearance: f64,
 }
@@ -44,7 +44,7 @@ impl Floor {
         let wall_distance = |cell: Cell| f64::from(distances.at(cell)).sqrt() - 0.5;
         let mut centres = Grid::filled(free.columns, free.rows, false);
         for cell in free.members() {
-            centres.set(cell, wall_distance(cell) > margins.collision);
+            centres.set(cell, wall_distance(cell) > margins.keep_out);
         }
         let (labels, sizes) = centres.components();
         let mut counts = vec![0_usize; sizes.len()];
@@ -68,14 +68,14 @@ impl Floor {
 
 /// The largest of a few clearances that enough positions have. `wall_distances` holds their distances from cells that are not
 /// free.
-fn clearance(wall_distances: &[f64], Margins { collision, clearance }: Margins) -> f64 {
+fn clearance(wall_distances: &[f64], Margins { keep_out, clearance }: Margins) -> f64 {
     let fraction = |least: f64| {
         wall_distances.iter().filter(|&&distance| distance > least).count() as f64
             / wall_distances.len() as f64
     };
-    let smaller = [1.8, 1.5, 1.25].map(|factor| factor * collision).into_iter();
+    let smaller = [1.8, 1.5, 1.25].map(|factor| factor * keep_out).into_iter();
     let mut choices = std::iter::once(clearance).chain(smaller.filter(|&smaller| smaller < clearance));
-    choices.find(|&least| fraction(least) >= ROOMY_FRACTION).unwrap_or(MIN_CLEARANCE * collision)
+    choices.find(|&least| fraction(least) >= ROOMY_FRACTION).unwrap_or(MIN_CLEARANCE * keep_out)
 }
 
 /// The cells of `free` that are at most `steps` steps from the cells `from`. Every other step may be diagonal, so that n steps
@@ -138,7 +138,7 @@ mod tests {
         (rows[0], rows[21]) = (&wall, &wall);
         rows[10..13].fill(&door);
         let map = free(&rows);
-        let margins = Margins { collision: 2.0, clearance: 5.0 };
+        let margins = Margins { keep_out: 2.0, clearance: 5.0 };
         let floor = Floor::new(&map, margins, map.corners()).expect("the robot fits");
         assert_eq!(floor.clearance, 5.0);
         assert!(
@@ -148,13 +148,13 @@ mod tests {
         assert!(!floor.cells.at((31, 10)), "the small one is not");
         let other = Floor::new(&map, margins, ((26, 0), (38, 22))).expect("the robot fits");
         assert!(other.cells.at((36, 20)) && !other.cells.at((3, 3)), "unless only its side counts");
-        assert!(Floor::new(&map, Margins { collision: 11.0, clearance: 12.0 }, map.corners()).is_none());
+        assert!(Floor::new(&map, Margins { keep_out: 11.0, clearance: 12.0 }, map.corners()).is_none());
     }
 
     #[test]
     fn the_clearance_shrinks_in_narrow_corridors() {
         let map = free(&["..........", "..........", "..........", "..........", ".........."]);
-        let floor = Floor::new(&map, Margins { collision: 1.0, clearance: 4.0 }, map.corners())
+        let floor = Floor::new(&map, Margins { keep_out: 1.0, clearance: 4.0 }, map.corners())
             .expect("the robot fits");
         assert_eq!(floor.clearance, 1.8);
         assert_eq!(floor.longest_path, 5, "between columns 2 and 7");

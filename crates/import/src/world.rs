@@ -34,18 +34,18 @@ struct Raster {
 }
 
 impl Raster {
-    /// A grid with cells that are small compared with `collision_m`, the robot's collision range.
+    /// A grid with cells that are small compared with `keep_out_m`, the robot's keep-out distance.
     ///
     /// # Errors
     /// The world is too large for the robot, or has too many large solids.
-    fn new(solids: &[Solid], collision_m: f64) -> Result<Self, String> {
+    fn new(solids: &[Solid], keep_out_m: f64) -> Result<Self, String> {
         let (low, high) = bounds(solids, &[]);
         let low_m = low - DVec2::splat(MARGIN_M);
         let size = high - low + DVec2::splat(2.0 * MARGIN_M);
-        let cell_m = (collision_m / 8.0).max((size.x * size.y / MAX_GRID_CELLS).sqrt());
-        if cell_m > collision_m / 2.0 || !cell_m.is_finite() {
+        let cell_m = (keep_out_m / 8.0).max((size.x * size.y / MAX_GRID_CELLS).sqrt());
+        if cell_m > keep_out_m / 2.0 || !cell_m.is_finite() {
             return Err(format!(
-                "the world is {:.0} m x {:.0} m, too large for a robot with a collision range of {collision_m} m; help: \
+                "the world is {:.0} m x {:.0} m, too large for a robot with a collision range of {keep_out_m} m; help: \
                  remove what is far away, or use a larger robot (--robot)",
                 size.x, size.y
             ));
