@@ -19,7 +19,7 @@ pub struct Fingerprint {
     /// Checksum of the initial weights.
     pub weights: u32,
     /// Checksum of every arena's state after each control step: poses, goals, ranges, rewards, random
-    /// streams.
+    /// streams. The parts that checkpoints store separately, such as estimated poses, are not included.
     pub arena_states: u32,
 }
 
