@@ -171,7 +171,7 @@ fn interpolate(from: &Pose, to: &Pose, part: f32) -> Pose {
     }
 }
 
-/// Poses of the obstacles at the fraction `part` of the last control step.
+/// Poses of the obstacles (x in m, y in m, rotation in rad) at the fraction `part` of the last control step.
 fn obstacles(layout: IndexedScenario, clock: Clock, part: f32) -> Vec<(f32, f32, f32)> {
     let period_s = layout.scenario.task.control_period_s;
     let pose = |index| {

@@ -136,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn the_sensors_of_plugins_count() {
+    fn the_sensors_of_plugins_count_towards_the_limits() {
         let scenario = shipped::scenario("empty").expect("shipped");
         // 400,048 states of 28 + 1,000 numbers each fit (4.1e8); with 28 + 6,000 they do not (2.4e9).
         let layout = |width| {

@@ -1,4 +1,4 @@
-//! Drivers behind one interface: classical ones, as baselines for trained policies, and the policies, with or without a map.
+//! Drivers behind one interface: trained policies, with or without a map, and classical drivers as baselines for them.
 //!
 //! In: a [`Percept`] per control step. Out: an action, an index into the robot's motions or the driver's own. A driver knows its
 //! [`Robot`] and what it has perceived since its episode began, nothing else, so that its results can be compared with a

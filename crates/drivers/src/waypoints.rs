@@ -20,7 +20,7 @@ const MARGIN: f32 = 1.0;
 const REPLAN_STEPS: u32 = 3;
 /// The farthest waypoint along the path, in keep-out distances.
 const LOOKAHEAD: f32 = 8.0;
-/// The nearest waypoint along the path if none is in sight, in keep-out distances.
+/// Least distance of a waypoint along the path, in sight or not, in keep-out distances.
 const NEAREST: f32 = 2.0;
 /// The highest extra cost of a cell on a line that counts as in sight: just below that of a cell too close to something.
 const IN_SIGHT: u16 = TOO_CLOSE - 1;

@@ -10,7 +10,7 @@ use crate::app::screen::numbers::format_value;
 use crate::app::screen::theme::SMALL;
 
 /// Draws the colour bar in the upper right corner of the view, on one line if it fits, and returns its
-/// rectangle.
+/// rectangle; `None` if no value is finite or the view is too small.
 pub fn draw(canvas: &Canvas, kind: FieldKind, field: &ScalarField, dark: bool) -> Option<Rect> {
     const BAR: f32 = 110.0;
     let range = value_range(field, kind.clipped_shares())?;

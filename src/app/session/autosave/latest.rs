@@ -21,7 +21,7 @@ pub(super) fn set(path: Option<&Path>) {
     *latest = path.map(|path| (path.into(), Instant::now()));
 }
 
-/// Where the training is, and how to continue it; `None` if it has no autosave.
+/// The path and the age of the current autosave, and how to continue from it; `None` if there is none.
 #[must_use]
 pub fn describe() -> Option<String> {
     let latest = LATEST.lock().unwrap_or_else(PoisonError::into_inner);
