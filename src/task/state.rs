@@ -188,7 +188,8 @@ pub struct Scan {
     pub nearest_m: f32,
     /// Whether the robot touches something.
     pub touching: bool,
-    /// The poses and ranges of scans that are not reported yet, oldest first. Empty without latency.
+    /// The poses and ranges of the last scans, at most `latency_steps` + 1, oldest first: the first is the reported one. Empty
+    /// without latency.
     pub delayed: VecDeque<(Pose, Vec<f32>)>,
 }
 
