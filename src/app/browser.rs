@@ -61,8 +61,6 @@ pub fn run() {
         seed: seed.unwrap_or(default.seed),
         pace: pace.unwrap_or(default.pace),
         paused: page::query_parameter("paused").is_some(),
-        open: None,
-        episode: 0,
         edit: page::query_parameter("edit").is_some(),
         invalid_options,
         autosave: Some(AutosaveOptions { folder: PathBuf::new(), every: AUTOSAVE_INTERVAL }),

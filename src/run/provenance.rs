@@ -12,7 +12,7 @@ pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// The Git commit that this program was built from, with `-dirty` if its files had been changed; `None` outside a clone.
 pub const COMMIT: Option<&str> = option_env!("WAYFIELD_COMMIT");
 
-/// The program that wrote a record, and the scenario that it is about.
+/// The program that wrote a record, and the scenario, or set of scenarios, that the record is about.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Provenance {
     /// The version of wayfield.
@@ -20,7 +20,7 @@ pub struct Provenance {
     /// The Git commit; `None` if it is unknown.
     #[serde(default)]
     pub commit: Option<String>,
-    /// The checksum of the scenario, as on the cards of its policies: eight hexadecimal digits. Empty in old records.
+    /// The checksum of the scenario or set, as on the cards of its policies: eight hexadecimal digits. Empty in old records.
     #[serde(default)]
     pub scenario_crc32c: String,
 }
@@ -56,7 +56,7 @@ pub fn set_crc32c(set: &ScenarioSet) -> String {
 /// The scenario as JSON, as it is on policy cards.
 ///
 /// # Errors
-/// None are known: a scenario has only structs, lists, strings and numbers.
+/// None are known: JSON can represent every value in a scenario.
 pub fn scenario_json(scenario: &Scenario) -> Result<RawJson, serde_json::Error> {
     RawJson::new(serde_json::to_string(scenario)?)
 }

@@ -29,7 +29,7 @@ use crate::task::{
     Pedestrians, Pose, Scan, Twist, wrap_angle,
 };
 
-/// The tolerance for rounding: in m for coordinates, relative for distances.
+/// The tolerance for rounding of positions: in m, and also relative to their distances from the origin.
 const ROUNDING: f32 = 1e-6;
 
 /// The constant velocity, in m/s, that takes the robot to the end of its arc in `seconds`.

@@ -30,7 +30,7 @@ pub struct Source {
     pub frame: Frame,
 }
 
-/// The free space that the robot of `base` needs to each side, in m, to start anywhere: it must have more than this.
+/// The clearance, in m, that every start of the robot of `base` must exceed.
 pub fn needed_m(base: &Scenario) -> f64 {
     MIN_CLEARANCE * f64::from(base.keep_out_m())
 }
@@ -42,7 +42,7 @@ pub fn margins(base: &Scenario, cell_m: f64) -> Margins {
     Margins { keep_out: f64::from(base.keep_out_m()) / cell_m, clearance: clearance_m / cell_m }
 }
 
-/// The scenario with the robot, the LIDAR and the rules of `base` in these surroundings. `size_m` is the size of its enclosure.
+/// The scenario with the robot, the LIDAR and the task of `base` in these surroundings. `size_m` is the size of its enclosure.
 pub fn scenario(
     base: &Scenario,
     source: &Source,

@@ -61,7 +61,7 @@ pub(crate) fn advice(config: &LearningConfig) -> String {
 }
 
 /// The cause of a non-finite loss, as text: the first non-finite value among the returns, the Q-values of the next states
-/// and the Q-values.
+/// and the Q-values; or the largest |TD error| if all of them are finite.
 pub(crate) fn non_finite_loss_cause(returns: &[f32], next_q: &[f32], q: &[f32], td_errors: &[f32]) -> String {
     for (what, values) in [
         ("a stored return is", returns),

@@ -98,6 +98,7 @@
 //! | `exploration` | epsilon-greedy actions and the decay of epsilon |
 //! | `divergence` | errors for non-finite values, warnings about Q-values above any possible return |
 //! | `checkpoint`, `framing` | saving a learner to a file, and restoring it exactly |
+//! | [`limits`] | limits on the config, and on the size of a learner's memory and checkpoint |
 
 mod checkpoint;
 mod config;

@@ -107,7 +107,7 @@ proptest! {
     }
 
     #[test]
-    fn environments_may_pause_and_episodes_may_have_any_length(
+    fn a_return_of_k_rewards_links_states_k_steps_apart_even_if_environments_pause(
         steps in prop::collection::vec((0_usize..3, 0_u8..10), 1..300),
         n_step in 1_usize..5,
         always_truncated in any::<bool>(),

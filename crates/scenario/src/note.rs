@@ -6,7 +6,7 @@ use glam::Vec2;
 
 use super::file_error::Diagnostic;
 
-/// A questionable setting, found by a check in a value without diagnostics.
+/// A questionable setting of a file whose values are all valid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Note {
     /// How serious it is.

@@ -442,7 +442,7 @@ pub struct Lidar {
     /// Number of beams, 1 to 4,096. With a full field of view, beam 0 points along the heading and the others follow
     /// counterclockwise.
     pub beams: usize,
-    /// Field of view, 0.01 to 6.2832; from 6.28 on it is a full circle. A narrower field is centred on the heading: the
+    /// Field of view, 0.01 to 6.2832; from 6.2732 on it is a full circle. A narrower field is centred on the heading: the
     /// first beam is its right edge, the last its left edge. A single beam points ahead.
     pub field_of_view_rad: f32,
     /// Maximum range, 0.01 to 1,000 m. A beam that hits nothing within it reports this range.
@@ -498,7 +498,7 @@ pub struct TaskRules {
     pub max_episode_steps: u32,
     /// Simulated time per control step, 0.001 to 10 s.
     pub control_period_s: f32,
-    /// Smallest distance of a new goal from the robot. Must be more than the goal radius.
+    /// Smallest distance of a new goal from the robot, at most 1,000 m. Must be more than the goal radius.
     pub min_goal_distance_m: f32,
 }
 

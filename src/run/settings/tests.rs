@@ -153,6 +153,8 @@ fn the_error_names_the_setting_the_problem_and_the_fix() {
 fn all_errors_are_reported_at_once_and_each_names_the_last_setting_that_contains_its_field() {
     let found = message(&["arenas=0.5", "learning.gama=1"]);
     assert_eq!(found.lines().count(), 2, "{found}");
+    let found = message(&["arenas=2", "arenas=0"]);
+    assert!(found.starts_with("arenas=0: "), "{found}");
     let speed = "scenario.obstacles[*].motion.speed_rad_s=99";
     let found = message(&["scenario.lidar.noise_std_m=1", speed]);
     assert!(found.lines().all(|line| line.starts_with(&format!("{speed}: "))), "{found}");

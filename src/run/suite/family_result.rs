@@ -119,7 +119,8 @@ fn worst_tenth(of_scenarios: &[SuiteEpisodes]) -> f64 {
     mean(&rates)
 }
 
-/// The score of the BARN Challenge: D. Perille et al., *Benchmarking metric ground navigation*, SSRR 2020, as in its `run.py`.
+/// The score of an episode as in the BARN Challenge's `run.py`: 0 after a failure, otherwise T / clip(time, 2 T, 8 T), where T
+/// is the time for the shortest path at the robot's top speed.
 fn barn_score(scenario: &Scenario, episode: &EpisodeResult, shortest_m: f64) -> f64 {
     let top_speed_m_s = scenario.robot.motions.iter().map(|motion| motion.v_m_s.abs()).fold(0.0, f32::max);
     let length_m = stated_path_length_m(&scenario.about).unwrap_or(shortest_m);

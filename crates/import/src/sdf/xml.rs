@@ -23,10 +23,10 @@ impl XmlFile<'_> {
     }
 }
 
-/// The elements of `text`. A DTD is refused, so that no entities of its own can make a small file large.
+/// The elements of `text`. A DTD is refused, because the entities that it defines could make a small file large.
 ///
 /// # Errors
-/// It is not XML, has a DTD, or has too many elements.
+/// It is not XML, has a DTD, or has too many nodes.
 pub fn parse<'a>(text: &'a str, path: &Path) -> Result<Document<'a>, FileError> {
     let options =
         ParsingOptions { allow_dtd: false, nodes_limit: MAX_XML_NODES, ..ParsingOptions::default() };
@@ -48,7 +48,7 @@ pub fn children<'a, 'input>(
     parent.children().filter(move |child| child.is_element() && child.tag_name().name() == tag)
 }
 
-/// The attribute `name` of an element.
+/// The attribute `name` of an element; `unnamed` if it has none.
 pub fn name<'a>(node: Node<'a, '_>) -> &'a str {
     node.attribute("name").unwrap_or("unnamed")
 }

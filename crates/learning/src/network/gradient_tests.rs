@@ -12,7 +12,7 @@ fn the_gradient_is_the_derivative_of_the_weighted_loss() {
     for dueling in [false, true] {
         // The TD errors are of order 1, so that delta 0.8 tests both branches of the Huber loss.
         for loss in [Loss::MeanSquared, Loss::Huber { delta: 0.8 }] {
-            check(&network(dueling, false, Activation::Relu), loss);
+            check(&config(dueling, false, Activation::Relu), loss);
         }
     }
 }
@@ -21,7 +21,7 @@ fn the_gradient_is_the_derivative_of_the_weighted_loss() {
 fn the_gradient_is_right_with_every_activation_and_with_layer_normalization() {
     for activation in Activation::ALL {
         for layer_norm in [false, true] {
-            check(&network(layer_norm, layer_norm, activation), Loss::MeanSquared);
+            check(&config(layer_norm, layer_norm, activation), Loss::MeanSquared);
         }
     }
 }
@@ -31,7 +31,7 @@ fn the_gradient_of_quantiles_is_the_derivative_of_their_loss() {
     const QUANTILES: usize = 4;
     for dueling in [false, true] {
         let mut noise = stream(12, "test", u64::from(dueling));
-        let shape = network(dueling, false, Activation::Tanh).shape(5, 3).expect("a valid shape");
+        let shape = config(dueling, false, Activation::Tanh).shape(5, 3).expect("a valid shape");
         let mut network = QNetwork::with_quantiles(shape, QUANTILES, &mut noise).expect("a valid shape");
         let observations: Vec<f32> = (0..BATCH * 5).map(|_| normal(&mut noise)).collect();
         let targets: Vec<f32> = (0..BATCH * QUANTILES).map(|_| normal(&mut noise)).collect();
@@ -62,7 +62,7 @@ fn the_gradient_of_quantiles_is_the_derivative_of_their_loss() {
     }
 }
 
-fn network(dueling: bool, layer_norm: bool, activation: Activation) -> NetworkConfig {
+fn config(dueling: bool, layer_norm: bool, activation: Activation) -> NetworkConfig {
     NetworkConfig { hidden: vec![7, 6], dueling, layer_norm, activation }
 }
 

@@ -29,6 +29,7 @@ pub fn add_ui(ui: &mut Ui, editor: &mut Editor, camera: ViewCamera) {
                     editor.add_obstacle(shape.clone(), near_m);
                 }
             }
+            // The last row has a place left.
             if row.len() < COLUMNS {
                 wall_button_ui(ui, editor, size);
             }

@@ -33,7 +33,7 @@ pub fn readouts_ui(ui: &mut Ui, status: &AppSnapshot, tight: bool) {
     let mut fit: Vec<(usize, Readout)> = Vec::new();
     // Ordered by importance; the index counts from the right.
     for (from_right, readout) in [
-        (0, Readout { width: if tight { 68.0 } else { 84.0 }, ..success(status) }),
+        (0, success(status, if tight { 68.0 } else { 84.0 })),
         (3, episodes(status)),
         (2, env_steps(status)),
         (1, speed(status)),
@@ -79,7 +79,7 @@ fn readout_ui(ui: &mut Ui, readout: &Readout) -> Response {
     response
 }
 
-fn success(status: &AppSnapshot) -> Readout {
+fn success(status: &AppSnapshot, width: f32) -> Readout {
     let value = status.success_rate.map_or("–".into(), numbers::format_percent);
     let tip = match (status.success_rate, status.best) {
         (Some(_), Some(best)) => format!(
@@ -93,7 +93,7 @@ fn success(status: &AppSnapshot) -> Readout {
     Readout {
         large: true,
         known: status.success_rate.is_some(),
-        ..Readout::new(value, "success rate", 84.0, tip)
+        ..Readout::new(value, "success rate", width, tip)
     }
 }
 
