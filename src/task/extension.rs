@@ -39,7 +39,11 @@ impl ExtraRewards {
         self.values[arena * self.names.len() + term.0] = reward;
     }
 
-    /// The values of all terms in `arena` in this step, in the order of [`names`](Self::names).
+    /// The values of all terms in `arena` in this step, in the order of [`names`](Self::names). [`RewardSet::Sum`] resets them
+    /// to 0.
+    ///
+    /// # Panics
+    /// If the arena does not exist.
     #[must_use]
     pub fn of_arena(&self, arena: usize) -> &[f32] {
         &self.values[arena * self.names.len()..(arena + 1) * self.names.len()]

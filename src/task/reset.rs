@@ -1,8 +1,8 @@
 //! New episodes: their layouts, starts and goals.
 //!
-//! In: each arena's [`PendingReset`], its stream `places`, and the scenario's placement rules. Out: a new [`Pose`] at rest, a
-//! new [`Goal`], an empty [`Episode`], and the pedestrians at their start positions. Bodies, scans and observations follow in
-//! the schedule [`Reset`].
+//! In: each arena's [`PendingReset`], its stream for placement, and the scenario's placement rules. Out: a new [`Pose`] at
+//! rest, a new [`Goal`], an empty [`Episode`], and the pedestrians at their start positions. Bodies, scans and observations
+//! follow in the schedule [`Reset`].
 
 use bevy::prelude::*;
 
@@ -101,14 +101,14 @@ pub(super) fn draw(setup: Res<EpisodeSetup>, mut fault: ResMut<TaskFault>, mut a
     }
 }
 
-/// The layout seed of a new episode. For generators it is drawn from the stream `places`. Ranges alone draw nothing from it, so
-/// that starts and goals are the same as without ranges: the seed is then a function of the stream's state and of the clock.
-/// The clock makes it change even if start and goal are fixed and nothing is drawn.
-fn layout_seed(written: &Scenario, clock: Clock, places: &mut Stream) -> u64 {
+/// The layout seed of a new episode. For generators it is drawn from `placement`. Ranges alone draw nothing from it, so that
+/// starts and goals are the same as without ranges: the seed is then a function of the stream's state and of the clock. The
+/// clock makes it change even if start and goal are fixed and nothing is drawn.
+fn layout_seed(written: &Scenario, clock: Clock, placement: &mut Stream) -> u64 {
     if !written.generators.is_empty() {
-        return random::random_u64(places);
+        return random::random_u64(placement);
     }
-    random::derived_seed(places, "ranges", clock.0)
+    random::derived_seed(placement, "ranges", clock.0)
 }
 
 /// The start and goal of a route.

@@ -66,7 +66,7 @@ fn a_dragged_robot_or_goal_stays_at_a_resting_pointer() {
         window.state_mut().status.paused = true;
         settle(&mut window);
         let (moved, rested) = drag(&mut window, at_m);
-        assert!(!moved.is_empty() && rested.is_empty(), "nothing moves while paused");
+        assert!(!moved.is_empty() && rested.is_empty(), "while paused, a resting pointer sends nothing");
     }
 }
 

@@ -80,7 +80,7 @@ impl HeadlessApp {
         self.app.world_mut().write_message(command);
     }
 
-    /// Takes single steps until the training has had `steps`.
+    /// Takes single steps until the training has taken `steps` control steps.
     pub fn step_to(&mut self, steps: u64) {
         while self.steps() < steps {
             self.command(Command::Step);

@@ -221,7 +221,7 @@ test('an invalid scenario is reported with line and column; a valid one starts a
     await picture(other, 'shared');
     await closeWithoutErrors(other);
 
-    const damaged = await open(app.browser, `${link.slice(0, -40)}`);
+    const damaged = await open(app.browser, link.slice(0, -40));
     const now = await until(damaged, (now) => now.env_steps > 0);
     assert.equal(now.scenario, 'scenario-1');
     assert.match(now.notice, /mine\.ron/);

@@ -25,6 +25,7 @@ impl Driver for Field {
         let force = self.attraction(percept) + self.repulsion(percept.ranges_m);
         let nearest_m = percept.ranges_m.iter().copied().fold(self.robot.max_range_m, f32::min);
         let slow_m = self.parameters.slow_distance * self.robot.keep_out_m;
+        // At least a tenth, so that the robot does not stop near surfaces.
         let speed_fraction = ((nearest_m - self.robot.keep_out_m) / slow_m).clamp(0.1, 1.0);
         let velocity = force.normalize_or_zero() * (self.robot.max_forward_speed_m_s() * speed_fraction);
         self.robot.motion_towards(velocity, self.parameters.turn_time_s)

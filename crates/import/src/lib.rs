@@ -85,7 +85,7 @@ impl Imported {
     }
 }
 
-/// The scenario in the file at `path`: a map (`.yaml`), an image (`.png`, `.pgm`, `.pnm`, `.ppm`, `.pbm`), a Gazebo world
+/// The scenario in the file at `path`: a map (`.yaml`, `.yml`), an image (`.png`, `.pgm`, `.pnm`, `.ppm`, `.pbm`), a Gazebo world
 /// or model (`.world`, `.sdf`), or one BARN world or stage in a `.json` file.
 ///
 /// # Errors
@@ -111,8 +111,9 @@ pub fn import(path: &Path, options: &ImportOptions) -> Result<Imported, FileErro
     }
 }
 
-/// The scenario in `bytes`: an image, an SDF world, or a file of worlds, as the extension of `path` says. Messages name `path`.
-/// Models that a world includes are read from files.
+/// The scenario in `bytes`: an image, an SDF world, or a file of worlds, as the extension of `path` says. Of a file of worlds
+/// without `options.world`, all are imported and the first is returned. Messages name `path`. Models that a world includes are
+/// read from files.
 ///
 /// # Errors
 /// As for [`import`].

@@ -16,7 +16,7 @@ use crate::solid::{Solid, bounds};
 use crate::stages::MovingDisc;
 use crate::trace::{Scale, Surroundings, filled};
 
-/// Space around a world without outer walls, in m.
+/// Width of the free margin of the grid around the solids, in m.
 const MARGIN_M: f64 = 1.0;
 /// Maximum number of cells of the grid over a world.
 const MAX_GRID_CELLS: f64 = (1 << 22) as f64;
@@ -73,8 +73,8 @@ impl Raster {
     /// The cells inside the margin: lower left and upper right corner, the latter exclusive. Only these are counted to find the
     /// largest part of the world, because the size of the space around a building depends on the margin.
     fn inner(&self) -> (Cell, Cell) {
-        let beyond = (MARGIN_M / self.cell_m) as usize;
-        ((beyond, beyond), (self.free.columns - beyond, self.free.rows - beyond))
+        let margin = (MARGIN_M / self.cell_m) as usize;
+        ((margin, margin), (self.free.columns - margin, self.free.rows - margin))
     }
 
     fn centre_m(&self, (column, row): Cell) -> DVec2 {
@@ -91,8 +91,8 @@ impl Raster {
         (at(low, -2.0), at(high, 3.0))
     }
 
-    /// Whether the solid touches the floor.
-    fn touches(&self, solid: &Solid, floor: &Grid<bool>) -> bool {
+    /// Whether the solid borders the floor: it is less than two cells from the centre of a floor cell.
+    fn borders(&self, solid: &Solid, floor: &Grid<bool>) -> bool {
         let ((left, bottom), (right, top)) = self.around(solid);
         (bottom..top).any(|row| {
             (left..right).any(|column| {
@@ -120,7 +120,8 @@ impl World<'_> {
     /// The scenario of the world, with the robot of `base`.
     ///
     /// # Errors
-    /// The robot fits nowhere, or the scenario would be invalid or too large.
+    /// The world is too large for the robot, has too many large solids or no place that the robot fits into, or the scenario
+    /// would be invalid or too large.
     pub fn import(self, path: &Path, base: &Scenario) -> Result<Imported, FileError> {
         let Self { label, about, solids, moving, findings } = self;
         let fail = |message: String| FileError::for_file(path, message);
@@ -136,7 +137,7 @@ impl World<'_> {
         let floor = Floor::new(&raster.free, margins, raster.inner()).ok_or_else(no_floor)?;
         let ((left, bottom), (right, top)) = floor.cells.bounds().ok_or_else(no_floor)?;
         let kept: Vec<Solid> =
-            solids.iter().filter(|solid| raster.touches(solid, &floor.cells)).copied().collect();
+            solids.iter().filter(|solid| raster.borders(solid, &floor.cells)).copied().collect();
         let corner =
             |column: usize, row: usize| raster.low_m + dvec2(column as f64, row as f64) * raster.cell_m;
         let (low, high) = bounds(&kept, &[corner(left, bottom), corner(right, top)]);

@@ -175,7 +175,8 @@ impl Learner {
     /// same environment: it is not stored again.
     ///
     /// # Panics
-    /// If `env_index`, `action` or the length of an observation does not match the sizes given to [`Learner::new`].
+    /// If `env_index`, `action` or the length of an observation that is stored does not match the sizes given to
+    /// [`Learner::new`].
     pub fn store(&mut self, experience: &Experience<'_>) {
         let Experience { env_index, observation, action, next_observation, .. } = *experience;
         assert!(action < self.online.shape().actions, "action {action} does not exist");

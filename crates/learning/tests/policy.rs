@@ -191,7 +191,7 @@ fn compare(config: &NetworkConfig, noise: &mut Stream) {
 
 proptest! {
     #[test]
-    fn no_bytes_cause_a_panic(
+    fn a_changed_byte_causes_no_panic_and_a_truncated_file_is_an_error(
         at in any::<prop::sample::Index>(),
         byte in any::<u8>(),
         cut in any::<prop::sample::Index>(),

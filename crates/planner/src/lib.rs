@@ -70,6 +70,8 @@ use wayfield_scenario::{Enclosure, Scenario};
 pub const MARGIN_M: f64 = 2e-5;
 /// The maximum number of states of the first search.
 const MAX_STATES: usize = 4_000_000;
+/// The maximum number of states in the quick search for a lower bound. A plan as long as that bound is not refined.
+const QUICK_STATES: usize = 64;
 
 /// A plan: a path to the goal with its actions and times.
 #[derive(Clone, Debug, PartialEq)]
@@ -215,7 +217,7 @@ fn shortest_plan(
 ) -> Option<TimedPath> {
     let mut space = ConfigurationSpace::new(scenario, clock, f64::from(scenario.keep_out_m()) + MARGIN_M);
     let goal_region = GoalRegion::new(scenario, goal, -MARGIN_M);
-    let lower_steps = search_lower_bound(scenario, start, goal, clock, bound, 64, u32::MAX);
+    let lower_steps = search_lower_bound(scenario, start, goal, clock, bound, QUICK_STATES, u32::MAX);
     let mut best = None;
     let mut step_limit = scenario.task.max_episode_steps.saturating_add(1);
     for halvings in 0..=resolution.refinements {

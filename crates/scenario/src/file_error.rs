@@ -57,7 +57,7 @@ impl LocatedDiagnostic {
     }
 }
 
-/// The error for an unusable file, with all of its problems.
+/// The error for an unusable file, with its problems.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileError {
     path: PathBuf,
@@ -132,7 +132,7 @@ impl FileError {
         &self.path
     }
 
-    /// All problems; never empty.
+    /// The problems; never empty. Of more than [`MAX_PROBLEMS`], the first and the number of the others.
     #[must_use]
     pub fn problems(&self) -> &[LocatedDiagnostic] {
         &self.problems
@@ -157,8 +157,8 @@ impl fmt::Display for FileError {
     }
 }
 
-/// The locations of `diagnostics` in the text of their file: at the field, or at the start of the value if the text omits
-/// the field.
+/// The locations of `diagnostics` in the text of their file: at the field or, if the text omits it, at the innermost field around
+/// it that the text contains, or at the start of the top-level value. A diagnostic without a path has no location.
 pub fn locate<'d>(text: &str, diagnostics: impl Iterator<Item = &'d Diagnostic>) -> Vec<LocatedDiagnostic> {
     let text = without_mark(text);
     let source_map = SourceMap::new(text);

@@ -35,13 +35,7 @@ pub fn bottom_panel_ui(
         .frame(Frame::side_top_panel(ui.style()).inner_margin(margin));
     panel.show(ui, |ui| match below {
         BottomPanel::Setup => left_panel_ui(ui, view, view_state, commands),
-        BottomPanel::Plots => plots::plots_ui(
-            ui,
-            view.history,
-            plot_context(view.status),
-            &mut view_state.interaction.more_plots_open,
-            commands,
-        ),
+        BottomPanel::Plots => right_panel_ui(ui, view, view_state, commands),
     });
 }
 
@@ -98,21 +92,24 @@ pub fn plots_panel_ui(
         .size_range(range)
         .drag_to_open(false)
         .frame(frame.inner_margin(PLOTS_MARGIN));
-    panel.show_collapsible(ui, &mut open, |ui| {
-        plots::plots_ui(
-            ui,
-            view.history,
-            plot_context(view.status),
-            &mut view_state.interaction.more_plots_open,
-            commands,
-        );
-    });
+    panel.show_collapsible(ui, &mut open, |ui| right_panel_ui(ui, view, view_state, commands));
     // Remember the width only when the user releases the edge, not when the window shrinks.
     let after = width(ui);
     if open && before.is_some() && after != before && ui.input(|i| i.pointer.any_released()) {
         view_state.plots_width = after;
     }
     view_state.plots_open &= open;
+}
+
+/// Draws the plots.
+fn right_panel_ui(
+    ui: &mut Ui,
+    view: &ScreenInput<'_>,
+    view_state: &mut ViewState,
+    commands: &mut Vec<Command>,
+) {
+    let more_open = &mut view_state.interaction.more_plots_open;
+    plots::plots_ui(ui, view.history, plot_context(view.status), more_open, commands);
 }
 
 fn plot_context(status: &AppSnapshot) -> plots::PlotContext {

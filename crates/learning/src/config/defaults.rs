@@ -27,7 +27,7 @@ pub(super) fn optimizer_epsilon() -> f32 {
     1e-8
 }
 
-/// No importance weights.
+/// The beta of prioritized replay: no importance weights.
 pub(super) fn beta() -> Schedule {
     Schedule::Constant(0.0)
 }
@@ -37,7 +37,7 @@ pub(super) fn priority_epsilon() -> f32 {
     0.01
 }
 
-/// The gradient steps between copies of the target network in Table 1.
+/// The gradient steps between two copies of the weights to the target network (Table 1).
 pub(super) fn copy_interval() -> u64 {
     2000
 }

@@ -75,7 +75,6 @@ impl Card {
         ensure(period_s.is_finite() && period_s > 0.0, || {
             format!("has a control period of {period_s} s; it must be above 0")
         })?;
-        let is_finite = |k: usize| self.actions[k].v_m_s.is_finite() && self.actions[k].w_rad_s.is_finite();
         ensure(
             self.relative_actions.as_ref().is_none_or(|motions| motions.len() == self.actions.len()),
             || "lists different numbers of actions and relative actions".into(),
@@ -83,6 +82,7 @@ impl Card {
         self.action_set()
             .check()
             .map_err(|problem| CardError(format!("has relative actions; their list {problem}")))?;
+        let is_finite = |k: usize| self.actions[k].v_m_s.is_finite() && self.actions[k].w_rad_s.is_finite();
         let non_finite = (0..self.actions.len()).find(|&k| !is_finite(k));
         ensure(non_finite.is_none(), || {
             format!("has a number that is not finite in action {}", non_finite.unwrap_or(0))

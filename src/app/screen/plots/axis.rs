@@ -79,7 +79,7 @@ impl AxisScale {
         }
     }
 
-    /// A value to display, with `digits` decimals (on a log axis: significant digits).
+    /// A value to display, with `digits` decimals (on a log axis: significant digits; in percent, `digits` has no effect).
     #[must_use]
     pub fn format_value(self, value: f64, digits: usize) -> String {
         match self {
