@@ -99,13 +99,13 @@ fn the_shipped_scenarios_use_every_listed_part_of_the_format() {
             };
             mark(shape, true);
             match obstacle.motion {
-                ObstacleMotion::Static => {}
+                ObstacleMotion::Static
+                | ObstacleMotion::Pedestrian { .. }
+                | ObstacleMotion::KeyFrames { .. } => {}
                 ObstacleMotion::Orbit { .. } => mark("an orbit", true),
                 ObstacleMotion::Patrol { .. } => mark("a patrol", true),
                 ObstacleMotion::BackAndForth { .. } => mark("back and forth", true),
                 ObstacleMotion::RandomWalk { .. } => mark("a random walk", true),
-                ObstacleMotion::Pedestrian { .. } => mark("a pedestrian", true),
-                ObstacleMotion::KeyFrames { .. } => mark("key frames", true),
             }
         }
         for rule in [&scenario.starts, &scenario.goals] {

@@ -1,5 +1,5 @@
-//! Actuator lag and limited accelerations: the robot follows the commanded motions with a first-order lag or at most at a certain
-//! rate, and starts at rest.
+//! Actuator lag and limited accelerations: the robot follows the commanded motions with a first-order lag or at a limited rate,
+//! and starts at rest.
 
 mod common;
 
@@ -16,7 +16,7 @@ fn lagging() -> Scenario {
     scenario
 }
 
-/// The drive with a lag over steps of `seconds`.
+/// The drive with a lag of `lag_s`, over steps of `seconds`.
 fn lag(lag_s: f32, seconds: f32) -> Drive {
     lagging_by(lag_s).drive(seconds)
 }
@@ -65,7 +65,7 @@ fn a_new_goal_keeps_the_robots_speed_and_a_new_episode_resets_it() {
     scenario.task.max_episode_steps = 3;
     let mut lab = facing(&scenario, 0.205, TaskMode::Continuing);
     lab.step(&[2]);
-    assert!(lab.outcomes()[0].reached, "0.205 m minus the 0.0081 m driven is less than l_a");
+    assert!(lab.outcomes()[0].reached, "0.205 m minus the 0.0081 m driven is less than the goal radius");
     let remaining = libm::expf(-2.0 / 3.0);
     for step in 1..3 {
         let expected = 0.15 * (1.0 - remaining.powi(step));

@@ -9,6 +9,7 @@
 //! | `env.rs` | environments |
 //! | `step_details.rs` | the contents of a step's `info` |
 //! | `env_options.rs` | the options of an environment |
+//! | `observation_bounds.rs` | the bounds of an environment's observations |
 //! | `arrays.rs` | new numpy arrays |
 //! | `commands.rs` | actions and motions from arrays |
 //! | `cluster.rs` | training runs as tasks for other machines |

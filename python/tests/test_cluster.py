@@ -91,7 +91,7 @@ def test_the_report_is_the_same_as_on_one_machine(folder):
     command = [sys.executable, "-m", "wayfield", "--reproduce", "--experiment", "own.ron", "--out", "report"]
     subprocess.run(command, check=True, capture_output=True)
     ours, theirs = files(folder / "of-cluster"), files(folder / "report")
-    assert set(ours) == set(theirs) and len(ours) > 6 * 5
+    assert set(ours) == set(theirs) and len(ours) > 5 * RUNS
     assert [path for path, contents in theirs.items() if ours[path] != contents] == []
     assert b"wayfield --reproduce --experiment own.ron --out report" in b"".join(ours["README.md"])
 

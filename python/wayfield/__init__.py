@@ -3,8 +3,8 @@
 >>> import gymnasium as gym, wayfield
 >>> env = gym.make("wayfield/Navigation-v0", scenario="scenario-1")
 >>> envs = gym.make_vec("wayfield/Navigation-v0", num_envs=64, scenario="random-field")
->>> result = wayfield.train(scenario="scenario-1", seed=7)          # half a minute
->>> action = result.policy.act(envs.reset(seed=1)[0])
+>>> result = wayfield.train(scenario="scenario-1", seed=7)          # about ten seconds
+>>> actions = result.policy.act(envs.reset(seed=1)[0])
 
 Importing the package registers the environment ``wayfield/Navigation-v0``.
 """

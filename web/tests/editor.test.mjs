@@ -6,7 +6,7 @@ import { centre, click, closeWithoutErrors, crash, isShown, offeredOnlyOnceClose
 
 const app = pageUnderTest();
 
-/// Opens the editor on an empty scenario and adds a circle, which is backed up within a few seconds.
+/// Adds a circle in the open editor, and waits until it is backed up.
 async function addCircle(page) {
     await until(page, (now) => now.paused);
     await click(page, 'Add a circle');

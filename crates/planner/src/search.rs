@@ -86,7 +86,7 @@ impl StateGrid {
     }
 }
 
-/// A fast hash by multiplication and rotation, good enough for grid cells.
+/// A fast hash by multiplication and rotation, good enough for grid cells (FxHash, as in rustc, with folded halves).
 #[derive(Default)]
 struct CellHasher(u64);
 
@@ -118,7 +118,7 @@ pub(super) struct SearchLimits {
     pub(super) max_states: usize,
 }
 
-/// The actions of the best plan within `limits`; `None` if there is none.
+/// The actions of the best plan within `limits` from `start` (x in m, y in m, heading in rad); `None` if there is none.
 pub(super) fn search(
     space: &mut ConfigurationSpace<'_>,
     bound: &LowerBound,
@@ -180,7 +180,8 @@ fn actions_to(nodes: &[Node], last: usize) -> Vec<u8> {
     actions
 }
 
-/// The lower bound on the steps from `start` to `goal`, by a best-first search of up to `max_states` states.
+/// The lower bound on the steps from `start` to `goal`, by a best-first search of up to `max_states` states. `start`, `goal` and
+/// `clock` have the same meaning as in [`plan_path`](super::plan_path).
 ///
 /// No states are merged, so every trajectory to the goal passes through an open node. Therefore the lowest cost among the
 /// open nodes is a lower bound, and so is the largest such value during the search. The search stops early once the bound

@@ -126,7 +126,7 @@ impl Sample {
     }
 }
 
-/// Half the width of the 95 % interval of a mean with the squared standard error `error2`.
+/// Half the width of the 95 % interval of a mean with the squared standard error `error2` and `freedom` degrees of freedom.
 fn half_width(error2: f64, freedom: f64) -> f64 {
     // There is at least 1 degree of freedom: two values have n - 1 = 1, and Welch's formula gives at least the smaller n - 1.
     let quantile = StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975));

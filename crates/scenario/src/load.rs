@@ -80,6 +80,7 @@ pub fn parse_checked<T: DeserializeOwned>(
     parse_any(text, path, check_known, check)
 }
 
+/// As [`parse_checked`], for text of any length.
 fn parse_any<T: DeserializeOwned>(
     text: &str,
     path: &Path,
@@ -169,7 +170,7 @@ fn unchecked<T>(_: &T) -> Vec<Diagnostic> {
     Vec::new()
 }
 
-/// The number of top-level fields in a RON text that are fields of the struct `T`, which tells what kind of file an invalid one
+/// The number of top-level fields in a RON text that are fields of the struct `T`, to guess what kind of file an invalid one
 /// is. [`usize::MAX`] if the text begins with `name` and a bracket.
 #[must_use]
 pub fn resemblance<T: DeserializeOwned>(text: &str, name: &str) -> usize {

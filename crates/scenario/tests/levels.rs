@@ -10,7 +10,7 @@ use wayfield_scenario::{
     WallLayout, clearance, diagnostics, level_generator_diagnostics, parse_ron, polygon, to_ron, to_text,
 };
 
-/// Number of seeds that are tested of each generator.
+/// Number of seeds tested per generator.
 const SEEDS: u64 = 200;
 
 fn generator(text: &str) -> LevelGenerator {
@@ -53,7 +53,7 @@ const PEDESTRIANS: &str = "(name: \"Pedestrians\", width_m: (12.0, 12.0), height
 const CROWD: &str =
     "(name: \"Crowd\", wall_layouts: [Traps()], traffic: [PedestrianCrowd(sees_robot: true)])";
 
-/// One generator of every layout.
+/// Generators with each kind of walls, clutter and traffic, alone and mixed.
 const ALL: [&str; 17] = [
     AUTOMATON,
     ACROSS,
@@ -323,7 +323,7 @@ fn obstacles_on_orbits_drive_one_after_the_other_around_a_common_centre() {
 
 #[test]
 fn a_circle_has_at_most_as_many_obstacles_as_cannot_overlap() {
-    // With gaps of 0.4 even spacings at least, 0.4 x 2 pi / n >= 2 asin(0.1 / 0.3) gives n = 3 of the 20.
+    // The jitter leaves at least 0.4 of the even spacing: 0.4 x 2 pi / n >= 2 asin(0.1 / 0.3) gives n = 3 of the 20.
     for (radius_m, most) in [("0.1", 3), ("0.3", 1), ("0.5", 1)] {
         let text = format!(
             "(name: \"a\", traffic: [Orbits(circles: (1, 1), count: (20, 20), radius_m: ({radius_m}, {radius_m}), orbit_m: (0.3, 0.3))])"

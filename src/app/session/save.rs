@@ -47,7 +47,8 @@ impl TrainingRun {
 /// Saves `what` to `path`.
 ///
 /// # Errors
-/// The file cannot be written. A run is not saved over existing files, nor after it has failed.
+/// The file cannot be written, no best policy exists yet, or the scenario is a set. A run is not saved over existing files, nor
+/// after it has failed.
 pub(super) fn save(world: &mut World, what: SaveKind, path: &Path) -> Result<(), RunError> {
     let failed = |error: String| RunError::failed(path, error);
     match what {

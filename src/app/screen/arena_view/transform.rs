@@ -41,7 +41,7 @@ impl ArenaBounds {
 
     /// The centre, in m.
     #[must_use]
-    pub fn center_m(&self) -> [f32; 2] {
+    pub fn centre_m(&self) -> [f32; 2] {
         [0, 1].map(|k| (self.min_m[k] + self.max_m[k]) / 2.0)
     }
 
@@ -73,7 +73,7 @@ impl ViewTransform {
         let [width_m, height_m] = bounds.size_m();
         let available = (rect.size() - 2.0 * margin).max(Vec2::splat(1.0));
         let fit = (available.x / width_m).min(available.y / height_m);
-        let ([mx, my], [x, y]) = (bounds.center_m(), camera.centre_m);
+        let ([mx, my], [x, y]) = (bounds.centre_m(), camera.centre_m);
         let scale = fit * camera.zoom.clamp(ZOOM.0, ZOOM.1);
         Self { rect, scale, centre_m: [mx + x, my + y], bounds, margin }
     }
@@ -130,7 +130,7 @@ impl ViewTransform {
     #[must_use]
     pub fn zoomed(&self, camera: ViewCamera, about: Pos2, factor: f32) -> ViewCamera {
         let zoom = (camera.zoom * factor).clamp(ZOOM.0, ZOOM.1);
-        let ([wx, wy], [mx, my]) = (self.to_world(about), self.bounds.center_m());
+        let ([wx, wy], [mx, my]) = (self.to_world(about), self.bounds.centre_m());
         let (wx, wy, keep) = (wx - mx, wy - my, camera.zoom / zoom);
         let [x, y] = camera.centre_m;
         ViewCamera { centre_m: self.bounds.clamp([wx + (x - wx) * keep, wy + (y - wy) * keep]), zoom }
@@ -202,7 +202,7 @@ mod tests {
     fn an_enclosure_off_the_origin_is_centred_in_its_view() {
         let corners_m = vec![math::vec2(10.0, 5.0), math::vec2(14.0, 5.0), math::vec2(10.0, 7.0)];
         let bounds = ArenaBounds::from_enclosure(&Enclosure::Polygon { corners_m });
-        assert_eq!((bounds.size_m(), bounds.center_m()), ([4.0, 2.0], [12.0, 6.0]));
+        assert_eq!((bounds.size_m(), bounds.centre_m()), ([4.0, 2.0], [12.0, 6.0]));
         let transform = ViewTransform::new(view(), MARGIN, ViewCamera::default(), bounds);
         assert_eq!((transform.to_screen([12.0, 6.0]), transform.scale), (view().center(), 200.0));
         let pointer = pos2(430.0, 300.0);

@@ -203,9 +203,8 @@ fn thinned_to_extremes(points: &[(f64, f64)], max: usize) -> Vec<(f64, f64)> {
     let stretch = points.len().div_ceil(max / 2);
     let extremes = |part: &[(f64, f64)]| {
         let by_value = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
-        let extremes = part.iter().min_by(by_value).zip(part.iter().max_by(by_value));
-        let (a, b) = extremes.map_or(([0.0; 2].into(), [0.0; 2].into()), |(a, b)| (*a, *b));
-        if a.0 <= b.0 { [a, b] } else { [b, a] }
+        let (a, b) = (*part.iter().min_by(by_value)?, *part.iter().max_by(by_value)?);
+        Some(if a.0 <= b.0 { [a, b] } else { [b, a] })
     };
-    points.chunks(stretch).flat_map(extremes).collect()
+    points.chunks(stretch).filter_map(extremes).flatten().collect()
 }
