@@ -35,7 +35,7 @@ const NAMES: [&str; 4] =
 /// The file of the newest checkpoint.
 pub const LATEST: &str = NAMES[1];
 /// The version of the format. It increases whenever an older reader would misread a newer file.
-pub const VERSION: u32 = 11;
+pub const VERSION: u32 = 12;
 const FORMAT: HeaderFormat =
     HeaderFormat { magic: b"wayfrun\n", version: VERSION, max_bytes: MAX_HEAD_BYTES, checksum: true };
 

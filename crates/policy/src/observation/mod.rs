@@ -41,7 +41,8 @@ pub enum Encoding {
         #[serde(default = "default_free_paths")]
         free_paths: bool,
         /// Whether the observation also shows, for each sector, how far the robot can drive in that direction if all moving
-        /// things keep their velocities, and when one of them would hit the robot if it waited. Needs `earlier_steps`.
+        /// things keep their speeds and turning rates, and when one of them would hit the robot if it waited. Needs
+        /// `earlier_steps`.
         #[serde(default)]
         predicted_paths: bool,
     },

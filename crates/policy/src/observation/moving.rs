@@ -1,38 +1,95 @@
-//! Discs that move, as the robot sees them at one moment, and the frames of earlier scans.
+//! The paths of discs that move, as the robot expects them, and the frames of earlier scans.
 //!
-//! Lengths are in units of the robot, which `sectors.rs` defines.
+//! Lengths are in units of the robot, which `sectors.rs` defines; times are in control steps.
 
 use super::tracker::Disc;
 
-/// A disc that moves, in the robot's present frame, with its displacement in a control step, in units of the robot.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct MovingDisc {
-    pub(super) disc: Disc,
+/// The arc of a disc that turns is replaced by this many chords, each as long as it drives in this many control steps; after the
+/// last one it drives straight on.
+const CHORDS: u8 = 6;
+const STEPS_OF_CHORD: f32 = 5.0;
+
+/// A motion with a constant speed and a constant turning rate.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Motion {
+    /// The present velocity: displacement in a control step.
     pub(super) velocity: (f32, f32),
+    /// The turn in a control step, counterclockwise positive, in rad.
+    pub(super) turn: f32,
 }
 
-impl MovingDisc {
+impl Motion {
+    /// The displacement after some control steps; of a negative number of them, the displacement before.
+    pub(super) fn displacement(self, steps: f32) -> (f32, f32) {
+        let (x, y) = self.velocity;
+        // The chord of the arc forms this angle with the present velocity.
+        let angle = 0.5 * self.turn * steps;
+        let (sin, cos) = libm::sincosf(angle);
+        let steps = if angle.abs() > 1e-3 { steps * sin / angle } else { steps };
+        (steps * (x * cos - y * sin), steps * (x * sin + y * cos))
+    }
+}
+
+/// A straight part of the path of a disc, in the robot's present frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Leg {
+    /// The disc where it is now.
+    pub(super) disc: Disc,
+    /// Where it would be now if it had always moved as on this leg.
+    start: (f32, f32),
+    /// Displacement in a control step.
+    velocity: (f32, f32),
+    /// When the leg begins and ends: the numbers of control steps from now.
+    times: (f32, f32),
+}
+
+impl Leg {
+    /// The path of `disc`: one leg, or the chords of an arc.
+    pub(super) fn path(disc: Disc, motion: Motion) -> impl Iterator<Item = Self> {
+        let legs = if motion.turn == 0.0 { 1 } else { CHORDS };
+        let mut end = (0.0, 0.0);
+        (1..=legs).map(move |leg| {
+            let from = STEPS_OF_CHORD * f32::from(leg - 1);
+            let until = if leg < legs { from + STEPS_OF_CHORD } else { f32::INFINITY };
+            let start = std::mem::replace(&mut end, motion.displacement(from + STEPS_OF_CHORD));
+            let velocity = if legs == 1 {
+                motion.velocity
+            } else {
+                ((end.0 - start.0) / STEPS_OF_CHORD, (end.1 - start.1) / STEPS_OF_CHORD)
+            };
+            let start = (disc.x + start.0 - from * velocity.0, disc.y + start.1 - from * velocity.1);
+            Self { disc, start, velocity, times: (from, until) }
+        })
+    }
+
+    /// Where the disc is after `steps`, if that is on this leg.
+    pub(super) fn position(&self, steps: f32) -> Option<(f32, f32)> {
+        let Self { start, velocity, times, .. } = self;
+        let position = (start.0 + velocity.0 * steps, start.1 + velocity.1 * steps);
+        (times.0 <= steps && steps < times.1).then_some(position)
+    }
+
     /// The number of control steps until the robot, moving from the origin by `step` in each of them, collides with the
-    /// disc; infinite if they do not collide. Without branches, so that a loop over many steps is vectorized.
+    /// disc; infinite if they do not collide on this leg. Without branches, so that a loop over many steps is vectorized.
     #[inline(always)]
     pub(super) fn steps_to_collision(&self, step: (f32, f32)) -> f32 {
-        let Self { disc, velocity } = self;
+        let Self { disc, start, velocity, times } = self;
         let relative = (step.0 - velocity.0, step.1 - velocity.1);
         let speed_2 = relative.0 * relative.0 + relative.1 * relative.1;
-        let along = disc.x * relative.0 + disc.y * relative.1;
+        let along = start.0 * relative.0 + start.1 * relative.1;
         let reach = 1.0 + disc.radius;
-        let apart_2 = disc.x * disc.x + disc.y * disc.y - reach * reach;
+        let apart_2 = start.0 * start.0 + start.1 * start.1 - reach * reach;
         let root_2 = along * along - speed_2 * apart_2;
         let steps = if apart_2 <= 0.0 { 0.0 } else { (along - root_2.sqrt()) / speed_2 };
         let collide = (along > 0.0) & (speed_2 > 1e-9) & (root_2 > 0.0);
-        if collide { steps } else { f32::INFINITY }
+        if collide & (times.0 <= steps) & (steps < times.1) { steps } else { f32::INFINITY }
     }
 
-    /// Whether a hit belongs to the disc: whether it is inside, or at most `margin` outside.
-    pub(super) fn contains(&self, (x, y): (f32, f32), margin: f32) -> bool {
+    /// Whether a hit belongs to the disc where it is now, on its first leg: whether it is inside, or at most `margin` outside.
+    pub(super) fn begins_at(&self, (x, y): (f32, f32), margin: f32) -> bool {
         let (dx, dy) = (x - self.disc.x, y - self.disc.y);
         let reach = self.disc.radius + margin;
-        dx * dx + dy * dy < reach * reach
+        self.times.0 == 0.0 && dx * dx + dy * dy < reach * reach
     }
 }
 
@@ -74,16 +131,69 @@ mod tests {
         assert!((point.0 - 2.0).abs() < 1e-6 && point.1.abs() < 1e-6, "{point:?}");
     }
 
+    /// The steps to a collision with a disc on its way.
+    fn steps_to_collision(disc: Disc, motion: Motion, step: (f32, f32)) -> f32 {
+        Leg::path(disc, motion).map(|leg| leg.steps_to_collision(step)).fold(f32::INFINITY, f32::min)
+    }
+
     #[test]
     fn steps_to_a_collision_match_a_calculation_by_hand() {
         let disc = |x, y| Disc { x, y, radius: 0.5 };
         // A disc 6 units ahead comes nearer by 0.5 a step; contact is at 1 + 0.5 units.
-        let moving = MovingDisc { disc: disc(6.0, 0.0), velocity: (-0.5, 0.0) };
-        assert_eq!(moving.steps_to_collision((0.0, 0.0)), 4.5 / 0.5);
-        assert_eq!(moving.steps_to_collision((1.0, 0.0)), 4.5 / 1.5);
-        assert_eq!(moving.steps_to_collision((-0.5, 0.0)), f32::INFINITY, "it never catches up");
-        assert_eq!(moving.steps_to_collision((0.0, 1.0)), f32::INFINITY, "the robot is out of its way");
-        let touching = MovingDisc { disc: disc(1.4, 0.0), velocity: (-0.5, 0.0) };
-        assert_eq!(touching.steps_to_collision((0.0, 0.0)), 0.0);
+        let comes = Motion { velocity: (-0.5, 0.0), turn: 0.0 };
+        let steps = |step| steps_to_collision(disc(6.0, 0.0), comes, step);
+        assert_eq!(steps((0.0, 0.0)), 4.5 / 0.5);
+        assert_eq!(steps((1.0, 0.0)), 4.5 / 1.5);
+        assert_eq!(steps((-0.5, 0.0)), f32::INFINITY, "it never catches up");
+        assert_eq!(steps((0.0, 1.0)), f32::INFINITY, "the robot is out of its way");
+        assert_eq!(steps_to_collision(disc(1.4, 0.0), comes, (0.0, 0.0)), 0.0);
+    }
+
+    #[test]
+    fn a_motion_with_a_turn_is_an_arc() {
+        // A quarter of a circle to the left in 10 steps, with a radius of 2 / (pi / 20).
+        let turn = std::f32::consts::PI / 20.0;
+        let motion = Motion { velocity: (0.0, 2.0), turn };
+        let radius = 2.0 / turn;
+        let (x, y) = motion.displacement(10.0);
+        assert!((x + radius).abs() < 1e-4 && (y - radius).abs() < 1e-4, "{x}, {y}");
+        let (x, y) = motion.displacement(-10.0);
+        assert!((x + radius).abs() < 1e-4 && (y + radius).abs() < 1e-4, "{x}, {y}");
+        assert_eq!(Motion { turn: 0.0, ..motion }.displacement(3.0), (0.0, 6.0));
+    }
+
+    #[test]
+    fn collisions_with_discs_that_turn_are_those_of_a_simulation_in_small_steps() {
+        let mut collisions = [0; 2];
+        for case in 0..1000_u16 {
+            let number = |factor: f32| (f32::from(case) * factor).fract() - 0.5;
+            let disc = Disc { x: 12.0 * number(0.618), y: 12.0 * number(0.414), radius: 0.7 };
+            let motion = Motion { velocity: (number(0.732), number(0.236)), turn: 0.16 * number(0.854) };
+            let step = (0.8 * number(0.123), 0.8 * number(0.567));
+            if (disc.x * disc.x + disc.y * disc.y).sqrt() < 2.0 {
+                continue;
+            }
+            let gap = |steps: f32| {
+                let (dx, dy) = motion.displacement(steps);
+                (disc.x + dx - steps * step.0).hypot(disc.y + dy - steps * step.1) - 1.7
+            };
+            let times = || (0..600_u16).map(|part| 0.05 * f32::from(part));
+            let expected = times().find(|&time| gap(time) < 0.0);
+            let found = steps_to_collision(disc, motion, step);
+            // A chord is at most 0.03 units away from its arc.
+            let nearest = times().map(gap).fold(f32::INFINITY, f32::min);
+            match expected {
+                Some(time) if nearest < -0.2 => {
+                    assert!(gap(found).abs() < 0.1 && found < time + 1.0, "{case}: {found}, {time}");
+                    collisions[0] += 1;
+                }
+                None if nearest > 0.1 => {
+                    assert!(found >= 30.0, "{case}: {found}");
+                    collisions[1] += 1;
+                }
+                _ => {}
+            }
+        }
+        assert!(collisions.iter().all(|&cases| cases > 100), "{collisions:?}");
     }
 }

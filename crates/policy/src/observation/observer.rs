@@ -9,7 +9,7 @@ use std::f32::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
-use super::moving::{Frame, MovingDisc};
+use super::moving::{Frame, Leg, Motion};
 use super::sectors::{
     BodyScale, LidarBeams, OTHER_COLUMNS, SectorLayout, distance_at, nearness, sectors_of_beams,
 };
@@ -125,8 +125,8 @@ pub struct SectorObserver {
     predicted: Vec<f32>,
     /// The nearness of a collision if the robot waits.
     waiting: f32,
-    /// What moves, in the present frame.
-    moving: Vec<MovingDisc>,
+    /// The paths of what moves.
+    legs: Vec<Leg>,
     /// The newest scan's hits on what stands still, and on what moves.
     static_hits: Vec<Hit>,
     moving_hits: Vec<Hit>,
@@ -179,7 +179,7 @@ impl SectorObserver {
             collisions: vec![0.0; if layout.free_paths { count } else { 0 }],
             predicted: vec![0.0; if layout.predicted_paths { count } else { 0 }],
             waiting: 0.0,
-            moving: Vec::new(),
+            legs: Vec::new(),
             static_hits: Vec::new(),
             moving_hits: Vec::new(),
             directions: (0..count).map(|sector| libm::sincosf(layout.angle_rad(sector))).unzip(),
@@ -259,7 +259,7 @@ impl SectorObserver {
             self.move_earlier_scan();
         }
         if self.layout.predicted_paths {
-            self.find_moving_discs();
+            self.expect_paths();
         }
         self.find_free_distances();
         if self.layout.predicted_paths {
@@ -291,14 +291,13 @@ impl SectorObserver {
     /// Finds how far a disc with a radius of one unit can drive in the direction of each sector's centre before it collides with
     /// what is in sight, and with what of it does not move.
     fn find_free_distances(&mut self) {
-        let Self {
-            memory, moving, static_hits, moving_hits, free, collisions, predicted, directions, ..
-        } = self;
+        let Self { memory, legs, static_hits, moving_hits, free, collisions, predicted, directions, .. } =
+            self;
         let Some(EarlierScan { hits, .. }) = memory.scans.back() else { return };
         static_hits.clear();
         moving_hits.clear();
         for hit in hits.iter().filter(|hit| hit.nearness > 0.0) {
-            let moves = moving.iter().any(|disc| disc.contains((hit.x, hit.y), DISC_MARGIN));
+            let moves = legs.iter().any(|leg| leg.begins_at((hit.x, hit.y), DISC_MARGIN));
             if moves { moving_hits.push(*hit) } else { static_hits.push(*hit) }
         }
         free.fill(f32::INFINITY);
@@ -310,26 +309,26 @@ impl SectorObserver {
         collisions.iter_mut().zip(&*free).for_each(|(value, &free)| *value = collision_nearness(free));
     }
 
-    /// Converts what moves to the present frame.
-    fn find_moving_discs(&mut self) {
-        let Self { memory, moving, body, .. } = self;
-        moving.clear();
+    /// Finds the paths of what moves, in the present frame.
+    fn expect_paths(&mut self) {
+        let Self { memory, legs, body, .. } = self;
+        legs.clear();
         let Some(EarlierScan { pose, .. }) = memory.scans.back() else { return };
         let (sin, cos) = libm::sincosf(pose.2);
         let to_present = |(x, y): (f32, f32)| (x * cos + y * sin, y * cos - x * sin);
         let (x, y) = (pose.0 / body.unit_m, pose.1 / body.unit_m);
-        moving.extend(memory.tracker.moving().map(|(disc, velocity)| {
+        legs.extend(memory.tracker.moving().flat_map(|(disc, motion)| {
             let centre = to_present((disc.x - x, disc.y - y));
-            let disc = Disc { x: centre.0, y: centre.1, ..disc };
-            MovingDisc { disc, velocity: to_present(velocity) }
+            let velocity = to_present(motion.velocity);
+            Leg::path(Disc { x: centre.0, y: centre.1, ..disc }, Motion { velocity, ..motion })
         }));
     }
 
     /// Finds the nearness of collisions if what moves keeps moving: in the direction of each sector's centre at the robot's
     /// highest speed, and if it waits.
     fn predict_collisions(&mut self) {
-        let Self { moving, predicted, collisions, directions, body, .. } = self;
-        if moving.is_empty() && collisions.len() == predicted.len() {
+        let Self { legs, predicted, collisions, directions, body, .. } = self;
+        if legs.is_empty() && collisions.len() == predicted.len() {
             predicted.copy_from_slice(collisions);
             self.waiting = 0.0;
             return;
@@ -338,12 +337,12 @@ impl SectorObserver {
         // In control steps, then in units of the robot.
         let step = body.step_length();
         predicted.iter_mut().for_each(|free| *free /= step);
-        for disc in &*moving {
+        for leg in &*legs {
             for ((free, sin), cos) in predicted.iter_mut().zip(&directions.0).zip(&directions.1) {
-                let steps = disc.steps_to_collision((step * cos, step * sin));
+                let steps = leg.steps_to_collision((step * cos, step * sin));
                 *free = if steps < *free { steps } else { *free };
             }
-            self.waiting = self.waiting.min(disc.steps_to_collision((0.0, 0.0)));
+            self.waiting = self.waiting.min(leg.steps_to_collision((0.0, 0.0)));
         }
         predicted.iter_mut().for_each(|free| *free = collision_nearness(step * *free));
         self.waiting = collision_nearness(step * self.waiting);
@@ -390,13 +389,13 @@ impl SectorObserver {
     }
 
     /// The number of control steps until the robot collides if it drives with the motion `first` in the next step and with `then`
-    /// in those after it (each a speed in m/s and a turning rate in rad/s), and what moves keeps its velocity; infinite if it
-    /// does not collide within [`FORESIGHT_STEPS`]. Only what it comes nearer to counts: it may leave what it touches.
+    /// in those after it (each a speed in m/s and a turning rate in rad/s), and what moves keeps its speed and turning rate;
+    /// infinite if it does not collide within [`FORESIGHT_STEPS`]. Only what it comes nearer to counts: it may leave what it touches.
     ///
     /// Without predicted paths, nothing is known to move.
     #[must_use]
     pub fn steps_to_collision(&self, first: (f32, f32), then: (f32, f32)) -> f32 {
-        let Self { body, moving, static_hits, .. } = self;
+        let Self { body, legs, static_hits, .. } = self;
         let parts = PARTS_OF_STEP as f32;
         let (length, angle) = (body.control_period_s / (body.unit_m * parts), body.control_period_s / parts);
         let comes_near = |x: f32, y: f32, now: (f32, f32), reach: f32| {
@@ -412,9 +411,10 @@ impl SectorObserver {
             let steps = part as f32 / parts;
             let hits_static =
                 || static_hits.iter().any(|hit| comes_near(hit.x - x, hit.y - y, (hit.x, hit.y), 1.0));
-            let hits_moving = moving.iter().any(|MovingDisc { disc, velocity }| {
-                let at = (disc.x + velocity.0 * steps - x, disc.y + velocity.1 * steps - y);
-                comes_near(at.0, at.1, (disc.x, disc.y), 1.0 + disc.radius)
+            let hits_moving = legs.iter().any(|leg| {
+                let Disc { x: now_x, y: now_y, radius } = leg.disc;
+                leg.position(steps)
+                    .is_some_and(|at| comes_near(at.0 - x, at.1 - y, (now_x, now_y), 1.0 + radius))
             });
             if hits_moving || hits_static() {
                 return steps;

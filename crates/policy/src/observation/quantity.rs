@@ -25,7 +25,7 @@ pub enum Quantity {
     /// The nearness of a collision in the direction of a sector's centre.
     CollisionNearness,
     /// Like [`CollisionNearness`](Self::CollisionNearness), at the robot's highest speed, if moving objects keep their
-    /// velocities.
+    /// speeds and turning rates.
     PredictedNearness,
     /// The cosine of the goal's bearing.
     GoalCosine,

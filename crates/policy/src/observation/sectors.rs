@@ -8,7 +8,7 @@
 //! | 0 .. S-1 | nearness of the nearest thing in each of S sectors, 0 (nothing in sight) to 1 (contact); sector 0 is centred straight ahead, then counterclockwise |
 //! | S .. 2S-1 | what has moved: the nearness now minus that of the earlier scan, moved into the present frame by odometry, times 4; -1 to 1, positive for what approaches, 0 where unknown or far away. Absent without an earlier scan |
 //! | then S | nearness of what the robot would collide with if it drove straight on in the direction of a sector's centre, whatever its heading; 0 if that path is free. Absent without free paths |
-//! | then S | the same for a robot at its highest speed, if moving things keep their velocities. Absent without predicted paths |
+//! | then S | the same for a robot at its highest speed, if moving things keep their speeds and turning rates. Absent without predicted paths |
 //! | then 4 | direction of the goal (cosine and sine of its bearing), the nearness of its edge, and a quarter of ln(1 + the distance to its edge) |
 //! | then 2 | the robot's speed and turning rate, in units of its highest |
 //! | then 2 | the longest distance that the robot drives in a control step, in units of the robot, and its largest turn in a control step, in rad |
@@ -39,8 +39,8 @@ pub struct SectorLayout {
     pub earlier_steps: u8,
     /// Whether there is a column for each sector's free path.
     pub free_paths: bool,
-    /// Whether there is a column for each sector's free path if moving things keep their velocities, and one for waiting. They
-    /// need an earlier scan.
+    /// Whether there is a column for each sector's free path if moving things keep their speeds and turning rates, and one
+    /// for waiting. They need an earlier scan.
     pub predicted_paths: bool,
 }
 

@@ -1,7 +1,7 @@
 //! Things that move, tracked from scan to scan.
 //!
-//! Each compact thing in sight is taken to be a disc with a constant velocity. An extended Kalman filter estimates its
-//! position, velocity and radius from the beams that hit it and from those beside them that pass it. So a few beams are enough,
+//! Each compact thing in sight is taken to be a disc with a constant speed and turning rate. An extended Kalman filter estimates
+//! its position, velocity, turning rate and radius from the beams that hit it and from those beside them that pass it. So a few beams are enough,
 //! and a thing is not lost when no beam hits it for a moment. A track counts as moving if its velocity differs from zero by some
 //! standard deviations, and if the scans show that it has moved: earlier ones saw through the places where it is hit now, or
 //! this one sees through those where it was hit then. The hits on walls and rocks move, too, as the robot drives, but other
@@ -13,6 +13,8 @@
 use std::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
+
+use super::moving::Motion;
 
 /// The largest number of beams that are used: of more beams, every second one, every third one, and so on.
 const MAX_BEAMS: usize = 72;
@@ -30,8 +32,15 @@ const POSITION_SD: f32 = 0.6;
 /// The standard deviation of its velocity, relative to the robot's highest speed.
 const SPEED_SD: f32 = 1.2;
 /// The standard deviation of the change of a velocity in a control step, relative to the robot's highest speed.
-const ACCELERATION_SD: f32 = 0.07;
-/// If the misfit is larger than this, the thing may be turning, or be no disc.
+const ACCELERATION_SD: f32 = 0.05;
+/// The standard deviation of the turn of a new thing in a control step, in rad, and of the change of a turn from step to step.
+const TURN_SD: f32 = 0.05;
+const TURN_CHANGE_SD: f32 = 0.005;
+/// The largest turn in a control step, in rad.
+const MAX_TURN: f32 = 0.3;
+/// The smallest squared turn of a thing that is not taken to drive straight on, in variances.
+const MIN_TURN_SIGNIFICANCE: f32 = 2.0;
+/// If the misfit is larger than this, the thing may have changed its motion, or be no disc.
 const MANOEUVRE_MISFIT: f32 = 0.5;
 /// How much the variance of the acceleration grows for each unit of misfit above that, relative to the usual variance.
 const MANOEUVRE_GAIN: f32 = 4.0;
@@ -279,8 +288,10 @@ fn from_segment(place: (f32, f32), one: (f32, f32), other: (f32, f32)) -> f32 {
 struct Track {
     disc: Disc,
     velocity: (f32, f32),
-    /// The covariance of x, y, the velocity's x and y, and the radius.
-    covariance: [[f32; 5]; 5],
+    /// By how much the velocity turns in a control step, counterclockwise positive, in rad.
+    turn: f32,
+    /// The covariance of x, y, the velocity's x and y, the radius, and the turn.
+    covariance: [[f32; 6]; 6],
     /// The number of scans in which a beam has hit it.
     seen: u16,
     /// The number of scans since a beam last hit it.
@@ -297,28 +308,38 @@ impl Track {
     /// A thing at a position that no beam has hit yet.
     fn new((x, y): (f32, f32), max_speed: f32, is_hidden: bool) -> Self {
         let speed_sd = SPEED_SD * max_speed;
-        let mut covariance = [[0.0; 5]; 5];
-        let deviations = [POSITION_SD, POSITION_SD, speed_sd, speed_sd, RADIUS.1];
+        let mut covariance = [[0.0; 6]; 6];
+        let deviations = [POSITION_SD, POSITION_SD, speed_sd, speed_sd, RADIUS.1, TURN_SD];
         deviations.into_iter().enumerate().for_each(|(k, sd)| covariance[k][k] = sd * sd);
         let disc = Disc { x, y, radius: RADIUS.0 };
-        let velocity = (0.0, 0.0);
-        Self { disc, velocity, covariance, seen: 0, missed: 0, misfit: 1.0, evidence: 0.0, is_hidden }
+        let (velocity, turn) = ((0.0, 0.0), 0.0);
+        Self { disc, velocity, turn, covariance, seen: 0, missed: 0, misfit: 1.0, evidence: 0.0, is_hidden }
     }
 
     /// Moves it on by one control step.
     fn predict(&mut self, max_speed: f32) {
         self.missed = self.missed.saturating_add(1);
-        self.disc.x += self.velocity.0;
-        self.disc.y += self.velocity.1;
+        let (sin, cos) = libm::sincosf(self.turn);
+        let turned = |(x, y): (f32, f32)| (x * cos - y * sin, x * sin + y * cos);
+        let before = self.velocity;
+        self.velocity = turned(before);
+        // The mean of the velocities before and after the step.
+        self.disc.x += 0.5 * (before.0 + self.velocity.0);
+        self.disc.y += 0.5 * (before.1 + self.velocity.1);
         let p = &mut self.covariance;
-        for (position, velocity) in [(0, 2), (1, 3)] {
-            let of_velocity = p[velocity];
-            p[position].iter_mut().zip(of_velocity).for_each(|(value, other)| *value += other);
+        // First the rows are multiplied by the matrix of the derivatives of this motion, then the columns.
+        for _ in 0..2 {
+            for row in p.iter_mut() {
+                let [_, _, x, y, _, turn] = *row;
+                let after = turned((x, y));
+                row[2] = after.0 - self.velocity.1 * turn;
+                row[3] = after.1 + self.velocity.0 * turn;
+                row[0] += 0.5 * (x + row[2]);
+                row[1] += 0.5 * (y + row[3]);
+            }
+            *p = std::array::from_fn(|k| std::array::from_fn(|other| p[other][k]));
         }
-        for row in p.iter_mut() {
-            row[0] += row[2];
-            row[1] += row[3];
-        }
+        p[5][5] += TURN_CHANGE_SD * TURN_CHANGE_SD;
         // The velocity changes at a constant rate during the step.
         let growth = 1.0 + MANOEUVRE_GAIN * (self.misfit - MANOEUVRE_MISFIT).max(0.0);
         let variance = (ACCELERATION_SD * max_speed) * (ACCELERATION_SD * max_speed) * growth;
@@ -332,9 +353,9 @@ impl Track {
 
     /// The covariance of the state with a quantity whose gradient is `gradient` (of x, y and the radius), and the variance of that
     /// quantity.
-    fn covariance_with(&self, gradient: (f32, f32, f32)) -> ([f32; 5], f32) {
+    fn covariance_with(&self, gradient: (f32, f32, f32)) -> ([f32; 6], f32) {
         let (x, y, radius) = gradient;
-        let with: [f32; 5] = std::array::from_fn(|k| {
+        let with: [f32; 6] = std::array::from_fn(|k| {
             self.covariance[k][0] * x + self.covariance[k][1] * y + self.covariance[k][4] * radius
         });
         (with, with[0] * x + with[1] * y + with[4] * radius)
@@ -351,6 +372,7 @@ impl Track {
         self.velocity.0 += gain * with[2];
         self.velocity.1 += gain * with[3];
         self.disc.radius = (self.disc.radius + gain * with[4]).clamp(RADII.0, RADII.1);
+        self.turn = (self.turn + gain * with[5]).clamp(-MAX_TURN, MAX_TURN);
         for (row, one) in self.covariance.iter_mut().zip(with) {
             for (value, other) in row.iter_mut().zip(with) {
                 *value -= one * other / variance;
@@ -411,9 +433,16 @@ impl Track {
             && yy * x * x - 2.0 * xy * x * y + xx * y * y > MIN_SIGNIFICANCE * determinant
     }
 
+    /// The motion to expect of it: an uncertain turn is taken to be smaller than the estimate, or none.
+    fn motion(&self) -> Motion {
+        let significance = self.turn * self.turn / self.covariance[5][5];
+        let part = (1.0 - MIN_TURN_SIGNIFICANCE / significance.max(MIN_TURN_SIGNIFICANCE)).max(0.0);
+        Motion { velocity: self.velocity, turn: part * self.turn }
+    }
+
     fn is_valid(&self) -> bool {
-        let Self { disc, velocity, covariance, misfit, evidence, .. } = self;
-        let numbers = [disc.x, disc.y, velocity.0, velocity.1, *misfit];
+        let Self { disc, velocity, turn, covariance, misfit, evidence, .. } = self;
+        let numbers = [disc.x, disc.y, velocity.0, velocity.1, *turn, *misfit];
         numbers.iter().chain(covariance.iter().flatten()).all(|number| number.is_finite())
             && (RADII.0..=RADII.1).contains(&disc.radius)
             && (0.0..=MAX_EVIDENCE).contains(evidence)
@@ -476,8 +505,8 @@ impl Tracker {
         self.dropout = Dropout { fraction, state: seed };
     }
 
-    /// The discs that move, with their displacements in a control step.
-    pub(super) fn moving(&self) -> impl Iterator<Item = (Disc, (f32, f32))> {
+    /// The discs that move, and how.
+    pub(super) fn moving(&self) -> impl Iterator<Item = (Disc, Motion)> {
         let moves = |track: &&Track| {
             !track.is_hidden
                 && track.evidence >= MIN_EVIDENCE
@@ -485,7 +514,7 @@ impl Tracker {
                 && track.misfit < MAX_MISFIT.0
                 && track.is_fast(self.max_speed)
         };
-        self.tracks.iter().filter(moves).map(|track| (track.disc, track.velocity))
+        self.tracks.iter().filter(moves).map(|track| (track.disc, track.motion()))
     }
 
     /// Takes in the scan after a control step. Each of `beams` is its direction in the robot's frame (cosine and sine) and its
@@ -616,9 +645,8 @@ impl Tracker {
             // Mostly surfaces and nothing free: it stands still, and the hits of earlier scans need not be looked at.
             if sights.free > 0.0 || 2.0 * sights.surfaces <= sights.places {
                 for (age, earlier) in earlier_scans() {
-                    let age = age as f32;
-                    let was_at = (x - age * track.velocity.0, y - age * track.velocity.1);
-                    let hits = earlier.hits_near(was_at, radius + EARLIER_HIT_MARGIN);
+                    let (dx, dy) = track.motion().displacement(-(age as f32));
+                    let hits = earlier.hits_near((x + dx, y + dy), radius + EARLIER_HIT_MARGIN);
                     hits.for_each(|(_, hit)| sights.add(rays.sight(hit, spacing_rad, radius)));
                 }
             }
@@ -713,11 +741,12 @@ mod tests {
         let disc = |step: f32| Disc { x: 6.0 - 0.3 * step, y: 2.0 + 0.2 * step, radius: 0.9 };
         let tracker = track(12, |step| vec![disc(step)]);
         let moving: Vec<_> = tracker.moving().collect();
-        let [(found, velocity)] = moving[..] else { panic!("one disc moves: {moving:?}") };
+        let [(found, Motion { velocity, turn })] = moving[..] else { panic!("one disc moves: {moving:?}") };
         let truth = disc(11.0);
         assert!((found.x - truth.x).abs() < 0.2 && (found.y - truth.y).abs() < 0.2, "{found:?}, {truth:?}");
         assert!((velocity.0 + 0.3).abs() < 0.05 && (velocity.1 - 0.2).abs() < 0.05, "{velocity:?}");
         assert!((found.radius - 0.9).abs() < 0.2, "{found:?}");
+        assert!(turn.abs() < 0.02, "{turn}");
     }
 
     #[test]
@@ -760,7 +789,7 @@ mod tests {
                 FEW_BEAMS.scan(&mut tracker, ((0.0, 0.0), 0.0), &[disc]);
             }
             let moving: Vec<_> = tracker.moving().collect();
-            let [(_, velocity)] = moving[..] else { panic!("one disc moves: {moving:?}") };
+            let [(_, Motion { velocity, .. })] = moving[..] else { panic!("one disc moves: {moving:?}") };
             assert!((velocity.0 - speed).abs() < 0.05, "{velocity:?}");
         }
     }
@@ -777,19 +806,23 @@ mod tests {
     }
 
     #[test]
-    fn a_disc_that_drives_in_a_circle_is_followed() {
-        // At 0.3 units a step, in a circle with a radius of 6 units.
-        let disc = |step: f32| {
-            let (sin, cos) = (0.05 * step).sin_cos();
-            Disc { x: 2.0 + 6.0 * cos, y: 6.0 * sin - 2.0, radius: 0.9 }
-        };
-        let tracker = track(30, |step| vec![disc(step)]);
-        let moving: Vec<_> = tracker.moving().collect();
-        let [(found, velocity)] = moving[..] else { panic!("one disc moves: {moving:?}") };
-        let (truth, next) = (disc(29.0), disc(30.0));
-        assert!((found.x - truth.x).hypot(found.y - truth.y) < 0.4, "{found:?}, {truth:?}");
-        let error = (velocity.0 - (next.x - truth.x)).hypot(velocity.1 - (next.y - truth.y));
-        assert!(error < 0.1, "{velocity:?}");
+    fn the_turn_of_a_disc_that_drives_in_a_circle_is_estimated() {
+        for turn in [0.05, -0.05] {
+            // At 0.3 units a step, in a circle with a radius of 6 units.
+            let disc = |step: f32| {
+                let (sin, cos) = (turn * step).sin_cos();
+                Disc { x: 2.0 + 6.0 * cos, y: 6.0 * sin - 2.0, radius: 0.9 }
+            };
+            let tracker = track(30, |step| vec![disc(step)]);
+            let moving: Vec<_> = tracker.moving().collect();
+            let [(found, motion)] = moving[..] else { panic!("one disc moves: {moving:?}") };
+            let (truth, later) = (disc(29.0), disc(39.0));
+            assert!((found.x - truth.x).hypot(found.y - truth.y) < 0.4, "{found:?}, {truth:?}");
+            assert!((motion.turn - turn).abs() < 0.015, "{motion:?}");
+            let (dx, dy) = motion.displacement(10.0);
+            let error = (found.x + dx - later.x).hypot(found.y + dy - later.y);
+            assert!(error < 0.8, "{error}, after driving 3 units");
+        }
     }
 
     #[test]
