@@ -1,5 +1,5 @@
 //! CPU time and memory of this process, from `/proc`; 0 on systems without it.
-#![allow(dead_code)] // Each bench uses only a part of this file.
+#![allow(dead_code, reason = "each program uses part of this module")]
 
 /// The CPU time of all threads, in s.
 pub fn cpu_s() -> f64 {

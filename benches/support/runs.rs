@@ -1,5 +1,5 @@
 //! Complete training runs as with `--train`, with 500 episodes per evaluation for precise success rates.
-#![allow(dead_code)] // Each bench uses a part of it.
+#![allow(dead_code, reason = "each program uses part of this module")]
 
 use std::error::Error;
 use std::sync::atomic::AtomicBool;

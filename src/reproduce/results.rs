@@ -19,7 +19,7 @@ use super::records::{Records, Windows};
 use super::report_progress::ReportProgress;
 use super::selected::SelectedExperiment;
 use super::test_point::TestPoint;
-use crate::run::evaluate::{period_s, round_to_microsecond};
+use crate::run::evaluate::{period_s, round_to_millionth};
 use crate::run::metric_rows::Summary;
 use crate::run::preset::Budget;
 use crate::run::{RunError, processor};
@@ -180,7 +180,7 @@ impl<'a> Results<'a> {
     fn mean_time_s(&self, training: usize, steps: &[Option<u32>]) -> f64 {
         let task = &self.plan.training_runs[training].config.scenario.task;
         let sum: u64 = steps.iter().map(|steps| u64::from(steps.unwrap_or(task.max_episode_steps))).sum();
-        round_to_microsecond(sum as f64 / steps.len() as f64 * period_s(task.control_period_s))
+        round_to_millionth(sum as f64 / steps.len() as f64 * period_s(task.control_period_s))
     }
 
     /// The total time of the successful episodes divided by that of the planner, or by the lower bounds, for the same episodes.

@@ -45,8 +45,8 @@ pub enum RewardLengths {
     /// Metres, as in the paper.
     #[default]
     Metres,
-    /// Lengths are scaled to the paper's robot: with a robot that is twice as large, 2 m count as 1 m. So a reward
-    /// means the same for robots of all sizes.
+    /// Lengths are scaled to the paper's robot: with a robot that is twice as large, 2 m count as 1 m. A reward
+    /// then means the same for robots of all sizes.
     Robot,
 }
 

@@ -3,7 +3,7 @@
 //! The binary runs as a user runs it: arguments in; stdout, stderr, exit status and files out.
 
 // Each test binary compiles its own copy and uses only a part.
-#![allow(dead_code)]
+#![allow(dead_code, reason = "each program uses part of this module")]
 
 #[path = "../support/default_signals.rs"]
 mod default_signals;

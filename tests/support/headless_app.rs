@@ -1,6 +1,6 @@
 //! The app without a window: its plugins under `MinimalPlugins`, a screen that is laid out but not displayed, and a manual
 //! clock.
-#![allow(dead_code)]
+#![allow(dead_code, reason = "each program uses part of this module")]
 
 use std::time::Duration;
 

@@ -62,14 +62,14 @@ impl Dwa {
         Self { sample_s, drive: drive.over(sample_s), admissible_s, robot, parameters }
     }
 
-    /// The index of the best motion towards `target_m` (in the robot's frame) among obstacles. `clearance(point_m, after_s)` is
+    /// The index of the best motion towards `aim_m` (in the robot's frame) among obstacles. `clearance(point_m, after_s)` is
     /// the distance in m from a point in the robot's present frame to the nearest surface after `after_s`. The simulation of a
-    /// motion ends when it gets within `target_radius_m` of the target.
+    /// motion ends when it gets within `aim_radius_m` of that point.
     pub(crate) fn choose(
         &self,
         twist: &Motion,
-        target_m: Vec2,
-        target_radius_m: f32,
+        aim_m: Vec2,
+        aim_radius_m: f32,
         clearance: impl Fn(Vec2, f32) -> f32,
     ) -> usize {
         let DwaParameters { heading, clearance: weight, speed, horizon_s, margin, .. } = self.parameters;
@@ -78,7 +78,7 @@ impl Dwa {
         let limit_m = (keep_m * (1.0 + margin)).min(clearance(Vec2::ZERO, 0.0) - 1e-4);
         let max_speed = self.robot.max_forward_speed_m_s();
         let cost = |motion: &Motion| {
-            let rollout = self.simulate(twist, motion, target_m, target_radius_m, limit_m, &clearance);
+            let rollout = self.simulate(twist, motion, aim_m, aim_radius_m, limit_m, &clearance);
             if rollout.free_s < self.admissible_s {
                 // Worse than any admissible motion. Among inadmissible ones, the latest collision is the best.
                 let all = heading + weight + speed;
@@ -95,8 +95,8 @@ impl Dwa {
         &self,
         twist: &Motion,
         motion: &Motion,
-        target_m: Vec2,
-        target_radius_m: f32,
+        aim_m: Vec2,
+        aim_radius_m: f32,
         limit_m: f32,
         clearance: &impl Fn(Vec2, f32) -> f32,
     ) -> Rollout {
@@ -111,10 +111,10 @@ impl Dwa {
             pose = pose.then(&Robot::arc(&mean, self.sample_s));
             actual = next;
             after_s += self.sample_s;
-            let is_there = (target_m - pose.translation_m).length() < target_radius_m;
+            let is_there = (aim_m - pose.translation_m).length() < aim_radius_m;
             if !is_aligned && (is_there || after_s >= heading_time_s || after_s + self.sample_s > horizon_s) {
                 is_aligned = true;
-                rollout.heading = if is_there { 1.0 } else { alignment(&pose, target_m) };
+                rollout.heading = if is_there { 1.0 } else { alignment(&pose, aim_m) };
             }
             if clearance(pose.translation_m, after_s) < limit_m {
                 rollout.free_s = after_s - self.sample_s;
@@ -145,10 +145,10 @@ impl Dwa {
     }
 }
 
-/// How well a robot at `pose` points at `target_m`: 1 if the target lies straight ahead, 0 if it lies behind.
-fn alignment(pose: &Odometry, target_m: Vec2) -> f32 {
-    let target = pose.to_inner(target_m);
-    1.0 - libm::atan2f(target.y, target.x).abs() / PI
+/// How well a robot at `pose` points at `aim_m`: 1 if that point lies straight ahead, 0 if it lies behind.
+fn alignment(pose: &Odometry, aim_m: Vec2) -> f32 {
+    let aim = pose.to_inner(aim_m);
+    1.0 - libm::atan2f(aim.y, aim.x).abs() / PI
 }
 
 /// The points of the last scans that are taken as static.
@@ -247,8 +247,8 @@ mod tests {
         MovingPoint { at_m: vec2(x, y), velocity_m_s: velocity.into() }
     }
 
-    fn choose(dwa: &Dwa, target: (f32, f32), points: &[MovingPoint]) -> usize {
-        dwa.choose(&STILL, target.into(), 0.2, dwa.clearance_from(points.iter().copied()))
+    fn choose(dwa: &Dwa, aim_m: (f32, f32), points: &[MovingPoint]) -> usize {
+        dwa.choose(&STILL, aim_m.into(), 0.2, dwa.clearance_from(points.iter().copied()))
     }
 
     #[test]

@@ -103,14 +103,14 @@ impl<M: Map + Send + Sync> Driver for Planned<M> {
         self.age += 1;
         let ahead = point_ahead(&self.path, at_m, self.lookahead_m, |point| self.map.sees(at_m, point));
         let is_close = percept.goal_distance_m <= self.lookahead_m && self.map.sees(at_m, goal_m);
-        let target_m = if is_close { goal_m } else { ahead.unwrap_or(goal_m) };
-        let target_m = pose.to_inner(target_m);
+        let aim_m = if is_close { goal_m } else { ahead.unwrap_or(goal_m) };
+        let aim_m = pose.to_inner(aim_m);
         match &self.dwa {
             Some(dwa) => {
                 let radius_m = if is_close { self.robot.goal_radius_m } else { 0.0 };
-                dwa.choose(&percept.twist, target_m, radius_m, self.map.clearance(self.reach_m))
+                dwa.choose(&percept.twist, aim_m, radius_m, self.map.clearance(self.reach_m))
             }
-            None => pursue(&self.robot, target_m),
+            None => pursue(&self.robot, aim_m),
         }
     }
 

@@ -29,7 +29,7 @@ pub fn points(bytes: &[u8]) -> Result<Vec<DVec2>, String> {
         return Err(format!("it has {} numbers instead of {rows} x 2", values.len()));
     }
     if !values.iter().all(|value| COORDINATE_M.contains(value)) {
-        return Err("it has a number beyond a million".into());
+        return Err("it has a number that is not finite or beyond a million".into());
     }
     Ok(values.chunks_exact(2).map(|pair| dvec2(pair[0], pair[1])).collect())
 }
@@ -76,7 +76,7 @@ mod tests {
         assert_eq!(points(&file(header, &[1, 2, 3, -4])), Ok(vec![dvec2(1.0, 2.0), dvec2(3.0, -4.0)]));
         for (bytes, expected) in [
             (file(header, &[1, 2, 3]), "it has 3 numbers instead of 2 x 2"),
-            (file(header, &[1, 2, 3, i64::MAX]), "it has a number beyond a million"),
+            (file(header, &[1, 2, 3, i64::MAX]), "it has a number that is not finite or beyond a million"),
             (
                 file(&header.replace("False", "True"), &[1, 2, 3, 4]),
                 "not an array of n x 2 numbers in C order: ",

@@ -45,7 +45,7 @@ impl Raster {
         let cell_m = (keep_out_m / 8.0).max((size.x * size.y / MAX_GRID_CELLS).sqrt());
         if cell_m > keep_out_m / 2.0 || !cell_m.is_finite() {
             return Err(format!(
-                "the world is {:.0} m x {:.0} m, too large for a robot with a collision range of {keep_out_m} m; help: \
+                "the world is {:.0} m x {:.0} m, too large for a robot that keeps {keep_out_m} m from walls; help: \
                  remove what is far away, or use a larger robot (--robot)",
                 size.x, size.y
             ));

@@ -296,6 +296,22 @@ fn included_models_are_found_and_their_pose_is_replaced() {
     assert!(error.contains("included models are nested more than 8 deep; help: flatten them"), "{error}");
 }
 
+#[test]
+fn a_model_in_the_folder_of_the_world_may_include_another_one_there() {
+    let include = |name: &str| format!("<include><uri>model://{name}</uri></include>");
+    let set =
+        format!("<sdf version='1.6'><model name='set'><static>1</static>{}</model></sdf>", include("table"));
+    let table = format!("<sdf version='1.6'>{}</sdf>", model("table", "<pose>1 2 0 0 0 0</pose>", BOX));
+    let files = [
+        ("w.world", world(&include("set"))),
+        ("models/set/model.sdf", set),
+        ("models/table/model.sdf", table),
+    ];
+    let folder = Folder::new(&files.each_ref().map(|(name, text)| (*name, text.as_bytes())));
+    let imported = folder.import("w.world").expect("a world");
+    assert!((distance(&imported, 1.0, 2.0) + 0.25).abs() < 1e-3);
+}
+
 /// An included model counts as one level, like a model in the same file.
 #[test]
 fn models_may_be_nested_8_deep_whether_or_not_they_are_included() {

@@ -59,7 +59,7 @@ mod visibility_graph;
 use bound::LowerBound;
 use configuration_space::{ConfigurationSpace, GoalRegion};
 use glam::Vec2;
-use search::{LOOKAHEAD_STATES, SearchLimits, StateGrid, search, search_lower_bound};
+use search::{LOWER_BOUND_STATES, SearchLimits, StateGrid, search, search_lower_bound};
 
 use serde::{Deserialize, Serialize};
 
@@ -201,7 +201,7 @@ pub fn step_bounds(
     // The lower bound cannot exceed the plan's length, so the search may stop there.
     let stop_at = plan_steps.unwrap_or(u32::MAX);
     StepBounds {
-        lower_steps: search_lower_bound(scenario, start, goal, clock, &bound, LOOKAHEAD_STATES, stop_at),
+        lower_steps: search_lower_bound(scenario, start, goal, clock, &bound, LOWER_BOUND_STATES, stop_at),
         plan_steps,
     }
 }
@@ -265,7 +265,7 @@ pub fn lower_bound_steps(scenario: &Scenario, start: (f32, f32, f32), goal: Vec2
         return 1;
     }
     let bound = LowerBound::new(scenario, start, goal);
-    search_lower_bound(scenario, start, goal, clock, &bound, LOOKAHEAD_STATES, u32::MAX)
+    search_lower_bound(scenario, start, goal, clock, &bound, LOWER_BOUND_STATES, u32::MAX)
 }
 
 /// The length, in m, of the shortest path of the robot's centre around the static obstacles and walls, from `start` (x in m,

@@ -15,7 +15,7 @@ use glam::Vec2;
 use wayfield_scenario::Scenario;
 
 /// The maximum number of states in the search for a lower bound, which merges none.
-pub(super) const LOOKAHEAD_STATES: usize = 5_000;
+pub(super) const LOWER_BOUND_STATES: usize = 5_000;
 /// The number of cost units per step. Costs are integers.
 const COST_PER_STEP: f64 = 64.0;
 

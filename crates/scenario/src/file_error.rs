@@ -94,7 +94,8 @@ impl FileError {
     /// The error for `count` problems, of which the first are given.
     fn first_of(path: &Path, count: usize, mut problems: Vec<LocatedDiagnostic>) -> Self {
         if let Some(more @ 1..) = count.checked_sub(MAX_PROBLEMS) {
-            let message = format!("and {more} more problems: fix some and check again");
+            let noun = if more == 1 { "problem" } else { "problems" };
+            let message = format!("and {more} more {noun}: fix some and check again");
             problems.push(LocatedDiagnostic { line_column: None, message, file: None });
         }
         Self { path: path.into(), problems }

@@ -3,6 +3,28 @@
 //! In: a scenario file (`scenarios/*.ron`). Out: a checked [`Scenario`], the pose of its obstacles at any step
 //! ([`pose_at`]), and random starts and goals that are clear of them ([`draw_start`], [`draw_goal`]). [`read_ron`] reads
 //! all other RON files of the project, so that all errors have the same form. Points are [`Vec2`]s of glam, in m.
+//!
+//! ```
+//! use wayfield_scenario::{Scenario, clearance, draw_start, pose_at};
+//!
+//! let text = r#"(
+//!     name: "One moving post",
+//!     obstacles: [(
+//!         shape: Circle(radius_m: 0.2),
+//!         position_m: (1.0, 0.0),
+//!         motion: Orbit(centre_m: (0.0, 0.0), speed_rad_s: 0.5),
+//!     )],
+//! )"#;
+//! let scenario = Scenario::parse(text, "post.ron").map_err(|error| error.to_string())?;
+//! // After 10 control steps of 0.2 s, the post has moved on by 1 rad.
+//! let (x, y, _) = pose_at(&scenario.obstacles[0], 10, scenario.task.control_period_s);
+//! assert!((x - 1_f32.cos()).abs() < 1e-5 && (y - 1_f32.sin()).abs() < 1e-5);
+//! // A start that is clear of the post at that time.
+//! let mut stream = wayfield_random::stream(7, "starts", 0);
+//! let start = draw_start(&scenario, 10, &mut stream).map_err(|error| error.to_string())?;
+//! assert!(clearance(&scenario, glam::vec2(start.0, start.1), 10) > scenario.keep_out_m());
+//! # Ok::<(), String>(())
+//! ```
 
 mod check;
 mod crowd;

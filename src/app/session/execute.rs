@@ -169,7 +169,10 @@ fn set_goal(world: &mut World, request: &MoveRequest) {
         return;
     }
     match interventions::resolve(world, &MoveRequest { object: Movable::Goal, ..*request }) {
-        Ok(_) => demo::set_goal(world, request.to_m),
+        Ok(_) => {
+            world.resource_mut::<Notices>().remove(&NoticeTopic::Move);
+            demo::set_goal(world, request.to_m);
+        }
         Err(rejection) => notify(world, NoticeTopic::Move, Severity::Info, rejection.to_string()),
     }
 }

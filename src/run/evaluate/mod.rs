@@ -222,7 +222,7 @@ impl Evaluation {
         // The cost of a failure is the time limit of its own scenario.
         let cost_s: f64 = members.iter().map(|(_, of)| of.mean_cost_s * of.episodes as f64).sum();
         let all = Self::from_episodes(episodes, round, &pool.rules(0), seed);
-        let mean_cost_s = round_to_microsecond(cost_s / episodes.len() as f64);
+        let mean_cost_s = round_to_millionth(cost_s / episodes.len() as f64);
         let scenarios = members.into_iter().map(|(name, of)| ScenarioResult {
             name,
             success_rate: of.success_rate,
@@ -241,28 +241,28 @@ pub fn times_s(episodes: &[EpisodeResult], control_period_s: f32) -> impl Iterat
     episodes
         .iter()
         .filter(|n| n.succeeded())
-        .map(move |n| round_to_microsecond(f64::from(n.steps) * period_s(control_period_s)))
+        .map(move |n| round_to_millionth(f64::from(n.steps) * period_s(control_period_s)))
 }
 
 fn mean_time_s(episodes: &[EpisodeResult], control_period_s: f32) -> Option<f64> {
     let (count, sum) = times_s(episodes, control_period_s).fold((0_u32, 0.0), |(n, sum), t| (n + 1, sum + t));
-    (count > 0).then(|| round_to_microsecond(sum / f64::from(count)))
+    (count > 0).then(|| round_to_millionth(sum / f64::from(count)))
 }
 
 fn mean_cost_s(episodes: &[EpisodeResult], rules: &TaskRules) -> f64 {
     let steps = |n: &EpisodeResult| if n.succeeded() { n.steps } else { rules.max_episode_steps };
     let sum: u64 = episodes.iter().map(|n| u64::from(steps(n))).sum();
-    round_to_microsecond(sum as f64 / episodes.len() as f64 * period_s(rules.control_period_s))
+    round_to_millionth(sum as f64 / episodes.len() as f64 * period_s(rules.control_period_s))
 }
 
 /// The control period in s, without the rounding error of `f32`: 0.2, not 0.200000003.
 #[must_use]
 pub fn period_s(control_period_s: f32) -> f64 {
-    round_to_microsecond(f64::from(control_period_s))
+    round_to_millionth(f64::from(control_period_s))
 }
 
-/// `seconds`, rounded to a microsecond, which removes the rounding errors of sums.
+/// `value`, rounded to a millionth, which removes the rounding errors of sums.
 #[must_use]
-pub fn round_to_microsecond(seconds: f64) -> f64 {
-    (seconds * 1e6).round() / 1e6
+pub fn round_to_millionth(value: f64) -> f64 {
+    (value * 1e6).round() / 1e6
 }

@@ -1,6 +1,6 @@
 //! The comparison of episodes with optimal times.
 
-use super::{EpisodeResult, bounds, period_s, round_to_microsecond};
+use super::{EpisodeResult, bounds, period_s, round_to_millionth};
 use crate::planner::StepBounds;
 use crate::scenario::{Scenario, TaskRules};
 
@@ -36,7 +36,7 @@ impl OptimumComparison {
         }
         (count > 0).then(|| Self {
             episodes: count,
-            optimum_mean_time_s: round_to_microsecond(
+            optimum_mean_time_s: round_to_millionth(
                 planned as f64 / count as f64 * period_s(rules.control_period_s),
             ),
             time_ratio: actual as f64 / planned as f64,

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{EpisodeResult, outcome_name, period_s, round_to_microsecond};
+use super::{EpisodeResult, outcome_name, period_s, round_to_millionth};
 use crate::planner::StepBounds;
 use crate::scenario::{Obstacle, ObstacleMotion, Scenario, Shape, Solid};
 
@@ -71,7 +71,7 @@ impl EpisodeRecord {
         bounds: Option<StepBounds>,
     ) -> Self {
         let period_s = period_s(scenario.task.control_period_s);
-        let time_s = |steps: u32| round_to_microsecond(f64::from(steps) * period_s);
+        let time_s = |steps: u32| round_to_millionth(f64::from(steps) * period_s);
         // Without a plan, the bound is left out too: in a scenario that the planner does not support, it means nothing.
         let plan = bounds.and_then(|bounds| Some((bounds, bounds.plan_steps?)));
         let hit = result.path.and_then(|path| path.hit).map(|solid| Hit::new(solid, result, scenario));
@@ -84,9 +84,9 @@ impl EpisodeRecord {
             hit_shape: hit.and_then(|hit| hit.shape),
             steps: result.steps,
             time_s: time_s(result.steps),
-            path_length_m: result.path.map(|path| round_to_microsecond(path.length_m)),
-            shortest_path_m: round_to_microsecond(shortest_path_m),
-            spl: result.spl(shortest_path_m).map(round_to_microsecond),
+            path_length_m: result.path.map(|path| round_to_millionth(path.length_m)),
+            shortest_path_m: round_to_millionth(shortest_path_m),
+            spl: result.spl(shortest_path_m).map(round_to_millionth),
             min_clearance_m: result.path.map(|path| path.min_clearance_m),
             optimal_time_s: plan.map(|(_, plan_steps)| time_s(plan_steps)),
             lower_bound_time_s: plan.map(|(bounds, _)| time_s(bounds.lower_steps)),

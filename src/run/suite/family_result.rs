@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::{Family, SuiteEpisodes};
 use crate::import::stated_path_length_m;
 use crate::report::rate::rate_interval;
-use crate::run::evaluate::{EpisodeResult, OptimumComparison, period_s, round_to_microsecond, times_s};
+use crate::run::evaluate::{EpisodeResult, OptimumComparison, period_s, round_to_millionth, times_s};
 use crate::scenario::{Scenario, SuiteScore};
 use crate::task::EpisodeEnd;
 
@@ -86,7 +86,7 @@ fn fraction(count: usize, of: usize) -> f64 {
 }
 
 fn mean(values: &[f64]) -> f64 {
-    round_to_microsecond(values.iter().sum::<f64>() / values.len().max(1) as f64)
+    round_to_millionth(values.iter().sum::<f64>() / values.len().max(1) as f64)
 }
 
 /// The mean of `value` over all episodes. `value` gets the scenario, the episode and the length of the shortest path in m.

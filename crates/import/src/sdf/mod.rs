@@ -10,7 +10,7 @@ mod pose;
 mod xml;
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use roxmltree::Node;
 use wayfield_scenario::limits::MAX_OBSTACLES;
@@ -31,6 +31,8 @@ pub struct SdfWorld {
     pub solids: Vec<Solid>,
     /// What was left out, or is not as in the file.
     pub findings: Findings,
+    /// The file that was to be imported.
+    path: PathBuf,
     bytes_read: u64,
     includes: usize,
 }
@@ -65,7 +67,7 @@ impl SdfWorld {
     /// # Errors
     /// As for [`SdfWorld::read`].
     pub fn parse(text: &str, path: &Path, options: &ImportOptions) -> Result<Self, FileError> {
-        let mut world = Self::default();
+        let mut world = Self { path: path.into(), ..Self::default() };
         let document = xml::parse(text, path)?;
         let file = XmlFile { path, text };
         let root = document.root_element();
@@ -217,7 +219,7 @@ impl SdfWorld {
         for found in children(include, "plugin") {
             self.findings.add("plugins do not run", plugin(found));
         }
-        let Some(path) = models::find(uri, file.path, &options.models) else {
+        let Some(path) = models::find(uri, [file.path, &self.path], &options.models) else {
             self.findings
                 .add("models that were not found are left out (name their folder with --models)", uri);
             return Ok(());

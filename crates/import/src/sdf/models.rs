@@ -14,8 +14,8 @@ pub fn is_scenery(uri: &str) -> bool {
 }
 
 /// The SDF file of the model `uri`, such as `model://table`. A model is a folder with a file `model.sdf`; it may be in one
-/// of the `folders`, or else in the folder of the file `from`, in `models` there, or in `../models`.
-pub fn find(uri: &str, from: &Path, folders: &[PathBuf]) -> Option<PathBuf> {
+/// of the `folders`, or else in the folder of one of the files `from`, in `models` there, or in `../models`.
+pub fn find(uri: &str, from: [&Path; 2], folders: &[PathBuf]) -> Option<PathBuf> {
     let relative = uri.strip_prefix("model://").unwrap_or(uri.rsplit('/').next()?);
     let relative = Path::new(relative);
     // Nothing outside of the folders is read.
@@ -23,8 +23,10 @@ pub fn find(uri: &str, from: &Path, folders: &[PathBuf]) -> Option<PathBuf> {
     if !is_plain || relative.as_os_str().is_empty() {
         return None;
     }
-    let parent = from.parent().unwrap_or(Path::new(""));
-    let usual = [parent.to_path_buf(), parent.join("models"), parent.join("../models")];
-    let model = |folder: &PathBuf| Some(folder.join(relative).join("model.sdf")).filter(|file| is_file(file));
-    folders.iter().chain(&usual).find_map(model)
+    let near = from.into_iter().flat_map(|file| {
+        let folder = file.parent().unwrap_or(Path::new(""));
+        [folder.to_path_buf(), folder.join("models"), folder.join("../models")]
+    });
+    let file = |folder: PathBuf| folder.join(relative).join("model.sdf");
+    folders.iter().cloned().chain(near).map(file).find(|file| is_file(file))
 }

@@ -116,7 +116,7 @@ pub enum WallLayout {
         /// Inner width, 0.02 to 50 m. Must be more than `gap_m`.
         #[serde(default = "default_trap_m")]
         width_m: (f32, f32),
-        /// Inner depth, from the opening to the back wall, 0.02 to 50 m.
+        /// Inner depth, from the opening to the back wall, less 0.1 m; 0.02 to 50 m.
         #[serde(default = "default_trap_m")]
         depth_m: (f32, f32),
     },

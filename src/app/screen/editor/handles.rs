@@ -89,7 +89,7 @@ fn rotation_handle(transform: &ViewTransform, editor: &Editor, handle: &Handle) 
 
 /// The point on the screen from which the size of the selected item is measured, if it has one.
 pub fn center(transform: &ViewTransform, editor: &Editor) -> Option<Pos2> {
-    let center_m = match editor.selection().body(editor.scenario()) {
+    let centre_m = match editor.selection().body(editor.scenario()) {
         Body::Obstacle(obstacle) => obstacle.position_m,
         Body::Outline(_) => {
             let (low, high) = editor.scenario().enclosure.bounds_m();
@@ -98,7 +98,7 @@ pub fn center(transform: &ViewTransform, editor: &Editor) -> Option<Pos2> {
         Body::Region(region) => region.min_m.midpoint(region.max_m),
         _ => return None,
     };
-    Some(transform.to_screen(center_m.into()))
+    Some(transform.to_screen(centre_m.into()))
 }
 
 /// The nearest handle within `reach` points of `at`. At the start of a path, this is the handle that moves the obstacle with
