@@ -807,21 +807,26 @@ mod tests {
 
     #[test]
     fn the_turn_of_a_disc_that_drives_in_a_circle_is_estimated() {
-        for turn in [0.05, -0.05] {
-            // At 0.3 units a step, in a circle with a radius of 6 units.
+        for turn in [0.08, -0.08] {
+            // At 0.4 units a step, in a circle with a radius of 5 units around the robot's.
             let disc = |step: f32| {
                 let (sin, cos) = (turn * step).sin_cos();
-                Disc { x: 2.0 + 6.0 * cos, y: 6.0 * sin - 2.0, radius: 0.9 }
+                Disc { x: 5.0 * cos - 4.0, y: 5.0 * sin + 5.0, radius: 0.9 }
             };
-            let tracker = track(30, |step| vec![disc(step)]);
-            let moving: Vec<_> = tracker.moving().collect();
-            let [(found, motion)] = moving[..] else { panic!("one disc moves: {moving:?}") };
-            let (truth, later) = (disc(29.0), disc(39.0));
-            assert!((found.x - truth.x).hypot(found.y - truth.y) < 0.4, "{found:?}, {truth:?}");
-            assert!((motion.turn - turn).abs() < 0.015, "{motion:?}");
-            let (dx, dy) = motion.displacement(10.0);
-            let error = (found.x + dx - later.x).hypot(found.y + dy - later.y);
-            assert!(error < 0.8, "{error}, after driving 3 units");
+            for steps in [30_u8, 40] {
+                let mut tracker = Tracker::new(0.5);
+                for step in 0..steps {
+                    FEW_BEAMS.scan(&mut tracker, ((-4.0, 5.0), 0.0), &[disc(f32::from(step))]);
+                }
+                let moving: Vec<_> = tracker.moving().collect();
+                let [(found, motion)] = moving[..] else { panic!("one disc moves: {moving:?}") };
+                let (truth, later) = (disc(f32::from(steps) - 1.0), disc(f32::from(steps) + 9.0));
+                assert!((found.x - truth.x).hypot(found.y - truth.y) < 0.3, "{found:?}, {truth:?}");
+                assert!((motion.turn - turn).abs() < 0.025, "{motion:?}");
+                let displacement = motion.displacement(10.0);
+                let error = (found.x + displacement.0 - later.x).hypot(found.y + displacement.1 - later.y);
+                assert!(error < 0.6, "{error} after ten steps, straight on it would be 1.6");
+            }
         }
     }
 
