@@ -436,7 +436,7 @@ impl Track {
     /// The motion to expect of it: an uncertain turn is taken to be smaller than the estimate, or none.
     fn motion(&self) -> Motion {
         let significance = self.turn * self.turn / self.covariance[5][5];
-        let part = (1.0 - MIN_TURN_SIGNIFICANCE / significance.max(MIN_TURN_SIGNIFICANCE)).max(0.0);
+        let part = 1.0 - MIN_TURN_SIGNIFICANCE / significance.max(MIN_TURN_SIGNIFICANCE);
         Motion { velocity: self.velocity, turn: part * self.turn }
     }
 
@@ -445,6 +445,7 @@ impl Track {
         let numbers = [disc.x, disc.y, velocity.0, velocity.1, *turn, *misfit];
         numbers.iter().chain(covariance.iter().flatten()).all(|number| number.is_finite())
             && (RADII.0..=RADII.1).contains(&disc.radius)
+            && turn.abs() <= MAX_TURN
             && (0.0..=MAX_EVIDENCE).contains(evidence)
     }
 }
