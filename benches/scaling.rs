@@ -2,7 +2,7 @@
 //!
 //! `cargo bench --no-default-features --bench scaling -- [SVG]` prints two tables. With a path, it also draws them. An env
 //! step here is a complete training step of the preset `fast` without gradient steps: forward pass, exploration, rapier,
-//! LIDAR, observation, reward, replay buffer.
+//! LIDAR, observation, reward, replay buffer. Gradient steps are those of the preset `per_d3qn_tuned`.
 
 #[path = "support/allocator.rs"]
 mod allocator;
@@ -71,6 +71,7 @@ fn row(kind: &str, size: usize) -> Result<Row, Box<dyn Error>> {
     Ok((size, us.parse()?, kb.parse()?))
 }
 
+/// The learning configuration of the gradient steps.
 fn config() -> Result<LearningConfig, Box<dyn Error>> {
     Ok(shipped::preset("per_d3qn_tuned")?.learning)
 }
@@ -90,10 +91,8 @@ fn env_step(arenas: usize) -> Result<(f64, f64), Box<dyn Error>> {
         simulation.step()?;
     }
     let us = began.elapsed().as_secs_f64() * 1e6 / (steps * arenas) as f64;
-    assert!(
-        simulation.world().resource::<ActiveLearner>().0.gradient_steps() == 0,
-        "no gradient steps are measured"
-    );
+    let gradient_steps = simulation.world().resource::<ActiveLearner>().0.gradient_steps();
+    assert_eq!(gradient_steps, 0, "no gradient steps are measured");
     Ok((us, memory_kb))
 }
 

@@ -52,6 +52,7 @@ function fontFile(characters, glyphs) {
     const directory = [...u32(0x00010000), ...u16s(tables.length, 64, 2, 16 * tables.length - 64)];
     let content = [];
     for (const [tag, bytes] of tables) {
+        // Checksum (0: not computed), offset, length.
         const entry = [0, HEADER_BYTES + content.length, bytes.length];
         directory.push(...[...tag].map((letter) => letter.charCodeAt(0)), ...entry.flatMap(u32));
         content = content.concat(padded(bytes));

@@ -224,7 +224,7 @@ def evaluate_function(
 def evaluation_options(
     policies: Sequence[_PolicyLike], scenario: str | os.PathLike[str] | None = None, **options: Unpack[EvaluationOptions]
 ) -> tuple[list[_native.NativePolicy | str], dict[str, Any]]:
-    """What ``evaluate`` tests, and its options, for the native module."""
+    """The policies and drivers to test, and the options of ``evaluate``, as the native module takes them."""
     if not policies:
         raise ValueError("the list of policies is empty; help: give one or more")
 
@@ -266,8 +266,8 @@ def _options(
 
 
 def evaluation_from(report: dict[str, Any]) -> Evaluation:
-    """The results in the native module's report on a policy. The report's warning, if any, is shown for the line where the user
-    called the caller of this function."""
+    """The results in the native module's report on a policy. The report's warning, if any, points to the caller of this
+    function's caller: the user's line."""
     warning = report.pop("warning")
     if warning is not None:
         warnings.warn(warning, stacklevel=3)

@@ -74,7 +74,7 @@ fn write(text: &str) {
 #[cfg(target_arch = "wasm32")]
 use super::page::save_preferences as write;
 
-/// Loads the stored preferences, or the default.
+/// Loads the stored preferences, or the default. A window size out of range is replaced by the default.
 #[must_use]
 pub fn load() -> Preferences {
     let mut stored = read().unwrap_or_default();

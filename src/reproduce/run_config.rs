@@ -42,12 +42,12 @@ pub fn run_config(
     ];
     let mut problems = Vec::new();
     for (owner, overrides) in owners.into_iter().flatten() {
-        let in_arm = format!("{owner}, {scenario_from} with {}", stage.preset);
+        let context = format!("{owner}, {scenario_from} with {}", stage.preset);
         let (mut changed, mut changed_preset) = (scenario.clone(), preset.clone());
         match overrides.apply(&mut changed, &mut changed_preset) {
             Ok(()) => (scenario, preset) = (changed, changed_preset),
             Err(errors) => {
-                problems.extend(errors.iter().map(|error| format!("overrides of {in_arm}: {error}")));
+                problems.extend(errors.iter().map(|error| format!("overrides of {context}: {error}")));
             }
         }
     }

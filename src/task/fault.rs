@@ -64,8 +64,8 @@ pub(super) fn detect_faults(
     mut fault: ResMut<TaskFault>,
     arenas: Query<(&Arena, &Clock, &Pose, &Twist, &Scan, &Goal, &Episode)>,
 ) {
-    let rewards = outcomes.0.iter().map(super::outcome::StepOutcome::total_reward);
-    if all_finite(&observations.next) && rewards.fold(0.0, |sum, r| sum + 0.0 * r) == 0.0 {
+    let rewards_are_finite = || outcomes.0.iter().all(|outcome| outcome.total_reward().is_finite());
+    if all_finite(&observations.next) && rewards_are_finite() {
         return;
     }
     let mut active: Vec<_> = arenas.iter().filter(|(.., episode)| !episode.inactive).collect();

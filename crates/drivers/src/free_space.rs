@@ -78,7 +78,7 @@ mod tests {
         let robot = Robot::of(&Scenario::default());
         let mut space = FreeSpace::default();
         let step = Odometry { translation_m: vec2(0.1, 0.0), rotation_rad: 0.0 };
-        // A thing 1 m ahead, then, as seen from 0.1 m further on, at 0.4 m.
+        // An obstacle is 1 m ahead. After the robot has driven 0.1 m, the obstacle is 0.4 m ahead.
         let (mut far, mut near) = ([3.5; 24], [3.5; 24]);
         far[0] = 1.0;
         near[0] = 0.4;
@@ -86,7 +86,7 @@ mod tests {
         add(&mut space, &robot, &near, step);
         assert!(space.contains(&robot, vec2(0.4, 0.0), 0.1), "the first beam passed it by 0.5 m");
         assert!(!space.contains(&robot, vec2(0.4, 0.0), 0.6));
-        assert!(!space.contains(&robot, vec2(0.9, 0.0), 0.1), "the thing itself was there");
+        assert!(!space.contains(&robot, vec2(0.9, 0.0), 0.1), "the obstacle itself was there");
         for _ in 0..6 {
             add(&mut space, &robot, &near, Odometry::default());
         }

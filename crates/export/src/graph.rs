@@ -86,7 +86,7 @@ impl Graph {
         self.0.message(field::graph::OUTPUT, &value_info(name, element, width, doc));
     }
 
-    /// Adds a constant.
+    /// Adds a constant of shape `dims`, with its values row by row.
     pub fn constant(&mut self, name: &str, dims: &[usize], values: &[f32]) {
         let mut tensor = Message::default();
         for &dim in dims {

@@ -31,6 +31,7 @@ pub fn stream(seed: u64, name: &str, index: u64) -> Stream {
     for &byte in name.as_bytes() {
         hash = mix(hash ^ u64::from(byte));
     }
+    // Separates the name from the index: no byte has this value.
     hash = mix(hash ^ 0xFF00);
     let low = mix(hash ^ index);
     let high = mix(low ^ 0xA5A5_5A5A);

@@ -96,6 +96,7 @@ impl Merge<'_> {
                 self.rank(child, old).and_then(|rank| Some((old.fields.get(rank)?, new.fields.get(rank)?)));
             match fields {
                 Some(((_, old), (field, value))) if old != value => {
+                    // A field that is now empty is removed if that is its default.
                     if value.is_empty()
                         && self.formatter.style.is_default(new, field, value)
                         && rebuilder.has_no_comments(k)

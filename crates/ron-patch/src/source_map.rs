@@ -55,6 +55,7 @@ pub struct SourceMap<'a> {
     entries: Vec<Entry>,
 }
 
+/// An offset in [`Entry`] that is not known yet.
 const UNKNOWN: usize = usize::MAX;
 
 impl<'a> SourceMap<'a> {
@@ -132,13 +133,13 @@ impl<'a> SourceMap<'a> {
     /// The path of the innermost field around `offset`; empty for the top level.
     #[must_use]
     pub fn path_at(&self, offset: usize) -> String {
-        self.path(self.innermost(offset))
+        self.path_of(self.innermost(offset))
     }
 
     /// The path of the struct or list that contains the innermost field around `offset`.
     #[must_use]
     pub fn parent_path_at(&self, offset: usize) -> String {
-        self.path(self.entries[self.innermost(offset)].parent)
+        self.path_of(self.entries[self.innermost(offset)].parent)
     }
 
     /// The offset at which the value of the innermost field around `offset` starts; `offset` if the value starts later.
@@ -174,11 +175,6 @@ impl<'a> SourceMap<'a> {
     /// The text of the value of `entry`.
     pub(crate) fn text_of(&self, entry: usize) -> &'a str {
         &self.text[self.value_of(entry)]
-    }
-
-    /// The path of `entry`; empty for the top level.
-    pub(crate) fn path_of(&self, entry: usize) -> String {
-        self.path(entry)
     }
 
     /// The field `name` of the struct or variant `entry`.
@@ -243,8 +239,7 @@ impl<'a> SourceMap<'a> {
             (Step::Index(i), Some(index)) => i == index,
             _ => false,
         };
-        (parent + 1..self.entries.len())
-            .find(|&k| self.entries[k].parent == parent && is_named(&self.entries[k]))
+        self.below(parent).find(|&below| is_named(&self.entries[below]))
     }
 
     /// The offset of the top-level value, after leading comments; `None` if the text contains no value.
@@ -258,7 +253,8 @@ impl<'a> SourceMap<'a> {
         self.entries.iter().rposition(|entry| entry.start <= offset && offset < entry.end).unwrap_or(0)
     }
 
-    fn path(&self, mut entry: usize) -> String {
+    /// The path of `entry`; empty for the top level.
+    pub(crate) fn path_of(&self, mut entry: usize) -> String {
         let mut steps = Vec::new();
         while entry != 0 {
             steps.push(self.entries[entry].step);

@@ -72,7 +72,7 @@ impl TrainingRun {
         self.previous_wall_s + self.started.elapsed().as_secs_f64()
     }
 
-    /// Whether the run, now at `env_steps`, may not be discarded without confirmation.
+    /// Whether the run, now at `env_steps`, has trained long enough to be worth keeping, saved or not.
     #[must_use]
     pub fn is_worth_keeping(&self, env_steps: u64) -> bool {
         self.is_long_since(Moment::default(), env_steps)

@@ -106,7 +106,7 @@ impl FileKind {
 }
 
 /// Checks that the RON file `path` is not clearly of another kind than `wanted`. A file that cannot be read, or whose kind is in
-/// doubt, passes: whoever reads it next finds its problems. The configuration of a run passes as its scenario or preset, and a
+/// doubt, passes: its problems are reported when it is read. The configuration of a run passes as its scenario or preset, and a
 /// level generator or a set of scenarios as a scenario.
 ///
 /// # Errors

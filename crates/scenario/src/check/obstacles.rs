@@ -30,6 +30,7 @@ pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
         check_generator(k, generator, scenario, diagnostics);
     }
     let asked: u64 = scenario.generators.iter().map(|generator| u64::from(generator.count)).sum();
+    // A single count above the limit has already been reported.
     if asked > MAX_GENERATED_OBSTACLES
         && scenario.generators.iter().all(|g| u64::from(g.count) <= MAX_GENERATED_OBSTACLES)
     {

@@ -22,7 +22,8 @@ pub(super) struct FloorPlan {
 }
 
 impl FloorPlan {
-    /// The plan of an enclosure at the largest scale that fits; `None` if the enclosure has no area.
+    /// The plan of an enclosure with its upper left corner at the given pixel, at the largest scale that fits into `available`
+    /// (width and height in drawn pixels); `None` if the enclosure has no area.
     pub(super) fn new(enclosure: &[(f64, f64)], (left, upper): Pixel, available: (f64, f64)) -> Option<Self> {
         if !enclosure.iter().all(|corner| is_drawable(corner.0) && is_drawable(corner.1)) {
             return None;
@@ -50,7 +51,7 @@ impl FloorPlan {
         (self.x.pixel(x, (self.left, self.right)), self.y.pixel(y, (self.lower, self.upper)))
     }
 
-    /// The pixels of the finite points.
+    /// The pixels of the points; those that cannot be drawn are left out.
     pub(super) fn pixels(&self, points: &[(f64, f64)]) -> Vec<Pixel> {
         points.iter().filter(|p| is_drawable(p.0) && is_drawable(p.1)).map(|&p| self.pixel(p)).collect()
     }
@@ -93,7 +94,8 @@ impl FloorPlan {
         write(root, "x and y in m", middle, TEXT, &SOFT_INK, HPos::Center)
     }
 
-    /// Draws an arrowhead in front of a moving obstacle; nothing if it would leave the plan.
+    /// Draws an arrowhead in front of an obstacle that moves in the direction `heading`, in rad; nothing if it would
+    /// leave the plan.
     pub(super) fn draw_arrow(
         &self,
         root: &Canvas,
