@@ -55,7 +55,7 @@
 //! | [`wayfield_policy`] | policy files, the encoding of observations, the forward pass |
 //! | [`wayfield_drivers`] | classical drivers: potential field, DWA, A*, ORCA |
 //! | [`wayfield_export`] | a policy as an ONNX file, and its model card |
-//! | [`wayfield_import`] | scenarios from ROS maps, images, SDF worlds and BARN worlds |
+//! | [`wayfield_import`] | scenarios from ROS maps, images, SDF worlds, BARN worlds and the stages of turtlebot3_drlnav |
 //! | `wayfield_protobuf` | a writer and a reader of protobuf messages |
 //! | [`wayfield_scenario`] | scenarios: the RON schema, its checks, geometry, generators |
 //! | `wayfield_orca` | ORCA, with which pedestrians and the driver of that name avoid others |

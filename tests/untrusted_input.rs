@@ -356,7 +356,7 @@ fn a_mebibyte_of_repeated_text_is_rejected_quickly() {
                 let mut text = start.to_string();
                 text.push_str(&piece.repeat((MIB - start.len()) / piece.len()));
                 let is_valid = check_read(&format!("{kind}: {start}{piece}..."), reader, text.as_bytes());
-                assert!(!is_valid);
+                assert!(!is_valid, "{kind}: {start}{piece}... is rejected");
             }
         }
     }

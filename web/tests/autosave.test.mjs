@@ -35,8 +35,7 @@ async function trainAndSave(page) {
     throw new Error(`not saved within 30 s: ${JSON.stringify(await status(page))}`);
 }
 
-
-test('after a reload, the last session can be continued to the next step', async (t) => {
+test('after a reload, the last session can be continued exactly where it was saved', async (t) => {
     const page = await open(app.browser, `${app.address}?pace=full&seed=3`);
     const saved = await trainAndSave(page);
     assert.deepEqual([saved.scenario, saved.preset, saved.seed], ['Scenario I', 'Fast', 3]);

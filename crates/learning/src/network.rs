@@ -75,7 +75,7 @@ impl Layer {
 pub(crate) struct Gradient {
     /// The derivatives of the loss with respect to the parameters, in the order of [`QNetwork::parameters`].
     pub values: Vec<f32>,
-    /// The TD errors Q(s, a) - y, one per transition.
+    /// The TD errors Q(s, a) - y, one per transition. With quantiles, y is the mean of its targets.
     pub td_errors: Vec<f32>,
     /// Q(s, a), one per transition.
     pub q: Vec<f32>,

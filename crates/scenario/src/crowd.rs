@@ -23,7 +23,7 @@ const MARGIN_M: f32 = 0.01;
 const STATIC_HORIZON_S: f32 = 1.0;
 /// A pedestrian slows down before its last goal: it covers the remaining distance in no less than this time, in s.
 const STOPPING_TIME_S: f32 = 1.0;
-/// The largest coordinate of a pedestrian, in m: twice that of any wall.
+/// The largest coordinate of a pedestrian, in m: twice that of any wall. It also limits the velocity, in m/s.
 const MAX_COORDINATE_M: f32 = 2.0 * *COORDINATE_M.end();
 
 /// The pedestrians of a scenario, in the order of its obstacles. At the start of an episode they stand at their positions.
@@ -44,7 +44,7 @@ pub struct Pedestrian {
 }
 
 impl Crowd {
-    /// The pedestrians of `scenario` at the start of an episode; none if none of its obstacles is a pedestrian.
+    /// The pedestrians of `scenario` at the start of an episode. Empty if no obstacle is a pedestrian.
     #[must_use]
     pub fn at_start(scenario: &Scenario) -> Self {
         let obstacles = scenario.obstacles.iter().enumerate();
@@ -84,8 +84,8 @@ impl Crowd {
         }
     }
 
-    /// Moves each pedestrian by the difference between its starting positions in two versions of a scenario. All start anew if
-    /// other obstacles are pedestrians now, or the state does not fit the new version.
+    /// Moves each pedestrian by the difference between its starting positions in two versions of a scenario. All pedestrians
+    /// restart from their starting positions if other obstacles are pedestrians now, or the state does not fit the new version.
     pub fn follow_change(&mut self, from: &Scenario, to: &Scenario) {
         let (before, after) = (Self::at_start(from), Self::at_start(to));
         if !self.fits(to) || before.0.len() != after.0.len() {
@@ -161,7 +161,7 @@ struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    /// The motion of `obstacle`; `None` if it is no pedestrian.
+    /// The motion of `obstacle`; `None` if it is not a pedestrian.
     fn of(obstacle: &'a Obstacle) -> Option<Self> {
         match &obstacle.motion {
             &ObstacleMotion::Pedestrian { ref goals_m, speed_m_s, loops, sees_robot } => {

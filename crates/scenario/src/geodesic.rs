@@ -103,7 +103,8 @@ impl Geodesic {
     }
 
     /// The length of the path from a position, in cells: the mean of [`Self::through`] over those of the four cells around it
-    /// that are free, with bilinear weights, so that it has no jumps. `None` if all of them see the goal, or no cell is free.
+    /// that are free, with bilinear weights, so that it has no jumps. If none of the four is free, that of the nearest free
+    /// cell. `None` if all of them see the goal, or no cell is free.
     fn around(&mut self, free: &FreeCells, from: Vec2) -> Option<f32> {
         let low = (from - 0.5).floor();
         let part = from - 0.5 - low;

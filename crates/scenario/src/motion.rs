@@ -21,7 +21,8 @@ use wayfield_random::Stream;
 /// visits the waypoints in order, returns to its position, and repeats; a negative speed reverses the direction. Back and
 /// forth: it goes to the last waypoint and back. Random walk: it starts at its position and moves in straight lines between
 /// random points of the disc about it, at constant speed on each leg; every leg takes the time of the longest possible leg. Key
-/// frames: it is at each frame's position at the frame's time, and moves in straight lines between them.
+/// frames: it is at each frame's position at the frame's time, and moves in straight lines between them;
+/// [`KeyFrameEnd`](super::KeyFrameEnd) determines what follows the last one.
 ///
 /// Pedestrian: its position at the start of an episode. [`IndexedScenario::pose_at`](super::IndexedScenario::pose_at) gives its
 /// current position.

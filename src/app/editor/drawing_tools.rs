@@ -36,7 +36,7 @@ impl Editor {
         self.unfinished_drawing().is_some()
     }
 
-    /// Selects a tool, if it fits the selected item.
+    /// Selects a tool, if it fits the selected item. An unfinished drawing is discarded.
     pub fn set_tool(&mut self, tool: Tool) {
         self.end_drag();
         self.close_group();

@@ -75,7 +75,7 @@ impl RunFolder {
     /// appended if that exists.
     ///
     /// # Errors
-    /// The folder already holds a run or other files, or cannot be written.
+    /// The folder already holds a run or other files, another process has its lock, or it cannot be written.
     pub fn create(
         path: Option<PathBuf>,
         config: &RunConfig,
@@ -155,7 +155,8 @@ impl RunFolder {
     /// [`locked`](Self::locked).
     ///
     /// # Errors
-    /// The folder does not exist, or its `config.ron` is unreadable or invalid.
+    /// The folder has no `config.ron`, or it is unreadable or invalid; one of the run's files is a link or a pipe; or the run
+    /// needs too much memory.
     pub fn open(path: &Path) -> Result<(Self, RunConfig), RunError> {
         let folder = Self::new(path.into());
         if !folder.config_path().exists() {
