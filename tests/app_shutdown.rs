@@ -1,5 +1,5 @@
-//! The end of the real window, whoever ends it: the training run is saved in a folder from which `--resume` continues, stderr
-//! names the folder, and the next start offers to continue.
+//! The end of the real window, by a signal, a lost display or the user: the training run is saved in a folder from which
+//! `--resume` continues, stderr names the folder, and the next start offers to continue.
 #![cfg(all(feature = "gui", target_os = "linux"))]
 
 #[path = "support/window_process.rs"]
@@ -99,7 +99,7 @@ fn saved_env_steps(folder: &Path) -> Option<u64> {
     metadata.split("env_steps:").nth(1)?.split(',').next()?.trim().parse().ok()
 }
 
-/// Checks that the run in `folder` continues from where the window saved it.
+/// Checks that the run in `folder` can be replayed, and that it continues from where the window saved it.
 fn assert_resumes(folder: &Path) {
     let target = saved_env_steps(folder).expect("metadata") + 1600;
     let path = folder.to_str().expect("UTF-8");

@@ -1,7 +1,6 @@
-//! The shipped scenarios, presets, experiments and trained policies, compiled into the program.
+//! The shipped scenarios, level generators, sets, suites, presets, experiments and trained policies, compiled into the program.
 //!
-//! In: a file's path or a shipped name, as given after `--scenario` or `--preset`. Out: the scenario or
-//! preset.
+//! In: a file's path or a shipped name, as given after `--scenario` or `--preset`. Out: the scenario, set or preset.
 
 mod source;
 
@@ -168,8 +167,21 @@ pub fn suite_text(wanted: &str) -> Option<(&'static str, &'static str)> {
 pub fn is_paper_scenario_1(scenario: &Scenario) -> bool {
     static FIRST: LazyLock<Option<Scenario>> = LazyLock::new(|| scenarios().next().map(|(_, first)| first));
     FIRST.as_ref().is_some_and(|first| {
-        let Scenario { name: _, about: _, enclosure, walls, obstacles, generators, .. } = scenario;
-        let Scenario { robot, lidar, task, starts, goals, benchmark_route, .. } = scenario;
+        // Every field is named, so that a new one is not forgotten.
+        let Scenario {
+            name: _,
+            about: _,
+            enclosure,
+            walls,
+            obstacles,
+            generators,
+            robot,
+            lidar,
+            task,
+            starts,
+            goals,
+            benchmark_route,
+        } = scenario;
         (enclosure, walls, obstacles, generators)
             == (&first.enclosure, &first.walls, &first.obstacles, &first.generators)
             && (robot, lidar, task) == (&first.robot, &first.lidar, &first.task)
@@ -327,7 +339,7 @@ mod tests {
         }
     }
 
-    /// `policy` with the card that this version writes. The training data and the program on it stay as they were.
+    /// `policy` with the card that this version writes. Its training data and its program stay as they were.
     fn with_current_card(policy: &Policy) -> Policy {
         let mut policy = policy.clone();
         let card = policy.card.take().expect("a card");

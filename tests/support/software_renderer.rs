@@ -36,8 +36,8 @@ impl TestRenderer for SoftwareRenderer {
     fn render(&mut self, ctx: &egui::Context, output: &egui::FullOutput) -> Result<RgbaImage, String> {
         let scale = output.pixels_per_point;
         let size = (ctx.content_rect().size() * scale).round();
-        let paper = ctx.style_of(ctx.theme()).visuals.panel_fill.to_opaque();
-        let mut canvas = Canvas::new(size.x as usize, size.y as usize, paper);
+        let background = ctx.style_of(ctx.theme()).visuals.panel_fill.to_opaque();
+        let mut canvas = Canvas::new(size.x as usize, size.y as usize, background);
         for clipped in ctx.tessellate(output.shapes.clone(), scale) {
             let Primitive::Mesh(mesh) = &clipped.primitive else { continue };
             let texture = self.textures.get(&mesh.texture_id).ok_or("unknown texture")?;
@@ -138,8 +138,8 @@ struct Canvas {
 }
 
 impl Canvas {
-    fn new(width: usize, height: usize, paper: Color32) -> Self {
-        Self { width, height, pixels: vec![paper; width * height], clip: [0; 4] }
+    fn new(width: usize, height: usize, background: Color32) -> Self {
+        Self { width, height, pixels: vec![background; width * height], clip: [0; 4] }
     }
 
     fn mesh(&mut self, mesh: &Mesh, texture: &Texture, scale: f32) {
@@ -173,6 +173,7 @@ impl Canvas {
                 let owns = q.y < p.y || (q.y == p.y && q.x > p.x);
                 let needs = i64::from(!owns);
                 let at_first = side(p, q, SUB / 2, y);
+                // In column n, `side` is `at_first - n * falls`; inside, it is at least `needs`.
                 let falls = (q.y - p.y) * SUB;
                 match falls {
                     0 if at_first < needs => to = from,

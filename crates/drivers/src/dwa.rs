@@ -91,6 +91,8 @@ impl Dwa {
         first_least(self.robot.motions.iter().map(cost))
     }
 
+    /// Simulates `motion` until the horizon, the aim or a collision, which is a clearance below `limit_m`. The other arguments
+    /// are those of [`Dwa::choose`].
     fn simulate(
         &self,
         twist: &Motion,
@@ -105,15 +107,15 @@ impl Dwa {
         let mut actual = *twist;
         let mut after_s = 0.0;
         let mut rollout = Rollout { free_s: horizon_s, heading: 0.0 };
-        let mut is_aligned = false;
+        let mut is_scored = false;
         while after_s < horizon_s - 0.5 * self.sample_s {
             let (mean, next) = self.drive.step(&actual, motion);
             pose = pose.then(&Robot::arc(&mean, self.sample_s));
             actual = next;
             after_s += self.sample_s;
             let is_there = (aim_m - pose.translation_m).length() < aim_radius_m;
-            if !is_aligned && (is_there || after_s >= heading_time_s || after_s + self.sample_s > horizon_s) {
-                is_aligned = true;
+            if !is_scored && (is_there || after_s >= heading_time_s || after_s + self.sample_s > horizon_s) {
+                is_scored = true;
                 rollout.heading = if is_there { 1.0 } else { alignment(&pose, aim_m) };
             }
             if clearance(pose.translation_m, after_s) < limit_m {

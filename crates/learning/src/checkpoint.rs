@@ -18,21 +18,20 @@ mod header;
 use std::io::{self, Read, Write};
 use std::ops::RangeInclusive;
 
-use self::arrays::write_array;
-use self::checksum::ChecksummedStream;
 use wayfield_random::Stream;
 
+use self::arrays::write_array;
+use self::checksum::ChecksummedStream;
 use self::header::Header;
 use super::config::{ConfigError, LearningConfig};
 use super::framing::{HeaderError, HeaderFormat, decode, encode, read_array};
 use super::learner::Learner;
 use super::limits::MAX_HEADER_BYTES;
 
-/// The versions of the file.
+/// The versions of the file that can be read.
 const VERSIONS: RangeInclusive<u32> = 1..=5;
 
-/// The header format of a file of this `version`. A network has at most 2^24 parameters, and the header has four arrays of
-/// that length.
+/// The header format of a file of this `version`.
 const fn format(version: u32) -> HeaderFormat {
     HeaderFormat { magic: b"wayfield", version, max_bytes: MAX_HEADER_BYTES, checksum: false }
 }
@@ -87,8 +86,8 @@ impl From<HeaderError> for CheckpointError {
 }
 
 impl Learner {
-    /// Writes the whole learner: networks, optimizer moments, replay buffer with priorities, trajectories, counters
-    /// and the random stream.
+    /// Writes the whole learner: networks, optimizer moments, replay buffer with priorities, trajectories, counters and random
+    /// streams.
     ///
     /// # Errors
     /// The writer failed.

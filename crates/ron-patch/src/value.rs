@@ -34,7 +34,7 @@ impl Value {
         if let Self::Record(record) = self { Some(record) } else { None }
     }
 
-    /// Whether this is `None`, an empty string or list, or a variant without fields.
+    /// Whether this is `None`, an empty string or list, or a struct or variant without fields.
     pub fn is_empty(&self) -> bool {
         match self {
             Self::Null => true,

@@ -11,7 +11,7 @@ use super::wall_cells::CellBlock;
 use glam::{Vec2, vec2};
 use serde::{Deserialize, Serialize};
 
-/// A part of a scenario that the robot can collide with. Their order is that in which they are searched.
+/// A part of a scenario that the robot can collide with. The order of the variants is that in which they are searched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Solid {
     /// The enclosure.

@@ -226,10 +226,8 @@ impl ScenarioSet {
     /// whose subject is the member; `None` if a policy for member 0 can drive in all members.
     #[must_use]
     pub fn misfit(&self, fit: SetFit) -> Option<(usize, String)> {
-        let members = self.members.iter().enumerate();
-        members
-            .filter_map(|(k, member)| Some((k, self.misfit_of(&member.name, member.source.task(), fit)?)))
-            .next()
+        let mut members = self.members.iter().enumerate();
+        members.find_map(|(k, member)| Some((k, self.misfit_of(&member.name, member.source.task(), fit)?)))
     }
 
     /// Why a policy for member 0 cannot drive in the scenario or level generator called `name`, as in [`Self::misfit`].

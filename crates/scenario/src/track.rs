@@ -77,12 +77,12 @@ impl ObstacleMotion {
         motion.speed()
     }
 
-    /// Whether an obstacle with this motion ever moves.
+    /// Whether an obstacle with this motion ever moves. Key frames count as motion even if all are in one place.
     #[must_use]
     pub fn is_moving(&self) -> bool {
         match self.ranged_speed() {
             Some(speed) => speed.ends() != [0.0; 2],
-            None => !matches!(self.speed(), MotionSpeed::AtRest | MotionSpeed::Translation(0.0)),
+            None => *self != Self::Static,
         }
     }
 }

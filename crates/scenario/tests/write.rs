@@ -311,7 +311,7 @@ const EVERYTHING: &str = r##"(
 "##;
 
 #[test]
-fn the_canonical_text_of_all_parts() {
+fn the_canonical_text_has_all_parts_and_leaves_out_defaults() {
     assert_eq!(to_text(&everything(), None), EVERYTHING);
     assert_eq!(to_text(&Scenario::default(), None), "(\n    name: \"Empty\",\n)\n", "defaults are left out");
 }

@@ -29,8 +29,8 @@ pub(super) fn region_handles(region: Region) -> Vec<Handle> {
     handles
 }
 
-/// Drags a handle of the region between these corners. A side snaps to the grid; the region keeps a
-/// minimum size.
+/// Drags a handle of the region between these corners. A side snaps to the grid; the region keeps a minimum size. `None` if a
+/// region has no handle of this kind.
 pub(super) fn drag_region(
     (min_m, max_m): (&mut Vec2, &mut Vec2),
     kind: HandleKind,
