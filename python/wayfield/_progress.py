@@ -11,7 +11,7 @@ _PLAIN_INTERVAL_S = 10.0
 
 class ProgressLine:
     """Calls the user's callback, and shows the progress on stderr: one line that is rewritten, or every few seconds a new line if
-    stderr is a file."""
+    stderr is neither a terminal nor a notebook."""
 
     def __init__(self, callback: Callable[[dict[str, Any]], Any] | None, show: bool) -> None:
         self._callback = callback

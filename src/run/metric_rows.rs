@@ -1,7 +1,7 @@
 //! The metrics of a run: a row per episode, a row per evaluation, and a summary.
 //!
 //! The field names are the columns of `episodes.csv` and `evaluations.csv` and the keys of `summary.json`.
-//! Only `wall_s` differs between two runs with the same seed.
+//! Only `wall_s` differs between two runs with the same scenario, preset and seed.
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -192,7 +192,7 @@ pub struct Milestone {
     pub env_steps: u64,
     /// Episodes finished at that evaluation.
     pub episodes: u64,
-    /// Wall time at that evaluation, from the start of the process and including evaluations, in s.
+    /// Wall time at that evaluation, in s, as in [`EvaluationRow::wall_s`].
     pub wall_s: f64,
 }
 

@@ -31,7 +31,7 @@ pub struct LearningConfig {
     pub loss: Loss,
     /// The optimizer.
     pub optimizer: Optimizer,
-    /// The optimizer's step size, as a function of env steps. Table 1: 0.00025.
+    /// The optimizer's step size, 0 to 10, as a function of env steps. Table 1: 0.00025.
     pub learning_rate: Schedule,
     /// The largest norm of the gradient of all parameters together, above 0; a longer gradient is scaled down to it, as by
     /// PyTorch's `clip_grad_norm_`. The loss is in units of scaled reward; with rewards of the order of one, 10 is usual. The

@@ -34,7 +34,7 @@ pub fn add_upload(name: String, bytes: Vec<u8>) {
 /// Reads the first `max_bytes` bytes of the upload at `path`. Reading a policy removes it.
 ///
 /// # Errors
-/// `NotFound` if there is none of that name.
+/// `NotFound` if there is no upload of that name.
 pub fn read(path: &Path, max_bytes: u64) -> std::io::Result<Vec<u8>> {
     let mut files = UPLOADS.lock().unwrap_or_else(PoisonError::into_inner);
     let found = files.iter().position(|(name, _)| Path::new(name) == path);

@@ -45,9 +45,11 @@ use super::view_state::{EditorSource, ThemeChoice, ViewState};
 
 pub use self::input::ScreenInput;
 
+/// Height of the toolbar, in points.
 const BAR_HEIGHT: f32 = 56.0;
 /// Windows narrower than this, in points, have no space for panels next to the arena.
 const NARROW: f32 = 700.0;
+/// Height of the toolbar in a narrow window, where it has two rows, in points.
 const NARROW_BAR_HEIGHT: f32 = 92.0;
 
 /// Draws the window into `ui` and appends the user's requests to `commands`. Expects the typeface and the

@@ -101,7 +101,7 @@ fn problems_of_presets_that_are_based_on_others_are_located_in_the_right_file() 
 }
 
 #[test]
-fn a_preset_outside_of_its_own_file_is_based_on_nothing() {
+fn based_on_is_rejected_outside_of_a_preset_s_own_file() {
     let preset = Preset { based_on: Some("fast".into()), ..Preset::default() };
     let found = preset.diagnostics();
     assert_eq!(found.len(), 1);

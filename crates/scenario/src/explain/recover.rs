@@ -21,7 +21,8 @@ const VALUES: [&str; 6] = ["0", "0.0", "\"\"", "true", "[]", "(0, 0)"];
 pub struct Recovered<T> {
     pub problems: Vec<(usize, String)>,
     pub value: Option<T>,
-    /// The paths of the fields in `value` that have an arbitrary value, because their own could not be read.
+    /// The paths of the fields in `value` whose values are not known: an arbitrary one replaces what could not be read, or the
+    /// number was given under another name.
     pub unknown: Vec<String>,
     /// The repaired text.
     draft: Draft,
@@ -62,11 +63,9 @@ pub fn recover<T: DeserializeOwned>(
                 (_, Some(last)) if *last == (at, message.clone()) => break,
                 _ => {
                     missing.clear();
-                    missing.extend(if let Some(Repair::Add { field, .. }) = &repair {
-                        Some(*field)
-                    } else {
-                        None
-                    });
+                    if let Some(Repair::Add { field, .. }) = &repair {
+                        missing.push(field);
+                    }
                     found.problems.push((at, message));
                 }
             }
@@ -92,7 +91,7 @@ pub fn recover<T: DeserializeOwned>(
 struct Draft {
     text: String,
     edits: Vec<Edit>,
-    /// The paths of the fields that got an arbitrary value.
+    /// As in [`Recovered::unknown`].
     unknown: Vec<String>,
 }
 
