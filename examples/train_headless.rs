@@ -1,6 +1,6 @@
 //! A short training run in Scenario I with the default preset. It writes a run folder.
 //!
-//! `cargo run --release --no-default-features --example train_headless -- FOLDER`
+//! `cargo run --release --no-default-features --example train_headless -- [FOLDER]`
 
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;

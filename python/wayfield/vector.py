@@ -75,6 +75,9 @@ class NavigationVectorEnv(VectorEnv):
 
         Returns:
             All observations, float32, (num_envs, width), and an empty dict.
+
+        Raises:
+            RuntimeError: a mask leaves out environments that have never been reset.
         """
         if seed is not None:
             super().reset(seed=seed)
@@ -95,6 +98,10 @@ class NavigationVectorEnv(VectorEnv):
 
         Returns:
             Observations (float32), rewards (float64), terminated and truncated (bool), info. The arrays are newly allocated.
+
+        Raises:
+            RuntimeError: the environments have not been reset.
+            ValueError: an action does not exist or is not a number, or the shape is wrong.
         """
         if not self._is_reset:
             raise RuntimeError("the environments were not reset; help: call reset() before step()")

@@ -53,7 +53,7 @@ pub struct SharedArgs {
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     pub size: Option<(u16, u16)>,
 
-    /// Print one JSON object instead of text
+    /// Print JSON instead of text
     #[arg(long)]
     pub json: bool,
 

@@ -59,6 +59,9 @@ pub fn run_config(
 
 /// The name of a run's folder: equal configurations have equal names. The name depends on the budget only if the best
 /// policy is tested. Otherwise a longer run contains the shorter one.
+///
+/// # Errors
+/// The configuration cannot be written as RON.
 pub fn run_name(config: &RunConfig, tested: TestedPolicy) -> Result<String, RunError> {
     // A report can be continued by a program of the same version from another commit.
     let mut identity = RunConfig { commit: None, ..config.clone() };

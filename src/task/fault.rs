@@ -120,18 +120,26 @@ fn cause_in_reward(outcome: &StepOutcome, episode: &Episode, extra_names: &[Stri
     }
     let (terms, potential) = (&outcome.reward, &episode.potential);
     let total = terms.total();
-    (!total.is_finite()).then(|| {
-        format!(
-            "the reward is {total}: reached {:e}, collided {:e}, attraction {:e}, repulsion {:e}; potentials: attraction \
-             {:e}, repulsion {:e}; try a smaller reward.mu or reward.sigma",
-            terms.reached,
-            terms.collided,
-            terms.attraction,
-            terms.repulsion,
-            potential.attraction,
-            potential.repulsion
-        )
-    })
+    if total.is_finite() {
+        // Finite terms, but too large a sum.
+        let total = outcome.total_reward();
+        return (!total.is_finite()).then(|| {
+            format!(
+                "the reward with the terms of plugins is {total}: check the plugins that add {}",
+                extra_names.join(", ")
+            )
+        });
+    }
+    Some(format!(
+        "the reward is {total}: reached {:e}, collided {:e}, attraction {:e}, repulsion {:e}; potentials: attraction {:e}, \
+         repulsion {:e}; try a smaller reward.mu or reward.sigma",
+        terms.reached,
+        terms.collided,
+        terms.attraction,
+        terms.repulsion,
+        potential.attraction,
+        potential.repulsion
+    ))
 }
 
 /// Whether all values are finite.

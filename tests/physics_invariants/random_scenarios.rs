@@ -15,7 +15,7 @@ use crate::scenario_strategies::valid_scenario;
 /// A point (x, y) in m.
 pub type Point = (f64, f64);
 
-/// `count` valid random scenarios over the whole schema. The same `seed` gives the same scenarios.
+/// `count` valid random scenarios over most of the schema. The same `seed` gives the same scenarios.
 pub fn scenarios(seed: u8, count: usize) -> impl Iterator<Item = Scenario> {
     let rng = TestRng::from_seed(RngAlgorithm::ChaCha, &[seed; 32]);
     let mut runner = TestRunner::new_with_rng(Config::default(), rng);

@@ -36,10 +36,11 @@ impl Editor {
         self.unfinished_drawing().is_some()
     }
 
-    /// Selects a tool, if it fits the selected item. An unfinished drawing is discarded.
+    /// Finishes an unfinished drawing, then selects a tool, if it fits the selected item.
     pub fn set_tool(&mut self, tool: Tool) {
         self.end_drag();
         self.close_group();
+        self.finish_drawing();
         let fits = match tool {
             Tool::Select | Tool::Wall { .. } => true,
             Tool::Path { .. } => matches!(self.selection, Selection::Obstacle(_)),

@@ -12,6 +12,7 @@ pub struct CountProgress(Mutex<Inner>);
 
 struct Inner {
     bar: Option<ProgressBar>,
+    done: usize,
     started: Instant,
     due: Duration,
 }
@@ -20,16 +21,17 @@ impl CountProgress {
     /// A display of `total` tests, whose clock starts now: a bar on a terminal, elsewhere a line every few seconds.
     #[must_use]
     pub fn new(total: usize) -> Self {
-        Self(Mutex::new(Inner { bar: bar(total as u64), started: Instant::now(), due: FIRST_LINE }))
+        Self(Mutex::new(Inner { bar: bar(total as u64), done: 0, started: Instant::now(), due: FIRST_LINE }))
     }
 
     /// Shows that `done` of `total` tests are done.
     pub fn update(&self, done: usize, total: usize) {
         let mut inner = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let text = format!("{done} of {total} tests");
+        // Threads may report their counts out of order.
+        inner.done = inner.done.max(done);
+        let text = format!("{} of {total} tests", inner.done);
         if let Some(bar) = &inner.bar {
-            // Threads may report their counts out of order.
-            bar.set_position(bar.position().max(done as u64));
+            bar.set_position(inner.done as u64);
             bar.set_prefix(text);
         } else if inner.started.elapsed() >= inner.due {
             inner.due = inner.started.elapsed() + NEXT_LINE;

@@ -187,7 +187,7 @@ fn check_free_space(valid: &ValidPart, diagnostics: &mut Diagnostics) {
         1
     };
     let (mut starts, mut goals, mut too_narrow) = (None, None, false);
-    for step in (0..moments).map(|k| k * u64::from(scenario.task.max_episode_steps) / SAMPLED_STEPS) {
+    for step in (0..moments).map(|k| k * u64::from(scenario.task.max_episode_steps) / moments) {
         let found = FreeSpace::new(&frozen(scenario, step));
         starts = starts.or((!found.starts).then_some(step));
         goals = goals.or((!found.goals).then_some(step));

@@ -1,4 +1,4 @@
-//! Strategies for random scenarios over the whole schema: arbitrary ones and valid ones.
+//! Strategies for random scenarios, arbitrary ones and valid ones, without pedestrians, ranges, slip and odometry drift.
 
 use std::f32::consts::TAU;
 

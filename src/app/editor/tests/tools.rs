@@ -117,6 +117,18 @@ fn drawing_a_wall_is_one_undo_step() {
 }
 
 #[test]
+fn a_tool_that_is_chosen_during_a_drawing_finishes_it() {
+    let mut editor = editor(full());
+    editor.select(Selection::Obstacle(0));
+    editor.set_tool(path());
+    editor.click_with_tool(vec2(-1.0, 0.0), false);
+    let after = one_step(&mut editor, |editor| editor.set_tool(Tool::Wall { corners_m: Vec::new() }));
+    let waypoints_m = vec![vec2(-1.0, 0.0)];
+    assert_eq!(after.obstacles[0].motion, ObstacleMotion::Patrol { waypoints_m, speed_m_s: 0.1.into() });
+    assert_eq!(*editor.tool(), Tool::Wall { corners_m: Vec::new() });
+}
+
+#[test]
 fn paths_and_positions_are_drawn_for_the_selected_item() {
     let mut editor = editor(full());
     editor.set_tool(Tool::Path { waypoints_m: Vec::new() });
