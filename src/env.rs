@@ -127,7 +127,7 @@ pub struct Step<'a> {
     pub rewards: &'a [f32],
     /// Whether the return ends with this step, because the robot collided or reached its goal.
     pub terminated: &'a [bool],
-    /// Whether the time limit ended the episode.
+    /// Whether the time limit ended the episode, and the robot neither collided nor reached its goal in this step.
     pub truncated: &'a [bool],
     /// The observations after the step and before any reset: `num_envs` rows. Bootstrap truncated returns from these.
     pub final_observations: &'a [f32],

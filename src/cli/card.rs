@@ -6,7 +6,8 @@ use super::output::print_json_text;
 use super::policy;
 use crate::run::RunError;
 
-/// Prints the header of a policy file, or of the shipped policy of that name, as one line of JSON: the network and the card.
+/// Prints the header of the policy at `path` (a file, or the name of a shipped policy) as one line of JSON: the network and the
+/// card.
 ///
 /// # Errors
 /// The file is not a policy, or has no card.

@@ -226,7 +226,10 @@ fn write_actions(page: &mut String, card: &Card) -> std::fmt::Result {
         for (number, motion) in motions.iter().enumerate() {
             writeln!(page, "| {number} | {} | {} |", motion.speed, motion.turn)?;
         }
-        return writeln!(page);
+        return writeln!(
+            page,
+            "\nA negative fraction is of the highest speed backwards, or of the highest turning rate to the right.\n"
+        );
     }
     writeln!(page, "| action | m/s | rad/s |\n|---|---|---|")?;
     for (number, action) in card.actions.iter().enumerate() {

@@ -310,6 +310,9 @@ fn a_model_in_the_folder_of_the_world_may_include_another_one_there() {
     let folder = Folder::new(&files.each_ref().map(|(name, text)| (*name, text.as_bytes())));
     let imported = folder.import("w.world").expect("a world");
     assert!((distance(&imported, 1.0, 2.0) + 0.25).abs() < 1e-3);
+    folder.write("models/set/model.sdf", b"<sdf version='1.6'><light name='lamp'/></sdf>");
+    let error = folder.import("w.world").expect_err("nothing is left");
+    assert!(error.contains("included files without a model are left out: model://set"), "{error}");
 }
 
 /// An included model counts as one level, like a model in the same file.

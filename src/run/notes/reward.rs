@@ -1,7 +1,7 @@
 //! The notes on rewards that teach nothing or the wrong thing.
 
 use crate::scenario::{Note, NoteLevel, Scenario};
-use crate::task::{RewardConfig, RewardKind};
+use crate::task::{RewardConfig, RewardKind, RewardLengths};
 
 pub(super) fn check(
     reward: &RewardConfig,
@@ -36,13 +36,16 @@ pub(super) fn check(
     if let Some(scenario) = scenario
         && is_shaped
         && sigma > 0.0
-        && l_r_m <= scenario.task.collision_range_m
     {
-        let message = format!(
-            "is {l_r_m}, within the scenario's collision range of {} m, so obstacles repel only when it is too late; help: \
-             give a larger distance, such as 0.3",
-            scenario.task.collision_range_m
-        );
-        add(NoteLevel::Note, "reward.l_r_m", message);
+        // In the units of the potential.
+        let collision_range_m = reward.scale(scenario.robot_unit_m()) * scenario.task.collision_range_m;
+        if l_r_m <= collision_range_m {
+            let message = format!(
+                "is {l_r_m}, within the scenario's collision range of {collision_range_m} m{}, so obstacles repel only when it \
+                 is too late; help: give a larger distance, such as 0.3",
+                if reward.lengths == RewardLengths::Robot { " (scaled to the paper's robot)" } else { "" }
+            );
+            add(NoteLevel::Note, "reward.l_r_m", message);
+        }
     }
 }

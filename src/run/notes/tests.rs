@@ -4,7 +4,7 @@ use super::*;
 use crate::learning::{Exploration, Sampling, Schedule, TargetUpdate};
 use crate::run::folder::Transfer;
 use crate::run::shipped;
-use crate::task::RewardKind;
+use crate::task::{RewardKind, RewardLengths};
 
 /// A schedule of epsilon that does not depend on env steps.
 const PER_EPISODE: Exploration = Exploration::PerEpisode { start: 1.0, decay: 0.99, end: 0.05 };
@@ -116,6 +116,15 @@ fn rewards_that_teach_nothing_or_the_wrong_thing_get_a_warning() {
     assert_eq!(preset_notes(&preset, None, true), [], "a plugin may give the reward");
     assert_noted(|p| p.reward.l_r_m = 0.1, "note: `reward.l_r_m` is 0.1, ", "collision range of 0.13 m");
     assert_eq!(noted(|p| (p.reward.l_r_m, p.reward.sigma) = (0.1, 0.0)), [""; 0]);
+    // In units of the robot, 0.3 is far from the surface of any robot.
+    let mut large = Scenario::default();
+    (large.robot.radius_m, large.task.collision_range_m) = (0.4, 0.5);
+    let with_lengths = |lengths| {
+        let mut preset = fast();
+        preset.reward.lengths = lengths;
+        preset_notes(&preset, Some(&large), false).len()
+    };
+    assert_eq!((with_lengths(RewardLengths::Metres), with_lengths(RewardLengths::Robot)), (1, 0));
 }
 
 #[test]

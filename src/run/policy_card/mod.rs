@@ -75,11 +75,11 @@ pub fn trained_scenario(policy: &Policy) -> Result<Option<Scenario>, RunError> {
     if let Some(diagnostic) = value_diagnostics(&scenario).first() {
         return Err(contradiction(&format!("has an invalid scenario: {diagnostic}")));
     }
-    let has_beams = card.observation.is_some() || card.angles_rad() == angles_rad(&scenario.lidar);
-    let described = has_beams
+    let has_same_beams = card.observation.is_some() || card.angles_rad() == angles_rad(&scenario.lidar);
+    let agrees = has_same_beams
         && card.control_period_s == scenario.task.control_period_s
         && card.actions == write::actions(&scenario, &card.action_set());
-    if !described {
+    if !agrees {
         return Err(contradiction("has beams, actions or a control period other than those of its scenario"));
     }
     Ok(Some(scenario))

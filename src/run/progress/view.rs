@@ -58,7 +58,8 @@ impl View<'_> {
         text
     }
 
-    /// The state of learning in at most 80 columns. Values that do not exist yet are left out.
+    /// The state of learning, in at most 80 columns if the return has at most five characters. Values that do not exist yet are left
+    /// out.
     pub fn learning(&self) -> String {
         let progress = self.progress;
         let other = match self.budget {

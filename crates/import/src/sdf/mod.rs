@@ -31,7 +31,7 @@ pub struct SdfWorld {
     pub solids: Vec<Solid>,
     /// What was left out, or is not as in the file.
     pub findings: Findings,
-    /// The file that was to be imported.
+    /// The imported file; included models are also searched for next to it.
     path: PathBuf,
     bytes_read: u64,
     includes: usize,
@@ -241,12 +241,13 @@ impl SdfWorld {
             children(include, "static").next().is_some_and(|node| matches!(xml::text(node), "1" | "true"));
         let label = children(include, "name").next().map(xml::text);
         let inside = XmlFile { path: &path, text: &text };
-        for model in children(document.root_element(), "model").take(1) {
-            let is_static = at.is_static || is_static;
-            let placement = Placement { own_pose, name: label, is_static, ..at };
-            self.add_model(&inside, model, placement, options)?;
-        }
-        Ok(())
+        let Some(model) = children(document.root_element(), "model").next() else {
+            self.findings.add("included files without a model are left out", uri);
+            return Ok(());
+        };
+        let is_static = at.is_static || is_static;
+        let placement = Placement { own_pose, name: label, is_static, ..at };
+        self.add_model(&inside, model, placement, options)
     }
 }
 

@@ -1,4 +1,5 @@
-//! Strategies for random scenarios, arbitrary ones and valid ones, without pedestrians, ranges, slip and odometry drift.
+//! Strategies for random scenarios, arbitrary or valid. They have no pedestrians, no values that each episode draws from a range,
+//! no slip and no odometry drift.
 
 use std::f32::consts::TAU;
 
