@@ -122,10 +122,13 @@ fn a_tool_that_is_chosen_during_a_drawing_finishes_it() {
     editor.select(Selection::Obstacle(0));
     editor.set_tool(path());
     editor.click_with_tool(vec2(-1.0, 0.0), false);
-    let after = one_step(&mut editor, |editor| editor.set_tool(Tool::Wall { corners_m: Vec::new() }));
+    let wall = Tool::Wall { corners_m: Vec::new() };
+    let after = one_step(&mut editor, |editor| {
+        editor.set_tool(wall.clone());
+        assert_eq!(*editor.tool(), wall);
+    });
     let waypoints_m = vec![vec2(-1.0, 0.0)];
     assert_eq!(after.obstacles[0].motion, ObstacleMotion::Patrol { waypoints_m, speed_m_s: 0.1.into() });
-    assert_eq!(*editor.tool(), Tool::Wall { corners_m: Vec::new() });
 }
 
 #[test]
