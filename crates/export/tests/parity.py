@@ -35,7 +35,7 @@ assert difference < 1e-4, f"the Q-values differ by {difference}"
 assert action.dtype == np.int64 and action.shape == (len(q_values),)
 assert (action == q_values.argmax(axis=1)).all(), "not the first of the best actions"
 ordered = np.sort(expected, axis=1)
-is_clear = ordered[:, -1] - ordered[:, -2] > 2e-4 if expected.shape[1] > 1 else np.ones(len(action), bool)
+is_clear = ordered[:, -1] - ordered[:, -2] > 1e-4 if expected.shape[1] > 1 else np.ones(len(action), bool)
 assert (action == expected.argmax(axis=1))[is_clear].all(), "another action where the best one is clear"
 if "highest_motion" in inputs:
     fractions = np.array([[a["speed"], a["turn"]] for a in card["relative_actions"]], np.float32)[action]

@@ -1,11 +1,11 @@
 //! Things that move, tracked from scan to scan.
 //!
 //! Each compact thing in sight is taken to be a disc with a constant speed and turning rate. An extended Kalman filter estimates
-//! its position, velocity, turning rate and radius from the beams that hit it and from those beside them that pass it. So a few beams are enough,
-//! and a thing is not lost when no beam hits it for a moment. A track counts as moving if its velocity differs from zero by some
-//! standard deviations, and if the scans show that it has moved: earlier ones saw through the places where it is hit now, or
-//! this one sees through those where it was hit then. The hits on walls and rocks move, too, as the robot drives, but other
-//! scans show a surface there.
+//! its position, velocity, turning rate and radius from the beams that hit it and from those beside them that pass it. So a few
+//! beams are enough, and a thing is not lost when no beam hits it for a moment. A track counts as moving if its velocity differs
+//! from zero by some standard deviations, and if the scans show that it has moved: earlier ones saw through the places where it
+//! is hit now, or this one sees through those where it was hit then. The hits on walls and rocks move, too, as the robot drives,
+//! but other scans show a surface there.
 //!
 //! Positions are in the frame of odometry. Lengths are in units of the robot, which `sectors.rs` defines; times are in control
 //! steps.
@@ -645,8 +645,9 @@ impl Tracker {
             }
             // Mostly surfaces and nothing free: it stands still, and the hits of earlier scans need not be looked at.
             if sights.free > 0.0 || 2.0 * sights.surfaces <= sights.places {
+                let motion = track.motion();
                 for (age, earlier) in earlier_scans() {
-                    let (dx, dy) = track.motion().displacement(-(age as f32));
+                    let (dx, dy) = motion.displacement(-(age as f32));
                     let hits = earlier.hits_near((x + dx, y + dy), radius + EARLIER_HIT_MARGIN);
                     hits.for_each(|(_, hit)| sights.add(rays.sight(hit, spacing_rad, radius)));
                 }
@@ -807,9 +808,25 @@ mod tests {
     }
 
     #[test]
+    fn a_disc_that_drives_in_a_circle_is_followed() {
+        // At 0.3 units a step, in a circle with a radius of 6 units.
+        let disc = |step: f32| {
+            let (sin, cos) = (0.05 * step).sin_cos();
+            Disc { x: 2.0 + 6.0 * cos, y: 6.0 * sin - 2.0, radius: 0.9 }
+        };
+        let tracker = track(30, |step| vec![disc(step)]);
+        let moving: Vec<_> = tracker.moving().collect();
+        let [(found, Motion { velocity, .. })] = moving[..] else { panic!("one disc moves: {moving:?}") };
+        let (truth, next) = (disc(29.0), disc(30.0));
+        assert!((found.x - truth.x).hypot(found.y - truth.y) < 0.4, "{found:?}, {truth:?}");
+        let error = (velocity.0 - (next.x - truth.x)).hypot(velocity.1 - (next.y - truth.y));
+        assert!(error < 0.1, "{velocity:?}");
+    }
+
+    #[test]
     fn the_turn_of_a_disc_that_drives_in_a_circle_is_estimated() {
         for turn in [0.08, -0.08] {
-            // At 0.4 units a step, in a circle with a radius of 5 units around the robot's.
+            // At 0.4 units a step, in a circle with a radius of 5 units around the robot, which stands still.
             let disc = |step: f32| {
                 let (sin, cos) = (turn * step).sin_cos();
                 Disc { x: 5.0 * cos - 4.0, y: 5.0 * sin + 5.0, radius: 0.9 }
