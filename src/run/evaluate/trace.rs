@@ -41,7 +41,7 @@ pub struct TraceStep {
     pub sensors: Vec<f32>,
     /// The Q-value of each action; `None` in the last state, and for a driver that has none.
     pub q_values: Option<Vec<f32>>,
-    /// The action, an index into the robot's motions; `None` in the last state.
+    /// The action, an index into the policy's or driver's own motions or, without any, the robot's; `None` in the last state.
     pub action: Option<usize>,
     /// The reward of the step, by the default [`RewardConfig`](crate::task::RewardConfig) and plugins' terms; `None` in the
     /// last state.
