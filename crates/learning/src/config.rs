@@ -175,7 +175,7 @@ pub enum Schedule {
 pub struct ReplayConfig {
     /// The maximum number of stored transitions, `batch_size` to 2^24. Table 1: 1,000,000.
     pub capacity: usize,
-    /// The number of env steps before the first update.
+    /// The number of env steps before the first update, which also waits for `batch_size` transitions.
     pub learning_starts: u64,
     /// The sampling of batches.
     pub sampling: Sampling,
