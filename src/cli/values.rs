@@ -152,14 +152,22 @@ mod tests {
             let error = format!("give a whole number from 1 to 1000000000000000{fix}");
             assert_eq!(budget(text), Err(error), "{text}");
         }
+    }
+
+    #[test]
+    fn seeds_are_given_by_their_number_or_as_a_list_without_duplicates() {
         assert_eq!(seeds("5"), Ok(Seeds::First(5)));
         assert_eq!(seeds("3,17, 42"), Ok(Seeds::List(vec![3, 17, 42])));
         assert_eq!(seeds("17,"), Ok(Seeds::List(vec![17])), "a single one");
         assert_eq!(seeds("0"), Err("give a whole number from 1 to 1000".into()));
         assert_eq!(seeds("3,17,3"), Err("3 is given twice; give each seed once".into()));
         assert!(seeds("3,x").is_err() && seeds(",").is_err());
+    }
+
+    #[test]
+    fn a_decimal_comma_is_rejected_with_the_number_to_write() {
         assert_eq!(fraction("0,5"), Err("give a number from 0 to 1; write 0.5".into()));
-        assert_eq!(fraction("NaN"), Err("give a number from 0 to 1".into()));
         assert_eq!(seconds("1,5"), Err("give 0.01 to 1000000 seconds; write 1.5".into()));
+        assert_eq!(fraction("NaN"), Err("give a number from 0 to 1".into()));
     }
 }
