@@ -85,11 +85,12 @@ pub(super) fn check_can_switch(config: &RunConfig, scenario: &Scenario) -> Resul
             set.name
         )));
     }
-    let Some(why) = config.preset.network_misfit(&config.scenario, scenario) else {
-        let fits = config.preset.check_memory(scenario, &config.observation_layout());
-        return fits.map_err(|error| RunError::InvalidInput(format!("{}: {error}", scenario.name)));
-    };
-    Err(RunError::InvalidInput(format!("{}: {why}\nhelp: start a new training run there", scenario.name)))
+    if let Some(why) = config.preset.network_misfit(&config.scenario, scenario) {
+        let name = &scenario.name;
+        return Err(RunError::InvalidInput(format!("{name}: {why}\nhelp: start a new training run there")));
+    }
+    let fits = config.preset.check_memory(scenario, &config.observation_layout());
+    fits.map_err(|error| RunError::InvalidInput(format!("{}: {error}", scenario.name)))
 }
 
 /// Switches to the scenario that waits for the end of an episode, if there is one.
