@@ -129,11 +129,10 @@ pub fn snapshot(world: &mut World) -> Vec<ArenaState> {
                 twist,
                 (scan, readings, memory),
                 goal,
-                clock,
+                (clock, pedestrians),
                 episode,
                 streams,
             )| {
-                let (clock, pedestrians) = clock;
                 let state = ArenaState {
                     pose: *pose,
                     estimated_pose: estimate.0,

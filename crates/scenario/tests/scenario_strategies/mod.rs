@@ -96,11 +96,11 @@ impl ValueRange {
         let polygon = (vec(sane(0.5, 1.0), 3..8), sane(0.05, 0.4), any::<bool>()).prop_map(
             |(parts, radius, reversed)| {
                 let whole: f32 = parts.iter().sum();
-                let mut gone = 0.0;
+                let mut sum = 0.0;
                 let mut corners_m: Vec<Vec2> = Vec::new();
                 for part in parts {
-                    gone += part;
-                    let (sin, cos) = (gone / whole * std::f32::consts::TAU).sin_cos();
+                    sum += part;
+                    let (sin, cos) = (sum / whole * TAU).sin_cos();
                     corners_m.push(vec2(radius * cos + 0.05, radius * sin));
                 }
                 if reversed {
@@ -248,7 +248,7 @@ impl ValueRange {
             );
         let benchmark_route = (self.point(2.0), self.within(-TAU, TAU), self.point(2.0))
             .prop_map(|(start_m, heading_rad, goal_m)| BenchmarkRoute { start_m, heading_rad, goal_m });
-        let benchmark_route = proptest::option::of(benchmark_route);
+        let benchmark_route = option::of(benchmark_route);
         let texts =
             ("[ -~é]{1,40}", "[ -~é\n\t]{0,60}").prop_filter("a name", |(name, _)| !name.trim().is_empty());
         let things = (vec(self.wall(), 0..4), vec(self.obstacle(), 0..6), vec(self.generator(), 0..3));
