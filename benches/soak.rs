@@ -146,7 +146,7 @@ mod window {
         error_notices: Vec<String>,
     }
 
-    /// Trains in the window for `minutes`, with four overlays shown.
+    /// Trains in the window for `minutes`, with all overlays but the potential.
     pub fn soak(minutes: u64) -> Result<bool, Box<dyn Error>> {
         let folder = tempfile::tempdir()?;
         let start = StartOptions { pace: Pace::Full, ..StartOptions::default() };
@@ -245,8 +245,8 @@ mod window {
     }
 }
 
-/// Prints a row for each tenth. Returns whether, within the tolerances, the last is as fast as the first and uses no more memory
-/// than the second.
+/// Prints a row for each tenth. Returns whether, within the tolerances, the last is as fast as the first (by wall time or by CPU
+/// time) and uses no more memory than the second.
 fn report(samples: &[Sample]) -> bool {
     println!(
         "| part | env steps | env steps/s | env steps per CPU s | frames/s | resident MB |\n|---|---|---|---|---|---|"

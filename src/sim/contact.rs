@@ -139,7 +139,7 @@ impl ContactQuery<'_> {
     fn max_travel_m(&self, obstacle: usize) -> f32 {
         let description = &self.layout.scenario.obstacles[obstacle];
         if description.motion.speed() == MotionSpeed::Variable {
-            // The highest speed of many key frames takes long to find.
+            // The length of its trajectory: the highest speed of many key frames would take long to find.
             return self.translation_m(obstacle).length() + MIN_ADVANCE_M;
         }
         let speed_m_s = description.max_speed_m_s();

@@ -75,7 +75,7 @@ impl StaticShape {
         self.low.cmple(at + radius_m).all() && self.high.cmpge(at - radius_m).all()
     }
 
-    /// The radius of a circle that is not rotated, in m.
+    /// The radius of a circle, in m; `None` if it is rotated, since [`FourCircles`] would then round differently.
     fn circle(&self) -> Option<f32> {
         let is_rotated = self.position.rotation != BodyPose::IDENTITY.rotation;
         self.shape.as_ball().filter(|_| !is_rotated).map(|ball| ball.radius)

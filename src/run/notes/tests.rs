@@ -116,7 +116,7 @@ fn rewards_that_teach_nothing_or_the_wrong_thing_get_a_warning() {
     assert_eq!(preset_notes(&preset, None, true), [], "a plugin may give the reward");
     assert_noted(|p| p.reward.l_r_m = 0.1, "note: `reward.l_r_m` is 0.1, ", "collision range of 0.13 m");
     assert_eq!(noted(|p| (p.reward.l_r_m, p.reward.sigma) = (0.1, 0.0)), [""; 0]);
-    // In units of the robot, 0.3 is far from the surface of any robot.
+    // With lengths relative to the robot, 0.3 m is beyond the collision range of any robot.
     let mut large = Scenario::default();
     (large.robot.radius_m, large.task.collision_range_m) = (0.4, 0.5);
     let with_lengths = |lengths| {

@@ -100,7 +100,7 @@ pub(crate) fn sites(
 ) -> Vec<RegionSite> {
     let mut sites: Vec<RegionSite> = Vec::new();
     let mut longest: Vec<usize> = Vec::new();
-    // Adds a run of cells and a position in it.
+    // Adds a run of cells and a position in it. The position in the longest run of a region is kept.
     let mut add = |region: Option<u32>, cells: usize, place: DVec2| {
         let Some(region) = region else { return };
         let index = sites.iter().position(|site| site.region == region).unwrap_or_else(|| {

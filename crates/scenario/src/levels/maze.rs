@@ -7,7 +7,7 @@ use super::draft::Draft;
 use super::{number, one_of};
 
 /// Adds a maze with passages about `passage_m` wide and walls `wall_m` thick. `loops` is the probability that a dead end is
-/// opened.
+/// opened. All three are ranges to draw from.
 pub(super) fn add(
     draft: &mut Draft,
     passage_m: (f32, f32),
