@@ -39,7 +39,7 @@ pub struct TraceStep {
     /// The readings of plugins' sensors; empty without such plugins.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub sensors: Vec<f32>,
-    /// The Q-value of each action; `None` in the last state, and for a driver that has none.
+    /// The Q-value of each action; `None` in the last state, for a classical driver and for a policy with a map.
     pub q_values: Option<Vec<f32>>,
     /// The action, an index into the policy's or driver's own motions or, without any, the robot's; `None` in the last state.
     pub action: Option<usize>,
