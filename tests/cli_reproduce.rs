@@ -196,8 +196,8 @@ fn an_experiment_gives_a_report_and_finished_runs_are_not_repeated() {
 
     // A part of the experiment needs no new runs.
     forget_contents(&workspace, "one");
-    let json = workspace.run_ok("--reproduce --experiment mine/own.ron --out one --only clock --json");
-    let json: serde_json::Value = serde_json::from_str(&json.stdout).unwrap();
+    let done = workspace.run_ok("--reproduce --experiment mine/own.ron --out one --only clock --json");
+    let json = done.json();
     assert_eq!((json["runs"].as_u64(), json["claims"].as_array().unwrap().len()), (Some(6), 0));
     assert_eq!(finished_at(&workspace.path("one")), before, "no run was repeated");
 }
@@ -227,8 +227,7 @@ fn stopped_work_continues_where_it_stopped() {
     assert!(!workspace.path("stopped/report.html").exists(), "there is no report of unfinished work");
 
     // A run continues from its checkpoint; a run without a checkpoint is repeated.
-    let arguments_killed = format!("{arguments} stopped");
-    let mut child = workspace.start(&arguments_killed);
+    let mut child = workspace.start(&format!("{arguments} stopped"));
     wait_until(&mut child, "a run is finished", || !finished_at(&workspace.path("stopped")).is_empty());
     signal(&child, "KILL");
     wait_for_output(child);
@@ -705,9 +704,9 @@ fn arms_are_compared_over_env_steps_and_with_runs_that_were_trained_elsewhere() 
     }
 
     // Other seeds on the command line.
-    let json =
+    let done =
         workspace.run_ok("--reproduce --experiment mine/steps.ron --only ends --seeds 4, --out other --json");
-    let json: serde_json::Value = serde_json::from_str(&json.stdout).unwrap();
+    let json = done.json();
     assert_eq!(json["runs"].as_u64(), Some(4), "two arms with one seed, and two runs from elsewhere");
     assert!(workspace.text("other/tables/ends.md").contains("| Seed 3 | Seed 4 | Seed 17 |"));
 }

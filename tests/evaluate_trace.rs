@@ -38,6 +38,7 @@ fn a_trace_is_the_first_episode_of_the_evaluation() {
                 );
                 assert_eq!(poses.len(), episode.steps as usize + 1);
                 assert_eq!(poses[0], episode.start);
+                // At most 0.15 m/s for 0.2 s, and rounding.
                 for pair in poses.windows(2) {
                     let distance_m = libm::hypotf(pair[1].x_m - pair[0].x_m, pair[1].y_m - pair[0].y_m);
                     assert!(distance_m < 0.0301, "{distance_m} m in one step");

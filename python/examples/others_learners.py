@@ -1,4 +1,4 @@
-"""Learners of other libraries in wayfield's environments, beside wayfield's own: success, env steps and CPU seconds in one table.
+"""Learners of other libraries in wayfield's environments, and wayfield's own: success, env steps and CPU seconds in one table.
 
     pip install ./python stable-baselines3 tyro tensorboard
     git clone https://github.com/vwxyzjn/cleanrl

@@ -1,6 +1,7 @@
 """Tests of training, evaluation and policies."""
 
 import ast
+import importlib.util
 import json
 import os
 import pickle
@@ -73,7 +74,7 @@ def test_a_result_has_arrays_and_policies(run):
 
 
 def test_frames_are_pandas_if_it_is_installed(run):
-    if "pandas" in sys.modules or __import__("importlib.util").util.find_spec("pandas"):
+    if importlib.util.find_spec("pandas"):
         assert len(run.episodes_frame()) == run.summary["episodes"]
     else:
         with pytest.raises(ImportError, match="help: pip install pandas"):
@@ -239,10 +240,10 @@ def test_a_policy_can_be_copied_and_saved(tmp_path):
 
 def test_a_policy_is_exported_as_onnx(tmp_path):
     card = wayfield.Policy.load("scenario-1").export_onnx(tmp_path / "policy.onnx")
-    printed = subprocess.run(
+    subprocess.run(
         [sys.executable, "-m", "wayfield", "--export", policy_file(tmp_path), "--onnx", tmp_path / "cli.onnx"], check=True
     )
-    assert printed.returncode == 0 and card == tmp_path / "README.md"
+    assert card == tmp_path / "README.md"
     assert (tmp_path / "policy.onnx").read_bytes() == (tmp_path / "cli.onnx").read_bytes()
     with pytest.raises(ValueError, match="help: give a file name that ends in .onnx"):
         wayfield.Policy.load("scenario-1").export_onnx(tmp_path / "policy.txt")

@@ -177,6 +177,10 @@ def resume(
         steps: A larger budget in env steps, counted from the start of the run.
         episodes: A larger budget in episodes, in place of ``steps``.
         callback, progress, checkpoint_every_s: As for ``train``.
+
+    Raises:
+        ValueError: The folder holds no run that can be continued, it is in use, or an option is invalid.
+        RuntimeError: The run failed, for example because learning diverged.
     """
     if steps is not None and episodes is not None:
         raise ValueError("both steps and episodes are given; help: give one of them")

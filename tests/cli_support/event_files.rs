@@ -26,7 +26,7 @@ pub fn curves(folder: &Path) -> Curves {
         let mut rest = &bytes[..];
         while !rest.is_empty() {
             let length = u64::from_le_bytes(rest[..8].try_into().unwrap()) as usize;
-            let event = rest.get(12..12 + length).unwrap_or_else(|| panic!("{}: is cut off", file.display()));
+            let event = rest.get(12..12 + length).unwrap_or_else(|| panic!("{} is cut off", file.display()));
             rest = &rest[16 + length..];
             // After the wall time comes the step; in the first event of a file, the version.
             if event[9] == 0x10 {

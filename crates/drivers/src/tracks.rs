@@ -1,9 +1,9 @@
 //! Velocities of moving obstacles, estimated from scans.
 //!
 //! Neighbouring hits of a scan form clusters. A compact cluster may be a moving obstacle: it is followed from scan to scan,
-//! in the robot's present frame, by an alpha-beta filter with constant velocity. It counts as moving if its estimated speed
-//! is high enough and it is where an earlier beam had passed: a wall also seems to move when other beams hit it. All other
-//! hits are taken as static.
+//! in the robot's present frame, by an alpha-beta filter with constant velocity. It counts as moving if it was seen in several
+//! scans, its estimated speed is high enough, and one of its hits is where an earlier beam had passed: a wall also seems to
+//! move when other beams hit it. All other hits are taken as static.
 //!
 //! Source of the filter: P. R. Kalata, *The tracking index*, IEEE Transactions on Aerospace and Electronic Systems
 //! 20(2), 1984.

@@ -88,7 +88,7 @@ impl Message {
 }
 
 /// A reader of a message whose fields have a known order. Each method takes the next field, and returns `None` if that is
-/// another field or the message is damaged.
+/// another field or the message is damaged. After `None`, the rest of the message cannot be read.
 #[derive(Debug, Clone)]
 pub struct Reader<'a>(&'a [u8]);
 

@@ -248,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn what_figures_do_not_have_is_an_error() {
+    fn gradients_clipping_and_invalid_svg_are_refused() {
         let gradient = r##"<linearGradient id="g"><stop offset="0" stop-color="#fff"/><stop offset="1" stop-color="#000"/>
             </linearGradient><rect width="9" height="9" fill="url(#g)"/>"##;
         let clip = r##"<clipPath id="c"><rect width="4" height="4"/></clipPath><rect width="9" height="9" clip-path="url(#c)"/>"##;

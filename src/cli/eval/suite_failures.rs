@@ -35,6 +35,7 @@ struct FailedEpisode<'a> {
     family: usize,
     scenario: &'a str,
     of: &'a SuiteEpisodes,
+    /// Index of the episode in `of`.
     index: usize,
 }
 
@@ -74,20 +75,21 @@ fn failed_episodes<'a>(tested: &'a Tested<'_>) -> Vec<FailedEpisode<'a>> {
 }
 
 impl FailedEpisode<'_> {
-    fn draw(&self, number: usize, tested: &Tested<'_>) -> Result<Failure, RunError> {
+    /// Draws the failure with this number in the report, from 1.
+    fn draw(&self, failure_number: usize, tested: &Tested<'_>) -> Result<Failure, RunError> {
         let Self { driver, family, scenario: name, of, index } = *self;
         let setup = episode_setup(&tested.test.suite.families[family], &of.scenario);
         let under_test = &tested.drivers[driver];
         let mut evaluator = Evaluator::with_extensions(&of.scenario, 1, tested.test.extensions);
         let (episode, svg) = evaluator.episode_image(under_test.evaluated, tested.test.seed, index, setup)?;
         let time_s = f64::from(episode.steps) * period_s(of.scenario.task.control_period_s);
-        let file = format!("failure-{number:04}");
-        let number = index + 1;
-        let title = format!("{name}, episode {number}");
+        let file = format!("failure-{failure_number:04}");
+        let episode_number = index + 1;
+        let title = format!("{name}, episode {episode_number}");
         let text =
             format!("{} in {title}: {} after {time_s:.1} s", under_test.name, outcome_name(episode.end));
         let scenario = to_text(&repeatable(&of.scenario, &episode, &text), None);
-        Ok(Failure { driver, family, episode: number, file, text, svg, scenario })
+        Ok(Failure { driver, family, episode: episode_number, file, text, svg, scenario })
     }
 }
 

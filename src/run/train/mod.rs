@@ -11,8 +11,7 @@ use std::time::{Duration, Instant};
 
 use super::RunError;
 use super::background_evaluator::{BackgroundEvaluator, EvalResult};
-use super::checkpoint::BestPolicy;
-use super::checkpoint::{self, TrainerState};
+use super::checkpoint::{self, BestPolicy, TrainerState};
 use super::final_test::{self, FinalTest};
 use super::folder::{RunConfig, RunFolder};
 use super::metric_rows::Summary;

@@ -16,11 +16,13 @@ pub struct Measurements {
     ranges: Vec<f32>,
     goal: Vec<f32>,
     sensor_readings: Vec<f32>,
-    /// Observations by sectors, and the limits of the robots that make them.
+    /// Observations by sectors.
     observation: Vec<f32>,
+    /// For each of these observations, the robot's highest speed in m/s and turning rate to the left in rad/s.
     highest_motion: Vec<f32>,
+    /// The lowest ones: backwards, and to the right.
     lowest_motion: Vec<f32>,
-    /// The Q-values that the policy computes for them.
+    /// The Q-values that the policy computes for the measurements.
     q_values: Vec<f32>,
 }
 

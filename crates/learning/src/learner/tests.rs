@@ -75,7 +75,7 @@ fn q_values_above_the_largest_possible_return_are_reported_after_50_gradient_ste
         }
         last
     };
-    assert_eq!(after(0.0, 60), None, "before the first reward, nothing is known about returns");
+    assert_eq!(after(0.0, 60), None, "before the first reward other than 0, nothing is known about returns");
     assert_eq!(after(-2.0, 49), None, "49 gradient steps are not enough");
     let found = after(-2.0, 1).expect("10.5 exceeds 10 for the 50th time");
     assert_eq!((found.gradient_step, found.env_step, found.largest_reward), (110, 110, 1.0));
