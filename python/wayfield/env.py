@@ -28,7 +28,8 @@ class NavigationEnv(gymnasium.Env):
     it. A step is one control period (0.2 s by default).
 
     Args:
-        scenario: A shipped scenario by name (``wayfield.scenarios()``), a file's path, or the text of a RON file.
+        scenario: A shipped scenario by name (``wayfield.scenarios()``), a file's path, or the text of a RON file; also a set,
+            from which each episode draws a scenario.
         task: ``"navigation"``: a reached goal ends the episode, and the next one starts elsewhere. ``"continuing"``: the
             next episode starts where the robot is, with a new goal; only a collision or the time limit moves the robot.
             wayfield's own learner trains on this task.

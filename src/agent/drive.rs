@@ -73,8 +73,8 @@ impl DriverSource {
         self.driver.as_ref()?.q_values()
     }
 
-    /// Returns the driver's own motions, of which its actions are indices; `None` before the first step, or if they are indices
-    /// of the robot's motions.
+    /// Returns the driver's own motions, which its actions index; `None` before the first step, or if they index the robot's
+    /// motions.
     #[must_use]
     pub fn motions(&self) -> Option<&[Motion]> {
         self.driver.as_ref()?.motions()

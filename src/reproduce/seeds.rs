@@ -69,7 +69,7 @@ impl Seeds {
     }
 }
 
-/// Seeds in a report: "1 to 5", or "3, 17, 42".
+/// Different seeds, in increasing order, as text for a report: "1 to 5", or "3, 17, 42".
 pub(super) fn seeds_text(seeds: &[u64]) -> String {
     match seeds {
         [first, .., last] if *first == 1 && *last == seeds.len() as u64 => format!("1 to {last}"),
@@ -109,6 +109,7 @@ impl<'de> Visitor<'de> for SeedsVisitor {
         let mut seeds = Vec::new();
         while let Some(seed) = list.next_element()? {
             seeds.push(seed);
+            // One too many is read, so that the check of the experiment reports it like any other fault.
             if seeds.len() > crate::limits::experiment::MAX_SEEDS as usize + 1 {
                 return Err(A::Error::invalid_length(seeds.len(), &"at most 1,000 seeds"));
             }

@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn an_arc_is_that_of_the_simulation() {
+    fn an_arc_lies_on_a_circle_of_radius_v_over_w() {
         // A circle of radius v / w = 0.1 m, driven from its lowest point for 0.2 s at 1.5 rad/s: 0.3 rad.
         let end = Robot::arc(&Motion { v_m_s: 0.15, w_rad_s: 1.5 }, 0.2);
         assert!((end.translation_m.x - 0.1 * 0.3_f32.sin()).abs() < 1e-7);

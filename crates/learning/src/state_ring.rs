@@ -51,7 +51,7 @@ impl StateRing {
         self.last_reference[self.slot(StateId(self.pushed))]
     }
 
-    /// Stores an observation. A full ring overwrites its oldest.
+    /// Stores an observation. If the ring is full, it overwrites the oldest one.
     pub(crate) fn push(&mut self, observation: &[f32]) -> StateId {
         let id = StateId(self.pushed);
         let slot = self.slot(id);

@@ -61,7 +61,7 @@ impl ObstacleMotion {
     #[must_use]
     pub fn fields_mut(&mut self) -> Vec<Field<'_>> {
         use FieldValue::{Centre, Flag, KeyFrames, Number, Ranged, Seed, Waypoints};
-        let field = |name, label, about, value| Field { names: name, label, about, value };
+        let field = |names, label, about, value| Field { names, label, about, value };
         match self {
             Self::Static => Vec::new(),
             Self::Orbit { centre_m, speed_rad_s } => {

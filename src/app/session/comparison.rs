@@ -26,7 +26,7 @@ const GOAL_HINT: &str = "Click on the floor to set the goal";
 /// Lets a shipped policy drive next to the tested one. Returns a confirmation.
 ///
 /// # Errors
-/// No shipped policy, or not the tested one, can drive here.
+/// No shipped policy can drive here, or the tested one cannot.
 pub(super) fn open_expert(world: &mut World) -> Result<String, RunError> {
     let config = &world.resource::<TrainingRun>().config;
     let expert = expert_here(config)?;
@@ -43,7 +43,7 @@ pub(super) fn open_expert(world: &mut World) -> Result<String, RunError> {
 /// Lets the classical driver `name`, with its default parameters, drive next to the tested policy. Returns a confirmation.
 ///
 /// # Errors
-/// There is no such driver.
+/// There is no such driver, or the tested policy cannot drive here.
 pub(super) fn open_driver(world: &mut World, name: &str) -> Result<String, RunError> {
     let unknown = || RunError::InvalidInput(format!("{name}: no such driver"));
     let driver = DriverConfig::shipped(name).ok_or_else(unknown)?;

@@ -102,11 +102,10 @@ impl TestFile<'_> {
     /// Adds rows of episodes, with a header if they are the first rows of the file.
     pub fn rows(
         &mut self,
-        records: impl Iterator<Item = impl Serialize>,
+        mut records: impl Iterator<Item = impl Serialize>,
         is_first: bool,
     ) -> Result<(), TestEnd> {
         let mut writer = csv::WriterBuilder::new().has_headers(is_first).from_writer(&mut *self.writer);
-        let mut records = records;
         let written = records.try_for_each(|record| writer.serialize(record));
         let written = written.map_err(io::Error::from).and_then(|()| writer.flush());
         drop(writer);

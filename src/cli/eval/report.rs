@@ -5,7 +5,6 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use crate::drivers::DriverClass;
-use crate::report::rate::rate_interval;
 use crate::run::RunError;
 use crate::run::evaluate::{self, Evaluated, Evaluation, Evaluator, OptimumComparison};
 use crate::run::provenance::Provenance;
@@ -16,8 +15,6 @@ use crate::task::EpisodeSetup;
 
 /// The number of episodes on the benchmark route (the paper: 5 rounds of 5).
 pub const ROUTE_EPISODES: usize = 25;
-/// The number of episodes on the benchmark route per round.
-const ROUTE_EPISODES_PER_ROUND: usize = 5;
 
 /// The results of one policy or driver: the JSON object that `--eval --json` prints.
 #[derive(Serialize)]
@@ -85,11 +82,11 @@ impl BenchmarkRouteReport {
     ) -> Result<Self, RunError> {
         let mut evaluator = Evaluator::with_extensions(scenario, ROUTE_EPISODES, extensions);
         let episodes = evaluator.run(evaluated, seed, ROUTE_EPISODES, EpisodeSetup::Route(route))?;
-        let evaluation = Evaluation::from_episodes(&episodes, ROUTE_EPISODES_PER_ROUND, &scenario.task, seed);
+        let evaluation = Evaluation::from_episodes(&episodes, ROUTE_EPISODES, &scenario.task, seed);
         let times_s: Vec<f64> = evaluate::times_s(&episodes, scenario.task.control_period_s).collect();
         Ok(Self {
             course_success_rate: evaluation.success_rate,
-            course_success_interval: rate_interval(times_s.len(), ROUTE_EPISODES),
+            course_success_interval: evaluation.success_interval,
             course_time_s: evaluation.mean_time_s,
             course_times_s: times_s,
             in_paper_scenario: shipped::is_paper_scenario_1(scenario),
