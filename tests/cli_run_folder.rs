@@ -69,7 +69,7 @@ fn a_run_folder_has_all_files() {
     assert!(!done.stderr.contains(['\u{1b}', '\r']), "plain lines, because stderr is not a terminal");
 }
 
-/// Who watches a run must not wait for the next checkpoint or for a full buffer, which holds at least forty rows.
+/// Rows appear before the next checkpoint, and before a buffer is full, which holds at least forty rows.
 #[test]
 fn rows_are_in_the_files_while_the_run_goes_on() {
     let workspace = workspace();
@@ -131,8 +131,7 @@ fn the_summary_agrees_with_the_csv_files() {
         );
     }
     // Episodes are numbered, their rewards add up to the return, and env steps never decrease.
-    let of =
-        |row: &std::collections::BTreeMap<String, String>, key: &str| -> f64 { row[key].parse().unwrap() };
+    let of = |row: &BTreeMap<String, String>, key: &str| -> f64 { row[key].parse().unwrap() };
     for (number, row) in (1..).zip(&episodes) {
         assert_eq!(of(row, "episode"), f64::from(number));
         let parts = ["reward_goal", "reward_collision", "reward_attraction", "reward_repulsion"];
@@ -151,7 +150,7 @@ fn the_summary_agrees_with_the_csv_files() {
 }
 
 #[test]
-fn the_curves_of_a_run_can_be_drawn_also_while_it_goes_on() {
+fn the_curves_of_a_run_can_be_drawn_even_while_it_goes_on() {
     let workspace = workspace();
     workspace.run_ok(&format!("{TRAIN} --seed 8 --out run"));
     workspace.run_ok("--draw curves.svg --run run");

@@ -45,7 +45,11 @@ class Policy:
         return _native.NativePolicy.shipped()
 
     def q_values(self, observations: Any) -> np.ndarray:
-        """The Q-values: float32, (actions,) for one observation, (rows, actions) for a batch."""
+        """The Q-values: float32, (actions,) for one observation, (rows, actions) for a batch.
+
+        Raises:
+            ValueError: The observations have another length.
+        """
         observations = np.ascontiguousarray(observations, np.float32)
         if observations.ndim not in (1, 2) or observations.shape[-1] != self.num_inputs:
             raise ValueError(
@@ -62,7 +66,8 @@ class Policy:
 
     def velocities(self, observations: Any) -> np.ndarray:
         """The motions of the greedy actions: float32, (2,) or (rows, 2), speed in m/s and turning rate in rad/s (left
-        positive).
+        positive). Those of a policy for any robot, such as ``general``, are for the robot it was trained with; use ``driver``
+        for others.
 
         Raises:
             ValueError: The policy has no card, which lists its motions.

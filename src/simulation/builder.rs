@@ -91,7 +91,7 @@ impl SimulationBuilder {
         Self { mode, ..self }
     }
 
-    /// Adds a user's plugins.
+    /// Sets the user's plugins.
     #[must_use]
     pub fn extensions(self, extensions: &Extensions) -> Self {
         Self { extensions: extensions.clone(), ..self }

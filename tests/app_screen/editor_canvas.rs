@@ -140,7 +140,7 @@ fn dragging_a_handle_resizes_and_does_not_move() {
     let mut window = editing();
     click_at(&mut window, vec2(0.6, 0.6));
     drag(&mut window, vec2(0.75, 0.6), vec2(0.9, 0.6));
-    let scenario = self::edited_scenario(&mut window);
+    let scenario = edited_scenario(&mut window);
     assert_eq!(scenario.obstacles[0].shape, Shape::Circle { radius_m: 0.3 });
     assert_eq!(scenario.obstacles[0].position_m, vec2(0.6, 0.6));
 }
@@ -214,13 +214,13 @@ fn a_wall_is_drawn_click_by_click() {
     click_at(&mut window, vec2(-1.0, 1.5));
     click_at(&mut window, vec2(1.0, 1.7));
     double_click_at(&mut window, vec2(1.0, 1.7));
-    let scenario = self::edited_scenario(&mut window);
+    let scenario = edited_scenario(&mut window);
     assert_eq!(scenario.walls[1].corners_m, [vec2(-1.0, 1.5), vec2(1.0, 1.7)]);
     assert_eq!(editor(&mut window).tool(), &Tool::Select);
     editor(&mut window).set_tool(Tool::Wall { corners_m: Vec::new() });
     click_at(&mut window, vec2(0.0, 0.0));
     press(&mut window, Key::Escape);
-    assert_eq!(self::edited_scenario(&mut window).walls.len(), 2);
+    assert_eq!(edited_scenario(&mut window).walls.len(), 2);
 }
 
 #[test]
@@ -398,7 +398,7 @@ fn a_mixed_scenario_is_edited_in_any_window_without_a_panic() {
         editor(&mut window).edit("enclosure", |scenario| {
             let corners_m =
                 vec![vec2(0.0, 0.0), vec2(f32::NAN, 1.0), vec2(1.0, f32::INFINITY), vec2(0.0, 1.0)];
-            scenario.enclosure = wayfield::scenario::Enclosure::Polygon { corners_m };
+            scenario.enclosure = Enclosure::Polygon { corners_m };
             scenario.obstacles[0].position_m.x = f32::NAN;
         });
         assert_eq!(sent_commands(&mut window), []);

@@ -1,7 +1,6 @@
 //! Car-like steering: the motions that a minimum turning radius allows.
 
-use super::check::Diagnostics;
-use super::check::rounded_down;
+use super::check::{Diagnostics, rounded_down};
 use super::limits::{MAX_ANGULAR_SPEED_RAD_S, MAX_SPEED_M_S, MOTIONS};
 use super::schema::{Motion, Robot};
 

@@ -236,7 +236,7 @@ fn long_texts_and_large_lists_are_rejected() {
 }
 
 #[test]
-fn non_finite_numbers_are_rejected_everywhere() {
+fn non_finite_and_huge_numbers_are_rejected_everywhere() {
     for (name, expected) in [("everything.ron", 101), ("everything-else.ron", 6)] {
         let text = std::fs::read_to_string(Path::new(FIXTURES).join(name)).expect("the fixture is there");
         Scenario::parse(&text, name).expect("the unmodified file is valid");

@@ -40,7 +40,7 @@ fn new_shape(name: &str) -> Shape {
     found.unwrap_or_else(|| panic!("no shape {name}")).1
 }
 
-/// A scenario with one item of every kind.
+/// A scenario with items of every kind.
 fn full() -> Scenario {
     let patrol =
         ObstacleMotion::Patrol { waypoints_m: vec![vec2(1.0, 1.5), vec2(0.5, 1.5)], speed_m_s: 0.1.into() };

@@ -21,10 +21,7 @@ impl FontSearch {
         Self(font.map(|font| (format!("browser: {characters}"), font)).into_iter().collect())
     }
 
-    /// The font, if the page could make one.
-    ///
-    /// # Errors
-    /// None.
+    /// The font, if the page could make one. Never `Err`: the search has finished already.
     pub(super) fn poll(self) -> Result<FoundFonts, Self> {
         Ok(self.0)
     }

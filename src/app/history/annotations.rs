@@ -20,20 +20,20 @@ const REPEAT_FRACTION: f64 = 0.05;
 
 /// Adds an annotation, or extends the last one if it has the same text and is recent. If there are too many, the one that
 /// follows another most closely is removed.
-pub fn add(marks: &mut Vec<Annotation>, env_steps: u64, text: String) {
-    let env_steps = marks.last().map_or(env_steps, |last| env_steps.max(last.last_env_steps));
-    if let Some(last) = marks.last_mut()
+pub fn add(annotations: &mut Vec<Annotation>, env_steps: u64, text: String) {
+    let env_steps = annotations.last().map_or(env_steps, |last| env_steps.max(last.last_env_steps));
+    if let Some(last) = annotations.last_mut()
         && last.text == text
         && (env_steps - last.last_env_steps) as f64 <= REPEAT_FRACTION * env_steps as f64
     {
         last.last_env_steps = env_steps;
         return;
     }
-    marks.push(Annotation { env_steps, text, last_env_steps: env_steps });
-    if marks.len() > MAX_ANNOTATIONS {
-        let gap = |index: &usize| marks[*index].env_steps - marks[*index - 1].env_steps;
-        if let Some(closest) = (1..marks.len()).min_by_key(gap) {
-            marks.remove(closest);
+    annotations.push(Annotation { env_steps, text, last_env_steps: env_steps });
+    if annotations.len() > MAX_ANNOTATIONS {
+        let gap = |index: &usize| annotations[*index].env_steps - annotations[*index - 1].env_steps;
+        if let Some(closest) = (1..annotations.len()).min_by_key(gap) {
+            annotations.remove(closest);
         }
     }
 }

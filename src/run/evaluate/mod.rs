@@ -183,10 +183,13 @@ pub struct ScenarioResult {
 }
 
 impl Evaluation {
-    /// The evaluation of `episodes`, with `round` episodes per round.
+    /// The evaluation of `episodes`, with `round` episodes per round. Without episodes, the rates and the mean cost are NaN.
+    ///
+    /// # Panics
+    /// `round` is 0.
     #[must_use]
     pub fn from_episodes(episodes: &[EpisodeResult], round: usize, rules: &TaskRules, seed: u64) -> Self {
-        let count = |of: &[EpisodeResult], end| of.iter().filter(|n| n.end == end).count();
+        let count = |of: &[EpisodeResult], end| of.iter().filter(|episode| episode.end == end).count();
         let rate = |of: &[EpisodeResult], end| count(of, end) as f64 / of.len() as f64;
         let interval = |end| rate_interval(count(episodes, end), episodes.len());
         Self {
@@ -240,8 +243,8 @@ impl Evaluation {
 pub fn times_s(episodes: &[EpisodeResult], control_period_s: f32) -> impl Iterator<Item = f64> {
     episodes
         .iter()
-        .filter(|n| n.succeeded())
-        .map(move |n| round_to_millionth(f64::from(n.steps) * period_s(control_period_s)))
+        .filter(|episode| episode.succeeded())
+        .map(move |episode| round_to_millionth(f64::from(episode.steps) * period_s(control_period_s)))
 }
 
 fn mean_time_s(episodes: &[EpisodeResult], control_period_s: f32) -> Option<f64> {
@@ -250,8 +253,10 @@ fn mean_time_s(episodes: &[EpisodeResult], control_period_s: f32) -> Option<f64>
 }
 
 fn mean_cost_s(episodes: &[EpisodeResult], rules: &TaskRules) -> f64 {
-    let steps = |n: &EpisodeResult| if n.succeeded() { n.steps } else { rules.max_episode_steps };
-    let sum: u64 = episodes.iter().map(|n| u64::from(steps(n))).sum();
+    let steps = |episode: &EpisodeResult| {
+        if episode.succeeded() { episode.steps } else { rules.max_episode_steps }
+    };
+    let sum: u64 = episodes.iter().map(|episode| u64::from(steps(episode))).sum();
     round_to_millionth(sum as f64 / episodes.len() as f64 * period_s(rules.control_period_s))
 }
 
