@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::path::Clearance;
 use super::{EpisodeResult, Evaluated, Evaluator};
-use crate::agent::Decisions;
+use crate::agent::{ActionSource, ActionSources, Decisions};
 use crate::run::RunError;
 use crate::task::{
     Actions, Arena, ArenaLayout, Clock, EpisodeEnd, EpisodeSetup, Goal, Pedestrians, Pose, Scan,
@@ -39,7 +39,7 @@ pub struct TraceStep {
     /// The readings of plugins' sensors; empty without such plugins.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub sensors: Vec<f32>,
-    /// The Q-value of each action; `None` in the last state, for a classical driver and for a policy with a map.
+    /// The Q-value of each action; `None` in the last state, and for a classical driver.
     pub q_values: Option<Vec<f32>>,
     /// The action, an index into the policy's or driver's own motions or, without any, the robot's; `None` in the last state.
     pub action: Option<usize>,
@@ -164,8 +164,14 @@ fn state(arenas: &mut QueryState<Traced>, world: &World, episode: usize, step: u
 fn with_decision(before: TraceStep, world: &World) -> TraceStep {
     let (actions, q_values) = (&world.resource::<Actions>().0, &world.resource::<Decisions>().q_values);
     let row = q_values.chunks(q_values.len() / actions.len()).next();
+    let row = row.filter(|row| row.iter().all(|q| !q.is_nan()));
+    // A policy with a map keeps its own.
+    let of_driver = || match world.get_resource::<ActionSources>()?.arenas.first()? {
+        ActionSource::Driver(driver) => driver.q_values(),
+        _ => None,
+    };
     TraceStep {
-        q_values: row.filter(|row| row.iter().all(|q| !q.is_nan())).map(<[f32]>::to_vec),
+        q_values: row.or_else(of_driver).map(<[f32]>::to_vec),
         action: actions.first().copied(),
         reward: world.resource::<StepOutcomes>().0.first().map(StepOutcome::total_reward),
         ..before
