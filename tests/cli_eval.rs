@@ -444,7 +444,10 @@ fn a_trace_does_not_change_the_results_of_a_driver() {
         assert_eq!(together, alone, "{driver}: parallel episodes and single ones are equal");
         let line: Value =
             serde_json::from_str(workspace.text("steps.jsonl").lines().next().unwrap()).unwrap();
-        assert_eq!((line["q_values"].as_array().map(Vec::len), line["policy"].as_str()), (q_values, Some(driver)));
+        assert_eq!(
+            (line["q_values"].as_array().map(Vec::len), line["policy"].as_str()),
+            (q_values, Some(driver))
+        );
         assert!(line["action"].is_u64() && line["ranges_m"].is_array(), "{line}");
     }
 }
