@@ -249,18 +249,23 @@ fn fully_connected(weight: &[f32], bias: &[f32], units: &[f32], active: &[u32], 
     outputs.extend_from_slice(bias);
     let unit = |index: u32| units[index as usize];
     let weights = |index: u32| &weight[index as usize * bias.len()..][..bias.len()];
-    // Four units at a time, so that the sums are loaded and stored less often.
-    let (fours, rest) = active.as_chunks::<4>();
-    for four in fours {
-        let [a, b, c, d] = four.map(unit);
-        let [i, j, k, l] = four.map(weights);
-        for ((((sum, i), j), k), l) in outputs.iter_mut().zip(i).zip(j).zip(k).zip(l) {
-            *sum = *sum + i * a + j * b + k * c + l * d;
-        }
-    }
-    for &index in rest {
-        outputs.iter_mut().zip(weights(index)).for_each(|(sum, weight)| *sum += weight * unit(index));
-    }
+    pulp::Arch::new().dispatch(
+        #[inline(always)]
+        || {
+            // Four units at a time, so that the sums are loaded and stored less often.
+            let (fours, rest) = active.as_chunks::<4>();
+            for four in fours {
+                let [a, b, c, d] = four.map(unit);
+                let [i, j, k, l] = four.map(weights);
+                for ((((sum, i), j), k), l) in outputs.iter_mut().zip(i).zip(j).zip(k).zip(l) {
+                    *sum = *sum + i * a + j * b + k * c + l * d;
+                }
+            }
+            for &index in rest {
+                outputs.iter_mut().zip(weights(index)).for_each(|(sum, weight)| *sum += weight * unit(index));
+            }
+        },
+    );
 }
 
 /// Normalizes the units of a layer: see [`NetworkShape::layer_norm`].

@@ -8,6 +8,9 @@ use super::tracker::Disc;
 const CHORDS: u8 = 6;
 const STEPS_OF_CHORD: f32 = 5.0;
 
+/// More than the rounding errors of a distance.
+const MARGIN: f32 = 0.01;
+
 /// A motion with a constant speed and a constant turning rate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Motion {
@@ -66,6 +69,15 @@ impl Leg {
         })
     }
 
+    /// Whether the edge of the disc may come within `distance` of the origin on this leg, in the next `steps`. A margin makes up for
+    /// rounding errors.
+    pub(super) fn comes_within(&self, distance: f32, steps: f32) -> bool {
+        let Self { disc, from, start, velocity, .. } = self;
+        let length = |(x, y): (f32, f32)| (x * x + y * y).sqrt();
+        let moved = length(*velocity) * self.steps.min(steps - from);
+        *from <= steps && length(*start) - moved < distance + disc.radius + MARGIN
+    }
+
     /// Where the disc is after `steps`, if that is on this leg.
     pub(super) fn position(&self, steps: f32) -> Option<(f32, f32)> {
         let Self { start, velocity, from, .. } = self;
@@ -91,11 +103,19 @@ impl Leg {
         if collide { from + steps } else { f32::INFINITY }
     }
 
-    /// Whether a hit belongs to the disc where it is now, on its first leg: whether it is inside, or at most `margin` outside.
-    pub(super) fn begins_at(&self, (x, y): (f32, f32), margin: f32) -> bool {
-        let (dx, dy) = (x - self.disc.x, y - self.disc.y);
-        let reach = self.disc.radius + margin;
-        self.from == 0.0 && dx * dx + dy * dy < reach * reach
+    /// Whether a robot that begins at the origin and drives straight on, by `step` in each control step, may collide with the disc
+    /// on this leg in some direction. Without rounding errors, `false` would be certain; a margin makes up for them.
+    pub(super) fn is_in_reach(&self, step: f32) -> bool {
+        let Self { disc, from, start, velocity, .. } = self;
+        let length = |(x, y): (f32, f32)| (x * x + y * y).sqrt();
+        let (distance, speed) = (length(*start), length(*velocity));
+        let reach = 1.0 + disc.radius + MARGIN;
+        if self.steps.is_infinite() {
+            // A disc that is not faster stays behind the robot.
+            return distance + reach > from * step || speed + MARGIN > step;
+        }
+        let moved = speed * self.steps;
+        distance + moved + reach > from * step && distance - moved - reach < (from + self.steps) * step
     }
 }
 
@@ -166,6 +186,32 @@ mod tests {
         let (x, y) = motion.displacement(-10.0);
         assert!((x + radius).abs() < 1e-4 && (y + radius).abs() < 1e-4, "{x}, {y}");
         assert_eq!(Motion { turn: 0.0, ..motion }.displacement(3.0), (0.0, 6.0));
+    }
+
+    #[test]
+    fn legs_out_of_reach_are_those_that_no_robot_collides_with() {
+        let mut out_of_reach = [0; 2];
+        for case in 0..1000_u16 {
+            let number = |factor: f32| (f32::from(case) * factor).fract() - 0.5;
+            let disc = Disc { x: 30.0 * number(0.618), y: 30.0 * number(0.414), radius: 0.7 };
+            let motion = Motion { velocity: (number(0.732), number(0.236)), turn: 0.16 * number(0.854) };
+            for leg in Leg::path(disc, motion) {
+                if !leg.is_in_reach(0.3) {
+                    out_of_reach[0] += 1;
+                    for direction in 0..36_u8 {
+                        let (sin, cos) = (f32::from(direction) * 0.1745).sin_cos();
+                        assert_eq!(leg.steps_to_collision((0.3 * cos, 0.3 * sin)), f32::INFINITY, "{leg:?}");
+                    }
+                }
+                if !leg.comes_within(4.0, 10.0) {
+                    out_of_reach[1] += 1;
+                    let positions = (0..=100_u8).filter_map(|tenths| leg.position(0.1 * f32::from(tenths)));
+                    let mut distances = positions.map(|(x, y)| x.hypot(y) - disc.radius);
+                    assert!(distances.all(|distance| distance > 4.0), "{leg:?}");
+                }
+            }
+        }
+        assert!(out_of_reach.iter().all(|count| *count > 1000), "of some 6000 legs: {out_of_reach:?}");
     }
 
     #[test]

@@ -23,6 +23,8 @@ pub const FORESIGHT_STEPS: u32 = 10;
 const PARTS_OF_STEP: u32 = 2;
 /// The largest distance from a moving disc of a hit that belongs to it, in units of the robot.
 const DISC_MARGIN: f32 = 0.3;
+/// More than the rounding errors of a distance, in units of the robot.
+const NEAR_MARGIN: f32 = 0.01;
 /// The distance beyond which hits are too far away for their motion to matter, in units of the robot.
 const MOTION_RANGE: f32 = distance_at(0.12);
 
@@ -125,11 +127,15 @@ pub struct SectorObserver {
     predicted: Vec<f32>,
     /// The nearness of a collision if the robot waits.
     waiting: f32,
-    /// The paths of what moves.
+    /// What moves, where it is now, and the paths that it is expected to take.
+    discs: Vec<Disc>,
     legs: Vec<Leg>,
     /// The newest scan's hits on what stands still, and on what moves.
     static_hits: Vec<Hit>,
     moving_hits: Vec<Hit>,
+    /// What of it a robot can collide with in the next [`FORESIGHT_STEPS`].
+    near_legs: Vec<Leg>,
+    near_hits: Vec<(f32, f32)>,
     /// The directions of the sectors' centres.
     directions: Directions,
     twist: (f32, f32),
@@ -179,7 +185,10 @@ impl SectorObserver {
             collisions: vec![0.0; if layout.free_paths { count } else { 0 }],
             predicted: vec![0.0; if layout.predicted_paths { count } else { 0 }],
             waiting: 0.0,
+            discs: Vec::new(),
             legs: Vec::new(),
+            near_legs: Vec::new(),
+            near_hits: Vec::new(),
             static_hits: Vec::new(),
             moving_hits: Vec::new(),
             directions: (0..count).map(|sector| libm::sincosf(layout.angle_rad(sector))).unzip(),
@@ -265,6 +274,18 @@ impl SectorObserver {
         if self.layout.predicted_paths {
             self.predict_collisions();
         }
+        self.find_near();
+    }
+
+    /// Finds what the robot can collide with in the next [`FORESIGHT_STEPS`], at up to its highest speed.
+    fn find_near(&mut self) {
+        let Self { body, legs, static_hits, near_legs, near_hits, .. } = self;
+        let steps = FORESIGHT_STEPS as f32;
+        let reach = steps * body.step_length() + 1.0 + NEAR_MARGIN;
+        near_hits.clear();
+        near_hits.extend(static_hits.iter().filter(|hit| hit.distance < reach).map(|hit| (hit.x, hit.y)));
+        near_legs.clear();
+        near_legs.extend(legs.iter().filter(|leg| leg.comes_within(reach, steps)));
     }
 
     /// Finds the nearest hit in each sector.
@@ -291,13 +312,13 @@ impl SectorObserver {
     /// Finds how far a disc with a radius of one unit can drive in the direction of each sector's centre before it collides with
     /// what is in sight, and with what of it does not move.
     fn find_free_distances(&mut self) {
-        let Self { memory, legs, static_hits, moving_hits, free, collisions, predicted, directions, .. } =
+        let Self { memory, discs, static_hits, moving_hits, free, collisions, predicted, directions, .. } =
             self;
         let Some(EarlierScan { hits, .. }) = memory.scans.back() else { return };
         static_hits.clear();
         moving_hits.clear();
         for hit in hits.iter().filter(|hit| hit.nearness > 0.0) {
-            let moves = legs.iter().any(|leg| leg.begins_at((hit.x, hit.y), DISC_MARGIN));
+            let moves = discs.iter().any(|disc| disc.contains((hit.x, hit.y), DISC_MARGIN));
             if moves { moving_hits.push(*hit) } else { static_hits.push(*hit) }
         }
         free.fill(f32::INFINITY);
@@ -311,17 +332,19 @@ impl SectorObserver {
 
     /// Finds the paths of what moves, in the present frame.
     fn expect_paths(&mut self) {
-        let Self { memory, legs, body, .. } = self;
+        let Self { memory, discs, legs, body, .. } = self;
+        discs.clear();
         legs.clear();
         let Some(EarlierScan { pose, .. }) = memory.scans.back() else { return };
         let (sin, cos) = libm::sincosf(pose.2);
         let to_present = |(x, y): (f32, f32)| (x * cos + y * sin, y * cos - x * sin);
         let (x, y) = (pose.0 / body.unit_m, pose.1 / body.unit_m);
-        legs.extend(memory.tracker.moving().flat_map(|(disc, motion)| {
+        for (disc, motion) in memory.tracker.moving() {
             let centre = to_present((disc.x - x, disc.y - y));
-            let velocity = to_present(motion.velocity);
-            Leg::path(Disc { x: centre.0, y: centre.1, ..disc }, Motion { velocity, ..motion })
-        }));
+            let disc = Disc { x: centre.0, y: centre.1, ..disc };
+            discs.push(disc);
+            legs.extend(Leg::path(disc, Motion { velocity: to_present(motion.velocity), ..motion }));
+        }
     }
 
     /// Finds the nearness of collisions if what moves keeps moving: in the direction of each sector's centre at the robot's
@@ -333,17 +356,22 @@ impl SectorObserver {
             self.waiting = 0.0;
             return;
         }
-        self.waiting = f32::INFINITY;
         // In control steps, then in units of the robot.
         let step = body.step_length();
         predicted.iter_mut().for_each(|free| *free /= step);
-        for leg in &*legs {
-            for ((free, sin), cos) in predicted.iter_mut().zip(&directions.0).zip(&directions.1) {
-                let steps = leg.steps_to_collision((step * cos, step * sin));
-                *free = if steps < *free { steps } else { *free };
-            }
-            self.waiting = self.waiting.min(leg.steps_to_collision((0.0, 0.0)));
-        }
+        pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                for leg in legs.iter().filter(|leg| leg.is_in_reach(step)) {
+                    for ((free, sin), cos) in predicted.iter_mut().zip(&directions.0).zip(&directions.1) {
+                        let steps = leg.steps_to_collision((step * cos, step * sin));
+                        *free = if steps < *free { steps } else { *free };
+                    }
+                }
+            },
+        );
+        let waiting = legs.iter().map(|leg| leg.steps_to_collision((0.0, 0.0)));
+        self.waiting = waiting.fold(f32::INFINITY, f32::min);
         predicted.iter_mut().for_each(|free| *free = collision_nearness(step * *free));
         self.waiting = collision_nearness(step * self.waiting);
     }
@@ -389,13 +417,17 @@ impl SectorObserver {
     }
 
     /// The number of control steps until the robot collides if it drives with the motion `first` in the next step and with `then`
-    /// in those after it (each a speed in m/s and a turning rate in rad/s), and what moves keeps its speed and turning rate;
-    /// infinite if it does not collide within [`FORESIGHT_STEPS`]. Only what it comes nearer to counts: it may leave what it touches.
+    /// in those after it (each a speed in m/s, at most its highest, and a turning rate in rad/s), and what moves keeps its speed and
+    /// turning rate; infinite if it does not collide within [`FORESIGHT_STEPS`]. Only what it comes nearer to counts: it may leave
+    /// what it touches.
     ///
     /// Without predicted paths, nothing is known to move.
     #[must_use]
     pub fn steps_to_collision(&self, first: (f32, f32), then: (f32, f32)) -> f32 {
-        let Self { body, legs, static_hits, .. } = self;
+        let Self { body, near_legs, near_hits, .. } = self;
+        if near_legs.is_empty() && near_hits.is_empty() {
+            return f32::INFINITY;
+        }
         let parts = PARTS_OF_STEP as f32;
         let (length, angle) = (body.control_period_s / (body.unit_m * parts), body.control_period_s / parts);
         let comes_near = |x: f32, y: f32, now: (f32, f32), reach: f32| {
@@ -409,9 +441,8 @@ impl SectorObserver {
             let (sin, cos) = libm::sincosf(heading + 0.5 * turn);
             (x, y, heading) = (x + v * length * cos, y + v * length * sin, heading + turn);
             let steps = part as f32 / parts;
-            let hits_static =
-                || static_hits.iter().any(|hit| comes_near(hit.x - x, hit.y - y, (hit.x, hit.y), 1.0));
-            let hits_moving = legs.iter().any(|leg| {
+            let hits_static = || near_hits.iter().any(|&hit| comes_near(hit.0 - x, hit.1 - y, hit, 1.0));
+            let hits_moving = near_legs.iter().any(|leg| {
                 let Disc { x: now_x, y: now_y, radius } = leg.disc;
                 leg.position(steps)
                     .is_some_and(|at| comes_near(at.0 - x, at.1 - y, (now_x, now_y), 1.0 + radius))
@@ -469,22 +500,27 @@ impl SectorObserver {
 /// Shortens `distances`, one per direction, to how far a disc with a radius of one unit can drive, in units of the robot, before
 /// it collides with one of `hits`. The inner loop has no branches, so that it is vectorized.
 fn shorten_paths(hits: &[Hit], directions: &Directions, distances: &mut [f32]) {
-    // A beam may belong to several neighbouring sectors.
-    let mut last = &NO_HIT;
-    for hit in hits {
-        if (hit.x, hit.y) == (last.x, last.y) {
-            continue;
-        }
-        last = hit;
-        for ((distance, sin), cos) in distances.iter_mut().zip(&directions.0).zip(&directions.1) {
-            let (along, across) = (hit.x * cos + hit.y * sin, hit.x * sin - hit.y * cos);
-            // The square of half the chord that the path cuts from the unit disc about the hit.
-            let half_2 = 1.0 - across * across;
-            let collides = (along > 0.0) & (half_2 > 0.0);
-            let free = if collides { along - half_2.sqrt() } else { f32::INFINITY };
-            *distance = if free < *distance { free } else { *distance };
-        }
-    }
+    pulp::Arch::new().dispatch(
+        #[inline(always)]
+        || {
+            // A beam may belong to several neighbouring sectors.
+            let mut last = &NO_HIT;
+            for hit in hits {
+                if (hit.x, hit.y) == (last.x, last.y) {
+                    continue;
+                }
+                last = hit;
+                for ((distance, sin), cos) in distances.iter_mut().zip(&directions.0).zip(&directions.1) {
+                    let (along, across) = (hit.x * cos + hit.y * sin, hit.x * sin - hit.y * cos);
+                    // The square of half the chord that the path cuts from the unit disc about the hit.
+                    let half_2 = 1.0 - across * across;
+                    let collides = (along > 0.0) & (half_2 > 0.0);
+                    let free = if collides { along - half_2.sqrt() } else { f32::INFINITY };
+                    *distance = if free < *distance { free } else { *distance };
+                }
+            }
+        },
+    );
 }
 
 /// The nearness of a collision after driving this `distance`, in units of the robot; 0 if it is infinite.

@@ -99,6 +99,7 @@ const MISFIT_GAIN: f32 = 0.2;
 
 /// The beams of a scan, counterclockwise.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(from = "StoredRays", into = "StoredRays")]
 pub(super) struct Rays {
     origin: (f32, f32),
     /// The directions of the beams: cosines and sines.
@@ -108,6 +109,33 @@ pub(super) struct Rays {
     length: Vec<f32>,
     /// The length of a beam that has hit nothing.
     max_range: f32,
+    /// The ends of the beams; infinite for a beam that has hit nothing.
+    end_x: Vec<f32>,
+    end_y: Vec<f32>,
+}
+
+/// [`Rays`] as a checkpoint stores them: without what follows from the rest.
+#[derive(Serialize, Deserialize)]
+struct StoredRays {
+    origin: (f32, f32),
+    cos: Vec<f32>,
+    sin: Vec<f32>,
+    length: Vec<f32>,
+    max_range: f32,
+}
+
+impl From<StoredRays> for Rays {
+    fn from(StoredRays { origin, cos, sin, length, max_range }: StoredRays) -> Self {
+        let mut rays = Self { origin, cos, sin, length, max_range, end_x: Vec::new(), end_y: Vec::new() };
+        rays.find_ends();
+        rays
+    }
+}
+
+impl From<Rays> for StoredRays {
+    fn from(Rays { origin, cos, sin, length, max_range, .. }: Rays) -> Self {
+        Self { origin, cos, sin, length, max_range }
+    }
 }
 
 impl Rays {
@@ -129,7 +157,19 @@ impl Rays {
             self.sin.push(beam_cos * sin + beam_sin * cos);
             self.length.push(length);
         }
+        self.find_ends();
         stride
+    }
+
+    fn find_ends(&mut self) {
+        let Self { origin, cos, sin, length, max_range, end_x, end_y } = self;
+        let end = |from: f32, direction: f32, length: f32| {
+            if length < *max_range { from + direction * length } else { f32::INFINITY }
+        };
+        end_x.clear();
+        end_x.extend(cos.iter().zip(&*length).map(|(cos, length)| end(origin.0, *cos, *length)));
+        end_y.clear();
+        end_y.extend(sin.iter().zip(&*length).map(|(sin, length)| end(origin.1, *sin, *length)));
     }
 
     fn len(&self) -> usize {
@@ -138,7 +178,7 @@ impl Rays {
 
     /// The end of a ray that has hit something.
     fn end(&self, ray: usize) -> Option<(f32, f32)> {
-        (self.length[ray] < self.max_range).then(|| self.at(ray, self.length[ray]))
+        (self.length[ray] < self.max_range).then(|| (self.end_x[ray], self.end_y[ray]))
     }
 
     /// The point of a ray at a distance from its origin.
@@ -167,31 +207,38 @@ impl Rays {
 
     /// The rays that have hit something nearer than `distance` to `(x, y)`, and their ends.
     fn hits_near(&self, (x, y): (f32, f32), distance: f32) -> impl Iterator<Item = (usize, (f32, f32))> {
-        let Self { origin, cos, sin, length, max_range } = self;
-        cos.iter().zip(sin).zip(length).enumerate().filter_map(move |(ray, ((cos, sin), length))| {
-            let end = (origin.0 + cos * length, origin.1 + sin * length);
-            let (dx, dy) = (end.0 - x, end.1 - y);
-            (dx * dx + dy * dy < distance * distance && length < max_range).then_some((ray, end))
-        })
+        // Without branches, so that the loop is vectorized.
+        let mut are_near = [false; MAX_BEAMS];
+        for ((is_near, end_x), end_y) in are_near.iter_mut().zip(&self.end_x).zip(&self.end_y) {
+            let (dx, dy) = (end_x - x, end_y - y);
+            *is_near = dx * dx + dy * dy < distance * distance;
+        }
+        (0..self.len()).filter(move |ray| are_near[*ray]).map(|ray| (ray, (self.end_x[ray], self.end_y[ray])))
     }
 
-    /// The neighbouring rays to the right and left of a place; `None` outside the field of view.
-    fn beside(&self, place: (f32, f32), spacing_rad: f32) -> Option<(usize, usize)> {
-        let last = self.len().checked_sub(1)?;
-        let mut before = self.along_and_across(last, place);
-        let left = (0..=last).find(|&ray| {
-            let here = self.along_and_across(ray, place);
-            let right = std::mem::replace(&mut before, here);
-            right.1 >= 0.0 && here.1 < 0.0 && right.0 > 0.0 && here.0 > 0.0
-        })?;
-        let right = left.checked_sub(1).unwrap_or(last);
+    /// The neighbouring rays to the right and left of a place; `None` outside the field of view. There is at most one such pair;
+    /// the search for it begins at the ray `near`.
+    fn beside(&self, place: (f32, f32), spacing_rad: f32, near: usize) -> Option<(usize, usize)> {
+        let count = self.len();
+        let right_of = |left: usize| if left > 0 { left - 1 } else { count - 1 };
+        let left = (0..count)
+            .map(|k| if k % 2 == 0 { near + k / 2 } else { near + count - k.div_ceil(2) })
+            .map(|ray| if ray < count { ray } else { ray - count })
+            .find(|&left| {
+                let (along, across) = self.along_and_across(left, place);
+                across < 0.0 && along > 0.0 && {
+                    let (along, across) = self.along_and_across(right_of(left), place);
+                    across >= 0.0 && along > 0.0
+                }
+            })?;
+        let right = right_of(left);
         let gap = apart((self.cos[right], self.sin[right]), (self.cos[left], self.sin[left]));
         (gap < NEIGHBOURS * spacing_rad).then_some((right, left))
     }
 
-    /// What the scan shows of a place where another scan has hit a thing of this `radius`.
-    fn sight(&self, place: (f32, f32), spacing_rad: f32, radius: f32) -> Sight {
-        let Some((right, left)) = self.beside(place, spacing_rad) else { return Sight::Unknown };
+    /// What the scan shows of a place where the ray `near` of another scan has hit a thing of this `radius`.
+    fn sight(&self, (near, place): (usize, (f32, f32)), spacing_rad: f32, radius: f32) -> Sight {
+        let Some((right, left)) = self.beside(place, spacing_rad, near) else { return Sight::Unknown };
         let shorter = self.length[right].min(self.length[left]);
         let to_surface = match (self.end(right), self.end(left)) {
             (Some(one), Some(other)) => {
@@ -217,7 +264,7 @@ impl Rays {
     }
 
     fn is_valid(&self) -> bool {
-        let Self { origin, cos, sin, length, max_range } = self;
+        let Self { origin, cos, sin, length, max_range, .. } = self;
         let count = length.len();
         let are_finite = |values: &[f32]| values.iter().all(|value| value.is_finite());
         count <= MAX_BEAMS
@@ -267,6 +314,15 @@ pub(super) struct Disc {
     pub(super) x: f32,
     pub(super) y: f32,
     pub(super) radius: f32,
+}
+
+impl Disc {
+    /// Whether a point is inside the disc, or at most `margin` outside.
+    pub(super) fn contains(&self, (x, y): (f32, f32), margin: f32) -> bool {
+        let (dx, dy) = (x - self.x, y - self.y);
+        let reach = self.radius + margin;
+        dx * dx + dy * dy < reach * reach
+    }
 }
 
 /// The distance between two points.
@@ -638,9 +694,10 @@ impl Tracker {
             }
             let mut sights = Sights::default();
             let Disc { x, y, radius } = track.disc;
-            let earlier_scans = || (1..=scans.len()).rev().zip(&*scans).step_by(COMPARED_EVERY);
+            let earlier_scans =
+                || (0..scans.len()).step_by(COMPARED_EVERY).map(|index| (scans.len() - index, &scans[index]));
             let hits = track_of_ray.iter().enumerate().filter(|(_, owner)| **owner == Some(index as u16));
-            for hit in hits.filter_map(|(ray, _)| rays.end(ray)) {
+            for hit in hits.filter_map(|(ray, _)| Some((ray, rays.end(ray)?))) {
                 earlier_scans().for_each(|(_, earlier)| sights.add(earlier.sight(hit, spacing_rad, radius)));
             }
             // Mostly surfaces and nothing free: it stands still, and the hits of earlier scans need not be looked at.
@@ -649,7 +706,7 @@ impl Tracker {
                 for (age, earlier) in earlier_scans() {
                     let (dx, dy) = motion.displacement(-(age as f32));
                     let hits = earlier.hits_near((x + dx, y + dy), radius + EARLIER_HIT_MARGIN);
-                    hits.for_each(|(_, hit)| sights.add(rays.sight(hit, spacing_rad, radius)));
+                    hits.for_each(|hit| sights.add(rays.sight(hit, spacing_rad, radius)));
                 }
             }
             let Sights { places, free, surfaces } = sights;
@@ -856,7 +913,7 @@ mod tests {
             tracker.scans.pop_back().expect("it has taken in a scan")
         };
         let rays = scan(FEW_BEAMS);
-        let sight = |x: f32, y: f32, radius: f32| rays.sight((x, y), FEW_BEAMS.spacing_rad(), radius);
+        let sight = |x: f32, y: f32, radius: f32| rays.sight((0, (x, y)), FEW_BEAMS.spacing_rad(), radius);
         assert_eq!(sight(HALF_ROOM - 0.1, 2.0, 1.0), Sight::Surface, "on the wall, between two beams");
         assert_eq!(sight(HALF_ROOM + 1.0, 2.0, 1.0), Sight::Unknown, "behind the wall");
         assert_eq!(sight(5.0, 0.7, 1.0), Sight::Free, "in the room, too large to fit between two beams");
@@ -864,11 +921,18 @@ mod tests {
         assert_eq!(sight(5.0, 0.7, 0.5), Sight::Unknown, "small enough to fit between them");
         let in_front = Lidar(24, 0.75 * TAU);
         let rays = scan(in_front);
-        let sight = |x: f32, y: f32| rays.sight((x, y), in_front.spacing_rad(), 1.0);
+        let sight = |x: f32, y: f32| rays.sight((0, (x, y)), in_front.spacing_rad(), 1.0);
         assert_eq!(sight(5.0, 0.5), Sight::Free);
         assert_eq!(sight(-5.0, 0.5), Sight::Unknown, "outside the field of view");
+        for near in 0..24 {
+            assert_eq!(
+                rays.beside((5.0, 0.5), in_front.spacing_rad(), near),
+                Some((12, 13)),
+                "from ray {near}"
+            );
+        }
         let out_of_range = Rays { max_range: 4.0, length: vec![4.0; 24], ..rays };
-        let sight = |x: f32| out_of_range.sight((x, 0.5), in_front.spacing_rad(), 1.0);
+        let sight = |x: f32| out_of_range.sight((0, (x, 0.5)), in_front.spacing_rad(), 1.0);
         assert_eq!((sight(3.0), sight(5.0)), (Sight::Free, Sight::Unknown), "in range, and out of it");
     }
 
