@@ -13,7 +13,7 @@ use super::values;
 use crate::limits::MAX_ARENAS;
 use crate::report::format::percent;
 use crate::run::RunError;
-use crate::run::folder::{INITIAL_POLICY_FILE, RunConfig, RunFolder, Transfer};
+use crate::run::folder::{INITIAL_POLICY_FILE, POLICY_FILE, RunConfig, RunFolder, Transfer};
 use crate::run::metric_rows::{Milestone, Summary};
 use crate::run::preset::Budget;
 use crate::run::progress::print_stderr;
@@ -200,7 +200,7 @@ fn summary_text(folder: &Path, summary: &Summary) -> String {
 
 /// The command that tests the run's best policy, in the run's scenario.
 fn eval_command(folder: &Path) -> String {
-    format!("{} --eval {}", program(), quoted(folder.join("policy.safetensors")))
+    format!("{} --eval {}", program(), quoted(folder.join(POLICY_FILE)))
 }
 
 /// The name by which the program was started, quoted for a shell.

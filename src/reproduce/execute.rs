@@ -16,7 +16,7 @@ use super::policy_test;
 use super::progress::OverallProgress;
 use super::queue::Queue;
 use crate::policy::Policy;
-use crate::run::folder::RunFolder;
+use crate::run::folder::{CHECKPOINT_FOLDER, RunFolder};
 use crate::run::metric_rows::Summary;
 use crate::run::preset::Budget;
 use crate::run::progress::ProgressListener;
@@ -156,7 +156,7 @@ fn run_training(
         return Ok(false);
     }
     // Checkpoints of all runs would take hundreds of megabytes, and a finished run does not need them.
-    let checkpoints = path.join("checkpoint");
+    let checkpoints = path.join(CHECKPOINT_FOLDER);
     fs::remove_dir_all(&checkpoints).map_err(|error| RunError::failed(&checkpoints, error))?;
     Ok(true)
 }

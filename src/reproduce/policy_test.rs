@@ -14,7 +14,7 @@ use super::experiment::TestRule;
 use crate::policy::Policy;
 use crate::run::RunError;
 use crate::run::evaluate::{EpisodeResult, Evaluator};
-use crate::run::folder::RunFolder;
+use crate::run::folder::{POLICY_FILE, RunFolder};
 use crate::run::output_file::replace;
 use crate::scenario::Scenario;
 use crate::task::{EpisodeEnd, EpisodeSetup};
@@ -57,7 +57,7 @@ impl PolicyTestResult {
 pub fn policy_file(policy: PolicyId) -> String {
     match policy {
         PolicyId::After(length) => RunFolder::policy_after_file(length),
-        PolicyId::Best => "policy.safetensors".into(),
+        PolicyId::Best => POLICY_FILE.into(),
         PolicyId::Last => "policy-last.safetensors".into(),
     }
 }

@@ -10,6 +10,7 @@ use super::measured_value::MeasuredValue;
 use crate::report::curves::value_at;
 use crate::report::smoothing::moving_mean;
 use crate::run::RunError;
+use crate::run::folder::EPISODES_FILE;
 use crate::run::metric_rows::{EpisodeRow, EvaluationRow, Summary};
 use crate::run::preset::Budget;
 
@@ -55,7 +56,7 @@ impl Records {
     /// # Errors
     /// A file cannot be read.
     pub fn read(folder: &Path, arenas: usize) -> Result<Self, RunError> {
-        let episodes: Vec<EpisodeRow> = rows(&folder.join("episodes.csv"))?;
+        let episodes: Vec<EpisodeRow> = rows(&folder.join(EPISODES_FILE))?;
         let env_steps: Vec<u64> = episodes.iter().map(|row| row.env_steps).collect();
         let last = env_steps.last().copied().unwrap_or(0);
         Ok(Self {

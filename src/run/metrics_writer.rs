@@ -8,14 +8,13 @@ use std::time::{Duration, Instant};
 
 use super::RunError;
 use super::checkpoint::TrainerState;
-use super::folder::{RunConfig, RunFolder};
+use super::folder::{EPISODES_FILE, RunConfig, RunFolder};
 use super::metric_rows::{EpisodeRow, EvaluationRow, SetColumns};
 use super::run_image;
 use super::tensorboard::{EventWriter, cut_back};
 use super::write_points::write_point;
 use crate::scenario::column_name;
 
-pub(super) const EPISODES: &str = "episodes.csv";
 pub(super) const EVALUATIONS: &str = "evaluations.csv";
 
 /// The tags of an evaluation's scalars start with this.
@@ -60,7 +59,11 @@ impl MetricsWriter {
             latest.is_some_and(|latest| step <= latest)
         };
         Ok(Self {
-            episodes: folder.csv::<EpisodeRow>(EPISODES, trainer_state.episodes_bytes, &episode_columns)?,
+            episodes: folder.csv::<EpisodeRow>(
+                EPISODES_FILE,
+                trainer_state.episodes_bytes,
+                &episode_columns,
+            )?,
             evaluations: folder.csv::<EvaluationRow>(
                 EVALUATIONS,
                 trainer_state.evaluations_bytes,
@@ -84,7 +87,7 @@ impl MetricsWriter {
         let scenario = row.set_values(&self.scenarios);
         self.episodes
             .serialize((row, scenario, &row.extra_rewards))
-            .map_err(|error| self.failed(EPISODES, error))?;
+            .map_err(|error| self.failed(EPISODES_FILE, error))?;
         if let Some(name) = &row.scenario {
             self.scalars(row.env_steps, &[(&format!("episode/return/{name}"), Some(row.total_return))])?;
         }
@@ -141,7 +144,7 @@ impl MetricsWriter {
     /// A file cannot be written.
     pub fn flush(&mut self) -> Result<(), RunError> {
         self.flushed = Instant::now();
-        self.episodes.flush().map_err(|error| self.failed(EPISODES, error))?;
+        self.episodes.flush().map_err(|error| self.failed(EPISODES_FILE, error))?;
         self.evaluations.flush().map_err(|error| self.failed(EVALUATIONS, error))?;
         self.events.flush().map_err(|error| self.failed("events", error))
     }
@@ -160,7 +163,7 @@ impl MetricsWriter {
             Ok(writer.get_ref().metadata()?.len())
         };
         let episodes =
-            length(&self.episodes).map_err(|error: std::io::Error| self.failed(EPISODES, error))?;
+            length(&self.episodes).map_err(|error: std::io::Error| self.failed(EPISODES_FILE, error))?;
         let evaluations =
             length(&self.evaluations).map_err(|error: std::io::Error| self.failed(EVALUATIONS, error))?;
         Ok((episodes, evaluations))

@@ -2,9 +2,9 @@
 
 use super::RunError;
 use super::checkpoint::BestPolicy;
-use super::folder::{RunConfig, RunFolder};
+use super::folder::{EPISODES_FILE, RunConfig, RunFolder};
 use super::metric_rows::{EpisodeRow, EvaluationRow};
-use super::metrics_writer::{EPISODES, EVALUATIONS};
+use super::metrics_writer::EVALUATIONS;
 use super::shipped;
 use crate::report::run_figure::{RunFigure, best_evaluation};
 
@@ -15,7 +15,7 @@ use crate::report::run_figure::{RunFigure, best_evaluation};
 pub fn figure(folder: &RunFolder, config: &RunConfig) -> Result<String, RunError> {
     let evaluations: Vec<EvaluationRow> = folder.rows(EVALUATIONS)?;
     let evaluations: Vec<_> = evaluations.iter().map(EvaluationRow::point).collect();
-    let episodes: Vec<EpisodeRow> = folder.rows(EPISODES)?;
+    let episodes: Vec<EpisodeRow> = folder.rows(EPISODES_FILE)?;
     let figure = RunFigure {
         title: config.description(),
         episodes: episodes.iter().map(EpisodeRow::point).collect(),

@@ -43,7 +43,10 @@ impl UniformGrid {
             return None;
         }
         let mut grid = Self::empty(low, extent, boxes.len());
-        while boxes.iter().map(|item| grid.box_cells(item)).sum::<f64>() > MAX_BOX_CELLS {
+        // A box touches one cell at least.
+        while grid.columns * grid.rows > 1
+            && boxes.iter().map(|item| grid.box_cells(item)).sum::<f64>() > MAX_BOX_CELLS
+        {
             grid = Self::with_cells(low, extent, 2.0 * grid.cell_m);
         }
         grid.fill(boxes, distance_m);

@@ -21,7 +21,7 @@ use crate::learning::Learner;
 use crate::run::checkpoint::{self, TrainerState};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::run::folder::RunFolder;
-use crate::run::folder::{RunConfig, header};
+use crate::run::folder::{EPISODES_FILE, POLICY_FILE, RunConfig, header};
 use crate::run::metric_rows::SetColumns;
 use crate::run::{RunError, metrics, shipped};
 use crate::scenario::to_ron;
@@ -101,10 +101,10 @@ impl RunSnapshot {
     pub(super) fn write(&self, path: &Path, earlier: Option<PathBuf>) -> Result<(), RunError> {
         let folder = RunFolder::create(Some(path.into()), &self.config, self.initial_policy.as_deref())?;
         let known_bytes = self.trainer_state.episodes_bytes - self.episodes.len() as u64;
-        let earlier = earlier.map(|folder| folder.join(EPISODES));
+        let earlier = earlier.map(|folder| folder.join(EPISODES_FILE));
         self.each_file(|name, write| {
             folder.write(name, |file| {
-                if let Some(earlier) = earlier.as_ref().filter(|_| name == EPISODES) {
+                if let Some(earlier) = earlier.as_ref().filter(|_| name == EPISODES_FILE) {
                     copy_start(earlier, known_bytes, file)?;
                 }
                 write(file)
@@ -119,18 +119,16 @@ impl RunSnapshot {
         mut put: impl FnMut(&str, WriteContents<'_>) -> Result<(), RunError>,
     ) -> Result<(), RunError> {
         let journal = to_ron(&self.journal).map_err(|error| RunError::Failed(error.to_string()))?;
-        put(EPISODES, &|out| out.write_all(&self.episodes))?;
+        put(EPISODES_FILE, &|out| out.write_all(&self.episodes))?;
         put("evaluations.csv", &|out| out.write_all(&self.evaluations))?;
         put("policy-last.safetensors", &|out| out.write_all(&self.last_policy))?;
         if let Some(best) = &self.trainer_state.best {
-            put("policy.safetensors", &|out| out.write_all(&best.bytes))?;
+            put(POLICY_FILE, &|out| out.write_all(&best.bytes))?;
         }
         put(JOURNAL, &|out| out.write_all(journal.as_bytes()))?;
         put(checkpoint::LATEST, &|out| checkpoint::encode(out, &self.trainer_state, &self.learner))
     }
 }
-
-const EPISODES: &str = "episodes.csv";
 
 /// The rows of the run of `config` as CSV, with a header.
 fn csv<Row: Serialize + Default + SetColumns>(rows: &[Row], config: &RunConfig) -> io::Result<Vec<u8>> {

@@ -25,7 +25,7 @@ pub fn list(report: &PolicyReport) -> String {
          mean time       {}\n\
          SPL             {:.3}\n\
          class           {:?} ({})\n",
-        report.policy,
+        printable(&report.policy),
         printable(&report.scenario),
         e.episodes,
         e.seed,

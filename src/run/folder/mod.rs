@@ -35,6 +35,12 @@ use crate::scenario::to_ron;
 pub use config::{DEFAULT_SCENARIO, PAPER_TRANSFER_EPSILON, RunConfig, Transfer};
 pub use csv_file::header;
 
+/// The name of the folder of checkpoints.
+pub const CHECKPOINT_FOLDER: &str = "checkpoint";
+/// The name of the best policy's file.
+pub const POLICY_FILE: &str = "policy.safetensors";
+/// The name of the file with a row per training episode.
+pub const EPISODES_FILE: &str = "episodes.csv";
 /// The name of the initial policy's file.
 pub const INITIAL_POLICY_FILE: &str = "policy-init.safetensors";
 
@@ -45,9 +51,9 @@ const EXTENSIONS: [&str; 6] = ["ron", "csv", "json", "safetensors", "bin", "svg"
 #[cfg(not(target_arch = "wasm32"))]
 const REPLACED: [&str; 8] = [
     RunFolder::CONFIG_FILE,
-    "episodes.csv",
+    EPISODES_FILE,
     "evaluations.csv",
-    "policy.safetensors",
+    POLICY_FILE,
     "policy-last.safetensors",
     "processors.json",
     "summary.json",
@@ -86,7 +92,7 @@ impl RunFolder {
             None => Self::new(create_default_folder(config)?),
         };
         folder.check_vacant()?;
-        fs::create_dir_all(folder.path.join("checkpoint"))
+        fs::create_dir_all(folder.path.join(CHECKPOINT_FOLDER))
             .map_err(|error| folder_not_writable(&folder.path, &error))?;
         write_point("run folder: created");
         let folder = folder.locked()?;
@@ -117,10 +123,10 @@ impl RunFolder {
             let why = "already holds a run; help: continue it with --resume, or give --out another folder";
             return Err(RunError::invalid_input(&self.path, why));
         }
-        let is_started = self.path.join("checkpoint").exists();
+        let is_started = self.path.join(CHECKPOINT_FOLDER).exists();
         let is_leftover = |entry: io::Result<fs::DirEntry>| {
             entry.is_ok_and(|entry| {
-                entry.file_name() == "checkpoint"
+                entry.file_name() == CHECKPOINT_FOLDER
                     || is_temporary(&entry)
                     || (is_started && entry.file_name() == INITIAL_POLICY_FILE)
             })
@@ -144,7 +150,7 @@ impl RunFolder {
                 check_entry(&path).map_err(|error| RunError::not_writable(&path, error))?;
             }
             remove_temporary_files(&self.path);
-            remove_temporary_files(&self.path.join("checkpoint"));
+            remove_temporary_files(&self.path.join(CHECKPOINT_FOLDER));
             Ok(Self { _lock: Some(lock), ..self })
         }
         #[cfg(target_arch = "wasm32")]
@@ -187,7 +193,7 @@ impl RunFolder {
 
     /// The entries of this folder and of its folder `checkpoint`.
     fn entries(&self) -> impl Iterator<Item = fs::DirEntry> {
-        let folders = [self.path.clone(), self.path.join("checkpoint")];
+        let folders = [self.path.clone(), self.path.join(CHECKPOINT_FOLDER)];
         folders.into_iter().flat_map(|folder| fs::read_dir(folder).into_iter().flatten().flatten())
     }
 
@@ -240,7 +246,7 @@ impl RunFolder {
 fn is_run_file(entry: &fs::DirEntry) -> bool {
     let (path, name) = (entry.path(), entry.file_name());
     path.extension().is_some_and(|found| EXTENSIONS.iter().any(|extension| found == *extension))
-        || ["checkpoint", "lock"].iter().any(|file| name == *file)
+        || [CHECKPOINT_FOLDER, "lock"].iter().any(|file| name == *file)
         || name.to_string_lossy().starts_with("events.")
 }
 

@@ -13,7 +13,7 @@ use super::RunError;
 use super::background_evaluator::{BackgroundEvaluator, EvalResult};
 use super::checkpoint::{self, BestPolicy, TrainerState};
 use super::final_test::{self, FinalTest};
-use super::folder::{RunConfig, RunFolder};
+use super::folder::{CHECKPOINT_FOLDER, POLICY_FILE, RunConfig, RunFolder};
 use super::metric_rows::Summary;
 use super::metrics;
 use super::metrics_writer::MetricsWriter;
@@ -83,7 +83,7 @@ pub fn train(
     let evaluated = run.await_evaluations();
     let flushed = run.metrics_writer.flush();
     result.map_err(|error| {
-        let folder = run.folder.path().join("checkpoint");
+        let folder = run.folder.path().join(CHECKPOINT_FOLDER);
         error.with_remark(&format!("the last checkpoint is in {}", folder.display()))
     })?;
     evaluated?;
@@ -242,7 +242,7 @@ impl Run {
             ));
         }
         if let Some(best) = self.trainer_state.best.as_ref().filter(|_| metrics.is_best) {
-            self.write_policy("policy.safetensors", &best.bytes)?;
+            self.write_policy(POLICY_FILE, &best.bytes)?;
         }
         Ok(())
     }

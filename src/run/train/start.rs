@@ -9,7 +9,7 @@ use crate::learning::Learner;
 use crate::policy::Policy;
 use crate::run::background_evaluator::BackgroundEvaluator;
 use crate::run::checkpoint::{self, LoadedCheckpoint, TrainerState};
-use crate::run::folder::{INITIAL_POLICY_FILE, RunConfig, RunFolder, header};
+use crate::run::folder::{EPISODES_FILE, INITIAL_POLICY_FILE, POLICY_FILE, RunConfig, RunFolder, header};
 #[cfg(unix)]
 use crate::run::memory_limit;
 use crate::run::metric_rows::{EpisodeRow, Summary};
@@ -101,7 +101,7 @@ impl Run {
         }
         checkpoint::restore(run.simulation.world_mut(), &run.trainer_state);
         if let Some(best) = &run.trainer_state.best {
-            run.write_policy("policy.safetensors", &best.bytes)?;
+            run.write_policy(POLICY_FILE, &best.bytes)?;
         }
         Ok(run)
     }
@@ -147,5 +147,5 @@ fn is_complete(folder: &Path, learner: &Learner) -> bool {
 /// Whether `episodes.csv` in `folder` has a row.
 fn has_rows(folder: &Path) -> bool {
     let header_bytes = || header::<EpisodeRow>(&[]).map_or(0, |line| line.len() as u64);
-    std::fs::metadata(folder.join("episodes.csv")).is_ok_and(|file| file.len() > header_bytes())
+    std::fs::metadata(folder.join(EPISODES_FILE)).is_ok_and(|file| file.len() > header_bytes())
 }
