@@ -795,6 +795,7 @@ fn runs_from_elsewhere_that_do_not_fit_are_rejected_with_a_fix() {
     rejected(("[3, 17]", "[3, 17, 3]"), &["mine/broken.ron:", "has 3 twice"]);
     rejected(("[3, 17]", "\"3\""), &["mine/broken.ron:", "a number of seeds, such as 5, or a list"]);
     let done = workspace.run("--reproduce --experiment mine/steps.ron --quick --out no");
+    assert_eq!(done.status, Some(2));
     assert!(done.stderr.contains("arm \"elsewhere\" has finished runs"), "{}", done.stderr);
 
     // A run that is not finished.

@@ -50,7 +50,7 @@ pub struct Scenario {
     /// Where goals are placed.
     #[serde(default)]
     pub goals: PlacementRule,
-    /// The benchmark route, an episode that `--course` times (the paper's tables 3, 4, 6 and 7). None by default.
+    /// The benchmark route, an episode that `--course` times (the paper's tables 3, 4, 6 and 7).
     #[serde(default)]
     pub benchmark_route: Option<BenchmarkRoute>,
 }
@@ -242,8 +242,8 @@ pub enum ObstacleMotion {
         /// Whether it returns from the last goal to its position and begins again. Otherwise it stops at the last goal.
         #[serde(default = "default_loops")]
         loops: bool,
-        /// Whether it also avoids the robot, as a disc that contains its collision range and its shape, and leaves half of the
-        /// avoidance to it.
+        /// Whether it also avoids the robot, as a disc that contains the robot's collision range and shape. It leaves half of
+        /// the avoidance to the robot.
         #[serde(default)]
         sees_robot: bool,
     },
@@ -349,7 +349,7 @@ pub struct Robot {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shape: Option<Shape>,
     /// Minimum turning radius of a robot that steers like a car, 0.001 to 100 m: for each motion, |v / w| must be at least
-    /// this. None by default: the robot can also turn on the spot.
+    /// this. Without it, the robot can also turn on the spot.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub min_turning_radius_m: Option<f32>,
     /// The 1 to 64 motions; action k of the policy selects motion k.
@@ -362,7 +362,7 @@ pub struct Robot {
     pub max_acceleration_m_s2: Option<f32>,
     /// Highest angular acceleration, of w, 0.01 to 10,000 rad/s^2; unlimited if omitted.
     pub max_angular_acceleration_rad_s2: Option<f32>,
-    /// Slip of the wheels: the robot moves less than they do. None by default.
+    /// Slip of the wheels: the robot moves less than they do.
     pub slip: Option<Slip>,
     /// The robot knows its pose by odometry alone, which drifts. If omitted, it knows its pose exactly.
     pub odometry_drift: Option<OdometryDrift>,

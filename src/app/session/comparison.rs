@@ -60,8 +60,7 @@ pub(super) fn compare_with_driver(
     driver: DriverKind,
 ) -> Result<String, RunError> {
     let text = format!("{name} drives next to the tested policy. {}", driver.class().about());
-    world.resource_mut::<OpenedFiles>().driver = Some((name, driver));
-    compare(world)?;
+    compare(world, |opened| opened.driver = Some((name, driver)))?;
     Ok(text)
 }
 
@@ -175,17 +174,23 @@ pub(super) fn warn_in_comparison(world: &mut World, mode: SessionMode) {
 
 /// Lets `policy` drive next to the tested policy.
 pub(super) fn compare_with(world: &mut World, policy: (String, Policy)) -> Result<(), RunError> {
-    let opened = &mut *world.resource_mut::<OpenedFiles>();
-    (opened.policy, opened.driver) = (Some(policy), None);
-    compare(world)
+    compare(world, |opened| (opened.policy, opened.driver) = (Some(policy), None))
 }
 
-/// Starts the comparison with the second driver.
-fn compare(world: &mut World) -> Result<(), RunError> {
-    if world.resource::<ActiveMode>().mode() == SessionMode::Compare {
-        return restart_demo(world);
+/// Starts the comparison with the second driver that `choose` puts into the opened files. After an error, the files are as before.
+fn compare(world: &mut World, choose: impl FnOnce(&mut OpenedFiles)) -> Result<(), RunError> {
+    let opened = &mut *world.resource_mut::<OpenedFiles>();
+    let before = (opened.policy.clone(), opened.driver.clone());
+    choose(opened);
+    let compared = match world.resource::<ActiveMode>().mode() {
+        SessionMode::Compare => restart_demo(world),
+        _ => set_mode(world, SessionMode::Compare),
+    };
+    if compared.is_err() {
+        let opened = &mut *world.resource_mut::<OpenedFiles>();
+        (opened.policy, opened.driver) = before;
     }
-    set_mode(world, SessionMode::Compare)
+    compared
 }
 
 #[cfg(test)]
