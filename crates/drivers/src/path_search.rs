@@ -21,7 +21,8 @@ const DIAGONAL: u32 = 14;
 pub(crate) struct PathSearch {
     costs: Vec<u32>,
     parents: Vec<u32>,
-    queue: BinaryHeap<Reverse<(u32, usize)>>,
+    /// The cells to visit, see [`entry`].
+    queue: BinaryHeap<Reverse<u64>>,
 }
 
 impl PathSearch {
@@ -41,8 +42,9 @@ impl PathSearch {
         parents.resize(extra_costs.len(), from as u32);
         queue.clear();
         costs[from] = 0;
-        queue.push(Reverse((estimate(columns, from, to), from)));
-        while let Some(Reverse((_, cell))) = queue.pop() {
+        queue.push(entry(estimate(columns, from, to), from));
+        while let Some(Reverse(first)) = queue.pop() {
+            let cell = first as u32 as usize;
             if cell == to {
                 break;
             }
@@ -51,7 +53,7 @@ impl PathSearch {
                 if cost < costs[next] {
                     costs[next] = cost;
                     parents[next] = cell as u32;
-                    queue.push(Reverse((cost + estimate(columns, next, to), next)));
+                    queue.push(entry(cost + estimate(columns, next, to), next));
                 }
             }
         }
@@ -64,6 +66,11 @@ impl PathSearch {
         path.reverse();
         path
     }
+}
+
+/// An entry of the queue: the estimated cost of a path through a cell, then the cell, in one number, which is quicker to compare.
+fn entry(cost: u32, cell: usize) -> Reverse<u64> {
+    Reverse(u64::from(cost) << 32 | cell as u64)
 }
 
 /// The cost of `path`, a list of neighbouring cells, as [`PathSearch::cheapest_path`] counts it.
