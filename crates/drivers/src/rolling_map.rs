@@ -71,7 +71,9 @@ impl RollingMap {
         // This is what `floor` gives. Without SSE4.1, that would be two calls of a function for each cell that a beam crosses.
         let point = point_m / self.cell_m;
         let truncated = point.as_ivec2();
-        truncated - ivec2(i32::from(point.x < truncated.x as f32), i32::from(point.y < truncated.y as f32))
+        let is_below =
+            ivec2(i32::from(point.x < truncated.x as f32), i32::from(point.y < truncated.y as f32));
+        truncated.saturating_sub(is_below)
     }
 
     /// The slot of the cell `at`: its index in `cells`.

@@ -240,6 +240,9 @@ impl SerializeStructVariant for Record {
     ) -> Result<(), Unsupported> {
         SerializeStruct::serialize_field(self, key, value)
     }
+    fn skip_field(&mut self, key: &'static str) -> Result<(), Unsupported> {
+        SerializeStruct::skip_field(self, key)
+    }
     fn end(self) -> Result<Value, Unsupported> {
         SerializeStruct::end(self)
     }

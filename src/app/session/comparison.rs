@@ -106,8 +106,9 @@ pub(super) fn compare_with_map(world: &mut World, name: &str, policy: Policy) ->
 /// No policy has been evaluated yet.
 pub(super) fn open_best(world: &mut World) -> Result<(), RunError> {
     let (_, policy) = session_policy::policy(world, PolicySource::Best)?;
-    world.resource_mut::<TrainingRun>().tested = PolicySource::Current;
+    let before = std::mem::replace(&mut world.resource_mut::<TrainingRun>().tested, PolicySource::Current);
     compare_with(world, ("Best so far".into(), policy))
+        .inspect_err(|_| world.resource_mut::<TrainingRun>().tested = before)
 }
 
 /// The shipped policy that was trained in the scenario of `config`, or else the general policy, or else the first one that can

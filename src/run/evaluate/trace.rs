@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::path::Clearance;
 use super::{EpisodeResult, Evaluated, Evaluator};
-use crate::agent::{ActionSource, ActionSources, Decisions};
+use crate::agent::{ActionSelection, ActionSource, ActionSources, Decisions};
 use crate::run::RunError;
 use crate::task::{
     Actions, Arena, ArenaLayout, Clock, EpisodeEnd, EpisodeSetup, Goal, Pedestrians, Pose, Scan,
@@ -166,8 +166,11 @@ fn with_decision(before: TraceStep, world: &World) -> TraceStep {
     let row = q_values.chunks(q_values.len() / actions.len()).next();
     let row = row.filter(|row| row.iter().all(|q| !q.is_nan()));
     // A policy with a map keeps its own.
-    let of_driver = || match world.get_resource::<ActionSources>()?.arenas.first()? {
-        ActionSource::Driver(driver) => driver.q_values(),
+    let of_driver = || match (
+        world.resource::<ActionSelection>(),
+        world.get_resource::<ActionSources>()?.arenas.first()?,
+    ) {
+        (ActionSelection::PerArena, ActionSource::Driver(driver)) => driver.q_values(),
         _ => None,
     };
     TraceStep {

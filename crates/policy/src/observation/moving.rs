@@ -104,12 +104,14 @@ impl Leg {
     }
 
     /// Whether a robot that begins at the origin and drives straight on, by `step` in each control step, may collide with the disc
-    /// on this leg in some direction. Without rounding errors, `false` would be certain; a margin makes up for them.
+    /// on this leg in some direction. If not, [`steps_to_collision`](Self::steps_to_collision) is infinite in all directions.
     pub(super) fn is_in_reach(&self, step: f32) -> bool {
         let Self { disc, from, start, velocity, .. } = self;
         let length = |(x, y): (f32, f32)| (x * x + y * y).sqrt();
         let (distance, speed) = (length(*start), length(*velocity));
-        let reach = 1.0 + disc.radius + MARGIN;
+        // The rounding errors of a collision grow with the square of the distance.
+        let driven = (from + STEPS_OF_CHORD) * step;
+        let reach = 1.0 + disc.radius + MARGIN + 1e-6 * driven * driven;
         if self.steps.is_infinite() {
             // A disc that is not faster stays behind the robot.
             return distance + reach > from * step || speed + MARGIN > step;
@@ -196,11 +198,18 @@ mod tests {
             let disc = Disc { x: 30.0 * number(0.618), y: 30.0 * number(0.414), radius: 0.7 };
             let motion = Motion { velocity: (number(0.732), number(0.236)), turn: 0.16 * number(0.854) };
             for leg in Leg::path(disc, motion) {
-                if !leg.is_in_reach(0.3) {
+                for step in [0.3_f32, 3.0, 50.0] {
+                    if leg.is_in_reach(step) {
+                        continue;
+                    }
                     out_of_reach[0] += 1;
                     for direction in 0..36_u8 {
                         let (sin, cos) = (f32::from(direction) * 0.1745).sin_cos();
-                        assert_eq!(leg.steps_to_collision((0.3 * cos, 0.3 * sin)), f32::INFINITY, "{leg:?}");
+                        assert_eq!(
+                            leg.steps_to_collision((step * cos, step * sin)),
+                            f32::INFINITY,
+                            "{leg:?}"
+                        );
                     }
                 }
                 if !leg.comes_within(4.0, 10.0) {
@@ -211,7 +220,10 @@ mod tests {
                 }
             }
         }
-        assert!(out_of_reach.iter().all(|count| *count > 1000), "of some 6000 legs: {out_of_reach:?}");
+        assert!(
+            out_of_reach.iter().all(|count| *count > 1000),
+            "of some 18,000 and 6,000 legs: {out_of_reach:?}"
+        );
     }
 
     #[test]

@@ -133,7 +133,7 @@ pub struct SectorObserver {
     /// The newest scan's hits on what stands still, and on what moves.
     static_hits: Vec<Hit>,
     moving_hits: Vec<Hit>,
-    /// What of it a robot can collide with in the next [`FORESIGHT_STEPS`].
+    /// The legs and the hits on what stands still that a robot can collide with in the next [`FORESIGHT_STEPS`].
     near_legs: Vec<Leg>,
     near_hits: Vec<(f32, f32)>,
     /// The directions of the sectors' centres.
@@ -283,7 +283,8 @@ impl SectorObserver {
         let steps = FORESIGHT_STEPS as f32;
         let reach = steps * body.step_length() + 1.0 + NEAR_MARGIN;
         near_hits.clear();
-        near_hits.extend(static_hits.iter().filter(|hit| hit.distance < reach).map(|hit| (hit.x, hit.y)));
+        let is_near = |(x, y): &(f32, f32)| x * x + y * y < reach * reach;
+        near_hits.extend(static_hits.iter().map(|hit| (hit.x, hit.y)).filter(is_near));
         near_legs.clear();
         near_legs.extend(legs.iter().filter(|leg| leg.comes_within(reach, steps)));
     }

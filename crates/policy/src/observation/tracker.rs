@@ -220,6 +220,8 @@ impl Rays {
     /// the search for it begins at the ray `near`.
     fn beside(&self, place: (f32, f32), spacing_rad: f32, near: usize) -> Option<(usize, usize)> {
         let count = self.len();
+        // A checkpoint may hold scans with different numbers of beams.
+        let near = near.min(count.checked_sub(1)?);
         let right_of = |left: usize| if left > 0 { left - 1 } else { count - 1 };
         let left = (0..count)
             .map(|k| if k % 2 == 0 { near + k / 2 } else { near + count - k.div_ceil(2) })
@@ -931,6 +933,11 @@ mod tests {
                 "from ray {near}"
             );
         }
+        assert_eq!(
+            rays.beside((5.0, 0.5), in_front.spacing_rad(), 71),
+            Some((12, 13)),
+            "from a ray it lacks"
+        );
         let out_of_range = Rays { max_range: 4.0, length: vec![4.0; 24], ..rays };
         let sight = |x: f32| out_of_range.sight((0, (x, 0.5)), in_front.spacing_rad(), 1.0);
         assert_eq!((sight(3.0), sight(5.0)), (Sight::Free, Sight::Unknown), "in range, and out of it");
