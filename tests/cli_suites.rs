@@ -375,6 +375,10 @@ fn an_interrupted_test_goes_on_with_the_same_results() {
     // Finished tests are used, and only those of the same seed.
     workspace.run_ok(&format!("{eval} --report report --seed 1"));
     assert_eq!(workspace.text("report/tests.ron").lines().count(), 4 * 17);
+    // As if killed before the first test.
+    std::fs::create_dir(workspace.path("begun")).unwrap();
+    workspace.write("begun/lock", "");
+    assert_eq!(workspace.run_ok(&format!("{eval} --report begun")).stdout, whole);
     std::fs::create_dir(workspace.path("used")).unwrap();
     workspace.write("used/notes.txt", "mine");
     let done = workspace.run(&format!("{eval} --report used"));

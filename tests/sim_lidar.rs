@@ -208,21 +208,18 @@ fn drive_until_contact(scenario: &Scenario, from: Pose, max_steps: usize) -> f64
         state.pose = from;
         (state.goal.x_m, state.goal.y_m) = (-9.0, -9.0);
     });
-    let (mut first_below_l_c, mut gap) = (None, f64::INFINITY);
-    for step in 0..max_steps {
+    let (mut was_below_l_c, mut gap) = (false, f64::INFINITY);
+    for _ in 0..max_steps {
         lab.step(&[2]);
         let state = lab.state(0);
         let at = (f64::from(state.pose.x_m), f64::from(state.pose.y_m));
         let clear = closed_form::clearance(&scenario, state.clock.0, at);
         gap = gap.min(clear - f64::from(scenario.robot.radius_m));
-        if state.scan.nearest_m < l_c {
-            first_below_l_c.get_or_insert(step);
-        }
+        was_below_l_c |= state.scan.nearest_m < l_c;
         if state.scan.touching {
             assert!(lab.outcomes()[0].collided, "contact is a collision");
-            let first_below_l_c = first_below_l_c.expect("d_o has fallen below l_c");
             // l_c minus the radius is one step of 0.03 m, so at worst both happen in the same step.
-            assert!(first_below_l_c <= step, "d_o falls below l_c no later than the contact");
+            assert!(was_below_l_c, "d_o falls below l_c no later than the contact");
             return gap;
         }
     }

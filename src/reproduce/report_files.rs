@@ -32,7 +32,7 @@ pub fn prepare(folder: &Path) -> Result<(), RunError> {
         remove_temporary_files(&sub);
         // A link is refused, because outdated files in its target would be deleted.
         if fs::symlink_metadata(&sub).is_ok_and(|found| !found.is_dir()) {
-            let why = "is not a folder, but must be one; help: move it, or choose another folder with --out";
+            let why = "is not a folder, but must be one; help: move it, or choose another folder";
             return Err(RunError::invalid_input(&sub, why));
         }
     }

@@ -23,6 +23,8 @@ use crate::scenario::to_ron;
 
 /// The file with the finished tests.
 const TESTS: &str = "tests.ron";
+/// The lock file.
+const LOCK: &str = "lock";
 /// The folder of the policies and drivers.
 const DRIVERS: &str = "drivers";
 
@@ -41,14 +43,17 @@ impl SuiteFolder {
     /// The folder holds something else, another process uses it, or it cannot be written.
     pub fn open(path: &Path) -> Result<Self, RunError> {
         let unwritable = |error: std::io::Error| RunError::not_writable(path, error);
-        let is_used = fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_some());
+        // A killed process may have left its lock alone.
+        let is_lock =
+            |entry: std::io::Result<fs::DirEntry>| entry.is_ok_and(|entry| entry.file_name() == LOCK);
+        let is_used = fs::read_dir(path).is_ok_and(|mut entries| !entries.all(is_lock));
         if is_used && !path.join(TESTS).is_file() {
             let why =
                 "holds something other than the report of a suite; help: give a new folder with --report";
             return Err(RunError::invalid_input(path, why));
         }
         fs::create_dir_all(path).map_err(unwritable)?;
-        let lock = Lock::acquire(path, &path.join("lock"))?;
+        let lock = Lock::acquire(path, &path.join(LOCK))?;
         report_files::prepare(path)?;
         let store = TestStore::open(&path.join(TESTS))?;
         Ok(Self { path: path.into(), store, _lock: lock })
