@@ -1,5 +1,5 @@
-//! Policies that drive by percepts, as classical drivers do: the same actions as in the simulation's own way, and with a map ways
-//! out of dead ends.
+//! Policies that drive by percepts, as classical drivers do: they choose the same actions as in the simulation, and with a map
+//! they get out of dead ends.
 
 mod cli_support;
 
@@ -92,7 +92,7 @@ fn relative_actions_are_those_of_the_robot_with_a_map_too() {
     let alone = evaluator.run(&sectors, 3, 8, EpisodeSetup::Random).expect("no error");
     let mapped = evaluator.run(&with_map, 3, 8, EpisodeSetup::Random).expect("no error");
     assert_eq!(alone, mapped);
-    assert_eq!(evaluator.run(&sectors, 3, 8, EpisodeSetup::Random), Ok(alone), "nothing is left of the map");
+    assert_eq!(evaluator.run(&sectors, 3, 8, EpisodeSetup::Random), Ok(alone), "the evaluator keeps no map");
 }
 
 #[test]
@@ -121,7 +121,7 @@ fn a_report_repeats_the_failures_of_a_policy_with_its_map() {
     assert!(page.contains("--open report/drivers/1-scenario-1.safetensors+map"), "{page}");
     let again = "--eval report/drivers/1-scenario-1.safetensors+map --suite short.ron --json";
     assert_eq!(workspace.run_ok(again).json()["class"], "B");
-    // A test of the policy alone is another one.
+    // A test of the policy without a map is a separate entry.
     let alone = workspace.run_ok("--eval scenario-1 --suite short.ron --report report --json").json();
     assert_eq!(alone["class"], "A");
     assert_eq!(workspace.text("report/tests.ron").lines().count(), 2);

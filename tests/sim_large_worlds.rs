@@ -24,7 +24,7 @@ fn without_index(mut lab: Lab) -> Lab {
     lab
 }
 
-/// Drives robots at random, until contacts end their episodes, with and without the index. Returns the number of contacts.
+/// Drives robots with random actions, with and without the index; contacts end episodes. Returns the number of contacts.
 fn contacts_with_equal_bits(mut scenario: Scenario, steps: usize) -> usize {
     // Only contact counts as a collision.
     scenario.task.collision_range_m = 0.0;

@@ -44,7 +44,8 @@ impl ArmRun {
         None
     }
 
-    /// The index of the training run, and which of its policies is tested at `point`. `None` if the arm is shorter.
+    /// The index of the training run, and which of its policies is tested at `point`. `None` if the arm is shorter,
+    /// or if a stage's length is not given in the same unit.
     #[must_use]
     pub fn policy(
         &self,

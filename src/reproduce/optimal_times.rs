@@ -54,7 +54,7 @@ impl OptimalTimesCache {
     /// `policy` is run to find the starts and goals, which are the same for every policy.
     ///
     /// # Errors
-    /// The policy cannot be read, or the folder cannot be written.
+    /// The policy cannot be read or does not fit the scenario, no free start was found, or the folder cannot be written.
     pub fn for_test(
         &self,
         scenario: &Scenario,

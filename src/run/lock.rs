@@ -1,7 +1,7 @@
 //! A lock on an output folder or a backup of the editor: only one process at a time may write there.
 //!
-//! It is an advisory lock on an empty file. The operating system releases it when the process
-//! exits or crashes. The file remains; only the lock on it matters.
+//! It is an advisory lock on an empty file. The operating system releases it when the process exits or crashes. The file
+//! remains; only the lock on it matters. On a file system without locks, nothing is locked.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::path::Path;

@@ -1,7 +1,8 @@
 //! The components of an arena's entity: robot, scan, goal, episode and random streams.
 //!
-//! [`sim`](crate::sim) writes [`Pose`], [`Twist`] and [`Scan`]; `reset.rs` writes [`Goal`] and [`Episode`]. Positions are in
-//! the arena's frame, with the origin at the centre of the enclosure.
+//! In a control step, [`sim`](crate::sim) writes [`Pose`], [`Twist`] and [`Scan`], and `outcome.rs` writes [`Episode`].
+//! `reset.rs` draws new goals and starts, and begins new episodes. Positions are in the arena's frame, with the origin at the
+//! centre of the enclosure.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, OnceLock};
@@ -182,7 +183,7 @@ pub struct Scan {
     /// The reported ranges, in m, one per beam ([`beam_angle_rad`](crate::scenario::Lidar::beam_angle_rad)), with noise,
     /// dropout and latency.
     pub ranges_m: Vec<f32>,
-    /// The robot's pose when the reported ranges were measured, `latency_steps` steps ago.
+    /// The robot's pose when the reported ranges were measured, at most `latency_steps` steps ago.
     pub sensor_pose: Pose,
     /// The smallest current range without noise and dropout, in m: d_o, which decides collisions and rewards.
     pub nearest_m: f32,
@@ -267,7 +268,7 @@ pub struct Episode {
 pub struct Streams {
     /// Layout seeds, starts and goals.
     pub placement: Stream,
-    /// LIDAR noise and dropout; and, without drawing from it, which predictions are dropped.
+    /// LIDAR noise and dropout. Which predictions are dropped depends on its state too, but draws nothing from it.
     pub sensor: Stream,
 }
 

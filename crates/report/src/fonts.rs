@@ -89,7 +89,7 @@ fn has_outline(data: &[u8], index: u32, character: char) -> bool {
     })
 }
 
-/// Selects a font for text that is not covered by the embedded one.
+/// The font resolver of figures: searches the system fonts for characters that the loaded fonts lack.
 pub(crate) fn resolver() -> FontResolver<'static> {
     let select_loaded = FontResolver::default_fallback_selector();
     let select_fallback: FallbackSelectionFn<'static> = Box::new(move |character, excluded, fonts| {

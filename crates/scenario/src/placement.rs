@@ -28,7 +28,7 @@ const START_TRIES: u32 = 50;
 pub struct NoFreeSpace {
     /// "start" or "goal".
     pub what: &'static str,
-    /// The step.
+    /// The control step.
     pub step: u64,
 }
 

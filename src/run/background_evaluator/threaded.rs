@@ -23,7 +23,7 @@ pub struct ThreadedEvaluator {
 }
 
 impl ThreadedEvaluator {
-    /// Starts an evaluator that tests each policy in the same `episodes` of `scenario`.
+    /// Starts an evaluator that evaluates each policy in the same `episodes` of `scenario`, unless the candidate has its own.
     ///
     /// # Errors
     /// The thread cannot be started.

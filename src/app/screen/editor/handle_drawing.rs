@@ -28,7 +28,7 @@ pub fn draw(canvas: &Canvas, editor: &Editor, hit: PointerHit) {
             draw_handle(canvas, editor, handle, active == Some(kind));
         }
     }
-    // The label goes above all handles.
+    // Last, so that the label is on top of all handles.
     if let Some(handle) = handles.iter().find(|handle| Some(handle.kind()) == active) {
         let others = if editor.dragged().is_some() { &[][..] } else { &handles };
         draw_value(canvas, handle, others);

@@ -24,6 +24,7 @@ impl Segment {
     }
 }
 
+/// Height of the control, in points.
 const HEIGHT: f32 = 28.0;
 /// Padding left and right of each text, in points.
 const PADDING: f32 = 10.0;

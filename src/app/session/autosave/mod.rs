@@ -91,7 +91,7 @@ type Progress = (u64, usize);
 pub struct Autosave {
     /// `None` if nothing is saved.
     options: Option<AutosaveOptions>,
-    /// The autosave of this training run; `None` while it is being written.
+    /// The autosave of this training run; `None` while it is being written, or if nothing is saved.
     slot: Option<Slot>,
     writing: Option<Writing>,
     /// The training at the last autosave; `None` before the first and after a failure.
