@@ -38,7 +38,8 @@ fn state(world: &mut bevy::prelude::World) -> (Vec<u8>, Vec<ArenaState>) {
     (bytes, sim::snapshot(world))
 }
 
-/// Settings with which also what a robot remembers of earlier scans matters, and which of its predictions are dropped.
+/// Settings under which the learned bits also depend on the earlier scans that a robot remembers, and on which of its predictions
+/// are dropped.
 fn settings() -> Settings {
     let setting = |(path, value): (&str, &str)| Setting { path: path.into(), value: value.into() };
     let observation = "Sectors(count: 12, earlier_steps: 3, predicted_paths: true)";

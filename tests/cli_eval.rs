@@ -9,8 +9,7 @@ use cli_support::{FAST, SCENARIO_1, Workspace, edited, quick_fast, raw};
 use serde_json::Value;
 use wayfield::policy::Policy;
 
-/// A workspace, shared by all tests, with a run of the default preset: 30,000 env steps, seed 1, in
-/// `trained`.
+/// A workspace, shared by the tests that need it, with a run of the default preset in `trained`: 30,000 env steps, seed 1.
 fn trained() -> &'static Workspace {
     static WORKSPACE: OnceLock<Workspace> = OnceLock::new();
     WORKSPACE.get_or_init(|| {

@@ -120,7 +120,7 @@ impl NativeEnv {
         Ok((observation, rewards[0], terminated[0], truncated[0], info))
     }
 
-    /// An image of one environment: height and width in pixels, and the RGB bytes.
+    /// An image of one environment, with `scale` pixels per SVG pixel: height and width in pixels, and the RGB bytes.
     fn render<'py>(
         &mut self,
         py: Python<'py>,

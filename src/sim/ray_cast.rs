@@ -84,7 +84,7 @@ fn shorten<'a>(
 
 /// The distance along `ray` to `shape`, if it is at most `max_m`.
 ///
-/// Parry approximates casts to capsules and polygons iteratively, to about 0.1 mm. Composed of their parts, they are as
+/// Parry approximates casts to capsules and polygons iteratively, to about 0.1 mm. Casts to their parts, as here, are as
 /// exact as casts to circles.
 #[inline(always)]
 pub(super) fn cast_ray(shape: &TypedShape, ray: &Ray, max_m: f32) -> Option<f32> {
@@ -166,7 +166,7 @@ pub(super) const MARGIN: f32 = 0.003;
 struct BeamFilter {
     /// The vector from the robot to the centre of the bounding circle, in m.
     centre: Vec2,
-    /// The square of the circle's radius with the margin, in m^2.
+    /// The square of the circle's radius plus the square of the margin, in m^2.
     radius_squared: f32,
     /// The vector from the robot to the shape's nearest point, in m; zero inside the shape.
     gap: Vec2,
@@ -204,7 +204,7 @@ mod tests {
 
     use super::*;
 
-    /// A number on a lattice of 0.25, so that rays start on sides and run along them, or any.
+    /// Any number, or one on a lattice of 0.25, so that some rays start on sides or run along them.
     fn number() -> impl Strategy<Value = f32> {
         prop_oneof![-3.0_f32..3.0, (-12_i8..=12).prop_map(|k| 0.25 * f32::from(k))]
     }

@@ -134,12 +134,12 @@ pub fn map(bytes: &[u8]) -> bool {
     is_imported(import_map(yaml, image, "untrusted.yaml".as_ref(), &ImportOptions::default()))
 }
 
-/// Imports a world or model in SDF, with the models beside the test that it may include: none.
+/// Imports a world or model in SDF. Models that it includes are not found.
 pub fn sdf(bytes: &[u8]) -> bool {
     is_imported(import_bytes("untrusted.sdf".as_ref(), bytes, &ImportOptions::default()))
 }
 
-/// Imports the first of the BARN worlds in a JSON file; bytes that are no text are read as a path file.
+/// Imports the first of the BARN worlds in a JSON file; bytes that are not UTF-8 are read as a path file.
 pub fn barn(bytes: &[u8]) -> bool {
     if std::str::from_utf8(bytes).is_err() {
         let length = barn_path_length_m(bytes, "untrusted.npy".as_ref());
@@ -151,7 +151,7 @@ pub fn barn(bytes: &[u8]) -> bool {
     is_imported(import_bytes("untrusted.json".as_ref(), bytes, &ImportOptions::default()))
 }
 
-/// Whether a scenario was imported. It must be valid, and its text must say the same.
+/// Whether a scenario was imported. Asserts that its text is valid and gives the same scenario.
 fn is_imported(result: Result<Imported, FileError>) -> bool {
     match result {
         Ok(imported) => {
@@ -240,7 +240,7 @@ pub fn experiment(bytes: &[u8]) -> bool {
     let written = to_ron(&experiment).expect("an experiment can be written as RON");
     let again = Experiment::parse(&written, NAME).map(|again| to_ron(&again));
     assert!(again == Ok(Ok(written)), "writing and reading changes nothing");
-    // Planning loads the scenarios, so only small ones are planned, and only one time in sixteen.
+    // Planning loads the scenarios, so only small experiments are planned, and only one in sixteen of those.
     let shipped = |name: &str, known: &[&str]| known.contains(&name);
     let stages = experiment.arms.iter().flat_map(|arm| &arm.stages);
     let known = stages.clone().all(|stage| {

@@ -107,7 +107,7 @@ fn hall_world() -> String {
 
 /// The clearance at a point of the source's frame, in m; negative inside a solid or outside the enclosure.
 fn distance(imported: &Imported, x: f64, y: f64) -> f32 {
-    let frame = Frame::find(&imported.scenario.about).expect("the about says it");
+    let frame = Frame::find(&imported.scenario.about).expect("the `about` states the frame");
     let at = frame.to_scenario([x, y].into());
     clearance(&imported.scenario, vec2(at.x as f32, at.y as f32), 0)
 }

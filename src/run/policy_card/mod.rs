@@ -37,7 +37,7 @@ pub const WITH_MAP: &str = "+map";
 /// The policy in the file at `path`, whose card agrees with its network and its scenario.
 ///
 /// # Errors
-/// The file cannot be read, or is not a policy.
+/// The file cannot be read, is not a policy, or has a card that contradicts itself.
 pub fn read(path: &Path) -> Result<Policy, RunError> {
     read_unnamed(path).map_err(|why| RunError::invalid_input(path, why))
 }
@@ -45,7 +45,7 @@ pub fn read(path: &Path) -> Result<Policy, RunError> {
 /// Like [`read`], with a message that does not name the file.
 ///
 /// # Errors
-/// The file cannot be read, or is not a policy.
+/// The file cannot be read, is not a policy, or has a card that contradicts itself.
 pub fn read_unnamed(path: &Path) -> Result<Policy, String> {
     let with_help = |why: String| format!("{why}; help: give the policy.safetensors of a run");
     if path.is_dir() {
@@ -85,10 +85,10 @@ pub fn trained_scenario(policy: &Policy) -> Result<Option<Scenario>, RunError> {
     Ok(Some(scenario))
 }
 
-/// The scenario that `policy` was trained in, to be used without a file; `None` without a card.
+/// The scenario that `policy` was trained in, for use if the user names none; `None` without a card.
 ///
 /// # Errors
-/// The scenario is invalid.
+/// The scenario is invalid, or the card contradicts it.
 pub fn own_scenario(policy: &Policy) -> Result<Option<Scenario>, RunError> {
     let Some(scenario) = trained_scenario(policy)? else { return Ok(None) };
     match diagnostics(&scenario).first() {

@@ -60,8 +60,7 @@ impl Canvas {
         self.painter.rect(rect, radius, self.palette.panel, border, egui::StrokeKind::Inside);
     }
 
-    /// Draws the background of a line of text in the colour around the arena, so that it shows only over the
-    /// arena.
+    /// Draws the background of a line of text. It has the colour that surrounds the arena, so it shows only over the arena.
     pub fn strip_background(&self, rect: Rect) {
         self.painter.rect_filled(rect, CornerRadius::same(4), self.palette.background);
     }
