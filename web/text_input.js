@@ -1,5 +1,5 @@
-// Text input by an input method (Japanese, Chinese, ...), an emoji picker or a virtual keyboard. Browsers offer these in
-// elements for text only. So while the app edits text, a hidden element has the focus: it passes keys on to the canvas, and
+// Text input by an input method (Japanese, Chinese, ...), an emoji picker or a virtual keyboard. Browsers offer these only
+// in text elements. So while the app edits text, a hidden element has the focus: it passes keys on to the canvas, and
 // composed text to the app.
 // In: where the app edits text. Out: keys for the canvas; calls of `compose_text` and `insert_text` of the app.
 

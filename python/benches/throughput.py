@@ -35,7 +35,11 @@ GOAL_RADIUS_M, COLLISION_RANGE_M, REPULSION_RANGE_M = 0.2, 0.13, 0.3
 
 
 class NumpyTask:
-    """Scenario I in numpy: ``n`` robots at once, without a physics engine. A robot is a point with 24 beams."""
+    """Scenario I in numpy: ``n`` robots at once, without a physics engine. A robot is a point with 24 beams.
+
+    The obstacles are circles with ``centres`` (circles, 2) and ``radius``; the enclosure is a square whose half side is ``half``.
+    All are in m.
+    """
 
     def __init__(self, n: int, centres: np.ndarray, radius: float, half: float) -> None:
         self.n, self.centres, self.radius, self.half = n, centres, radius, half

@@ -5,7 +5,7 @@ from typing import Any
 
 
 class RayPool:
-    """The nodes of a Ray cluster. The first task connects to the running cluster, or else starts Ray on this machine alone,
+    """The nodes of a Ray cluster. The first use connects to the running cluster, or else starts Ray on this machine alone,
     unless the caller has already called ``ray.init``.
 
     Args:
@@ -14,6 +14,7 @@ class RayPool:
 
     Raises:
         ImportError: Ray is not installed.
+        ValueError: ``cpus`` is less than 1, or ``retries`` is negative.
     """
 
     def __init__(self, cpus: int, retries: int) -> None:

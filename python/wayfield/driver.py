@@ -73,8 +73,9 @@ class Driver:
             twist: The robot's actual speed in m/s and turning rate in rad/s, left positive.
 
         Raises:
-            ValueError: The number of ranges is not the LIDAR's number of beams, a number is not finite, or a range or the
-                distance is negative. Such a call leaves the driver unchanged.
+            ValueError: The number of ranges is not the LIDAR's number of beams, a number is not finite, a range or the distance
+                is negative, or a number in ``goal``, ``pose`` or ``twist`` has a magnitude above 1e7. Such a call leaves the
+                driver unchanged.
         """
         ranges = np.asarray(ranges_m, np.float32).ravel()
         return Motion(*self._native.act(ranges, tuple(goal), tuple(pose), tuple(twist)))

@@ -55,7 +55,8 @@ class Problem:
 
 
 def check(*paths: str | os.PathLike[str]) -> list[Problem]:
-    """Checks scenarios, presets, experiments, run configurations and policies, like ``wayfield --check``.
+    """Checks scenarios, sets of scenarios, level generators, suites, drivers, presets, experiments, run configurations and
+    policies, like ``wayfield --check``.
 
     Args:
         paths: Files, and folders of RON files.
@@ -96,8 +97,9 @@ def draw(
         size: Width and height in pixels (96 per inch in PDF); None for the figure's.
 
     Raises:
-        FileNotFoundError: There is no such scenario or map.
-        ValueError: The scenario or an option is invalid.
+        FileNotFoundError: There is no such scenario.
+        ValueError: The scenario or an option is invalid, or the map cannot be read.
+        RuntimeError: The figure cannot be made or written.
     """
     options = {
         "settings": pairs(set),

@@ -1,5 +1,6 @@
 // Helpers for the page tests: a server for the page, a browser that opens it, and user actions.
-// In: the folder made by web/build. Out: pages, and the status that they report (from src/app/browser.rs).
+// In: the folder made by web/build, Chromium and Playwright, in environment variables that web/check sets. Out: pages, and the
+// status that they report (from src/app/browser.rs).
 
 import assert from 'node:assert/strict';
 import { createServer } from 'node:http';
@@ -57,13 +58,13 @@ export function pageUnderTest() {
     return tested;
 }
 
-/// Checks that the page has reported no errors, and closes it.
+/// Checks that the page has reported no errors or warnings, and closes it.
 export async function closeWithoutErrors(page) {
     assert.deepEqual(page.errors, []);
     await page.context().close();
 }
 
-/// Opens a page, and records its errors and its network requests.
+/// Opens a page, and records its errors and warnings and its network requests.
 export async function open(browser, address, { options = {}, prepare = async () => {} } = {}) {
     const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, acceptDownloads: true, ...options });
     const page = await context.newPage();
@@ -118,7 +119,7 @@ export async function centre(page, name, seconds = 30) {
     }
 }
 
-/// Whether a control or arena object with this accessible name is displayed.
+/// Whether a control or arena object with this accessible name is displayed and enabled.
 export const isShown = (page, name) => page.evaluate((name) => wayfieldPage.app.control(name) !== undefined, name);
 
 /// Asserts that what `page` has stored is offered by the button `name` in another tab only after `page` is closed, and can be

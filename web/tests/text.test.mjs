@@ -12,7 +12,7 @@ async function edit(name, options = {}) {
     const page = await open(app.browser, `${app.address}?edit`, options);
     await until(page, (now) => now.paused);
     await page.setInputFiles('#file', file('named.ron', await ownScenario(name)));
-    // Undo brings back the scenario that was there before.
+    // Undo is enabled once the file has replaced the scenario that was there before.
     await centre(page, 'Undo');
     return page;
 }

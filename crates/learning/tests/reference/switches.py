@@ -1,4 +1,4 @@
-"""Three gradient steps of DQN with switches (options that are off by default), in plain Python and float64.
+"""Three gradient steps of double DQN with switches (options that are off by default), in plain Python and float64.
 
 Writes switches.json, with which crates/learning/tests/pytorch_reference.rs compares the learner. Nothing here is derived
 from wayfield's code, and no gradient is derived by hand: a derivative is the imaginary part of the loss after a tiny
