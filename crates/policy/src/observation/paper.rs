@@ -38,11 +38,13 @@ pub const fn width(beams: usize) -> usize {
     beams + 4
 }
 
-/// Writes the observation into `row`, which must have [`width`]`(ranges_m.len())` elements.
+/// Writes the paper's observation, [`Encoding::Scaled`] or [`Encoding::Raw`], into `row`, which must have
+/// [`width`]`(ranges_m.len())` elements.
 ///
 /// `ranges_m` has one range per beam, in m, counterclockwise from the LIDAR's first beam (which points straight ahead if
 /// the field of view is a full turn). `bearing_rad` is the angle from the heading to the goal in (-pi, pi], left positive;
-/// `distance_m` is the distance to the goal.
+/// `distance_m` is the distance to the goal. Observations by [`Encoding::Sectors`] come from a
+/// [`SectorObserver`](super::SectorObserver).
 ///
 /// # Panics
 /// `row` is too short.
