@@ -44,7 +44,7 @@ mod quick;
 mod records;
 mod report_contents;
 pub(crate) mod report_files;
-mod report_folder;
+pub(crate) mod report_folder;
 mod report_progress;
 mod results;
 mod rows;

@@ -19,7 +19,7 @@ use crate::run::output_file::{check_entry, is_temporary, replace};
 /// folder as that of a report, and the report as quick or full.
 const SPENT: &str = "spent";
 /// The prefix of the names of the files that processes lock.
-const LOCK: &str = "lock";
+pub const LOCK: &str = "lock";
 
 /// The folder of a report, locked by this process.
 pub struct ReportFolder {
@@ -155,11 +155,16 @@ fn lock(folder: &Path, shard: Option<Shard>) -> Result<Vec<Lock>, RunError> {
     Ok(vec![Lock::share(folder, &all)?, Lock::acquire(folder, &own)?])
 }
 
-/// Checks that `folder` is missing or empty, or holds a reproduction. (A process that was killed before it wrote its first file
-/// has left a lock, perhaps with a temporary file.)
+/// Whether `folder` is missing or empty, or holds only what a process leaves that is killed before it has written its first file: a
+/// lock, perhaps with a temporary file.
+#[must_use]
+pub fn is_vacant(folder: &Path) -> bool {
+    entries(folder).all(|entry| is_named(&entry, LOCK) || is_temporary(&entry))
+}
+
+/// Checks that `folder` is [vacant](is_vacant), or holds a reproduction.
 fn check_own(folder: &Path) -> Result<(), RunError> {
-    let is_foreign = entries(folder).any(|entry| !is_named(&entry, LOCK) && !is_temporary(&entry));
-    if is_foreign && !entries(folder).any(|entry| is_named(&entry, SPENT)) {
+    if !is_vacant(folder) && !entries(folder).any(|entry| is_named(&entry, SPENT)) {
         // If a process that has just started holds the lock, that is the error to report.
         if folder.join(LOCK).exists() {
             Lock::acquire(folder, &folder.join(LOCK))?;

@@ -13,6 +13,7 @@ use crate::policy::Policy;
 use crate::report::page::{Item, Page, Section};
 use crate::report::table::{Cell, Column, ColumnKind, Table};
 use crate::reproduce::report_files;
+use crate::reproduce::report_folder::{LOCK, is_vacant};
 use crate::run::evaluate::Evaluated;
 use crate::run::lock::Lock;
 use crate::run::output_file::{remove_temporary_files, replace};
@@ -23,8 +24,6 @@ use crate::scenario::to_ron;
 
 /// The file with the finished tests.
 const TESTS: &str = "tests.ron";
-/// The lock file.
-const LOCK: &str = "lock";
 /// The folder of the policies and drivers.
 const DRIVERS: &str = "drivers";
 
@@ -43,11 +42,7 @@ impl SuiteFolder {
     /// The folder holds something else, another process uses it, or it cannot be written.
     pub fn open(path: &Path) -> Result<Self, RunError> {
         let unwritable = |error: std::io::Error| RunError::not_writable(path, error);
-        // A killed process may have left its lock alone.
-        let is_lock =
-            |entry: std::io::Result<fs::DirEntry>| entry.is_ok_and(|entry| entry.file_name() == LOCK);
-        let is_used = fs::read_dir(path).is_ok_and(|mut entries| !entries.all(is_lock));
-        if is_used && !path.join(TESTS).is_file() {
+        if !is_vacant(path) && !path.join(TESTS).is_file() {
             let why =
                 "holds something other than the report of a suite; help: give a new folder with --report";
             return Err(RunError::invalid_input(path, why));

@@ -9,7 +9,7 @@ const CHORDS: u8 = 6;
 const STEPS_OF_CHORD: f32 = 5.0;
 
 /// More than the rounding errors of a distance.
-const MARGIN: f32 = 0.01;
+pub(super) const MARGIN: f32 = 0.01;
 
 /// A motion with a constant speed and a constant turning rate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -73,7 +73,6 @@ impl Leg {
     /// rounding errors.
     pub(super) fn comes_within(&self, distance: f32, steps: f32) -> bool {
         let Self { disc, from, start, velocity, .. } = self;
-        let length = |(x, y): (f32, f32)| (x * x + y * y).sqrt();
         let moved = length(*velocity) * self.steps.min(steps - from);
         *from <= steps && length(*start) - moved < distance + disc.radius + MARGIN
     }
@@ -107,7 +106,6 @@ impl Leg {
     /// on this leg in some direction. If not, [`steps_to_collision`](Self::steps_to_collision) is infinite in all directions.
     pub(super) fn is_in_reach(&self, step: f32) -> bool {
         let Self { disc, from, start, velocity, .. } = self;
-        let length = |(x, y): (f32, f32)| (x * x + y * y).sqrt();
         let (distance, speed) = (length(*start), length(*velocity));
         // The rounding errors of a collision grow with the square of the distance.
         let driven = (from + STEPS_OF_CHORD) * step;
@@ -119,6 +117,10 @@ impl Leg {
         let moved = speed * self.steps;
         distance + moved + reach > from * step && distance - moved - reach < (from + self.steps) * step
     }
+}
+
+fn length((x, y): (f32, f32)) -> f32 {
+    (x * x + y * y).sqrt()
 }
 
 /// The frame of the robot at a pose, in another frame.
@@ -190,13 +192,23 @@ mod tests {
         assert_eq!(Motion { turn: 0.0, ..motion }.displacement(3.0), (0.0, 6.0));
     }
 
+    /// A number from -0.5 to 0.5 that differs from case to case; one sequence for each factor.
+    fn number(case: u16, factor: f32) -> f32 {
+        (f32::from(case) * factor).fract() - 0.5
+    }
+
+    /// A disc in a square with this side around the origin, and its motion.
+    fn drawn(case: u16, side: f32) -> (Disc, Motion) {
+        let disc = Disc { x: side * number(case, 0.618), y: side * number(case, 0.414), radius: 0.7 };
+        let velocity = (number(case, 0.732), number(case, 0.236));
+        (disc, Motion { velocity, turn: 0.16 * number(case, 0.854) })
+    }
+
     #[test]
     fn legs_out_of_reach_are_those_that_no_robot_collides_with() {
         let mut out_of_reach = [0; 2];
         for case in 0..1000_u16 {
-            let number = |factor: f32| (f32::from(case) * factor).fract() - 0.5;
-            let disc = Disc { x: 30.0 * number(0.618), y: 30.0 * number(0.414), radius: 0.7 };
-            let motion = Motion { velocity: (number(0.732), number(0.236)), turn: 0.16 * number(0.854) };
+            let (disc, motion) = drawn(case, 30.0);
             for leg in Leg::path(disc, motion) {
                 for step in [0.3_f32, 3.0, 50.0] {
                     if leg.is_in_reach(step) {
@@ -230,11 +242,9 @@ mod tests {
     fn collisions_with_discs_that_turn_are_those_of_a_simulation_in_small_steps() {
         let mut collisions = [0; 2];
         for case in 0..1000_u16 {
-            let number = |factor: f32| (f32::from(case) * factor).fract() - 0.5;
-            let disc = Disc { x: 12.0 * number(0.618), y: 12.0 * number(0.414), radius: 0.7 };
-            let motion = Motion { velocity: (number(0.732), number(0.236)), turn: 0.16 * number(0.854) };
-            let step = (0.8 * number(0.123), 0.8 * number(0.567));
-            if (disc.x * disc.x + disc.y * disc.y).sqrt() < 2.0 {
+            let (disc, motion) = drawn(case, 12.0);
+            let step = (0.8 * number(case, 0.123), 0.8 * number(case, 0.567));
+            if length((disc.x, disc.y)) < 2.0 {
                 continue;
             }
             let gap = |steps: f32| {

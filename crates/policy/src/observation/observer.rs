@@ -9,7 +9,7 @@ use std::f32::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
-use super::moving::{Frame, Leg, Motion};
+use super::moving::{Frame, Leg, MARGIN, Motion};
 use super::sectors::{
     BodyScale, LidarBeams, OTHER_COLUMNS, SectorLayout, distance_at, nearness, sectors_of_beams,
 };
@@ -23,8 +23,6 @@ pub const FORESIGHT_STEPS: u32 = 10;
 const PARTS_OF_STEP: u32 = 2;
 /// The largest distance from a moving disc of a hit that belongs to it, in units of the robot.
 const DISC_MARGIN: f32 = 0.3;
-/// More than the rounding errors of a distance, in units of the robot.
-const NEAR_MARGIN: f32 = 0.01;
 /// The distance beyond which hits are too far away for their motion to matter, in units of the robot.
 const MOTION_RANGE: f32 = distance_at(0.12);
 
@@ -281,7 +279,7 @@ impl SectorObserver {
     fn find_near(&mut self) {
         let Self { body, legs, static_hits, near_legs, near_hits, .. } = self;
         let steps = FORESIGHT_STEPS as f32;
-        let reach = steps * body.step_length() + 1.0 + NEAR_MARGIN;
+        let reach = steps * body.step_length() + 1.0 + MARGIN;
         near_hits.clear();
         let is_near = |(x, y): &(f32, f32)| x * x + y * y < reach * reach;
         near_hits.extend(static_hits.iter().map(|hit| (hit.x, hit.y)).filter(is_near));
