@@ -95,7 +95,7 @@ export async function find() {
         continued = offer !== undefined;
         const [newest, ...older] = await unused();
         offer ??= newest;
-        await removeAll(older.slice(MAX_KEPT - 1).map(({ key }) => key));
+        await removeAll(older.slice(MAX_KEPT - 1).map(({ key }) => key).filter((key) => key !== offer.key));
     } catch (error) {
         console.info(`no earlier session: ${error}`);
     }

@@ -10,7 +10,7 @@ use super::measured_value::MeasuredValue;
 use crate::report::curves::value_at;
 use crate::report::smoothing::moving_mean;
 use crate::run::RunError;
-use crate::run::folder::EPISODES_FILE;
+use crate::run::folder::{EPISODES_FILE, EVALUATIONS_FILE};
 use crate::run::metric_rows::{EpisodeRow, EvaluationRow, Summary};
 use crate::run::preset::Budget;
 
@@ -64,7 +64,7 @@ impl Records {
             total_env_steps: Summary::read(folder).map_or(last, |summary| summary.env_steps),
             returns: episodes.iter().map(|row| row.total_return).collect(),
             goals: episodes.iter().map(|row| f64::from(row.goals)).collect(),
-            evaluations: rows(&folder.join("evaluations.csv"))?,
+            evaluations: rows(&folder.join(EVALUATIONS_FILE))?,
             arenas: arenas.max(1) as u64,
         })
     }

@@ -8,14 +8,12 @@ use std::time::{Duration, Instant};
 
 use super::RunError;
 use super::checkpoint::TrainerState;
-use super::folder::{EPISODES_FILE, RunConfig, RunFolder};
+use super::folder::{EPISODES_FILE, EVALUATIONS_FILE, RunConfig, RunFolder};
 use super::metric_rows::{EpisodeRow, EvaluationRow, SetColumns};
 use super::run_image;
 use super::tensorboard::{EventWriter, cut_back};
 use super::write_points::write_point;
 use crate::scenario::column_name;
-
-pub(super) const EVALUATIONS: &str = "evaluations.csv";
 
 /// The tags of an evaluation's scalars start with this.
 const EVALUATION_TAGS: &str = "evaluation/";
@@ -65,7 +63,7 @@ impl MetricsWriter {
                 &episode_columns,
             )?,
             evaluations: folder.csv::<EvaluationRow>(
-                EVALUATIONS,
+                EVALUATIONS_FILE,
                 trainer_state.evaluations_bytes,
                 &rate_columns,
             )?,
@@ -115,7 +113,7 @@ impl MetricsWriter {
     /// The row cannot be written.
     pub fn evaluation(&mut self, row: &EvaluationRow) -> Result<(), RunError> {
         let rates = row.set_values(&self.scenarios);
-        self.evaluations.serialize((row, &rates)).map_err(|error| self.failed(EVALUATIONS, error))?;
+        self.evaluations.serialize((row, &rates)).map_err(|error| self.failed(EVALUATIONS_FILE, error))?;
         for (name, rate) in &row.scenario_success_rates {
             self.scalars(row.env_steps, &[(&format!("{EVALUATION_TAGS}success_rate/{name}"), Some(*rate))])?;
         }
@@ -145,7 +143,7 @@ impl MetricsWriter {
     pub fn flush(&mut self) -> Result<(), RunError> {
         self.flushed = Instant::now();
         self.episodes.flush().map_err(|error| self.failed(EPISODES_FILE, error))?;
-        self.evaluations.flush().map_err(|error| self.failed(EVALUATIONS, error))?;
+        self.evaluations.flush().map_err(|error| self.failed(EVALUATIONS_FILE, error))?;
         self.events.flush().map_err(|error| self.failed("events", error))
     }
 
@@ -164,8 +162,8 @@ impl MetricsWriter {
         };
         let episodes =
             length(&self.episodes).map_err(|error: std::io::Error| self.failed(EPISODES_FILE, error))?;
-        let evaluations =
-            length(&self.evaluations).map_err(|error: std::io::Error| self.failed(EVALUATIONS, error))?;
+        let evaluations = length(&self.evaluations)
+            .map_err(|error: std::io::Error| self.failed(EVALUATIONS_FILE, error))?;
         Ok((episodes, evaluations))
     }
 
@@ -174,7 +172,7 @@ impl MetricsWriter {
     /// # Errors
     /// The rows cannot be read.
     pub fn evaluations(&self) -> Result<usize, RunError> {
-        Ok(self.folder.rows::<EvaluationRow>(EVALUATIONS)?.len())
+        Ok(self.folder.rows::<EvaluationRow>(EVALUATIONS_FILE)?.len())
     }
 
     /// Draws `learning-curve.svg` of the run of `config`, from the rows on disk, including those before a resume.

@@ -2,9 +2,8 @@
 
 use super::RunError;
 use super::checkpoint::BestPolicy;
-use super::folder::{EPISODES_FILE, RunConfig, RunFolder};
+use super::folder::{EPISODES_FILE, EVALUATIONS_FILE, RunConfig, RunFolder};
 use super::metric_rows::{EpisodeRow, EvaluationRow};
-use super::metrics_writer::EVALUATIONS;
 use super::shipped;
 use crate::report::run_figure::{RunFigure, best_evaluation};
 
@@ -13,7 +12,7 @@ use crate::report::run_figure::{RunFigure, best_evaluation};
 /// # Errors
 /// The rows cannot be read, or drawing fails.
 pub fn figure(folder: &RunFolder, config: &RunConfig) -> Result<String, RunError> {
-    let evaluations: Vec<EvaluationRow> = folder.rows(EVALUATIONS)?;
+    let evaluations: Vec<EvaluationRow> = folder.rows(EVALUATIONS_FILE)?;
     let evaluations: Vec<_> = evaluations.iter().map(EvaluationRow::point).collect();
     let episodes: Vec<EpisodeRow> = folder.rows(EPISODES_FILE)?;
     let figure = RunFigure {

@@ -21,7 +21,7 @@ use crate::learning::Learner;
 use crate::run::checkpoint::{self, TrainerState};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::run::folder::RunFolder;
-use crate::run::folder::{EPISODES_FILE, POLICY_FILE, RunConfig, header};
+use crate::run::folder::{EPISODES_FILE, EVALUATIONS_FILE, POLICY_FILE, RunConfig, header};
 use crate::run::metric_rows::SetColumns;
 use crate::run::{RunError, metrics, shipped};
 use crate::scenario::to_ron;
@@ -120,7 +120,7 @@ impl RunSnapshot {
     ) -> Result<(), RunError> {
         let journal = to_ron(&self.journal).map_err(|error| RunError::Failed(error.to_string()))?;
         put(EPISODES_FILE, &|out| out.write_all(&self.episodes))?;
-        put("evaluations.csv", &|out| out.write_all(&self.evaluations))?;
+        put(EVALUATIONS_FILE, &|out| out.write_all(&self.evaluations))?;
         put("policy-last.safetensors", &|out| out.write_all(&self.last_policy))?;
         if let Some(best) = &self.trainer_state.best {
             put(POLICY_FILE, &|out| out.write_all(&best.bytes))?;

@@ -29,7 +29,7 @@ use crate::run::RunError;
 use crate::run::checkpoint::{self, LoadedCheckpoint, TrainerState};
 #[cfg(target_arch = "wasm32")]
 use crate::run::folder::INITIAL_POLICY_FILE;
-use crate::run::folder::{EPISODES_FILE, RunConfig, RunFolder};
+use crate::run::folder::{EPISODES_FILE, EVALUATIONS_FILE, RunConfig, RunFolder};
 use crate::run::metric_rows::{EpisodeRow, EvaluationRow};
 #[cfg(target_arch = "wasm32")]
 use crate::run::metric_rows::{SetColumns, parse_rows};
@@ -65,7 +65,7 @@ impl SavedRun {
             // A missing initial policy prevents a replay, but not resuming.
             initial_policy: journal::initial_policy(&folder, &journal.config).ok().flatten(),
             episodes: folder.rows_of_set(EPISODES_FILE, &scenarios)?,
-            evaluations: folder.rows_of_set("evaluations.csv", &scenarios)?,
+            evaluations: folder.rows_of_set(EVALUATIONS_FILE, &scenarios)?,
             config,
             trainer_state,
             learner,
@@ -103,7 +103,7 @@ impl SavedRun {
         let initial_policy = files.get(INITIAL_POLICY_FILE).and_then(|bytes| Policy::from_bytes(bytes).ok());
         Ok(Self {
             episodes: rows(EPISODES_FILE, bytes(EPISODES_FILE)?, &scenarios)?,
-            evaluations: rows("evaluations.csv", bytes("evaluations.csv")?, &scenarios)?,
+            evaluations: rows(EVALUATIONS_FILE, bytes(EVALUATIONS_FILE)?, &scenarios)?,
             initial_policy: initial_policy.filter(|_| journal.config.transfer.is_some()),
             config,
             trainer_state,

@@ -41,6 +41,8 @@ pub const CHECKPOINT_FOLDER: &str = "checkpoint";
 pub const POLICY_FILE: &str = "policy.safetensors";
 /// The name of the file with a row per training episode.
 pub const EPISODES_FILE: &str = "episodes.csv";
+/// The name of the file with a row per evaluation.
+pub const EVALUATIONS_FILE: &str = "evaluations.csv";
 /// The name of the initial policy's file.
 pub const INITIAL_POLICY_FILE: &str = "policy-init.safetensors";
 
@@ -52,7 +54,7 @@ const EXTENSIONS: [&str; 6] = ["ron", "csv", "json", "safetensors", "bin", "svg"
 const REPLACED: [&str; 8] = [
     RunFolder::CONFIG_FILE,
     EPISODES_FILE,
-    "evaluations.csv",
+    EVALUATIONS_FILE,
     POLICY_FILE,
     "policy-last.safetensors",
     "processors.json",

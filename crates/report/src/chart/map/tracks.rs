@@ -12,7 +12,7 @@ const DOT_DISTANCE: f64 = 16.0;
 const DOT_RADIUS: i32 = 3;
 const TRACK: RGBColor = RGBColor(172, 137, 76);
 
-/// Draws all tracks; a segment that several tracks share is drawn once.
+/// Draws all tracks; a ring or segment that several tracks share is drawn once.
 pub(super) fn draw_tracks(plan: &FloorPlan, root: &Canvas, tracks: &[MapTrack]) -> DrawResult {
     let mut rings = Vec::new();
     let mut segments = Vec::new();
@@ -22,10 +22,14 @@ pub(super) fn draw_tracks(plan: &FloorPlan, root: &Canvas, tracks: &[MapTrack]) 
                 let pixels = plan.pixels(points);
                 segments.extend(pixels.windows(2).map(|ends| (ends[0], ends[1])));
             }
-            MapTrack::Ring(x, y, radius) => rings.push(plan.pixels(&ring((*x, *y, *radius)))),
+            MapTrack::Ring(x, y, radius) => {
+                let pixels = plan.pixels(&ring((*x, *y, *radius)));
+                if !rings.contains(&pixels) {
+                    rings.push(pixels);
+                }
+            }
         }
     }
-    rings.dedup();
     // The longest segments come first, because a shorter one may lie on them.
     segments.sort_by_key(|&(from, to)| std::cmp::Reverse(distance_squared(from, to)));
     let mut drawn: Vec<(Pixel, Pixel)> = Vec::new();
