@@ -103,8 +103,6 @@ impl Draft {
 
     /// Whether a circle can move from one point to another inside the field without touching anything static.
     pub(super) fn is_free(&self, from: Vec2, to: Vec2, radius_m: f32) -> bool {
-        let (low, high) = (self.field.min_m + radius_m, self.field.max_m - radius_m);
-        let is_inside = |point: Vec2| point.cmpge(low).all() && point.cmple(high).all();
         let along = to - from;
         let swept = Body::new(&Obstacle {
             shape: Shape::Capsule { length_m: length(along.x, along.y), radius_m },
@@ -112,7 +110,14 @@ impl Draft {
             rotation_rad: libm::atan2f(along.y, along.x),
             motion: ObstacleMotion::Static,
         });
-        is_inside(from) && is_inside(to) && !self.bodies.iter().any(|other| swept.is_near(other, 0.0))
+        let in_field = self.is_in_field(from, radius_m) && self.is_in_field(to, radius_m);
+        in_field && !self.bodies.iter().any(|other| swept.is_near(other, 0.0))
+    }
+
+    /// Whether a point is in the field, at least `margin_m` away from its edges.
+    fn is_in_field(&self, point: Vec2, margin_m: f32) -> bool {
+        let (low, high) = (self.field.min_m + margin_m, self.field.max_m - margin_m);
+        point.cmpge(low).all() && point.cmple(high).all()
     }
 
     /// Adds an inner wall.
@@ -124,11 +129,9 @@ impl Draft {
     /// Whether `obstacle` would be at least `gap_m` away from the edges of the field and from everything static.
     pub(super) fn has_space_for(&self, obstacle: &Obstacle) -> bool {
         let (points, radius_m) = obstacle.shape.support_points(obstacle.rotation_rad);
-        let rim = Vec2::splat(self.gap_m + radius_m);
-        let (low, high) = (self.field.min_m + rim, self.field.max_m - rim);
-        let is_inside = |point: Vec2| point.cmpge(low).all() && point.cmple(high).all();
+        let margin_m = self.gap_m + radius_m;
         let body = Body::new(obstacle);
-        points.iter().all(|&point| is_inside(obstacle.position_m + point))
+        points.iter().all(|&point| self.is_in_field(obstacle.position_m + point, margin_m))
             && !self.bodies.iter().any(|other| body.is_near(other, self.gap_m))
     }
 
