@@ -36,7 +36,7 @@ fn driver(app: &HeadlessApp, arena: usize) -> (String, String) {
     }
 }
 
-/// The app after its first evaluations, paused.
+/// The app after its first evaluation, paused.
 fn evaluated() -> HeadlessApp {
     let start =
         StartOptions { scenario: "empty".into(), seed: 3, pace: Pace::Full, ..StartOptions::default() };
@@ -63,7 +63,7 @@ fn the_best_policy_can_be_saved_tested_compared_and_transferred() {
     app.command(Command::Save(SaveKind::BestPolicy, best.clone()));
     app.command(Command::Save(SaveKind::Policy, current.clone()));
     frame(&mut app);
-    let read = |path: &std::path::Path| std::fs::read(path).expect("the file was saved");
+    let read = |path: &Path| std::fs::read(path).expect("the file was saved");
     assert!(read(&best) == read(&run.join("policy.safetensors")), "as a run keeps it");
     assert!(read(&current) == read(&run.join("policy-last.safetensors")));
     assert!(read(&current) != read(&best));
@@ -188,7 +188,7 @@ fn a_classical_driver_drives_next_to_the_policy_with_its_class_and_the_map_that_
     let (min, max) = classical.scenario.enclosure.bounds_m();
     for at in &plan.occupied_m {
         let to_wall = (*at - min).min(max - *at).min_element().abs();
-        assert!(to_wall < plan.cell_m, "{at} is {to_wall} m from the walls of an empty room");
+        assert!(to_wall < plan.cell_m, "{at} is {to_wall} m from the walls of an empty arena");
     }
     app.command(Command::OpenDriver("orca"));
     frame(&mut app);
@@ -296,7 +296,7 @@ fn a_classical_drivers_file_is_opened_like_a_policy() {
     assert_eq!(driver(&app, 1).0, "A* and pure pursuit", "a driver is also opened by its name");
 }
 
-/// A preset with observations by sectors and relative actions.
+/// Writes a preset with observations by sectors and relative actions. Returns its path.
 fn write_general_preset(folder: &Path) -> String {
     let path = folder.join("general.ron");
     let text = "(based_on: \"fast\", arenas: 4, observation: Sectors(count: 12, earlier_steps: 2), \
@@ -306,7 +306,7 @@ fn write_general_preset(folder: &Path) -> String {
     path.display().to_string()
 }
 
-/// A set of two rooms with different robots and LIDARs.
+/// Writes a set of two scenarios with different robots and LIDARs. Returns its path.
 fn write_set_of_robots(folder: &Path) -> String {
     let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).expect("a writable folder");
     write("own.ron", "(name: \"Own\", task: (max_episode_steps: 40))");

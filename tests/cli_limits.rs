@@ -40,7 +40,7 @@ fn with_few_threads_a_run_gives_the_same_result() {
     }
     let workspace = workspace();
     workspace.run_ok(&format!("{RUN} --out threads"));
-    // The other user can't read the build folder, perhaps.
+    // The other user may not be allowed to read the build folder.
     std::fs::copy(env!("CARGO_BIN_EXE_wayfield"), workspace.path("program")).unwrap();
     std::fs::create_dir(workspace.path("own")).unwrap();
     for folder in ["", "own"] {
@@ -75,6 +75,7 @@ fn the_limit_of_cpu_time_saves_the_run() {
         let workspace = workspace();
         let done = workspace
             .shell(&format!("{limit}; exec $WAYFIELD --train --preset fast.ron --steps 900000000 --out run"));
+        // 128 + 24, the number of SIGXCPU.
         assert_eq!(done.status, Some(152), "{limit}: {}", done.stderr);
         assert!(done.stderr.contains("the limit of CPU time"), "{limit}: {}", done.stderr);
         assert_eq!(workspace.json("run/summary.json")["finished"], false, "{limit}");
@@ -155,7 +156,7 @@ fn the_memory_that_the_error_asks_for_suffices() {
 }
 
 #[test]
-fn every_limit_that_the_program_starts_with_is_one_error() {
+fn every_memory_limit_at_which_the_program_starts_gives_one_line_of_error() {
     let workspace = workspace();
     let mut has_started = false;
     for kilobytes in (20_000..=220_000).step_by(5_000) {

@@ -29,7 +29,10 @@ fn learner_alone_learns_to_move_to_the_reward() {
 #[test]
 fn vec_env_reports_reached_goals() {
     let printed = run("vec_env", "");
-    assert!(printed.contains("episodes reached the goal"), "{printed}");
+    // "1234 of 5678 episodes reached the goal; ..."
+    let (reached, rest) = printed.split_once(' ').expect("a number of episodes");
+    assert!(rest.contains("episodes reached the goal"), "{printed}");
+    assert!(reached.parse::<usize>().is_ok_and(|reached| reached > 0), "{printed}");
 }
 
 #[test]
@@ -41,7 +44,10 @@ fn train_headless_reports_its_success_rate() {
 #[test]
 fn evaluate_policy_reports_more_than_90_percent_success() {
     let printed = run("evaluate_policy", "");
-    assert!(printed.starts_with("success 9") || printed.starts_with("success 100"), "{printed}");
+    // "success 98.0 % [...], ..."
+    let percent = printed.strip_prefix("success ").and_then(|rest| rest.split(' ').next());
+    let percent: Option<f64> = percent.and_then(|text| text.parse().ok());
+    assert!(percent.is_some_and(|percent| percent > 90.0), "{printed}");
 }
 
 #[test]

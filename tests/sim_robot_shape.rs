@@ -32,13 +32,12 @@ fn drive_until_contact(scenario: &Scenario, start: Pose) -> Vec<Pose> {
         state.pose = start;
         (state.goal.x_m, state.goal.y_m) = (-1.9, -1.9);
     });
+    // Keeps the pose at the end of the episode; a reset would replace it with the next start.
+    lab.simulation.world_mut().insert_resource(DeferResets(true));
     let mut poses = vec![start];
     for _ in 0..200 {
         let before = lab.state(0).episode.steps;
         assert_eq!(before as usize, poses.len() - 1, "one episode");
-        // Keeps the pose at the end of the episode; a reset would replace it with the next start.
-        let world = lab.simulation.world_mut();
-        world.insert_resource(DeferResets(true));
         lab.step(&[0]);
         poses.push(lab.state(0).pose);
         if lab.outcomes()[0].collided {

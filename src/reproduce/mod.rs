@@ -91,7 +91,7 @@ pub struct Reproduction {
 }
 
 /// Trains, tests and writes the report; with a shard, only trains and tests its part. Runs that already exist are not
-/// repeated.
+/// repeated. Wall time counts from `began`.
 ///
 /// # Errors
 /// A file cannot be read or written, a run failed, or `stop` was set. Finished work is kept, and the same options

@@ -1,8 +1,8 @@
 //! A headless simulation for tests, which choose the actions.
 //!
 //! In: a scenario, a number of arenas, a seed. Out: a [`Lab`] that steps, and gives access to states, outcomes and
-//! physics. [`closed_form`] computes reference distances in f64 and without parry, [`large_worlds`] makes worlds
-//! with hundreds of shapes.
+//! physics. [`closed_form`] computes reference distances in f64 and without parry, [`large_worlds`] makes
+//! scenarios with hundreds of shapes.
 #![allow(dead_code, reason = "each test file uses some of the helpers")]
 
 pub mod closed_form;

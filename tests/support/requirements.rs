@@ -5,13 +5,13 @@
 
 use std::process::{Command, Stdio};
 
-/// The tools that a virtual display with a mouse takes.
+/// The tools that a virtual display with a mouse needs.
 pub const DISPLAY: Requirement = Requirement {
     commands: &["Xvfb", "xdotool"],
     packages: "xvfb xdotool mesa-vulkan-drivers libvulkan1 libxkbcommon-x11-0 libxcursor1 libxi6 libxrandr2",
 };
 
-/// Commands that must be on the PATH, and the Debian packages that bring them.
+/// Commands that must be on the PATH, and the Debian packages that provide them.
 pub struct Requirement {
     /// The commands.
     pub commands: &'static [&'static str],
@@ -48,7 +48,7 @@ pub fn report_skip(why: &str) {
 }
 
 fn exists(command: &str) -> bool {
-    // Whatever a tool answers: it started.
+    // Any exit status will do: the tool has started.
     let started = Command::new(command).arg("-version").stdout(Stdio::null()).stderr(Stdio::null()).status();
     started.is_ok()
 }

@@ -7,7 +7,7 @@
 //! | file | purpose |
 //! |---|---|
 //! | `numbers.rs` | ranges of numbers, comparisons between numbers; names and descriptions |
-//! | `obstacles.rs`, `key_frames.rs` | the same for walls, obstacles, generators and key frames |
+//! | `obstacles.rs`, `key_frames.rs` | the same for walls, obstacles, generators and key frames; notes on motions that stop |
 //! | `polygons.rs` | polygons: simple and, for obstacles, convex |
 //! | `speeds.rs` | distances travelled by robot and obstacles in one control step; obstacles faster than the robot |
 //! | `motions.rs` | the robot can move, and the time limit is long enough for the nearest goals |
@@ -53,8 +53,13 @@ use super::ranged::{RangeNumber, Ranged};
 use super::schema::{Robot, Scenario, TaskRules};
 use glam::Vec2;
 
+// Units, for messages.
 pub(crate) const METRES: &str = " (metres)";
 pub(crate) const METRES_PER_SECOND: &str = " (metres per second)";
+const SECONDS: &str = " (seconds)";
+pub(crate) const RADIANS: &str = " (radians: a full turn is 6.2832)";
+const RADIANS_PER_SECOND: &str = " (radians per second)";
+
 // Lengths that other lengths must exceed: the description for messages, and the path.
 const ROBOT_RADIUS: (&str, &str) = ("the robot's radius", "robot.radius_m");
 const GOAL_RADIUS: (&str, &str) = ("the goal radius", "task.goal_radius_m");
@@ -62,9 +67,6 @@ const COLLISION_RANGE: (&str, &str) = ("the collision range", "task.collision_ra
 const TWICE_COLLISION_RANGE: (&str, &str) = ("twice the collision range", "task.collision_range_m");
 const ROBOT_REACH: (&str, &str) = ("the reach of the robot's shape", "robot.shape");
 const TWICE_ROBOT_REACH: (&str, &str) = ("twice the reach of the robot's shape", "robot.shape");
-const SECONDS: &str = " (seconds)";
-pub(crate) const RADIANS: &str = " (radians: a full turn is 6.2832)";
-const RADIANS_PER_SECOND: &str = " (radians per second)";
 
 /// All problems of `scenario`: first invalid values, then parts that do not fit together. A problem of the second kind that
 /// depends on an invalid value is not found.

@@ -1,6 +1,7 @@
 //! The space in which a robot can be, as cells of a grid.
 //!
-//! In: a [`Scenario`]. Out: [`FreeCells`], which depend on its enclosure, walls and static obstacles alone.
+//! In: a [`Scenario`]. Out: [`FreeCells`], which depend on its enclosure, walls, static obstacles, robot and collision range
+//! alone.
 
 use super::Vec2;
 use super::geometry::enclosure_distance;
@@ -10,7 +11,7 @@ use glam::vec2;
 
 /// Side of a cell relative to the robot's smallest distance from surfaces, unless there would be too many cells.
 const CELL: f32 = 0.75;
-/// Maximum number of cells, without those at the border.
+/// Approximate maximum number of cells, without those at the border.
 const MAX_CELLS: f32 = 40_000.0;
 /// The minimum distance of a free cell's centre from walls, in cells. If it were smaller, paths could pass between the cells
 /// of a thin wall.
@@ -41,8 +42,8 @@ pub(super) enum Cell {
 }
 
 impl FreeCells {
-    /// The cells of `scenario`. The centre of a free cell is about as far from all surfaces as the robot must be
-    /// ([`Scenario::sure_collision_m`]).
+    /// The cells of `scenario`. The centre of a free cell is at least about as far from all surfaces as the
+    /// robot must be ([`Scenario::sure_collision_m`]).
     #[must_use]
     pub fn new(scenario: &Scenario) -> Self {
         let kept_m = scenario.sure_collision_m().max(scenario.robot.inner_radius_m());
@@ -53,7 +54,8 @@ impl FreeCells {
         let (columns, rows) = (count(size.x), count(size.y));
         let cells = vec![Cell::Border; columns * rows];
         let mut grid = Self { min_m: low - cell_m, cell_m, columns, rows, cells };
-        // There are free cells in every passage that the robot fits through with a quarter of a cell to spare on both sides.
+        // Unless a cell is larger than `kept_m`, there are free cells in every passage that the robot fits through with a quarter
+        // of a cell to spare on both sides.
         grid.fill(scenario, (kept_m - cell_m / 4.0).max(MIN_KEPT_CELLS * cell_m));
         grid
     }

@@ -6,7 +6,7 @@ use super::schema::{KeyFrame, KeyFrameEnd, Obstacle, ObstacleMotion};
 use glam::Vec2;
 
 impl ObstacleMotion {
-    /// The position of waypoint or key frame `k`, in m.
+    /// The position of waypoint or key frame `k`, in m. `None` if it does not exist.
     #[must_use]
     pub fn waypoint_mut(&mut self, k: usize) -> Option<&mut Vec2> {
         match self {
@@ -59,7 +59,7 @@ impl ObstacleMotion {
     }
 
     /// Key frames along a path from `start_m`, in m, at `speed_m_s` above 0, repeated if `is_loop`. Times are rounded up to
-    /// hundredths of a second, so that no leg is faster.
+    /// hundredths of a second, so that no leg is faster, and capped at the largest valid time.
     #[must_use]
     pub fn key_frames_along(start_m: Vec2, path_m: &[Vec2], speed_m_s: f32, is_loop: bool) -> Self {
         let (mut at_m, mut hundredths) = (start_m, 0.0);

@@ -115,6 +115,7 @@ fn pedestrians_keep_clear_of_walls_and_static_obstacles() {
 
 #[test]
 fn a_crowd_on_a_circle_crosses_it_without_touching() {
+    // Pedestrians at uneven intervals on the circle, each with its goal on the opposite side.
     let start = |k: u8| Vec2::from_angle(f32::from(k) * 0.6283 + 0.01 * f32::from(k * k)) * 3.0;
     let obstacles = (0..10).map(|k| pedestrian(start(k), &[-start(k)], false, false)).collect();
     let scenario = scenario(obstacles);
@@ -145,7 +146,7 @@ fn a_path_through_a_wall_is_noted_and_too_many_pedestrians_are_an_error() {
 }
 
 #[test]
-fn a_moved_start_moves_the_pedestrian_and_a_changed_crowd_starts_anew() {
+fn a_moved_start_moves_the_pedestrian_and_a_changed_crowd_starts_again() {
     let one = pedestrian(vec2(-2.0, 0.0), &[vec2(2.0, 0.0)], true, false);
     let before = scenario(vec![post(vec2(3.0, 3.0)), one.clone()]);
     let mut crowd = Crowd::at_start(&before);

@@ -74,7 +74,7 @@ fn rounds(
     Ok(TableParts { columns, rows: table_rows, notes: Vec::new() })
 }
 
-/// A row of `count` rounds and their mean. The paper may have more or fewer rounds than we do.
+/// A row of the first `count` rounds, in percent, and the mean of all rounds. The paper may have more or fewer than `count`.
 fn round_row(name: String, rounds: &[f64], count: usize) -> Vec<Cell> {
     let mut row = vec![Cell::Text(name)];
     let cell = |round: usize| match rounds.get(round) {

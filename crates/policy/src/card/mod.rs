@@ -122,7 +122,7 @@ pub struct Example {
     pub observation: Vec<f32>,
     /// The network's Q-values, one per action.
     pub q_values: Vec<f32>,
-    /// The greedy action.
+    /// The index of the greedy action.
     pub action: usize,
 }
 

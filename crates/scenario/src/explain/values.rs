@@ -81,7 +81,7 @@ impl Place<'_> {
     }
 }
 
-/// The end of the text for what is expected where a range is allowed ([`Ranged`](crate::Ranged)).
+/// How ron's `expected` text ends for a field that may be a range ([`Ranged`](crate::Ranged)).
 const RANGE: &str = "or a range (lowest, highest)";
 const POINT: &str = "a point: (x, y)";
 

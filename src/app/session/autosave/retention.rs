@@ -5,8 +5,8 @@ use std::cmp::Reverse;
 /// The maximum number kept, not counting those of running sessions.
 const MAX_KEPT: usize = 3;
 
-/// Sorts `found` by the `time` at which each was written, newest first. Keeps only the newest three, and passes the others to
-/// `delete`.
+/// Sorts `found` by the `time` at which each was written, newest first. Keeps only the newest `MAX_KEPT`, and passes the others
+/// to `delete`.
 pub fn keep_newest<T, K: Ord>(found: &mut Vec<T>, time: impl Fn(&T) -> K, delete: impl FnMut(T)) {
     found.sort_by_key(|item| Reverse(time(item)));
     found.drain(MAX_KEPT.min(found.len())..).for_each(delete);
