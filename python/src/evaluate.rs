@@ -68,7 +68,9 @@ struct Test<'a> {
     scenario: Arc<Scenario>,
     setup: EpisodeSetup,
     seed: u64,
+    /// The number of episodes in all rounds.
     count: usize,
+    /// The number of episodes in a round.
     per_round: usize,
     optimum: bool,
 }

@@ -120,7 +120,8 @@ fn new_run(
     Ok(Job::New { config: Box::new(config), policy, out: shared.out })
 }
 
-/// The configuration of an earlier run, in its `config.ron` or in its folder at `path`, and the policy that it started from.
+/// The configuration that repeats the earlier run at `path` (its folder or its `config.ron`), and the file of the policy that the
+/// run started from.
 fn earlier_run(
     path: &Path,
     args: &TrainArgs,

@@ -29,6 +29,7 @@ impl<'a> Queue<'a> {
         // Runs that others start from come first, then the longest, so that all cores stay busy until the end.
         let urgency = |&index: &usize| {
             let is_origin = plan.training_runs.iter().any(|t| t.origin == Some(index));
+            // For a rough comparison, an episode counts as 2,000 env steps.
             let length = match plan.training_runs[index].config.preset.budget {
                 Budget::Episodes(n) => n,
                 Budget::EnvSteps(n) => n / 2000,

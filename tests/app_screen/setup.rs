@@ -176,6 +176,7 @@ fn the_seed_can_be_typed_or_drawn_at_random() {
     // Exact beyond the integers of an f64, and refused with a message if it is not a seed.
     type_seed(&mut window, "18446744073709551615");
     assert_eq!(seed(click(&mut window, "Train from scratch with seed 18446744073709551615")), u64::MAX);
+    // The seed follows the text while that is a seed: here, up to the last digit but one.
     for (text, problem) in [
         ("18446744073709551616", "Too large: 18446744073709551616. The seed stays 1844674407370955161"),
         ("x3", "Not a whole number: x3. The seed stays 1844674407370955161"),

@@ -2,11 +2,11 @@
 //! place for ever.
 //!
 //! The greedy action may lead to a collision that the robot could foresee from the motion of what it sees. So an action is passed
-//! over if the robot would collide within some steps, whatever motion it kept to after that action, and others avoid that.
+//! over if the robot would collide within [`FORESIGHT_STEPS`](crate::observation::FORESIGHT_STEPS) whichever motion it kept to
+//! after that action, while another action avoids that.
 //!
-//! In a place where nothing moves, a greedy robot that stands still can stay for ever: it needs only small errors of the
-//! Q-values that make waiting the best action, or turning to the left in one heading and to the right in the next. So a robot
-//! with relative actions
+//! Where nothing moves, a greedy robot that stands still can stay for ever: small errors of the Q-values are enough to make
+//! waiting the best action, or turning left at one heading and right at the next. So a robot with relative actions
 //!
 //! - turns on the spot to one side only, until it drives again;
 //! - keeps waiting only if something moves.

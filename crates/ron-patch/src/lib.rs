@@ -79,8 +79,8 @@ pub fn to_text<T: Serialize>(value: &T, style: &Style) -> Result<String, Unsuppo
 /// A new version of `text` that contains `value`. `text` contains the old value, which `read` parses.
 ///
 /// - Unchanged parts keep their bytes: comments, order, empty lines, and defaults that are written out.
-/// - A changed field is rewritten in place; the comments above it stay. A field without comments whose new value is empty and the
-///   default is removed.
+/// - A changed field is rewritten in place; the comments above it stay. A field without comments is removed if its new value is
+///   empty and equals its default.
 /// - A new list element is inserted at its position in the list. A removed element is removed with its comments.
 /// - Line endings follow the first line of `text`.
 ///

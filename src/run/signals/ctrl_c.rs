@@ -32,7 +32,7 @@ pub fn name(_: u8) -> &'static str {
     "Ctrl-C"
 }
 
-/// The number of the first signal, which the handler records itself; 0 before the first.
+/// The number of the last signal; 0 before the first. Every signal is the same one here, so this is the first.
 pub fn last_signal() -> usize {
     FIRST.load(Ordering::SeqCst)
 }

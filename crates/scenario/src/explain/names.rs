@@ -64,8 +64,9 @@ pub(super) fn missing_fields(owner: &str, fields: &[&str]) -> String {
     }
 }
 
-/// The text "did you mean `x`? the fields are `x`, `y`": first the `known` name that is a synonym of `word` or similar to it,
-/// if any; then `lead` ("the fields are") and all known names. Without known names, "there are none here".
+/// The text "did you mean `x`? the fields are `x`, `y`": first the path of the field that `word` is a synonym of, or the `known`
+/// name that is similar to it, if any; then `lead` ("the fields are") and all known names. Without known names, "there are none
+/// here".
 #[must_use]
 pub fn choose(word: &str, known: &[&str], lead: &str) -> String {
     let hint = synonym(word, known)

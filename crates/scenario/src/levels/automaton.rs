@@ -86,7 +86,7 @@ mod tests {
 
     #[test]
     fn smoothing_fills_crowded_cells_and_empties_isolated_ones() {
-        let rows = ["##...", "###..", ".#..#", "....."];
+        let rows = ["##...", "#.#..", ".#..#", "....."];
         let filled = rows.concat().chars().map(|c| c == '#').collect();
         let mut cells = Cells { columns: 5, rows: 4, filled };
         cells.smooth();

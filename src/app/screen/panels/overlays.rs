@@ -9,6 +9,7 @@ use crate::app::screen::key_bindings::{Shortcut, key_label};
 use crate::app::screen::theme::{BODY, Palette, SMALL};
 use crate::app::view_state::Overlays;
 
+/// The height of a row, in points.
 const ROW: f32 = 26.0;
 
 /// Draws a row for each overlay.
