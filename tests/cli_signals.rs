@@ -10,7 +10,7 @@ use std::process::{Child, Command};
 use std::thread::sleep;
 use std::time::Duration;
 
-use cli_support::{Workspace, quick_fast, signal, wait_for_output, wait_until};
+use cli_support::{Workspace, edited, quick_fast, signal, wait_for_output, wait_until};
 use requirements::Requirement;
 
 /// A run that ends only by a signal.
@@ -115,8 +115,8 @@ fn a_later_second_ctrl_c_in_the_terminal_ends_at_once() {
     }
     let workspace = workspace();
     // The evaluation after the last checkpoint takes much longer than the test.
-    let slow = quick_fast()
-        .replace("every_env_steps: 1500, episodes: 20,", "every_env_steps: 100000000, episodes: 100000,");
+    let rare_and_long = "every_env_steps: 100000000, episodes: 100000,";
+    let slow = edited(&quick_fast(), &[("every_env_steps: 1500, episodes: 20,", rare_and_long)]);
     workspace.write("fast.ron", slow);
     let command = format!("script -qefc \"$WAYFIELD {ENDLESS}\" /dev/null");
     let mut child = workspace.start_shell(&command);

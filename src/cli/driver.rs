@@ -64,7 +64,7 @@ impl TestDriver {
     /// This policy with a map; `path` is what was given.
     ///
     /// # Errors
-    /// It is a classical driver, or has a map already.
+    /// It is a classical driver, has a map already, or is a policy whose encoding this version does not support.
     pub fn with_map(self, path: &Path) -> Result<Self, RunError> {
         match self {
             Self::Policy(policy) => policy_card::driving(policy, true).map(Self::PolicyWithMap),
@@ -115,13 +115,12 @@ mod tests {
     use crate::scenario::to_ron;
 
     #[test]
-    fn the_text_of_every_driver_is_recognized_by_its_name() {
+    fn every_driver_written_as_ron_is_recognized_and_read_back() {
         for name in DriverConfig::NAMES {
             let driver = DriverConfig::shipped(name).expect("shipped");
             let text = to_ron(&driver).expect("RON");
             assert!(DriverConfig::is_meant_by(&text), "{text}");
             assert_eq!(DriverConfig::parse(&text, "driver.ron"), Ok(driver));
         }
-        assert!(!DriverConfig::is_meant_by("(name: \"Dwa\")"));
     }
 }

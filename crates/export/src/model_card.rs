@@ -23,7 +23,7 @@ pub fn model_card(policy: &Policy, onnx_file: &str, results: &[EvalResults]) -> 
     let front = front_matter(card, &scenario, onnx_file, results);
     let mut page = format!("---\n{front}---\n\n{MODEL_CARD_MARK}\n\n");
     // Writing to a `String` cannot fail.
-    let _ = write_page(&mut page, policy, &scenario, onnx_file, results);
+    let _ = write_page(&mut page, policy, card, &scenario, onnx_file, results);
     Ok(page)
 }
 
@@ -99,11 +99,11 @@ fn ascii(value: &Value) -> String {
 fn write_page(
     page: &mut String,
     policy: &Policy,
+    card: &Card,
     scenario: &TrainedScenario,
     onnx_file: &str,
     results: &[EvalResults],
 ) -> std::fmt::Result {
-    let Some(card) = policy.card.as_deref() else { return Ok(()) };
     let (scenario_name, file) = (escaped(&scenario.name), escaped(onnx_file));
     writeln!(page, "# LIDAR navigation in {scenario_name}\n")?;
     writeln!(

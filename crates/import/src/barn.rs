@@ -178,7 +178,7 @@ fn scenario(
     let (low, high) = bounds(solids, &[task.start_m, task.goal_m]);
     let (low, high) = (low - DVec2::splat(MARGIN_M), high + DVec2::splat(MARGIN_M));
     let centre = (low + high) / 2.0;
-    let base = options.robot_from.clone().unwrap_or_else(|| robot(task));
+    let base = options.robot_from.clone().unwrap_or_else(robot);
     let (start_m, goal_m) = (point(task.start_m - centre), point(task.goal_m - centre));
     let heading_rad = task.heading_rad as f32;
     let length =
@@ -219,19 +219,14 @@ pub fn stated_path_length_m(about: &str) -> Option<f64> {
 
 /// The robot of the BARN Challenge, a Clearpath Jackal as a disc: up to 2 m/s, with a LIDAR of 270 degrees. It may also stop
 /// and turn in place. Contact ends an episode.
-fn robot(task: &Task) -> Scenario {
+fn robot() -> Scenario {
     let speeds = [0.0, 0.5, 1.0, 2.0];
     let turns = [1.5, 0.75, 0.0, -0.75, -1.5];
     let motions = speeds.iter().flat_map(|&v_m_s| turns.map(|w_rad_s| Motion { v_m_s, w_rad_s })).collect();
     Scenario {
         robot: Robot { radius_m: 0.3, motions, ..Robot::default() },
         lidar: Lidar { beams: 72, field_of_view_rad: 4.7124, max_range_m: 5.0, ..Lidar::default() },
-        task: TaskRules {
-            collision_range_m: 0.301,
-            control_period_s: 0.2,
-            goal_radius_m: task.goal_radius_m as f32,
-            ..TaskRules::default()
-        },
+        task: TaskRules { collision_range_m: 0.301, control_period_s: 0.2, ..TaskRules::default() },
         ..Scenario::default()
     }
 }

@@ -74,13 +74,6 @@ mod tests {
     }
 
     #[test]
-    fn the_greedy_action_is_the_first_with_the_largest_value() {
-        assert_eq!(greedy(&[0.0, 2.0, 1.0]), 1);
-        assert_eq!(greedy(&[-1.0, 3.0, 3.0, 3.0]), 1);
-        assert_eq!(greedy(&[f32::NEG_INFINITY, -5.0]), 1);
-    }
-
-    #[test]
     fn epsilon_is_the_fraction_of_random_actions_which_are_uniform() {
         let mut random = stream(1, "test", 0);
         let (mut explored, mut counts) = (0, [0; 4]);

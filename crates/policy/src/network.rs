@@ -388,6 +388,13 @@ mod tests {
     }
 
     #[test]
+    fn the_greedy_action_is_the_first_with_the_largest_value() {
+        assert_eq!(greedy(&[0.0, 2.0, 1.0]), 1);
+        assert_eq!(greedy(&[-1.0, 3.0, 3.0, 3.0]), 1);
+        assert_eq!(greedy(&[f32::NEG_INFINITY, -5.0]), 1);
+    }
+
+    #[test]
     fn a_size_out_of_range_is_named_and_does_not_overflow() {
         let error = shape(&[5000], true).check().expect_err("a layer of 5000 units");
         assert_eq!(error.field, "network.hidden[0]");

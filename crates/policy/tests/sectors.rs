@@ -177,8 +177,8 @@ fn predicted_paths_show_where_moving_things_will_be() {
 
 #[test]
 fn motion_is_hidden_until_the_next_reset() {
-    // A disc drives past in front of the robot.
-    let senses = |observer: &mut SectorObserver| {
+    // Whether the motion of a disc that drives past in front of the robot is predicted.
+    let predicts_motion = |observer: &mut SectorObserver| {
         for step in 0..8 {
             let pose = (-0.6, 0.0, 0.0);
             let ranges_m = ranges(72, pose, (0.0, 0.03 * step as f32));
@@ -197,25 +197,25 @@ fn motion_is_hidden_until_the_next_reset() {
         all(Quantity::PredictedNearness) != all(Quantity::CollisionNearness)
     };
     let mut observer = observer(LAYOUT, 72, 0.1);
-    assert!(senses(&mut observer), "a moving disc is predicted");
+    assert!(predicts_motion(&mut observer), "a moving disc is predicted");
     observer.reset();
     observer.drop_predictions(1.0, 1);
-    assert!(!senses(&mut observer));
+    assert!(!predicts_motion(&mut observer));
     let is_hidden = |seed: &u64| {
         observer.reset();
         observer.drop_predictions(0.7, *seed);
-        !senses(&mut observer)
+        !predicts_motion(&mut observer)
     };
     let hidden = (0..100).filter(is_hidden).count();
     assert!((60..80).contains(&hidden), "the one disc is hidden with {hidden} of 100 seeds");
     observer.reset();
     observer.drop_predictions(1.0, 1);
-    assert!(!senses(&mut observer));
+    assert!(!predicts_motion(&mut observer));
     let memory = observer.memory().clone();
     observer.reset();
-    assert!(senses(&mut observer));
+    assert!(predicts_motion(&mut observer));
     observer.restore(&memory, (0.0, 0.0));
-    assert!(!senses(&mut observer), "a checkpoint remembers it");
+    assert!(!predicts_motion(&mut observer), "a checkpoint remembers it");
 }
 
 #[test]
@@ -233,7 +233,7 @@ fn collisions_are_foreseen_with_what_stands_still_and_what_moves() {
     let (ahead, stop, bend) = ((0.1, 0.0), (0.0, 0.0), (0.05, 1.5));
     // The disc's surface is 1.5 units ahead, half a unit from the body.
     let still = observe(-0.25, 0.0);
-    assert_eq!(still.steps_to_collision(ahead, ahead), 3.0, "0.5 / 0.2, rounded up to half steps");
+    assert_eq!(still.steps_to_collision(ahead, ahead), 3.0, "the half step after 0.5 / 0.2");
     assert_eq!(still.steps_to_collision(ahead, stop), f32::INFINITY);
     assert_eq!(still.steps_to_collision(stop, stop), f32::INFINITY);
     assert_eq!(

@@ -8,7 +8,7 @@ use std::ffi::OsStr;
 use std::fmt::Write;
 use std::path::Path;
 
-/// `text` for one line of a message: characters that are [unprintable](is_unprintable) are written as `\u{1b}`.
+/// `text` for one line of a message: [unprintable](is_unprintable) characters are written as escapes, such as `\u{1b}`.
 #[must_use]
 pub fn printable(text: &str) -> Cow<'_, str> {
     escaped(text, is_unprintable)
@@ -71,8 +71,8 @@ pub(super) fn without_mark(text: &str) -> &str {
     text.strip_prefix(MARK).unwrap_or(text)
 }
 
-/// `word` as one word of a shell command. A plain word stays as it is, others get single quotes; a word with bytes that
-/// can't be printed is written as `$'w\377.ron'`, which bash, zsh and every shell of POSIX 2024 read.
+/// `word` as one word of a shell command. A plain word stays as it is, others get single quotes. A word with bytes that
+/// can't be printed is written with escapes, such as `$'w\377.ron'`, which bash, zsh and every shell of POSIX 2024 read.
 #[must_use]
 pub fn quoted(word: impl AsRef<OsStr>) -> String {
     let word = word.as_ref();

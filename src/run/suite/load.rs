@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::{Family, FamilyRules, ScenarioSource, Suite, SuiteScenario};
+use super::{Family, FamilyRules, ScenarioOrLevel, Suite, SuiteScenario};
 use crate::run::RunError;
 use crate::run::scenario_set::named_file;
 use crate::run::settings::Settings;
@@ -190,7 +190,7 @@ fn levels(name: &str, generator: LevelGenerator, first: u64, count: u32) -> Vec<
     let generator = Arc::new(generator);
     let level = |k: u32| {
         let seed = first + u64::from(k);
-        let source = ScenarioSource::Level(generator.clone(), seed);
+        let source = ScenarioOrLevel::Level(generator.clone(), seed);
         SuiteScenario { name: format!("{name}:{seed}"), source, rules: FamilyRules::default() }
     };
     (0..count).map(level).collect()
@@ -198,7 +198,7 @@ fn levels(name: &str, generator: LevelGenerator, first: u64, count: u32) -> Vec<
 
 impl SuiteScenario {
     fn new(name: &str, scenario: Scenario) -> Self {
-        let source = ScenarioSource::Scenario(Arc::new(scenario));
+        let source = ScenarioOrLevel::Scenario(Arc::new(scenario));
         Self { name: name.into(), source, rules: FamilyRules::default() }
     }
 }
@@ -211,7 +211,7 @@ impl Family {
     /// Checks that the scenarios, or the first level, allow the rules of the family, and have a benchmark route if one is needed.
     fn check(&self) -> Result<(), RunError> {
         for (k, wanted) in self.scenarios.iter().enumerate() {
-            if k > 0 && matches!(wanted.source, ScenarioSource::Level(..)) {
+            if k > 0 && matches!(wanted.source, ScenarioOrLevel::Level(..)) {
                 continue;
             }
             let scenario = wanted.scenario()?;

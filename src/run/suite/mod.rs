@@ -56,12 +56,12 @@ pub struct Family {
 pub struct SuiteScenario {
     /// The file or shipped name, as given after `--scenario`.
     pub name: String,
-    source: ScenarioSource,
+    source: ScenarioOrLevel,
     rules: FamilyRules,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-enum ScenarioSource {
+enum ScenarioOrLevel {
     Scenario(Arc<Scenario>),
     Level(Arc<LevelGenerator>, u64),
 }
@@ -126,8 +126,8 @@ impl SuiteScenario {
     pub fn scenario(&self) -> Result<Arc<Scenario>, RunError> {
         let invalid = |why: String| RunError::InvalidInput(format!("{}: {why}", self.name));
         let mut scenario = match &self.source {
-            ScenarioSource::Scenario(scenario) => scenario.clone(),
-            ScenarioSource::Level(generator, seed) => {
+            ScenarioOrLevel::Scenario(scenario) => scenario.clone(),
+            ScenarioOrLevel::Level(generator, seed) => {
                 Arc::new(generator.level(*seed).map_err(|error| invalid(error.to_string()))?)
             }
         };
@@ -144,8 +144,8 @@ impl SuiteScenario {
     #[must_use]
     pub fn task(&self) -> (&Robot, &Lidar, &TaskRules) {
         match &self.source {
-            ScenarioSource::Scenario(scenario) => (&scenario.robot, &scenario.lidar, &scenario.task),
-            ScenarioSource::Level(generator, _) => (&generator.robot, &generator.lidar, &generator.task),
+            ScenarioOrLevel::Scenario(scenario) => (&scenario.robot, &scenario.lidar, &scenario.task),
+            ScenarioOrLevel::Level(generator, _) => (&generator.robot, &generator.lidar, &generator.task),
         }
     }
 }

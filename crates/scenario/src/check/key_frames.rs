@@ -45,7 +45,7 @@ pub(super) fn check_total(obstacles: &[Obstacle], diagnostics: &mut Diagnostics)
     }
 }
 
-/// Checks the speeds between the key frames of obstacle `k`.
+/// Checks the speeds between the key frames of obstacle `k`. `period_s` is the control period.
 pub(super) fn check_speeds(k: usize, obstacle: &Obstacle, period_s: f32, diagnostics: &mut Diagnostics) {
     let ObstacleMotion::KeyFrames { frames, .. } = &obstacle.motion else { return };
     for (index, leg) in obstacle.legs().enumerate().take(MAX_KEY_FRAMES + 1) {
