@@ -1,4 +1,5 @@
-//! Tests of test data: several policies on the same episodes, a CSV row per episode, a trace of every control step.
+//! What `--eval` writes: a comparison of several policies on the same episodes, a CSV row per episode, a trace of every
+//! control step.
 
 mod cli_support;
 
@@ -241,7 +242,7 @@ fn a_dash_writes_a_file_to_standard_output_and_the_summary_to_standard_error() {
 
 #[cfg(unix)]
 #[test]
-fn a_stopped_test_leaves_the_old_files_and_no_others() {
+fn a_stopped_evaluation_leaves_the_old_files_and_no_others() {
     let workspace = Workspace::new();
     workspace.write("fast.ron", quick_fast());
     for name in ["episodes.csv", "steps.jsonl"] {

@@ -46,7 +46,7 @@ fn a_run_over_a_set_resumes_bit_identically() {
     workspace.assert_same_run("straight", "pieces");
     // config.ron needs none of the files.
     for file in ["set.ron", "one.ron", "two.ron", "clutter.ron"] {
-        std::fs::remove_file(workspace.path(file)).unwrap();
+        fs::remove_file(workspace.path(file)).unwrap();
     }
     workspace.run_ok("--train straight/config.ron --out again");
     workspace.assert_same_run("straight", "again");
@@ -64,9 +64,9 @@ fn a_run_that_draws_levels_by_progress_resumes_bit_identically() {
     }
     workspace.assert_same_run("straight", "pieces");
     workspace.run_ok(&format!("{train} 9000 --preset fast.ron --out uniform"));
-    let steps = |run: &str| workspace.text(&format!("{run}/episodes.csv")).lines().count();
-    assert_ne!(steps("straight"), steps("uniform"), "other levels, other episodes");
-    // Evaluations do not depend on it: the first is that of the same initial policy.
+    let episodes = |run: &str| workspace.text(&format!("{run}/episodes.csv")).lines().count();
+    assert_ne!(episodes("straight"), episodes("uniform"), "other levels, other episodes");
+    // The levels of evaluations are not drawn by progress: the first evaluation is that of the same initial policy.
     let first = |run: &str| workspace.rows(&format!("{run}/evaluations.csv"))[0]["mean_cost_s"].clone();
     assert_eq!(first("straight"), first("uniform"));
 }
@@ -99,7 +99,7 @@ fn a_run_with_mirror_augmentation_and_dropout_of_predictions_resumes_bit_identic
 }
 
 #[test]
-fn more_levels_than_a_training_can_keep_the_results_of_are_an_error() {
+fn more_levels_than_a_run_can_keep_the_results_of_are_an_error() {
     let workspace = workspace();
     let entry = |k: u32| format!("(name: \"n{k}\", generator: \"clutter.ron\", levels: 900000)");
     let entries: Vec<String> = (0..5).map(entry).collect();

@@ -22,8 +22,8 @@ fn length_m(scenario: &Scenario, state: &ArenaState) -> f32 {
     Geodesic::default().distance_m(&free, goal_m, vec2(state.pose.x_m, state.pose.y_m))
 }
 
-/// A room with random obstacles in every episode, which are short.
-fn random_room() -> Scenario {
+/// An arena with new random obstacles in every episode. Episodes are short.
+fn random_obstacles() -> Scenario {
     let shape = RandomShape::Rectangle { width_m: (0.2, 1.0), height_m: (0.1, 0.5) };
     let generators = vec![Generator { count: 10, shape, gap_m: 0.3, within: None }];
     let mut scenario = Scenario { generators, ..Scenario::default() };
@@ -61,7 +61,7 @@ fn driving_out_of_the_u_is_rewarded_and_deeper_into_it_is_not() {
 
 #[test]
 fn only_the_attraction_differs() {
-    let scenario = random_room();
+    let scenario = random_obstacles();
     let linear = RewardConfig { attraction: Attraction::Linear, ..geodesic() };
     let mut labs = [RewardConfig::default(), geodesic(), linear]
         .map(|reward| Lab::with(&scenario, 8, 5, reward, TaskMode::Continuing));
@@ -89,7 +89,7 @@ fn only_the_attraction_differs() {
 
 #[test]
 fn a_restored_simulation_continues_to_the_bit() {
-    let scenario = random_room();
+    let scenario = random_obstacles();
     let mut lab = Lab::with(&scenario, 8, 6, geodesic(), TaskMode::Continuing);
     let mut actions = common::action_streams(8);
     for _ in 0..90 {

@@ -2,8 +2,7 @@
 //!
 //! bevy_egui 0.42 passes premultiplied colours to a pipeline that blends in linear space: half-transparent white over white
 //! becomes grey. Here its shader is changed to output encoded colours, and the camera to composite in that space; Bevy
-//! converts the finished frame for the screen. If a later bevy_egui has a different shader, blending stays
-//! linear.
+//! converts the finished frame for the screen. If a later bevy_egui has a different shader, blending stays linear.
 
 use bevy::camera::{CompositingSpace, Hdr};
 use bevy::prelude::*;

@@ -10,7 +10,7 @@ use crate::scenario::{is_unprintable, printable_lines};
 /// Prints `value` as one line of JSON, with unprintable characters escaped.
 ///
 /// # Errors
-/// Stdout cannot be written.
+/// `value` cannot be serialized, or stdout cannot be written.
 pub fn print_json(value: &impl Serialize) -> Result<(), RunError> {
     let text = serde_json::to_string(value).map_err(|error| RunError::Failed(error.to_string()))?;
     print_json_text(&text)

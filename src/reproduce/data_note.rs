@@ -16,13 +16,13 @@ struct Data {
     env_steps: f64,
 }
 
-/// A sentence about the data that the arms learned from up to `point`: whether the amounts are equal, and in which unit, and
-/// each arm's env steps and episodes.
+/// A sentence about the data that the arms of an experiment learned from up to `point`: whether the amounts are equal, and in
+/// which unit, and each arm's env steps and episodes.
 ///
 /// # Errors
 /// An arm's training is too short to reach `point`. The plan rules this out.
-pub fn data_note(results: &Results<'_>, index: usize, point: TestPoint) -> Result<String, RunError> {
-    let data = rows(results, index)
+pub fn data_note(results: &Results<'_>, experiment: usize, point: TestPoint) -> Result<String, RunError> {
+    let data = rows(results, experiment)
         .into_iter()
         .map(|row| data(results, row, point))
         .collect::<Result<Vec<_>, _>>()?;
@@ -79,7 +79,7 @@ fn data(results: &Results<'_>, row: ArmIndex, point: TestPoint) -> Result<Data, 
     Ok(Data { row, episodes: episodes / runs, env_steps: env_steps / runs })
 }
 
-/// The number of seeds of the arm with the fewest.
-pub fn fewest_seeds(results: &Results<'_>, index: usize) -> usize {
-    rows(results, index).into_iter().map(|row| results.arm_runs(row).count()).min().unwrap_or(0)
+/// The number of seeds of the experiment's arm with the fewest.
+pub fn fewest_seeds(results: &Results<'_>, experiment: usize) -> usize {
+    rows(results, experiment).into_iter().map(|row| results.arm_runs(row).count()).min().unwrap_or(0)
 }

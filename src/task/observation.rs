@@ -182,9 +182,9 @@ impl ScanMemory {
         }
     }
 
-    /// Leaves a fraction of the moving things that it will see out of predictions, until it forgets all scans. Which ones is a
-    /// function of the stream's state and of the clock, and nothing is drawn from the stream, so that all else is the same with
-    /// and without dropout.
+    /// Leaves a fraction of the moving things that it will see out of predictions, until it forgets all scans. The choice
+    /// depends on the stream's state and on the clock, but draws nothing from the stream, so that everything else is the same
+    /// with and without dropout.
     fn drop_predictions(
         &mut self,
         PredictionDropout(fraction): PredictionDropout,

@@ -19,10 +19,10 @@ pub struct Mirror {
 /// An error in the definition of a [`Mirror`].
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum MirrorError {
-    /// An entry of the observation is not the mirror image of its own image.
+    /// An entry of the observation is not the mirror image of its own mirror image, or its sign is not 1 or -1.
     #[error("entry {0} of the observation is not the mirror image of its own mirror image")]
     Input(usize),
-    /// An action is not the mirror image of its own image.
+    /// An action is not the mirror image of its own mirror image.
     #[error("action {0} is not the mirror image of its own mirror image")]
     Action(usize),
     /// The mirror belongs to another network.

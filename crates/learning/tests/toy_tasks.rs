@@ -1,5 +1,5 @@
 //! Toy tasks with known values, which a correct learner solves in seconds: a bandit, a chain, a stochastic reward, a time
-//! limit. Each task depends on one part of the algorithm.
+//! limit, a corridor and its mirror image. Each task depends on one part of the algorithm.
 
 use wayfield_learning::{
     Activation, Experience, Exploration, Learner, LearningConfig, Loss, Mirror, NetworkConfig, Optimizer,
@@ -134,19 +134,29 @@ fn bandit_values_are_the_rewards() {
     }
 }
 
+/// A step in a chain of the states 0 to 4. Action 0 moves left, action 1 moves right, action 2 stays in place. Moving right
+/// from 4 gives reward 1 and terminates.
+fn chain(state: usize, action: usize, _: &mut Stream) -> StepResult {
+    match (state, action) {
+        (4, 1) => (1.0, 4, true, false),
+        (_, 1) => (0.0, state + 1, false, false),
+        (_, 0) => (0.0, state.saturating_sub(1), false, false),
+        _ => (0.0, state, false, false),
+    }
+}
+
+/// The values of moving left and right in the chain with a discount of 0.9: Q(s, left) = 0.9 V(s - 1),
+/// Q(s, right) = V(s) = 0.9^(4 - s). Moving left in state 0 stays there.
+fn chain_values(state: usize) -> (f32, f32) {
+    (0.9 * 0.9_f32.powi(5 - state.max(1) as i32), 0.9_f32.powi(4 - state as i32))
+}
+
 #[test]
 fn chain_values_are_the_discounted_final_reward() {
-    // States 0 to 4. Action 1 moves right, action 0 moves left. Moving right from 4 gives reward 1 and terminates.
-    // Q(s, right) = 0.9^(4 - s), Q(s, left) = 0.9 V(s - 1).
     for config in variants(0.9).into_iter().chain(switched(0.9)) {
-        let q = learn(&config, 5, 2, 8000, |state, action, _| match (state, action) {
-            (4, 1) => (1.0, 4, true, false),
-            (_, 1) => (0.0, state + 1, false, false),
-            _ => (0.0, state.saturating_sub(1), false, false),
-        });
+        let q = learn(&config, 5, 2, 8000, chain);
         for (state, q) in q.iter().enumerate() {
-            let right = 0.9_f32.powi(4 - state as i32);
-            let left = 0.9 * 0.9_f32.powi(5 - state.max(1) as i32);
+            let (left, right) = chain_values(state);
             close(q[1], right, 0.04, &format!("right from {state} in {config:?}"));
             close(q[0], left, 0.04, &format!("left from {state} in {config:?}"));
         }
@@ -155,17 +165,11 @@ fn chain_values_are_the_discounted_final_reward() {
 
 #[test]
 fn advantage_learning_doubles_the_gap_to_the_best_action_and_keeps_its_value() {
-    // The same chain, with an action 2 that stays in place. It loses 0.1 V(s), less than moving left.
+    // Three actions: staying in place loses 0.1 V(s), less than moving left.
     let config = LearningConfig { advantage_learning: 0.5, ..config(0.9, PRIORITIZED) };
-    let q = learn(&config, 5, 3, 12_000, |state, action, _| match (state, action) {
-        (4, 1) => (1.0, 4, true, false),
-        (_, 1) => (0.0, state + 1, false, false),
-        (_, 0) => (0.0, state.saturating_sub(1), false, false),
-        _ => (0.0, state, false, false),
-    });
+    let q = learn(&config, 5, 3, 12_000, chain);
     for (state, q) in q.iter().enumerate() {
-        let right = 0.9_f32.powi(4 - state as i32);
-        let left = 0.9 * 0.9_f32.powi(5 - state.max(1) as i32);
+        let (left, right) = chain_values(state);
         close(q[1], right, 0.04, &format!("right from {state}"));
         close(q[2], right - 2.0 * (right - 0.9 * right), 0.04, &format!("waiting in {state}"));
         close(q[0], right - 2.0 * (right - left), 0.04, &format!("left from {state}"));
@@ -176,14 +180,11 @@ fn advantage_learning_doubles_the_gap_to_the_best_action_and_keeps_its_value() {
 fn quantiles_of_a_chain_have_the_known_values() {
     let loss = Loss::Huber { delta: 1.0 };
     let config = LearningConfig { quantiles: 8, loss, ..config(0.9, PRIORITIZED) };
-    let q = learn(&config, 5, 2, 8000, |state, action, _| match (state, action) {
-        (4, 1) => (1.0, 4, true, false),
-        (_, 1) => (0.0, state + 1, false, false),
-        _ => (0.0, state.saturating_sub(1), false, false),
-    });
+    let q = learn(&config, 5, 2, 8000, chain);
     for (state, q) in q.iter().enumerate() {
-        close(q[1], 0.9_f32.powi(4 - state as i32), 0.05, &format!("right from {state}"));
-        close(q[0], 0.9 * 0.9_f32.powi(5 - state.max(1) as i32), 0.05, &format!("left from {state}"));
+        let (left, right) = chain_values(state);
+        close(q[1], right, 0.05, &format!("right from {state}"));
+        close(q[0], left, 0.05, &format!("left from {state}"));
     }
 }
 

@@ -1,7 +1,7 @@
 //! The geometry of obstacle shapes.
 //!
 //! A new shape needs: a variant of [`Shape`], the methods here and in `shape_fields.rs`, and a collider
-//! (`src/sim/colliders.rs` of the app).
+//! (`src/sim/colliders.rs` of the crate `wayfield`).
 
 use glam::{Vec2, vec2};
 

@@ -187,8 +187,9 @@ pub(super) fn transfer_config(
     Ok(config)
 }
 
-/// Starts the training run of `config` from a policy, and time if it was paused. Exploration starts at `epsilon`, limited to
-/// 0..=1. If the policy is the current or the best one, the curves of the run that it comes from stay in the background.
+/// Starts the training run of `config` from a policy, and resumes time if it was paused. Exploration starts at `epsilon`,
+/// limited to 0..=1. If the policy is the current or the best one, the curves of the run that it comes from stay in the
+/// background.
 ///
 /// # Errors
 /// There is no such policy, or it does not fit the scenario or the preset.

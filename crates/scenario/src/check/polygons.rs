@@ -18,19 +18,19 @@ pub(super) fn check_convex(path: std::fmt::Arguments<'_>, corners: &[Vec2], diag
     if diagnostics.found.len() > before {
         return;
     }
-    let corners = in_f64(corners);
-    let n = corners.len();
-    if repeats_corner(path, &corners, diagnostics) {
+    let points = in_f64(corners);
+    let n = points.len();
+    if repeats_corner(path, &points, diagnostics) {
         return;
     }
-    let area = area(&corners);
+    let area = area(&points);
     if area.abs() < MIN_POLYGON_AREA_M2 {
         let message = "enclose no area: spread them out, and list them in order around the outline";
         diagnostics.push(path, message);
         return;
     }
     let is_concave = |k: usize| {
-        let (before, here, after) = (corners[(k + n - 1) % n], corners[k], corners[(k + 1) % n]);
+        let (before, here, after) = (points[(k + n - 1) % n], points[k], points[(k + 1) % n]);
         let (a, b) = (here - before, after - here);
         a.perp_dot(b) * area.signum() < -STRAIGHT * a.length() * b.length()
     };
@@ -41,7 +41,7 @@ pub(super) fn check_convex(path: std::fmt::Arguments<'_>, corners: &[Vec2], diag
         return;
     }
     // Corners that all bend the same way may still go around more than once, like a star.
-    check_simple(path, &corners.iter().map(|corner| corner.as_vec2()).collect::<Vec<_>>(), diagnostics);
+    check_simple(path, corners, diagnostics);
 }
 
 /// Reports the first two sides that cross or touch. Needs at least three corners.

@@ -32,11 +32,8 @@ fn ramp(dark: bool) -> [Color32; 7] {
     }
 }
 
-/// The colour at `part` of the range, 0 (lowest) to 1 (highest); transparent if `part` is not finite.
+/// The colour at `part` of the range, 0 (lowest) to 1 (highest).
 fn ramp_color(dark: bool, part: f32) -> Color32 {
-    if !part.is_finite() {
-        return Color32::TRANSPARENT;
-    }
     let stops = ramp(dark);
     let position = part.clamp(0.0, 1.0) * (stops.len() - 1) as f32;
     let low = (position as usize).min(stops.len() - 2);
@@ -70,9 +67,9 @@ pub(super) fn value_range(field: &ScalarField, clipped: (f32, f32)) -> Option<Va
     Some(ValueRange { low, high, below: min < low, above: max > high })
 }
 
-/// The position of `value` in the range, 0 to 1 within it.
+/// The position of `value` in the range, 0 to 1 within it; 0.5 if the range is a single value.
 fn fraction(value: f32, ValueRange { low, high, .. }: ValueRange) -> f32 {
-    if high > low || !value.is_finite() { (value - low) / (high - low) } else { 0.5 }
+    if high > low { (value - low) / (high - low) } else { 0.5 }
 }
 
 /// The image of `field`, at twice its resolution if it is coarse, so that the edges around missing values are smooth.
@@ -174,7 +171,6 @@ pub(super) mod tests {
         let range = value_range(&field, (0.0, 0.0)).expect("finite values");
         let ValueRange { low, high, below, above } = range;
         assert!(low < 0.01 && high > 11.0 && !below && !above);
-        assert_eq!(ramp_color(true, f32::NAN), Color32::TRANSPARENT);
         assert_eq!((fraction(low, range), fraction(high, range)), (0.0, 1.0));
         assert_eq!(fraction(3.0, ValueRange { low: 3.0, high: 3.0, ..range }), 0.5);
         field.values.fill(f32::NAN);

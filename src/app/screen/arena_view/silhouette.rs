@@ -56,7 +56,7 @@ impl Silhouette {
         }
     }
 
-    /// The bounding box on the screen.
+    /// A square on the screen that contains the object at any rotation.
     #[must_use]
     pub fn screen_rect(&self, canvas: &Canvas) -> Rect {
         let (x, y) = match self {
