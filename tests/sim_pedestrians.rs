@@ -21,7 +21,7 @@ fn assert_in_place(lab: &mut Lab, arena: usize, when: &str) {
 }
 
 #[test]
-fn colliders_follow_the_pedestrians_who_stand_at_their_positions_when_an_episode_begins() {
+fn colliders_follow_the_pedestrians_and_every_episode_begins_with_the_crowd_at_its_start() {
     let scenario = common::pedestrians();
     let mut lab = Lab::new(&scenario, 3, 8);
     let mut streams: Vec<Stream> = common::action_streams(3);

@@ -2,7 +2,6 @@
 //!
 //! The binary runs as a user runs it: arguments in; stdout, stderr, exit status and files out.
 
-// Each test binary compiles its own copy and uses only a part.
 #![allow(dead_code, reason = "each program uses part of this module")]
 
 #[path = "../support/default_signals.rs"]

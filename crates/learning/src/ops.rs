@@ -1,5 +1,5 @@
 //! The network's operations with their backward passes: dense layer, layer normalization, activation functions, dueling
-//! combination, TD loss.
+//! combination, quantiles, TD loss.
 //!
 //! In: tensors of batch x units, with or without a gradient tape. Out: tensors; on a tape, each operation records its
 //! backward pass.

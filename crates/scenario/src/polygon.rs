@@ -55,7 +55,8 @@ pub fn counterclockwise(corners: &[Vec2]) -> Vec<Vec2> {
     corners
 }
 
-/// The corners of the polygon with its sides moved outwards by `by_m`.
+/// The corners of the polygon with its sides moved outwards by `by_m`. No corner moves by more than 3 `by_m`; where a
+/// corner is too sharp for that, its sides move less.
 #[must_use]
 pub fn inflated(corners: &[Vec2], by_m: f32) -> Vec<Vec2> {
     let n = corners.len();

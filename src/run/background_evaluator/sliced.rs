@@ -12,7 +12,7 @@ use crate::scenario::Scenario;
 use crate::simulation::Extensions;
 use crate::task::EpisodeSetup;
 
-/// Duration of a time slice; at least one control step is taken.
+/// Duration of a time slice, in which an evaluation is started or at least one control step is taken.
 const SLICE: Duration = Duration::from_millis(3);
 
 /// The evaluator, with the state of the evaluation in progress.
@@ -47,10 +47,10 @@ impl SlicedEvaluator {
         let result = loop {
             let is_done = match &mut self.run {
                 Some(run) => evaluator.step(run),
-                None => evaluator
-                    .start(&candidate.policy, seed, count, EpisodeSetup::Random)
-                    .map(|run| self.run = Some(run))
-                    .map(|()| false),
+                None => evaluator.start(&candidate.policy, seed, count, EpisodeSetup::Random).map(|run| {
+                    self.run = Some(run);
+                    false
+                }),
             };
             match is_done {
                 Ok(false) if wait || began.elapsed() < SLICE => {}

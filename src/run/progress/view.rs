@@ -58,8 +58,8 @@ impl View<'_> {
         text
     }
 
-    /// The state of learning, in at most 80 columns if the return has at most five characters. Values that do not exist yet are left
-    /// out.
+    /// The state of learning, in at most 80 columns if the return has at most five characters. Values that do not exist yet
+    /// are left out.
     pub fn learning(&self) -> String {
         let progress = self.progress;
         let other = match self.budget {
@@ -180,15 +180,12 @@ mod tests {
         rates.add(seconds(0.0), &progress(0));
         assert_eq!(rates.of(|s| s.env_steps), None, "one sample gives no rate");
         // 10 s at 1000/s, then 10 s at 4000/s.
-        for tenth in 1..=100 {
-            rates.add(seconds(f64::from(tenth) / 10.0), &progress(u64::from(tenth as u32) * 100));
+        for tenth in 1..=100_u32 {
+            rates.add(seconds(f64::from(tenth) / 10.0), &progress(u64::from(tenth) * 100));
         }
         assert_eq!(rates.of(|s| s.env_steps).map(f64::round), Some(1000.0));
-        for tenth in 1..=100 {
-            rates.add(
-                seconds(10.0 + f64::from(tenth) / 10.0),
-                &progress(10_000 + u64::from(tenth as u32) * 400),
-            );
+        for tenth in 1..=100_u32 {
+            rates.add(seconds(10.0 + f64::from(tenth) / 10.0), &progress(10_000 + u64::from(tenth) * 400));
         }
         assert_eq!(
             rates.of(|s| s.env_steps).map(f64::round),

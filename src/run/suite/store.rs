@@ -57,7 +57,7 @@ impl TestStore {
         Ok(Self { path: path.into(), finished, file: Mutex::new(file) })
     }
 
-    /// The result of the test `key`, if it was finished before.
+    /// The result of the test `key`, if the file contained it when it was opened.
     #[must_use]
     pub fn get(&self, key: &str) -> Option<&StoredTest> {
         self.finished.get(key)
@@ -76,6 +76,7 @@ impl TestStore {
 }
 
 /// The key of a test, from all that its result depends on: the program, the driver, the scenario and the test's `options`.
+/// The program is identified by its version and commit, so builds of one commit with different uncommitted changes share keys.
 ///
 /// # Errors
 /// None is known: the driver and the scenario can always be written as JSON.

@@ -73,8 +73,8 @@ pub(crate) fn is_drawable(value: f64) -> bool {
 /// The smallest of 1, 2, 2.5 and 5 times a power of ten that is at least `minimum`.
 fn nice_step(minimum: f64) -> f64 {
     let power = 10_f64.powf(minimum.log10().floor());
-    let steps = [1.0, 2.0, 2.5, 5.0].into_iter().map(|factor| factor * power);
-    steps.into_iter().find(|&step| step >= minimum * 0.999).unwrap_or(10.0 * power)
+    let mut steps = [1.0, 2.0, 2.5, 5.0].into_iter().map(|factor| factor * power);
+    steps.find(|&step| step >= minimum * 0.999).unwrap_or(10.0 * power)
 }
 
 /// At most `max` (2 or more) of the points, evenly spaced by index; the first and the last are kept.

@@ -28,6 +28,8 @@ pub(super) fn cell_m(half_gap_m: f32, route: Route) -> f64 {
     let largest = half_gap_m * MAX_CELL_FRACTION;
     match route {
         Route::Random { clearance_m } => {
+            // A cell's diagonal must be shorter than this difference, or the centre of a position's cell may not be free. The
+            // factor 0.999 leaves a margin for rounding.
             largest.min((f64::from(clearance_m) - half_gap_m) * (std::f64::consts::FRAC_1_SQRT_2 * 0.999))
         }
         Route::Across { .. } | Route::Fixed { .. } => largest,
