@@ -1,5 +1,5 @@
 //! Sets `WAYFIELD_COMMIT` to the Git commit that is built, with `-dirty` if a file of the program has been changed since.
-//! Policies, runs and reports record it. Outside a Git clone it stays unset.
+//! Policies, runs and reports record it. Outside a clone of wayfield it stays unset.
 
 use std::path::Path;
 use std::process::Command;
@@ -9,6 +9,11 @@ const SOURCES: [&str; 6] = ["Cargo.lock", "Cargo.toml", "assets", "crates", "sce
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
+    // Sources that were copied into another project's clone have no commit of their own.
+    let is_own_clone = git(&["rev-parse", "--show-prefix"]).is_some_and(|prefix| prefix.is_empty());
+    if !is_own_clone {
+        return;
+    }
     let Some(log) = git(&["rev-parse", "--git-path", "logs/HEAD"]) else { return };
     // Commits and checkouts append to this log. A path that does not exist would make every build run this script again.
     for path in SOURCES.into_iter().chain([log.as_str()]).filter(|path| Path::new(path).exists()) {

@@ -29,7 +29,7 @@ impl FromStr for Pace {
         if text == "full" {
             return Ok(Self::Full);
         }
-        match text.trim_end_matches('x').parse::<f32>() {
+        match text.strip_suffix('x').unwrap_or(text).parse::<f32>() {
             Ok(times) if (0.01..=100.0).contains(&times) => Ok(Self::Times(times)),
             _ => Err("give 0.01 to 100, or full".into()),
         }

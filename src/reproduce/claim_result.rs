@@ -34,9 +34,7 @@ pub fn compare(measure: Measure, better: &ArmValues, than: &ArmValues) -> Compar
         Some(Estimate { mean, half_width: Some(half_width), .. })
             if !is_coincidence(difference, better, than) =>
         {
-            // A difference within rounding errors counts as 0.
-            let rounding = 1e-9 * mean.abs().max(1.0);
-            let (advantage, margin) = (sign * mean, half_width.max(rounding));
+            let (advantage, margin) = (sign * mean, margin(mean, half_width));
             // Lower bounds occur only in measures where less is better, so the true values are worse.
             if advantage > margin && better.bounds() == 0 {
                 ClaimOutcome::Held
@@ -49,6 +47,12 @@ pub fn compare(measure: Measure, better: &ArmValues, than: &ArmValues) -> Compar
         _ => ClaimOutcome::NotShown,
     };
     Comparison { difference, is_paired, outcome }
+}
+
+/// The largest difference that counts as 0, for a mean difference and the half width of its interval: a difference within
+/// rounding errors does not count.
+fn margin(mean: f64, half_width: f64) -> f64 {
+    half_width.max(1e-9 * mean.abs().max(1.0))
 }
 
 /// Whether all seeds agree exactly, but are too few to know their spread.
@@ -162,7 +166,8 @@ fn numbers(
 /// The conclusion from a comparison.
 fn conclusion(comparison: Comparison, (better, than): (&ArmValues, &ArmValues)) -> &'static str {
     let difference = comparison.difference;
-    let contains_0 = |d: Estimate| d.half_width.is_some_and(|half_width| d.mean.abs() <= half_width);
+    let contains_0 =
+        |d: Estimate| d.half_width.is_some_and(|half_width| d.mean.abs() <= margin(d.mean, half_width));
     match (comparison.outcome, difference.and_then(|d| d.half_width)) {
         (ClaimOutcome::Held, _) => "The claim held.",
         (ClaimOutcome::Reversed, _) => "The opposite is the case.",

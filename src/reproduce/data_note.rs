@@ -61,7 +61,7 @@ fn has_unknown_origin(results: &Results<'_>, row: ArmIndex) -> bool {
 
 fn transfer_note(results: &Results<'_>, arm: &Data) -> String {
     let name = row_name(results, arm.row);
-    format!(" Each run of {name} started from a trained policy, whose training is not counted.")
+    format!(" Runs of {name} started from a trained policy, whose training is not counted.")
 }
 
 fn data(results: &Results<'_>, row: ArmIndex, point: TestPoint) -> Result<Data, RunError> {

@@ -34,7 +34,7 @@ pub fn parse(text: &str, path: &Path) -> Result<ScenarioSet, FileError> {
         let wanted = match named_file(path, entry.file()) {
             Ok(wanted) => wanted,
             Err(why) => {
-                problem(why);
+                problem(format!("can't be used: {why}"));
                 continue;
             }
         };
@@ -90,7 +90,7 @@ pub(super) fn named_file(from: &Path, name: &str) -> Result<String, String> {
     let wanted =
         beside.filter(|path| path.is_file()).map_or_else(|| name.into(), |path| path.display().to_string());
     if Path::new(&wanted).exists() && !Path::new(&wanted).is_file() && !shipped::is_scenario(&wanted) {
-        return Err("names something that is not a file; help: name a file".into());
+        return Err("it is not a file; help: name a file".into());
     }
     Ok(wanted)
 }

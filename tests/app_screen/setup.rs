@@ -188,6 +188,7 @@ fn the_seed_can_be_typed_or_drawn_at_random() {
     assert!(window.query_by_label("Not a whole number: 42e3x. The seed stays 42").is_some());
     assert_eq!(click(&mut window, "Random seed"), []);
     assert!(window.query_by_label_contains("Not a whole number").is_none());
+    assert!(window.query_by_label("Train from scratch with seed 42").is_none(), "another seed was drawn");
 }
 
 /// Replaces the text of the seed field, letter by letter as on a keyboard, and leaves the field.

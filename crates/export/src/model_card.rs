@@ -303,11 +303,12 @@ fn beams(card: &Card) -> usize {
 
 /// Escapes text for Markdown, and leaves out invisible characters.
 fn escaped(text: &str) -> String {
-    const INVISIBLE: [std::ops::RangeInclusive<char>; 4] =
-        ['\u{200b}'..='\u{200f}', '\u{2028}'..='\u{202e}', '\u{2060}'..='\u{206f}', '\u{feff}'..='\u{feff}'];
-    let is_visible = |c: &char| !c.is_control() && !INVISIBLE.iter().any(|range| range.contains(c));
+    let is_invisible = |c: char| {
+        matches!(c, '\u{61c}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}'
+            | '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e007f}')
+    };
     let mut escaped = String::with_capacity(text.len());
-    for c in text.chars().filter(is_visible) {
+    for c in text.chars().filter(|&c| !c.is_control() && !is_invisible(c)) {
         if "\\`*_[]<>|&~#!".contains(c) {
             escaped.push('\\');
         }

@@ -95,8 +95,9 @@ impl Evaluations {
         if self.state == EvaluatorState::Outdated {
             self.evaluator = SyncCell::new(evaluator(config, scenario));
         }
+        self.evaluator.get().submit(candidate)?;
         self.state = EvaluatorState::Running;
-        self.evaluator.get().submit(candidate)
+        Ok(())
     }
 
     /// The next result for the current scenario, if there is one. With `wait`, blocks until a running evaluation is done.

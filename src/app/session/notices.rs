@@ -59,7 +59,8 @@ impl Notices {
             _ => self.remove(&topic),
         }
         if self.0.len() == MAX_NOTICES {
-            self.0.remove(0);
+            let confirmation = self.0.iter().position(|entry| entry.notice.severity == Severity::Info);
+            self.0.remove(confirmation.unwrap_or(0));
         }
         self.0.push(Entry { topic, notice: Notice { severity, text }, since: Instant::now() });
     }
@@ -144,5 +145,8 @@ mod tests {
         notices.dismiss(1);
         notices.dismiss(9);
         assert_eq!(texts(&notices), ["5", "7", "8"]);
+        notices.add(NoticeTopic::General, Severity::Info, "saved");
+        notices.add(NoticeTopic::General, Severity::Error, "9");
+        assert_eq!(texts(&notices), ["5", "7", "8", "9"], "a confirmation goes before an error");
     }
 }

@@ -13,6 +13,7 @@ use std::sync::{Mutex, PoisonError};
 use serde::{Deserialize, Serialize};
 
 use super::test::References;
+use crate::policy::Policy;
 use crate::policy::card::RawJson;
 use crate::run::RunError;
 use crate::run::evaluate::{EpisodeResult, Evaluated};
@@ -79,12 +80,17 @@ impl TestStore {
 /// The program is identified by its version and commit, so builds of one commit with different uncommitted changes share keys.
 ///
 /// # Errors
-/// None is known: the driver and the scenario can always be written as JSON.
+/// None is known: every driver that can be evaluated can be written, and so can the scenario.
 pub fn key(evaluated: Evaluated<'_>, scenario: &Scenario, options: &str) -> Result<String, RunError> {
     let failed = |error: serde_json::Error| RunError::Failed(error.to_string());
+    // The whole file, because the card also says how the policy observes and acts.
+    let crc_of = |policy: &Policy| match policy.to_bytes() {
+        Ok(bytes) => Ok(format!("{:08x}", crc32c::crc32c(&bytes))),
+        Err(error) => Err(RunError::Failed(error.to_string())),
+    };
     let driver = match evaluated {
-        Evaluated::Policy(policy) => format!("policy {}", policy.weights_crc32c()),
-        Evaluated::PolicyWithMap(policy) => format!("policy {} with map", policy.policy.weights_crc32c()),
+        Evaluated::Policy(policy) => format!("policy {}", crc_of(policy)?),
+        Evaluated::PolicyWithMap(policy) => format!("policy {} with map", crc_of(&policy.policy)?),
         Evaluated::Driver(driver) => {
             let json = serde_json::to_string(driver).and_then(RawJson::new).map_err(failed)?;
             format!("{} {}", driver.name(), json.crc32c())

@@ -12,7 +12,7 @@ use crate::app::editor::{Editor, Selection, Tool};
 
 /// The keys and their actions, in the order of the help window.
 pub const KEY_HELP: [(&str, &str); 12] = [
-    ("Delete", "Delete the item"),
+    ("Delete", "Delete the item (also Backspace)"),
     ("Ctrl+Z", "Undo; Ctrl+Y or Ctrl+Shift+Z: redo"),
     ("Ctrl+C", "Copy; Ctrl+X: cut; Ctrl+V: paste"),
     ("Ctrl+D", "Duplicate the item"),
@@ -31,7 +31,7 @@ pub const MOUSE_HELP: [(&str, &str); 4] = [
     ("Click", "Select an object"),
     ("Drag", "Move an object or a handle; on the floor: pan"),
     ("Scroll", "Zoom"),
-    ("Double click", "On a waypoint or corner: remove it"),
+    ("Double-click", "On a waypoint or corner: remove it"),
 ];
 
 /// Handles the keys of this frame.

@@ -60,9 +60,9 @@ pub(super) fn discard_question_ui(
 
 fn save_help(status: &AppSnapshot) -> &'static str {
     if status.has_disk {
-        "Save the run in the folder runs, then go on"
+        "Save the run in the folder runs, then continue"
     } else {
-        "Save the policy, then go on"
+        "Save the policy, then continue"
     }
 }
 

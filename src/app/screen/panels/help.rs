@@ -30,7 +30,7 @@ const ARENA_MOUSE_HELP: [(&str, &str); 8] = [
     ("Drag", "Move the robot, the goal or an obstacle"),
     ("Drag", "On the floor: pan"),
     ("Scroll", "Zoom"),
-    ("Double click", "On the floor: fit the arena to the view"),
+    ("Double-click", "On the floor: fit the arena to the view"),
     ("Click", "On the floor, but not in Train: set the goal"),
     ("Click", "In the grid: follow an arena"),
     ("Ctrl+scroll", "On a plot: zoom; drag: pan"),

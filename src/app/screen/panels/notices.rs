@@ -2,7 +2,7 @@
 //!
 //! In: the notices, oldest first. Out: [`Command::DismissNotice`] when one is closed.
 
-use egui::{Align, Align2, Area, Color32, Frame, Id, Layout, Margin, Order as Layer, Rect, Stroke, Ui, vec2};
+use egui::{Align, Align2, Area, Color32, Frame, Id, Layout, Margin, Order, Rect, Stroke, Ui, vec2};
 
 use crate::app::app_snapshot::{Notice, Severity};
 use crate::app::commands::Command;
@@ -21,7 +21,7 @@ pub fn notices_ui(ui: &mut Ui, arena: Rect, notices: &[Notice], commands: &mut V
     }
     let width = WIDTH.min(arena.width() - 4.0 * GAP).max(120.0);
     Area::new(Id::new("notices"))
-        .order(Layer::Foreground)
+        .order(Order::Foreground)
         .pivot(Align2::CENTER_BOTTOM)
         .fixed_pos(arena.center_bottom() - vec2(0.0, 2.0 * GAP))
         .constrain_to(arena)
