@@ -300,7 +300,7 @@ fn the_help_window_opens_lists_the_shortcuts_and_closes() {
 }
 
 #[test]
-fn notices_stay_until_dismissed() {
+fn every_notice_is_shown_in_full_and_can_be_dismissed() {
     let mut window = window(ScreenFixture::default().with_notices());
     let text = window.state().status.notices[1].text.clone();
     assert_eq!(window.state().status.notices[1].severity, Severity::Error);
