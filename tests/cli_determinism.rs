@@ -3,10 +3,9 @@
 
 mod cli_support;
 
-use cli_support::{SCENARIO_1, SCENARIO_2};
 use cli_support::{
-    Workspace, edited, noisy, quick_fast, quick_per, raw, signal, wait_for_output, wait_until,
-    with_short_episodes,
+    SCENARIO_1, SCENARIO_2, Workspace, edited, noisy, quick_fast, quick_per, raw, signal, wait_for_output,
+    wait_until, with_short_episodes,
 };
 
 /// A workspace with the presets and scenarios of these tests.
@@ -62,7 +61,7 @@ fn a_run_of_150_episodes_resumed_to_300_equals_a_run_of_300() {
 
 #[test]
 fn a_run_with_two_step_returns_in_16_arenas_resumes_bit_identically() {
-    // 5200 is not a multiple of any interval, so n-step returns, schedules and evaluations are all in progress.
+    // 5200 is between two evaluations, and n-step returns and schedules are in progress.
     assert_resumes("--scenario one.ron --preset fast.ron", "--steps 5200", "--steps 10000");
 }
 

@@ -247,7 +247,7 @@ mod unix {
 }
 
 #[test]
-fn a_policys_card_cannot_control_the_terminal() {
+fn the_metadata_of_a_policy_without_a_card_cannot_control_the_terminal() {
     let workspace = Workspace::new();
     workspace.run_ok("--train --steps 16 --out run");
     for (key, text) in [
@@ -258,8 +258,8 @@ fn a_policys_card_cannot_control_the_terminal() {
         let mut policy = Policy::from_bytes(&workspace.read("run/policy.safetensors")).unwrap();
         policy.card = None;
         policy.metadata.insert(key.into(), text.into());
-        workspace.write("card.safetensors", policy.to_bytes().unwrap());
-        let done = workspace.run("--eval card.safetensors --rounds 1 --episodes 1");
+        workspace.write("old.safetensors", policy.to_bytes().unwrap());
+        let done = workspace.run("--eval old.safetensors --rounds 1 --episodes 1");
         assert_harmless(&done);
         assert!(done.stderr.contains(r"\u{1b}"), "{key} is printed: {}", done.stderr);
     }

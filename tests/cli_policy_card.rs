@@ -1,5 +1,5 @@
-//! A policy cannot mislead: its card says what its numbers mean, and a scenario in which they mean something else is refused
-//! or warned of, with both values.
+//! Tests of policy cards: the card states what the policy's numbers mean. A scenario in which they mean something else is
+//! refused, or causes a warning, with both values.
 
 mod cli_support;
 #[path = "support/requirements.rs"]

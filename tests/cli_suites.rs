@@ -14,7 +14,7 @@ const GENERATOR: &str = r#"(
     task: (max_episode_steps: 60),
 )"#;
 
-/// Two BARN worlds without obstacles in the way. The second does not state its shortest path.
+/// Two BARN worlds without obstacles in the way. The path length that the second states is less than the distance to the goal.
 const BARN: &str = r#"{"radius_m": 0.075, "start_m": [-2.25, 3.0], "heading_rad": 1.57, "goal_m": [-2.25, 13.0],
     "goal_radius_m": 1.0, "time_limit_s": 100, "worlds": [
     {"world": 0, "circles_m": [[-0.075, 0.075], [-4.5, 8.0]], "metric_path_length_m": 12.5},
@@ -51,7 +51,7 @@ fn rows(workspace: &Workspace) -> Vec<BTreeMap<String, String>> {
 }
 
 fn number(row: &BTreeMap<String, String>, column: &str) -> f64 {
-    row[column].parse().unwrap_or_else(|_| panic!("`{column}` is no number in {row:?}"))
+    row[column].parse().unwrap_or_else(|_| panic!("`{column}` is not a number in {row:?}"))
 }
 
 #[test]
@@ -292,7 +292,7 @@ fn what_a_suite_does_not_take_is_refused_with_a_fix() {
     }
 }
 
-/// A suite in which the driver that turns towards the goal alone fails often, in still scenarios.
+/// A suite of scenarios without moving obstacles, in which the driver `field` often fails.
 const HARD: &str = r#"(
     name: "Hard",
     families: [
@@ -360,7 +360,7 @@ fn a_report_of_a_scenario_a_set_or_a_generator_is_that_of_a_suite_of_it() {
 }
 
 #[test]
-fn an_interrupted_test_goes_on_with_the_same_results() {
+fn an_interrupted_test_resumes_with_the_same_results() {
     let workspace = workspace();
     let eval = "--eval field dwa --suite suite.ron --json";
     let whole = workspace.run_ok(eval).stdout;
@@ -372,7 +372,7 @@ fn an_interrupted_test_goes_on_with_the_same_results() {
     workspace.write("report/tests.ron", &kept.join("\n")[..kept.join("\n").len() - 20]);
     assert_eq!(workspace.run_ok(&format!("{eval} --report report")).stdout, whole);
     assert_eq!(workspace.text("report/tests.ron").lines().count(), 2 * 17);
-    // Finished tests are used, and only those of the same seed.
+    // Finished tests are reused only with the same seed.
     workspace.run_ok(&format!("{eval} --report report --seed 1"));
     assert_eq!(workspace.text("report/tests.ron").lines().count(), 4 * 17);
     // As if killed before the first test.

@@ -32,8 +32,7 @@ impl StepOutcome {
     /// The reward of the step: the sum of the paper's terms and the plugins' terms.
     #[must_use]
     pub fn total_reward(&self) -> f32 {
-        let paper = self.reward.total();
-        if self.extra_reward == 0.0 { paper } else { paper + self.extra_reward }
+        self.reward.total() + self.extra_reward
     }
 
     /// Whether the return ends with this step, so that nothing is bootstrapped from the next state. True for a collision,

@@ -187,17 +187,14 @@ fn in_test_mode_a_note_says_that_training_is_paused_and_the_grid_is_not_offered(
 
 #[test]
 fn while_paused_the_toolbar_shows_the_simulated_time() {
-    let mut screen_fixture = ScreenFixture::default();
-    screen_fixture.status.paused = true;
     for (simulated_s, time) in
         [(42.0, "42 s"), (200.0, "3 min"), (7_812.0, "2.2 h"), (7.2e6, "2,000 h"), (f64::NAN, "0 s")]
     {
-        screen_fixture.status.simulated_s = simulated_s;
+        let mut screen_fixture = ScreenFixture::default();
+        (screen_fixture.status.paused, screen_fixture.status.simulated_s) = (true, simulated_s);
         let label = format!("{time} simulated paused");
-        let window = self::window(screen_fixture);
+        let window = window(screen_fixture);
         assert!(window.query_by_label(&label).is_some(), "{label}");
-        screen_fixture = ScreenFixture::default();
-        screen_fixture.status.paused = true;
     }
 }
 
@@ -248,7 +245,7 @@ fn no_key_acts_behind_an_open_question() {
     window.state_mut().status.quit_question = false;
     assert_eq!(sent_commands(&mut window), [Command::Steer(0)], "the key is held down");
 
-    // The question in place of the editor of a set.
+    // A set of scenarios cannot be edited: a question opens in place of the editor.
     let mut window = self::window(ScreenFixture::default());
     let ScreenFixture { scene, status, .. } = window.state_mut();
     status.is_set = true;
@@ -303,7 +300,7 @@ fn the_help_window_opens_lists_the_shortcuts_and_closes() {
 }
 
 #[test]
-fn notices_stay_until_dismissed() {
+fn every_notice_is_shown_in_full_and_can_be_dismissed() {
     let mut window = window(ScreenFixture::default().with_notices());
     let text = window.state().status.notices[1].text.clone();
     assert_eq!(window.state().status.notices[1].severity, Severity::Error);

@@ -105,7 +105,7 @@ impl ScreenFixture {
         self
     }
 
-    /// With a notice of each severity, the second with several lines.
+    /// With two notices: a confirmation, and an error of several lines.
     pub fn with_notices(mut self) -> Self {
         let failed = "scenarios/mine.ron:7:5: unknown field `radius`, expected `radius_m`\n\
                       scenarios/mine.ron:12:9: the robot's start (0.6, 0.6) is inside obstacle 1; \
@@ -135,7 +135,7 @@ impl ScreenFixture {
     }
 }
 
-/// A scenario with every feature of the file format: an L-shaped enclosure, inner walls, every shape, every motion, a
+/// A scenario with most features of the file format: an L-shaped enclosure, inner walls, every shape, most motions, a
 /// generator, a narrow field of view.
 pub fn mixed_scenario() -> Scenario {
     let obstacle =

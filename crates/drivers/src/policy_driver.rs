@@ -166,7 +166,7 @@ impl Driver for MapDriver {
             Some(Waypoint { at_m, path_length_m }) => {
                 let bearing_rad = libm::atan2f(at_m.y, at_m.x);
                 let distance_m = match self.driver.observer {
-                    // A path may be longer than any distance in its training, so it gets the distance to the waypoint.
+                    // A path may be longer than any distance in training, so the policy gets the distance to the waypoint.
                     Observer::Paper => at_m.length(),
                     Observer::Sectors { .. } => path_length_m,
                 };

@@ -43,20 +43,20 @@ pub struct Stage {
 #[derive(Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum Fixed {
-    /// Centre, extent along its own axes, rotation.
+    /// Centre and size along its own axes in m, rotation in rad.
     Box([f64; 5]),
-    /// Centre and radius.
+    /// Centre and radius in m.
     Circle([f64; 3]),
     /// Something that the file describes in words.
     Note(String),
 }
 
-/// A disc that moves in straight lines between key frames (time, x, y).
+/// A disc that moves in straight lines between key frames (time in s, x and y in m).
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MovingDisc {
     radius_m: f64,
-    /// Time after which it starts again; it stops if there is none.
+    /// Time after which the motion repeats; if absent, it ends at the last key frame.
     #[serde(default)]
     period_s: Option<f64>,
     keys: Vec<[f64; 3]>,
@@ -98,7 +98,7 @@ impl MovingDisc {
 /// Reads the text of a file of stages.
 ///
 /// # Errors
-/// It is something else.
+/// The text is not such a file.
 pub fn parse(text: &str, path: &Path) -> Result<BTreeMap<u32, Stage>, FileError> {
     Ok(json::parse::<StageFile>(text, path, "stages")?.stages)
 }
@@ -106,7 +106,8 @@ pub fn parse(text: &str, path: &Path) -> Result<BTreeMap<u32, Stage>, FileError>
 /// The scenario of stage `number`.
 ///
 /// # Errors
-/// A number is out of range, the robot fits nowhere, or the scenario would be invalid.
+/// A number is out of range, nothing in the stage stands still, a moving disc has no key frame, the robot fits nowhere, or the
+/// scenario would be invalid.
 pub fn import(
     path: &Path,
     number: u32,

@@ -163,7 +163,7 @@ fn a_damaged_file_is_an_error_and_never_a_panic() {
 
 #[test]
 fn a_version_1_checkpoint_is_read_and_written_back_bit_for_bit() {
-    // Saved by a wayfield whose configs had no options for layer normalization, activation and the like.
+    // Saved by a version whose configs had no options for layer normalization, activation and the like.
     let bytes = include_bytes!("fixtures/checkpoint-version-1.bin");
     let config = &configs()[2];
     let mut learner = restored(config, bytes).expect("a valid checkpoint");
@@ -287,10 +287,7 @@ fn pending_updates_are_saved_and_restored() {
                 });
             }
             assert_eq!(learner.pending_updates(), pending);
-            let mut bytes = Vec::new();
-            learner.save(&mut bytes).expect("memory can be written");
-            let mut again =
-                Learner::restore(&config, INPUTS, ACTIONS, NUM_ENVS, &bytes[..]).expect("a valid checkpoint");
+            let mut again = restored(&config, &saved(&learner)).expect("a valid checkpoint");
             assert_eq!(again.train().expect("no divergence"), learner.train().expect("no divergence"));
         }
     }

@@ -74,6 +74,8 @@ pub(super) struct VisibilityGraph {
 }
 
 impl VisibilityGraph {
+    /// The graph of the paths from `start` to the goal, in m, for a robot that moves at most `stride` m per step. It has no
+    /// occluders if one step is long enough to jump over a small obstacle.
     pub(super) fn new(scenario: &Scenario, start: (f64, f64), goal_region: &GoalRegion, stride: f64) -> Self {
         let goal = (goal_region.x, goal_region.y);
         let range = f64::from(scenario.sure_collision_m()) - MARGIN_M;

@@ -1,6 +1,7 @@
 //! The figure of the learning curves for export: the curves, marks and reference lines of the screen.
 //!
-//! In: the history, and what only the session knows. Out: a [`RunFigure`], and its PNG, PDF or SVG file.
+//! In: the history; from the session, the title, the best evaluation, and whether the scenario is the paper's Scenario I. Out: a
+//! [`RunFigure`], and its PNG, PDF or SVG file.
 
 #[cfg(target_arch = "wasm32")]
 use std::io::Write;

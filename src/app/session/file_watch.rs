@@ -113,8 +113,8 @@ pub(super) fn poll(world: &mut World) {
         read_scenario(world, &path);
     }
     let mut watches = world.resource_mut::<FileWatches>();
-    let fixed = watches.waiting.as_mut().and_then(|(watch, _)| watch.changed(now));
-    if let Some(path) = fixed {
+    let changed = watches.waiting.as_mut().and_then(|(watch, _)| watch.changed(now));
+    if let Some(path) = changed {
         retry(world, &path);
     }
 }

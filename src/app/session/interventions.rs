@@ -1,4 +1,4 @@
-//! Interventions: changes made to a running training, between two control steps.
+//! Interventions: changes to a training run, made between two control steps.
 //!
 //! In: a [`MoveRequest`], or another scenario. Out: an [`Intervention`] that has the same effect whenever it is replayed, and
 //! the world changed by it. It truncates the learner's trajectories, because the next observation does not follow from
@@ -19,7 +19,7 @@ use crate::scenario::Scenario;
 use crate::sim;
 use crate::task::{Arena, ArenaLayout, Clock, CurrentScenario, Goal, Pedestrians, Pose, ScenarioPool};
 
-/// A change made to a running training.
+/// A change to a training run while it runs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Intervention {

@@ -132,7 +132,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sums_of_episodes_saturate() {
+    fn sums_of_budgets_saturate_and_are_unknown_if_a_budget_is() {
         assert_eq!(total([Some(3), Some(4)].into_iter()), Some(7));
         assert_eq!(total([Some(u64::MAX), Some(4)].into_iter()), Some(u64::MAX));
         assert_eq!(total([Some(3), None].into_iter()), None);

@@ -116,7 +116,7 @@ fn free_point(draft: &Draft, reach_m: f32, stream: &mut Stream) -> Option<Vec2> 
     (0..TRIES).map(|_| draft.random_point(stream)).find(|&at| draft.is_free(at, at, reach_m))
 }
 
-/// The angle of obstacle `k` of `count` on a circle whose first one is at about the angle `first`, in rad.
+/// The angle, in rad, of obstacle `k` of `count` on a circle, where obstacle 0 is at about the angle `first`.
 fn angle_on_circle(k: u32, count: u32, first: f32, stream: &mut Stream) -> f32 {
     first + TAU * (k as f32 + uniform(stream, -JITTER, JITTER)) / count as f32
 }
@@ -127,7 +127,7 @@ fn add_orbits(draft: &mut Draft, count: u32, walker: Walker, orbit_m: f32, strea
     let direction = if uniform_01(stream) < 0.5 { 1.0 } else { -1.0 };
     let speed_rad_s = direction * walker.speed_m_s / orbit_m;
     let first = uniform(stream, -PI, PI);
-    // On both sides of the middle of two neighbours, with the largest deviations, there must be room for one radius.
+    // Even with the largest deviations, half the angle between two neighbours must not be less than that of one radius.
     let half_angle = libm::asinf((walker.radius_m / orbit_m).min(1.0));
     let count = count.min((((0.5 - JITTER) * TAU / half_angle) as u32).max(1));
     for k in 0..count {

@@ -137,6 +137,7 @@ pub fn number_ui(ui: &mut Ui, name: FieldName, tip: &str, value: &mut f32, spec:
     let changed = format_number(shown, spec.shown) != format_number(before, spec.shown);
     if changed {
         let steps = 10_f64.powi(spec.stored);
+        // Adding 0 turns -0 into 0.
         *value = ((shown / spec.factor * steps).round() / steps) as f32 + 0.0;
     }
     FieldEvents { changed, edit_ended: has_edit_ended(&with_tip(response, tip)) }

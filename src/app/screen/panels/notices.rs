@@ -11,7 +11,9 @@ use crate::app::screen::widgets::icons::{self, ButtonStyle, Icon};
 
 /// The maximum number of notices shown. More would hide the arena.
 const MAX_SHOWN: usize = 4;
+/// Largest width of a notice, in points.
 const WIDTH: f32 = 520.0;
+/// Width of the coloured left edge of a notice, in points.
 const EDGE: f32 = 3.0;
 
 /// Draws the notices over the bottom of `arena`.
