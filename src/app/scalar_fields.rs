@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 
+use bevy::ecs::change_detection::Tick;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy::time::Real;
@@ -12,7 +13,7 @@ use bevy::time::Real;
 use super::CurrentViewState;
 use super::commands::SessionMode;
 use super::scene::ScalarField;
-use super::session::{ActiveMode, OpenedFiles};
+use super::session::ActiveMode;
 use crate::agent::{ActionSource, ActionSources, ActiveLearner};
 use crate::learning::QNetwork;
 use crate::scenario::{Scenario, enclosure_distance, inner_wall_distance};
@@ -52,7 +53,8 @@ struct FieldInputs {
     heading_rad: f32,
     clock: Clock,
     gradient_steps: u64,
-    opened_policy: Option<String>,
+    /// When what drives was changed last: the policy that is tested, or another driver.
+    drivers_changed: Tick,
 }
 
 impl ScalarFields {
@@ -103,7 +105,6 @@ impl FieldGrid {
 pub(super) struct FieldSources<'w, 's> {
     view_state: Res<'w, CurrentViewState>,
     mode: Res<'w, ActiveMode>,
-    opened: Res<'w, OpenedFiles>,
     reward: Res<'w, RewardConfig>,
     layout: Res<'w, ObservationLayout>,
     learner: Res<'w, ActiveLearner>,
@@ -146,7 +147,7 @@ impl FieldSources<'_, '_> {
             heading_rad: pose.heading_rad,
             clock: *clock,
             gradient_steps: self.learner.0.gradient_steps(),
-            opened_policy: self.opened.policy.as_ref().map(|(name, _)| name.clone()),
+            drivers_changed: self.sources.last_changed(),
         };
         Some((inputs, readings))
     }
