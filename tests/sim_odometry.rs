@@ -1,4 +1,4 @@
-//! Wheel slip and the drift of odometry: where the robot is, and where it believes to be.
+//! Wheel slip and the drift of odometry: the robot's true pose, and its estimated pose.
 
 mod common;
 
@@ -15,7 +15,7 @@ fn drift(distance_error: f32, rotation_error: f32, heading_drift_rad_m: f32) -> 
     })
 }
 
-/// An arena with the robot at (0, 0), heading along x, that knows its pose, and the goal `ahead_m` in front of it.
+/// An arena with the robot at (0, 0), heading along x, with a correct estimate, and the goal `ahead_m` in front of it.
 fn facing(scenario: &Scenario, ahead_m: f32, mode: TaskMode) -> Lab {
     let mut lab = Lab::with(scenario, 1, 4, RewardConfig::default(), mode);
     lab.edit(0, |state| {
@@ -26,7 +26,8 @@ fn facing(scenario: &Scenario, ahead_m: f32, mode: TaskMode) -> Lab {
     lab
 }
 
-/// The distance and the bearing of the goal in the first observation, in m and rad.
+/// Asserts that the observed bearing of the goal is that from the estimated pose. Returns the distance and the bearing of the
+/// goal from there, in m and rad.
 fn observed_goal(lab: &mut Lab) -> (f32, f32) {
     let state = lab.state(0);
     let expected =
@@ -52,7 +53,7 @@ fn without_drift_the_robot_knows_its_pose_to_the_bit() {
 }
 
 #[test]
-fn a_slipping_robot_moves_the_stated_part_of_its_wheels_way() {
+fn slip_shortens_each_motion_by_the_stated_fraction() {
     let mut scenario = common::wide_open();
     scenario.robot.slip = Some(Slip { forward: 0.1.into(), turning: 0.3.into(), std: 0.0.into() });
     let mut lab = facing(&scenario, 50.0, TaskMode::Continuing);
@@ -84,9 +85,10 @@ fn random_slip_varies_from_step_to_step_and_never_makes_a_robot_faster() {
     let mean = kept.iter().sum::<f32>() / 200.0;
     let std = (kept.iter().map(|part| (part - mean).powi(2)).sum::<f32>() / 199.0).sqrt();
     assert!(kept.iter().all(|part| (0.0..=1.0 + 1e-3).contains(part)));
-    // Four standard errors of the mean are 0.03, of the standard deviation 0.02. A part is at most 1, two deviations above.
+    // Four standard errors of the mean are 0.03, of the standard deviation 0.02. Fractions are at most 1, two
+    // standard deviations above the mean.
     assert!((mean - 0.8).abs() < 0.03 && (std - 0.1).abs() < 0.02, "mean {mean}, standard deviation {std}");
-    assert_ne!(bits(&kept), bits(&other), "each arena slips by itself");
+    assert_ne!(bits(&kept), bits(&other), "each arena has its own random slip");
 }
 
 #[test]
@@ -125,7 +127,7 @@ fn odometry_does_not_notice_slip() {
 }
 
 #[test]
-fn goals_are_reached_by_the_true_pose_and_correct_nothing() {
+fn goals_are_reached_by_the_true_pose_and_do_not_correct_the_estimate() {
     let mut scenario = common::wide_open();
     scenario.robot.odometry_drift = drift(-0.5, 0.0, 0.0);
     let mut lab = facing(&scenario, 1.0, TaskMode::Continuing);

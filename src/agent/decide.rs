@@ -91,7 +91,8 @@ pub(super) struct Robots<'w, 's> {
 }
 
 impl Robots<'_, '_> {
-    /// Chooses among relative actions, in the arenas for which `is_policy` is true, as [`Decider::choose`] does.
+    /// Chooses among relative actions, in the arenas for which `is_policy` is true, as [`Decider::choose`] does. In the others,
+    /// the deciders only sense.
     fn choose(&self, decisions: &mut Decisions, is_policy: impl Fn(usize) -> bool, actions: &mut Actions) {
         let ActionSet::Relative(motions) = &self.action_set.0 else { return };
         let Decisions { q_values, deciders, .. } = decisions;
@@ -165,7 +166,8 @@ pub(super) fn decide(
                         network.q_values(observations.row(arena), 1, &mut row);
                         actions.0[arena] = greedy(&row);
                     }
-                    // The user has no Q-values, and a driver keeps its own; a row of NaN keeps the rows of the other arenas in place.
+                    // The user has no Q-values, and a driver keeps its own; a row of NaN keeps the rows of the other arenas in
+                    // place.
                     ActionSource::Manual(action) => {
                         fill_with_nan(&mut row, sources.num_actions);
                         actions.0[arena] = (*action).min(sources.num_actions.saturating_sub(1));

@@ -69,7 +69,7 @@ pub enum EditorSource {
     RunningScenario,
     /// A scenario that is not running: it may be invalid, or have unsaved changes.
     Draft {
-        /// The scenario's file.
+        /// The scenario's file or shipped name.
         from: String,
         /// The scenario.
         scenario: Arc<Scenario>,

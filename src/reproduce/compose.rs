@@ -123,7 +123,7 @@ fn section(results: &Results<'_>, index: usize, selected: &SelectedExperiment) -
             claim_results: test(&table.claims, None)?,
         });
     }
-    Ok(Section { id: id.clone(), heading: experiment.title.clone(), about: experiment.about.clone(), items })
+    Ok(Section { id, heading: experiment.title.clone(), about: experiment.about.clone(), items })
 }
 
 /// Tests a claim under the first condition. With a `window`, episodes are averaged over it, as in the figure's curves.

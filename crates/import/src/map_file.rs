@@ -54,7 +54,7 @@ impl PixelReading {
     pub const IMAGE: Self = Self { negate: false, occupied: 0.5, free: 0.5, mode: MapMode::Trinary };
 
     /// Whether a cell of this brightness, 0 to 255, is free. All other cells count as walls: occupied, unknown, and in the mode
-    /// `scale` those between the thresholds. As in `map_server`, occupancy is f32, and a cell at both thresholds is free.
+    /// `scale` those between the thresholds. As in Nav2's `map_server`, occupancy is f32, and a cell at both thresholds is free.
     pub fn is_free(self, brightness: u8) -> bool {
         if self.mode == MapMode::Raw {
             return f64::from(brightness) <= 100.0 * self.free && brightness <= 100;

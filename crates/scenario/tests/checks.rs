@@ -234,7 +234,7 @@ fn unreachable_goals_are_reported_with_two_points() {
         found(&scenario)
     );
     scenario.goals = PlacementRule::OneOf { positions_m: vec![vec2(1.3, 1.8), vec2(1.75, 1.7)] };
-    assert_eq!(found(&scenario), [""; 0], "within the closet it may stay");
+    assert_eq!(found(&scenario), [""; 0], "the start and the goals are in the closed area");
     scenario.benchmark_route.get_or_insert_default().goal_m = vec2(1.5, 1.5);
     assert_eq!(
         found(&scenario),
@@ -270,12 +270,7 @@ fn a_gap_must_be_at_least_twice_the_collision_range() {
             found(&scenario)
         );
         scenario.obstacles[0].motion = ObstacleMotion::Static;
-        assert_eq!(
-            found(&scenario).len(),
-            2,
-            "with something in the door it is shut: {:?}",
-            found(&scenario)
-        );
+        assert_eq!(found(&scenario).len(), 2, "a static obstacle closes the gap: {:?}", found(&scenario));
     }
 }
 
@@ -583,6 +578,8 @@ fn both_ends_of_a_benchmark_route_need_free_space() {
     assert_eq!(found(&office), [blocked]);
     office.benchmark_route.get_or_insert_default().start_m = vec2(-1.0, 1.0);
     assert_eq!(found(&office), [""; 0]);
+    office.benchmark_route.get_or_insert_default().goal_m = vec2(0.0, 0.0);
+    assert_eq!(found(&office), [blocked.replace("start_m", "goal_m")]);
 }
 
 /// Asserts that the check of `text` takes at most 20 s, and that its messages contain `needle`.

@@ -19,7 +19,7 @@ use crate::task::EpisodeSetup;
 pub struct SuiteDriver<'a> {
     /// Its file or shipped name.
     pub name: String,
-    /// What drives.
+    /// The driver or policy.
     pub evaluated: Evaluated<'a>,
 }
 

@@ -13,6 +13,7 @@ fn texts(svg: &str) -> Vec<([f64; 4], String)> {
     let found = lines.windows(2).filter(|pair| pair[0].starts_with("<text")).map(|pair| {
         let number = |name| attribute(pair[0], name).expect("a text has a position");
         let (x, y, size) = (number("x"), number("y"), number("font-size"));
+        // `text_width` takes plotters' size, 1.24 times the font size.
         let width = f64::from(text_width(pair[1], size * 1.24));
         let left = match pair[0] {
             line if line.contains("\"end\"") => x - width,
@@ -24,7 +25,7 @@ fn texts(svg: &str) -> Vec<([f64; 4], String)> {
     found.collect()
 }
 
-/// Asserts that nothing lies outside the figure, no texts overlap, and all numbers are finite.
+/// Asserts that no disc, polyline, polygon or text lies outside the figure, no texts overlap, and all numbers are finite.
 pub(crate) fn check(name: &str, svg: &str) {
     assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"), "{name}");
     assert!(!svg.contains("NaN") && !svg.contains("inf\""), "{name}");

@@ -14,18 +14,18 @@ pub fn canvas_id() -> Id {
 
 /// The point in the middle of the view, in m.
 pub fn view_centre_m(ui: &Ui, editor: &Editor, camera: ViewCamera) -> math::Vec2 {
-    let bounds = bounds(ui, canvas_id(), editor, camera);
+    let bounds = bounds(ui, editor, camera);
     ViewTransform::new(Rect::ZERO, Vec2::ZERO, camera, bounds).centre_m.into()
 }
 
 /// The part of the plane that zoom 1 shows: the bounding box of the enclosure. During a drag or with a moved camera it stays
 /// as it was, so that the scenario does not shift under the pointer.
-pub fn bounds(ui: &Ui, id: Id, editor: &Editor, camera: ViewCamera) -> ArenaBounds {
+pub fn bounds(ui: &Ui, editor: &Editor, camera: ViewCamera) -> ArenaBounds {
     let now = ArenaBounds::from_enclosure(&editor.scenario().enclosure);
-    let before = ui.data(|data| data.get_temp::<(String, ArenaBounds)>(id));
+    let before = ui.data(|data| data.get_temp::<(String, ArenaBounds)>(canvas_id()));
     let stays = editor.dragged().is_some() || camera != ViewCamera::default();
     let kept = before.filter(|(from, _)| stays && from == editor.from());
     let bounds = kept.map_or(now, |(_, bounds)| bounds);
-    ui.data_mut(|data| data.insert_temp(id, (editor.from().to_owned(), bounds)));
+    ui.data_mut(|data| data.insert_temp(canvas_id(), (editor.from().to_owned(), bounds)));
     bounds
 }

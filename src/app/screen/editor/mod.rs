@@ -77,7 +77,7 @@ pub fn editor_ui(ui: &mut Ui, view_state: &mut ViewState) {
         let arrows = EventFilter { horizontal_arrows: true, vertical_arrows: true, ..EventFilter::default() };
         ui.memory_mut(|memory| memory.set_focus_lock_filter(id, arrows));
     }
-    let bounds = framing::bounds(ui, id, editor, *camera);
+    let bounds = framing::bounds(ui, editor, *camera);
     let mut transform = ViewTransform::new(rect, MARGIN, *camera, bounds);
     let hit = pointer::update(ui, &response, &transform, editor, &mut interaction.editor);
     let drawing = *editor.tool() != Tool::Select && response.double_clicked();

@@ -9,7 +9,7 @@ const ABOUT: &str = "Learning curves over env steps: the control steps of all ar
                      pan, double-click to show everything";
 
 /// Draws the header; returns whether the whole x axis is to be shown again. `can_save` is whether there is
-/// data to export.
+/// data to export. PNG figures are offered only if `has_disk` (not in a browser).
 pub(super) fn header_ui(
     ui: &mut egui::Ui,
     can_save: bool,
