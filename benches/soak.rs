@@ -112,7 +112,7 @@ mod window {
     use bevy::prelude::*;
     use wayfield::agent::ActiveLearner;
     use wayfield::app::Snapshot;
-    use wayfield::app::app_snapshot::Severity;
+    use wayfield::app::app_status::Severity;
     use wayfield::app::commands::{Command, Pace, SaveKind};
     use wayfield::app::session::{Journal, StartOptions};
     use wayfield::app::view_state::Overlays;

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use headless_app::HeadlessApp;
-use wayfield::app::app_snapshot::Severity;
+use wayfield::app::app_status::Severity;
 use wayfield::app::commands::{Command, Pace, PolicySource, SessionMode};
 use wayfield::app::session::StartOptions;
 

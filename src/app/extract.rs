@@ -1,4 +1,4 @@
-//! Extraction: the world and the session become a [`Scene`] and an [`AppSnapshot`], once per frame.
+//! Extraction: the world and the session become a [`Scene`] and an [`AppStatus`], once per frame.
 //!
 //! In: the ECS and the session, read-only. Out: [`Snapshot`], which the screen draws.
 
@@ -6,7 +6,7 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
 use super::CurrentViewState;
-use super::app_snapshot::{AppSnapshot, BestSoFar, Choice, ExpertChoice};
+use super::app_status::{AppStatus, BestSoFar, Choice, ExpertChoice};
 use super::commands::SessionMode;
 use super::editor_backup::EditorBackup;
 use super::scalar_fields::ScalarFields;
@@ -29,7 +29,7 @@ use crate::task::{
 #[derive(Resource, Default)]
 pub struct Snapshot {
     /// The scene and the state of the session; `None` before the first frame.
-    pub now: Option<(Scene, AppSnapshot)>,
+    pub now: Option<(Scene, AppStatus)>,
     /// Shipped scenarios and presets, which never change.
     shipped: Option<(Vec<Choice>, Vec<Choice>)>,
 }
@@ -80,7 +80,7 @@ pub(super) struct WorldView<'w, 's> {
     arenas: Query<'w, 's, ArenaComponents>,
 }
 
-/// Extracts the scene and the app snapshot.
+/// Extracts the scene and the app's status.
 pub(super) fn extract(
     session: SessionView,
     world: WorldView,
@@ -99,7 +99,7 @@ pub(super) fn extract(
         value: fields.value.clone(),
     };
     let (scenarios, presets) = snapshot.shipped.get_or_insert_with(shipped_choices).clone();
-    snapshot.now = Some((scene, app_snapshot(&session, scenarios, presets)));
+    snapshot.now = Some((scene, app_status(&session, scenarios, presets)));
 }
 
 fn arena_scenes(session: &SessionView, world: &WorldView, view_state: &CurrentViewState) -> Vec<ArenaScene> {
@@ -211,12 +211,12 @@ fn shipped_choices() -> (Vec<Choice>, Vec<Choice>) {
     (scenarios, presets)
 }
 
-fn app_snapshot(session: &SessionView, scenarios: Vec<Choice>, presets: Vec<Choice>) -> AppSnapshot {
+fn app_status(session: &SessionView, scenarios: Vec<Choice>, presets: Vec<Choice>) -> AppStatus {
     let (config, trainer_state) = (&session.run.config, &session.run.trainer_state);
     let learner = &session.learner.0;
     let rates = session.throughput.rates();
     let period_s = f64::from(config.scenario.task.control_period_s);
-    AppSnapshot {
+    AppStatus {
         paused: session.pacer.is_paused(),
         pace: session.pacer.pace,
         mode: session.mode.mode(),

@@ -11,7 +11,7 @@ use bevy::prelude::*;
 use bevy::tasks::{IoTaskPool, Task, block_on, poll_once};
 use rfd::AsyncFileDialog;
 
-use super::app_snapshot::Severity;
+use super::app_status::Severity;
 use super::commands::{Command, FigureFormat, SaveKind};
 use super::session::notices::NoticeTopic;
 use super::session::{Notices, TrainingRun, unused_path};

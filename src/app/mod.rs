@@ -10,9 +10,9 @@
 //! | `commands.rs` | the commands that the user can give |
 //! | `interaction.rs`, `setup_form.rs` | unfinished actions of the user: a drag, choices on the setup panel |
 //! | `moves.rs` | which objects can be moved by hand, and where to |
-//! | `extract.rs` | the world -> the scene and the app snapshot, read-only |
+//! | `extract.rs` | the world -> the scene and the app's status, read-only |
 //! | `scalar_fields.rs` | the potential and the value over the plane, read-only |
-//! | `scene.rs`, `app_snapshot.rs` | the displayed state, as plain data |
+//! | `scene.rs`, `app_status.rs` | the displayed state, as plain data |
 //! | `history/` | the learning curves, in bounded memory |
 //! | `screen/` | everything that is drawn, with egui: the arenas, the plots, the panels |
 //! | `editor/` | the scenario editor: the document, its operations, undo and redo |
@@ -28,7 +28,7 @@
 //! | `text_input.rs` | input methods in the page |
 //! | `controls.rs` | the positions of named controls, for tests of the window and the page |
 
-pub mod app_snapshot;
+pub mod app_status;
 mod blending;
 #[cfg(target_arch = "wasm32")]
 pub mod browser;

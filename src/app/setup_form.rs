@@ -2,7 +2,7 @@
 //!
 //! In: the session state. Out: the commands of the panel's buttons.
 
-use super::app_snapshot::AppSnapshot;
+use super::app_status::AppStatus;
 use super::commands::{Command, PolicySource};
 use crate::run::folder::PAPER_TRANSFER_EPSILON;
 
@@ -30,7 +30,7 @@ pub struct SetupForm {
 impl SetupForm {
     /// The choices `kept` from the last frame, or those of the current run if `kept` was made for another run.
     #[must_use]
-    pub fn keep_or_reset(kept: Option<Self>, status: &AppSnapshot) -> Self {
+    pub fn keep_or_reset(kept: Option<Self>, status: &AppStatus) -> Self {
         let running = (status.scenario_from.clone(), status.preset_from.clone(), status.seed);
         kept.filter(|form| form.running == running).unwrap_or_else(|| {
             let (scenario, preset, seed) = running.clone();
@@ -68,7 +68,7 @@ impl SetupForm {
     }
 
     /// Resets the choices to those of the current run.
-    pub fn undo(&mut self, status: &AppSnapshot) {
+    pub fn undo(&mut self, status: &AppStatus) {
         *self = Self::keep_or_reset(None, status);
     }
 

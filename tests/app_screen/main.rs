@@ -25,7 +25,7 @@ use egui::{Key, Modifiers, Rect};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use screen_fixture::ScreenFixture;
-use wayfield::app::app_snapshot::Severity;
+use wayfield::app::app_status::Severity;
 use wayfield::app::commands::{Command, Pace, SessionMode};
 use wayfield::app::view_state::{ThemeChoice, ViewCamera};
 

@@ -2,7 +2,7 @@
 
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
-use wayfield::app::app_snapshot::{LastSession, UnsavedEdits};
+use wayfield::app::app_status::{LastSession, UnsavedEdits};
 use wayfield::app::commands::{Command, FigureFormat, PolicySource, SaveKind, SessionMode};
 use wayfield::app::screen;
 

@@ -7,7 +7,7 @@ use std::time::Duration;
 use bevy::ecs::message::MessageCursor;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
-use wayfield::app::app_snapshot::{AppSnapshot, Notice, Severity};
+use wayfield::app::app_status::{AppStatus, Notice, Severity};
 use wayfield::app::commands::{Command, EditorReply};
 use wayfield::app::scene::Scene;
 use wayfield::app::screen::{self, ScreenInput};
@@ -114,7 +114,7 @@ impl HeadlessApp {
     }
 
     /// What the screen draws.
-    pub fn shown(&self) -> &(Scene, AppSnapshot) {
+    pub fn shown(&self) -> &(Scene, AppStatus) {
         self.app.world().resource::<Snapshot>().now.as_ref().expect("a frame was run before")
     }
 

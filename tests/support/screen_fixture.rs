@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use bevy::math::{Vec2, vec2};
-use wayfield::app::app_snapshot::{AppSnapshot, BestSoFar, Choice, ExpertChoice, Notice, Severity};
+use wayfield::app::app_status::{AppStatus, BestSoFar, Choice, ExpertChoice, Notice, Severity};
 use wayfield::app::commands::{Command, Pace, PolicySource, SessionMode};
 use wayfield::app::history::History;
 use wayfield::app::scene::{ArenaScene, DriverLabel, ScalarField, Scene, Score, Trail, TrailEnd};
@@ -27,7 +27,7 @@ pub struct ScreenFixture {
     /// The scene.
     pub scene: Scene,
     /// The state of the session.
-    pub status: AppSnapshot,
+    pub status: AppStatus,
     /// The learning curves.
     pub history: History,
     /// What the user has chosen to see.
@@ -281,13 +281,13 @@ fn range_m(pose: Pose, angle: f32) -> f32 {
     RING_M.iter().map(hit).fold(wall(pose.x_m, dx).min(wall(pose.y_m, dy)).min(3.5), f32::min)
 }
 
-fn status() -> AppSnapshot {
+fn status() -> AppStatus {
     let choice = |from: &str, title: &str, about: &str| Choice {
         from: from.into(),
         title: title.into(),
         about: about.into(),
     };
-    AppSnapshot {
+    AppStatus {
         paused: false,
         pace: Pace::Times(20.0),
         mode: SessionMode::Train,

@@ -22,7 +22,7 @@ use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::CurrentViewState;
-use super::app_snapshot::{Severity, UnsavedEdits};
+use super::app_status::{Severity, UnsavedEdits};
 use super::editor::Editor;
 use super::session::notices::{NoticeTopic, notify};
 use super::session::{AutosaveOptions, ScenarioSource};

@@ -1,6 +1,6 @@
 //! The input of the screen: references to the scene, the session state and the history.
 
-use crate::app::app_snapshot::AppSnapshot;
+use crate::app::app_status::AppStatus;
 use crate::app::history::History;
 use crate::app::scene::Scene;
 
@@ -10,7 +10,7 @@ pub struct ScreenInput<'a> {
     /// The arenas.
     pub scene: &'a Scene,
     /// The state of the session.
-    pub status: &'a AppSnapshot,
+    pub status: &'a AppStatus,
     /// The learning curves so far.
     pub history: &'a History,
 }

@@ -7,7 +7,7 @@ use super::bottom_panel::{BottomPanel, visible_bottom_panel};
 use super::input::ScreenInput;
 use super::panels::setup;
 use super::{editor, plots};
-use crate::app::app_snapshot::AppSnapshot;
+use crate::app::app_status::AppStatus;
 use crate::app::commands::{Command, SessionMode};
 use crate::app::view_state::ViewState;
 
@@ -112,7 +112,7 @@ fn right_panel_ui(
     plots::plots_ui(ui, view.history, plot_context(view.status), more_open, commands);
 }
 
-fn plot_context(status: &AppSnapshot) -> plots::PlotContext {
+fn plot_context(status: &AppStatus) -> plots::PlotContext {
     plots::PlotContext {
         is_paper_scenario_1: status.is_paper_scenario_1,
         training: status.mode == SessionMode::Train,

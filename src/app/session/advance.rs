@@ -18,7 +18,7 @@ use super::trails::{Trails, poses};
 use super::training_run::TrainingRun;
 use super::{TrainingHistory, demo, execute, scenario_changes};
 use crate::agent::TrainingWarning;
-use crate::app::app_snapshot::Severity;
+use crate::app::app_status::Severity;
 use crate::app::commands::Command;
 use crate::run::{RunError, metrics};
 use crate::simulation;

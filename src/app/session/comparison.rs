@@ -12,7 +12,7 @@ use super::open::{OpenedFiles, check_can_drive, check_driver};
 use super::session_policy;
 use super::training_run::TrainingRun;
 use crate::agent::DriverKind;
-use crate::app::app_snapshot::Severity;
+use crate::app::app_status::Severity;
 use crate::app::commands::{PolicySource, SessionMode};
 use crate::drivers::DriverConfig;
 use crate::policy::Policy;

@@ -12,7 +12,7 @@ use super::TrainingHistory;
 use super::notices::{NoticeTopic, notify};
 use super::training_run::TrainingRun;
 use crate::agent::ActiveLearner;
-use crate::app::app_snapshot::Severity;
+use crate::app::app_status::Severity;
 use crate::run::background_evaluator::{BackgroundEvaluator, Candidate, EvalResult};
 use crate::run::checkpoint::TrainerState;
 use crate::run::folder::RunConfig;

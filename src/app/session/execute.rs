@@ -25,7 +25,7 @@ use super::start_training;
 use super::trails::Trails;
 use super::training_run::TrainingRun;
 use crate::agent::{ActionSource, ActionSources, ActiveLearner};
-use crate::app::app_snapshot::Severity;
+use crate::app::app_status::Severity;
 use crate::app::commands::{Command, SaveKind};
 use crate::app::editor_backup::{self, EditorBackup};
 use crate::app::moves::{Movable, MoveRequest};

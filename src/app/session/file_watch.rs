@@ -16,7 +16,7 @@ use super::scenario_source::ScenarioSource;
 use super::training_run::TrainingRun;
 use super::{open, start_training};
 use crate::agent::ActiveLearner;
-use crate::app::app_snapshot::Severity;
+use crate::app::app_status::Severity;
 use crate::drivers::DriverConfig;
 use crate::run::RunError;
 use crate::run::preset::Preset;

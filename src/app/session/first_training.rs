@@ -18,7 +18,7 @@ use super::pacer::Pacer;
 use super::run_notices;
 use super::start_training::{insert_run, prepare_new, scenario_topic};
 use super::training_run::TrainingRun;
-use crate::app::app_snapshot::Severity;
+use crate::app::app_status::Severity;
 use crate::run::settings::Settings;
 
 /// Starts the first training run. The options were checked before; if the scenario, the preset or a setting is nevertheless

@@ -8,7 +8,7 @@ use std::time::Duration;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 
-use crate::app::app_snapshot::{Notice, Severity};
+use crate::app::app_status::{Notice, Severity};
 use crate::scenario::printable_lines;
 
 /// Maximum number of notices; beyond it, the oldest is removed.

@@ -12,7 +12,7 @@ use super::notices::{NoticeTopic, notify};
 use super::start_training;
 use super::training_run::TrainingRun;
 use crate::agent::{ActiveLearner, DriverKind};
-use crate::app::app_snapshot::{Choice, Severity};
+use crate::app::app_status::{Choice, Severity};
 use crate::drivers::{DriverConfig, DrivingPolicy};
 use crate::policy::Policy;
 use crate::run::folder::{RunConfig, RunFolder};

@@ -10,7 +10,7 @@ use super::notices::{NoticeTopic, notify};
 use super::save;
 use super::training_run::TrainingRun;
 use crate::agent::ActiveLearner;
-use crate::app::app_snapshot::Severity;
+use crate::app::app_status::Severity;
 use crate::app::commands::SaveKind;
 use crate::run::progress::print_stderr;
 

@@ -6,7 +6,7 @@ use bevy::prelude::*;
 
 use super::notices::{NoticeTopic, Notices, notify};
 use super::training_run::TrainingRun;
-use crate::app::app_snapshot::Severity;
+use crate::app::app_status::Severity;
 use crate::run::notes::run_notes;
 
 /// Maximum number of notes that the notice lists.

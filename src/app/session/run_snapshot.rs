@@ -16,7 +16,7 @@ use super::evaluations::Evaluations;
 use super::journal::{JOURNAL, Journal};
 use super::training_run::TrainingRun;
 use crate::agent::ActiveLearner;
-use crate::app::app_snapshot::LastSession;
+use crate::app::app_status::LastSession;
 use crate::learning::Learner;
 use crate::run::checkpoint::{self, TrainerState};
 #[cfg(not(target_arch = "wasm32"))]

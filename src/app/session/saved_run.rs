@@ -20,7 +20,7 @@ use super::notices::{NoticeTopic, notify};
 use super::scenario_changes::SCENARIO_CHANGED;
 use super::start_training::{PreparedTraining, replace};
 use super::training_run::TrainingRun;
-use crate::app::app_snapshot::Severity;
+use crate::app::app_status::Severity;
 use crate::learning::Learner;
 #[cfg(target_arch = "wasm32")]
 use crate::limits::MAX_CONFIG_BYTES;

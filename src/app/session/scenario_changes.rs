@@ -19,7 +19,7 @@ use super::start_training;
 use super::trails::Trails;
 use super::training_run::TrainingRun;
 use crate::agent::ActiveLearner;
-use crate::app::app_snapshot::Severity;
+use crate::app::app_status::Severity;
 use crate::app::commands::PolicySource;
 use crate::run::RunError;
 use crate::run::folder::RunConfig;

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 
-use crate::app::app_snapshot::ScenarioFile;
+use crate::app::app_status::ScenarioFile;
 use crate::run::folder::RunConfig;
 use crate::run::{RunError, shipped};
 use crate::scenario::{Scenario, path_exists};

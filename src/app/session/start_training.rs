@@ -25,7 +25,7 @@ use super::session_policy;
 use super::trails::Trails;
 use super::training_run::TrainingRun;
 use crate::agent::ActiveLearner;
-use crate::app::app_snapshot::Severity;
+use crate::app::app_status::Severity;
 use crate::app::commands::PolicySource;
 use crate::app::history::History;
 use crate::learning::Learner;

@@ -5,7 +5,7 @@
 use egui::{Button, Frame, Margin, Response, RichText, Stroke, Ui, Vec2, vec2};
 
 use super::controls::button_row_ui;
-use crate::app::app_snapshot::AppSnapshot;
+use crate::app::app_status::AppStatus;
 use crate::app::commands::Command;
 use crate::app::editor::{Editor, EditorInteraction};
 use crate::app::screen::input::ScreenInput;
@@ -124,7 +124,7 @@ fn save_ui(ui: &mut Ui, input: &ScreenInput<'_>, editor: &mut Editor, commands: 
 }
 
 /// The command that saves the scenario, to its file if it has one. An unfinished drawing becomes part of it.
-pub fn save_command(editor: &mut Editor, status: &AppSnapshot) -> Command {
+pub fn save_command(editor: &mut Editor, status: &AppStatus) -> Command {
     editor.finish_drawing();
     Command::SaveScenario {
         scenario: editor.scenario().clone(),

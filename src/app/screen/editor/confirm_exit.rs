@@ -5,7 +5,7 @@
 use egui::{Button, Rect, RichText, Ui, vec2};
 
 use super::actions::save_command;
-use crate::app::app_snapshot::AppSnapshot;
+use crate::app::app_status::AppStatus;
 use crate::app::commands::Command;
 use crate::app::editor::{Editor, EditorInteraction, ExitRequest};
 use crate::app::screen::input::ScreenInput;
@@ -36,7 +36,7 @@ pub fn enter_editor(view: &ScreenInput<'_>, view_state: &mut ViewState, commands
 /// Shows `editor` in place of the arenas, and pauses the simulation.
 pub fn show_editor(
     editor: Editor,
-    status: &AppSnapshot,
+    status: &AppStatus,
     view_state: &mut ViewState,
     commands: &mut Vec<Command>,
 ) {
@@ -73,7 +73,7 @@ pub fn exit_editor(view_state: &mut ViewState, then: Option<Command>, commands: 
 pub fn confirm_exit_ui(
     ui: &Ui,
     canvas: Rect,
-    status: &AppSnapshot,
+    status: &AppStatus,
     view_state: &mut ViewState,
     commands: &mut Vec<Command>,
 ) {

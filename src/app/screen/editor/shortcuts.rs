@@ -6,7 +6,7 @@ use egui::{Event, Key, Modifiers, Ui};
 
 use super::actions::save_command;
 use super::framing::canvas_id;
-use crate::app::app_snapshot::AppSnapshot;
+use crate::app::app_status::AppStatus;
 use crate::app::commands::Command;
 use crate::app::editor::{Editor, Selection, Tool};
 
@@ -35,7 +35,7 @@ pub const MOUSE_HELP: [(&str, &str); 4] = [
 ];
 
 /// Handles the keys of this frame.
-pub fn handle(ui: &Ui, editor: &mut Editor, status: &AppSnapshot, commands: &mut Vec<Command>) {
+pub fn handle(ui: &Ui, editor: &mut Editor, status: &AppStatus, commands: &mut Vec<Command>) {
     let pressed: Vec<(Key, Modifiers, bool)> = ui.input(|input| {
         let keys = input.events.iter().filter_map(|event| match *event {
             Event::Key { key, pressed: true, modifiers, repeat, .. } => Some((key, modifiers, repeat)),
@@ -62,7 +62,7 @@ fn with_command(
     held: Modifiers,
     repeat: bool,
     editor: &mut Editor,
-    status: &AppSnapshot,
+    status: &AppStatus,
     commands: &mut Vec<Command>,
 ) {
     match key {

@@ -5,13 +5,13 @@
 use egui::{ComboBox, Label, Ui};
 
 use super::seed::seed_ui;
-use crate::app::app_snapshot::{AppSnapshot, Choice};
+use crate::app::app_status::{AppStatus, Choice};
 use crate::app::screen::theme::GAP;
 use crate::app::screen::widgets::text::{note_ui, section_title_ui, weak_text};
 use crate::app::setup_form::SetupForm;
 
 /// Draws the choices.
-pub(super) fn choices_ui(ui: &mut Ui, status: &AppSnapshot, form: &mut SetupForm) {
+pub(super) fn choices_ui(ui: &mut Ui, status: &AppStatus, form: &mut SetupForm) {
     choice_ui(ui, "Scenario", &status.scenarios, &mut form.scenario);
     let running = title_of(&status.scenarios, &status.scenario_from);
     if form.scenario != status.scenario_from {
@@ -35,7 +35,7 @@ pub(super) fn choices_ui(ui: &mut Ui, status: &AppSnapshot, form: &mut SetupForm
 }
 
 /// Shows notes on the running scenario: the policy that the training run started from, and changes by hand.
-fn scenario_notes_ui(ui: &mut Ui, status: &AppSnapshot) {
+fn scenario_notes_ui(ui: &mut Ui, status: &AppStatus) {
     if let Some(from) = &status.transfer_from {
         let text = format!("policy from {from}");
         ui.add(Label::new(weak_text(&text)).truncate()).on_hover_text(text);
@@ -46,7 +46,7 @@ fn scenario_notes_ui(ui: &mut Ui, status: &AppSnapshot) {
 }
 
 /// The most important choice that differs from the current training run, as the end of a sentence.
-pub(super) fn choice_in_words(status: &AppSnapshot, form: &SetupForm) -> String {
+pub(super) fn choice_in_words(status: &AppStatus, form: &SetupForm) -> String {
     if form.scenario != status.scenario_from {
         format!(" in {}", title_of(&status.scenarios, &form.scenario))
     } else if form.preset != status.preset_from {

@@ -2,7 +2,7 @@
 
 use egui::{Button, Frame, Margin, RichText, Stroke, Ui, vec2};
 
-use crate::app::app_snapshot::AppSnapshot;
+use crate::app::app_status::AppStatus;
 use crate::app::commands::{Command, PolicySource};
 use crate::app::screen::numbers;
 use crate::app::screen::theme::Palette;
@@ -11,7 +11,7 @@ use crate::app::setup_form::SetupForm;
 /// Sends `command`, or first opens the question if the command would discard training worth keeping.
 pub(super) fn send_or_ask(
     command: Command,
-    status: &AppSnapshot,
+    status: &AppStatus,
     form: &mut SetupForm,
     commands: &mut Vec<Command>,
 ) {
@@ -26,7 +26,7 @@ pub(super) fn send_or_ask(
 /// click on that button does not answer it.
 pub(super) fn discard_question_ui(
     ui: &mut Ui,
-    status: &AppSnapshot,
+    status: &AppStatus,
     form: &mut SetupForm,
     commands: &mut Vec<Command>,
 ) {
@@ -58,7 +58,7 @@ pub(super) fn discard_question_ui(
     });
 }
 
-fn save_help(status: &AppSnapshot) -> &'static str {
+fn save_help(status: &AppStatus) -> &'static str {
     if status.has_disk {
         "Save the run in the folder runs, then continue"
     } else {
@@ -76,7 +76,7 @@ fn with_current_choices(asked: &Command, form: &SetupForm) -> Command {
 }
 
 /// The question to ask before `asked` is sent, and the text of the button that confirms it.
-fn question(status: &AppSnapshot, asked: Option<&Command>) -> (String, &'static str) {
+fn question(status: &AppStatus, asked: Option<&Command>) -> (String, &'static str) {
     let episodes = numbers::format_episodes(status.episodes);
     match asked {
         Some(Command::Transfer { policy: PolicySource::Current | PolicySource::Best, .. }) => {

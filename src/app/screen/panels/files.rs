@@ -5,7 +5,7 @@
 use egui::containers::menu::MenuButton;
 use egui::{Atom, Button, Ui, vec2};
 
-use crate::app::app_snapshot::{AppSnapshot, BestSoFar};
+use crate::app::app_status::{AppStatus, BestSoFar};
 use crate::app::commands::{Command, SaveKind};
 use crate::app::screen::key_bindings::{Shortcut, with_key_hint};
 use crate::app::screen::numbers::{format_count, format_percent};
@@ -25,7 +25,7 @@ const OPEN_HELP_WITHOUT_DISK: &str = "Open a policy or a classical driver to com
 const SAVE_POLICY: &str = "Save policy…";
 
 /// Draws the section. Without a disk no run can be saved.
-pub(super) fn files_ui(ui: &mut Ui, status: &AppSnapshot, commands: &mut Vec<Command>) {
+pub(super) fn files_ui(ui: &mut Ui, status: &AppStatus, commands: &mut Vec<Command>) {
     section_title_ui(ui, "Files");
     expert_button_ui(ui, status, commands);
     driver_menu_ui(ui, status, commands);
@@ -56,7 +56,7 @@ pub(super) fn files_ui(ui: &mut Ui, status: &AppSnapshot, commands: &mut Vec<Com
     });
 }
 
-fn expert_button_ui(ui: &mut Ui, status: &AppSnapshot, commands: &mut Vec<Command>) {
+fn expert_button_ui(ui: &mut Ui, status: &AppStatus, commands: &mut Vec<Command>) {
     let Some(expert) = &status.expert else { return };
     let (text, about) = if expert.is_new_here {
         let about =
@@ -71,7 +71,7 @@ fn expert_button_ui(ui: &mut Ui, status: &AppSnapshot, commands: &mut Vec<Comman
 }
 
 /// Draws the menu of the classical drivers and of policies with a map, by class.
-fn driver_menu_ui(ui: &mut Ui, status: &AppSnapshot, commands: &mut Vec<Command>) {
+fn driver_menu_ui(ui: &mut Ui, status: &AppStatus, commands: &mut Vec<Command>) {
     let text = (Atom::grow(), "Watch a classical driver", Atom::grow());
     let button = Button::new(text).min_size(vec2(ui.available_width(), HEIGHT));
     let (response, _) = MenuButton::from_button(button).ui(ui, |ui| {
@@ -96,7 +96,7 @@ fn driver_menu_ui(ui: &mut Ui, status: &AppSnapshot, commands: &mut Vec<Command>
 }
 
 /// Draws the buttons of the policies that get a map.
-fn policies_with_map_ui(ui: &mut Ui, status: &AppSnapshot, commands: &mut Vec<Command>) {
+fn policies_with_map_ui(ui: &mut Ui, status: &AppStatus, commands: &mut Vec<Command>) {
     if ui.button("This policy with a map").clicked() {
         commands.push(Command::OpenWithMap);
     }
@@ -120,7 +120,7 @@ fn button_ui(
 }
 
 /// Draws the button that saves the current policy; once there is a best one, a menu of both.
-fn save_policy_ui(ui: &mut Ui, width: f32, status: &AppSnapshot, commands: &mut Vec<Command>) {
+fn save_policy_ui(ui: &mut Ui, width: f32, status: &AppStatus, commands: &mut Vec<Command>) {
     let current = Command::SaveDialog(SaveKind::Policy);
     let about = with_key_hint("Save the current network as .safetensors", Shortcut::Save);
     let Some(BestSoFar { success_rate, env_steps }) = status.best else {

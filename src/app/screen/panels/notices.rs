@@ -4,7 +4,7 @@
 
 use egui::{Align, Align2, Area, Color32, Frame, Id, Layout, Margin, Order, Rect, Stroke, Ui, vec2};
 
-use crate::app::app_snapshot::{Notice, Severity};
+use crate::app::app_status::{Notice, Severity};
 use crate::app::commands::Command;
 use crate::app::screen::theme::{GAP, Palette};
 use crate::app::screen::widgets::icons::{self, ButtonStyle, Icon};

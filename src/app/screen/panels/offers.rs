@@ -2,7 +2,7 @@
 
 use egui::{Align2, Area, Button, Frame, Id, Margin, Rect, RichText, Stroke, Ui, vec2};
 
-use crate::app::app_snapshot::{AppSnapshot, LastSession, UnsavedEdits};
+use crate::app::app_status::{AppStatus, LastSession, UnsavedEdits};
 use crate::app::commands::Command;
 use crate::app::editor::Editor;
 use crate::app::screen::numbers;
@@ -26,7 +26,7 @@ struct Offer {
 pub fn offers_ui(
     ui: &Ui,
     arena: Rect,
-    status: &AppSnapshot,
+    status: &AppStatus,
     editor: Option<&Editor>,
     commands: &mut Vec<Command>,
 ) {

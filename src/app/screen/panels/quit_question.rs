@@ -2,7 +2,7 @@
 
 use egui::{Key, Rect, RichText, Ui, vec2};
 
-use crate::app::app_snapshot::AppSnapshot;
+use crate::app::app_status::AppStatus;
 use crate::app::commands::Command;
 use crate::app::screen::numbers;
 use crate::app::screen::theme::{BODY, GAP, Palette};
@@ -14,7 +14,7 @@ const WIDTH: f32 = 248.0;
 const BUTTON_HEIGHT: f32 = 30.0;
 
 /// Draws the question in the middle of `canvas`, if it is open. Escape cancels.
-pub fn quit_question_ui(ui: &Ui, canvas: Rect, status: &AppSnapshot, commands: &mut Vec<Command>) {
+pub fn quit_question_ui(ui: &Ui, canvas: Rect, status: &AppStatus, commands: &mut Vec<Command>) {
     if !status.quit_question {
         return;
     }

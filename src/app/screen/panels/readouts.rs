@@ -2,7 +2,7 @@
 
 use egui::{Align2, FontId, Response, Sense, Ui, WidgetInfo, WidgetType, pos2, vec2};
 
-use crate::app::app_snapshot::AppSnapshot;
+use crate::app::app_status::AppStatus;
 use crate::app::screen::numbers;
 use crate::app::screen::theme::{BODY, DISPLAY, GAP, Palette, SMALL};
 
@@ -27,7 +27,7 @@ const HEIGHT: f32 = 40.0;
 
 /// Draws as many readouts as fit, the most important first; `ui` must lay out from right to left. `tight`
 /// saves space in the toolbar of a narrow window.
-pub fn readouts_ui(ui: &mut Ui, status: &AppSnapshot, tight: bool) {
+pub fn readouts_ui(ui: &mut Ui, status: &AppStatus, tight: bool) {
     // In a tight toolbar there is no gap after the last readout.
     let mut free = ui.available_width() + if tight { 2.0 * GAP } else { 0.0 };
     let mut fit: Vec<(usize, Readout)> = Vec::new();
@@ -79,7 +79,7 @@ fn readout_ui(ui: &mut Ui, readout: &Readout) -> Response {
     response
 }
 
-fn success(status: &AppSnapshot, width: f32) -> Readout {
+fn success(status: &AppStatus, width: f32) -> Readout {
     let value = status.success_rate.map_or("–".into(), numbers::format_percent);
     let tip = match (status.success_rate, status.best) {
         (Some(_), Some(best)) => format!(
@@ -97,12 +97,12 @@ fn success(status: &AppSnapshot, width: f32) -> Readout {
     }
 }
 
-fn episodes(status: &AppSnapshot) -> Readout {
+fn episodes(status: &AppStatus) -> Readout {
     let tip = "Episodes that a collision or the time limit ended, in all arenas together".into();
     Readout::new(numbers::format_count(status.episodes), "episodes", 52.0, tip)
 }
 
-fn env_steps(status: &AppSnapshot) -> Readout {
+fn env_steps(status: &AppStatus) -> Readout {
     let more = status.budget_env_steps.map_or_else(String::new, |budget| {
         format!(
             ". The preset's budget is {}; here training continues beyond it",
@@ -116,7 +116,7 @@ fn env_steps(status: &AppSnapshot) -> Readout {
     Readout::new(numbers::format_count(status.env_steps), "env steps", 56.0, tip)
 }
 
-fn speed(status: &AppSnapshot) -> Readout {
+fn speed(status: &AppStatus) -> Readout {
     let tip = format!(
         "Env steps per second of wall time, and speed of one arena relative to real time. Simulated per arena: {}",
         duration(status.simulated_s)
@@ -134,7 +134,7 @@ fn speed(status: &AppSnapshot) -> Readout {
     Readout::new(value, caption, 92.0, tip)
 }
 
-fn frames(status: &AppSnapshot) -> Readout {
+fn frames(status: &AppStatus) -> Readout {
     let tip = "Frames drawn per second".into();
     Readout::new(numbers::format_rate(status.frames_per_s), "fps", 26.0, tip)
 }

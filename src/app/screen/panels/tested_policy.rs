@@ -4,7 +4,7 @@
 
 use egui::Ui;
 
-use crate::app::app_snapshot::{AppSnapshot, BestSoFar};
+use crate::app::app_status::{AppStatus, BestSoFar};
 use crate::app::commands::{Command, PolicySource, SessionMode};
 use crate::app::screen::numbers::{format_count, format_percent};
 use crate::app::screen::widgets::buttons::wide_button_ui;
@@ -14,7 +14,7 @@ use crate::app::screen::widgets::text::{section_title_ui, separator_ui};
 const POLICIES: [PolicySource; 2] = [PolicySource::Current, PolicySource::Best];
 
 /// Draws the section about the policy that is tested, in all modes but Train, once there is a best policy.
-pub(super) fn tested_policy_ui(ui: &mut Ui, status: &AppSnapshot, commands: &mut Vec<Command>) {
+pub(super) fn tested_policy_ui(ui: &mut Ui, status: &AppStatus, commands: &mut Vec<Command>) {
     let Some(best) = status.best.filter(|_| status.mode != SessionMode::Train) else { return };
     section_title_ui(ui, "Policy");
     let names = ["Current policy", "Best policy"];
@@ -32,7 +32,7 @@ pub(super) fn tested_policy_ui(ui: &mut Ui, status: &AppSnapshot, commands: &mut
 pub(super) fn policy_choice_ui(
     ui: &mut Ui,
     names: [&str; 2],
-    status: &AppSnapshot,
+    status: &AppStatus,
     best: BestSoFar,
     selected: PolicySource,
 ) -> Option<PolicySource> {

@@ -8,7 +8,7 @@ use egui::{Label, Slider, Ui, vec2};
 use super::choices::{choice_in_words, choices_ui};
 use super::discard_question::{discard_question_ui, send_or_ask};
 use super::tested_policy::policy_choice_ui;
-use crate::app::app_snapshot::AppSnapshot;
+use crate::app::app_status::AppStatus;
 use crate::app::commands::{Command, PolicySource};
 use crate::app::screen::theme::{BODY, GAP};
 use crate::app::screen::widgets::buttons::{primary_button_ui, wide_button_ui};
@@ -19,7 +19,7 @@ use crate::app::setup_form::SetupForm;
 const TALL: f32 = 30.0;
 
 /// Draws the section.
-pub fn training_ui(ui: &mut Ui, status: &AppSnapshot, form: &mut SetupForm, commands: &mut Vec<Command>) {
+pub fn training_ui(ui: &mut Ui, status: &AppStatus, form: &mut SetupForm, commands: &mut Vec<Command>) {
     choices_ui(ui, status, form);
     ui.add_space(GAP);
     start_buttons_ui(ui, status, form, commands);
@@ -40,7 +40,7 @@ pub fn training_ui(ui: &mut Ui, status: &AppSnapshot, form: &mut SetupForm, comm
 }
 
 /// Draws the buttons that start training with the choices, and the button that undoes the choices.
-fn start_buttons_ui(ui: &mut Ui, status: &AppSnapshot, form: &mut SetupForm, commands: &mut Vec<Command>) {
+fn start_buttons_ui(ui: &mut Ui, status: &AppStatus, form: &mut SetupForm, commands: &mut Vec<Command>) {
     restart_ui(ui, status, form, commands);
     if form.scenario != status.scenario_from {
         let text = format!("Continue training{}", choice_in_words(status, form));
@@ -57,7 +57,7 @@ fn start_buttons_ui(ui: &mut Ui, status: &AppSnapshot, form: &mut SetupForm, com
     }
 }
 
-fn restart_ui(ui: &mut Ui, status: &AppSnapshot, form: &mut SetupForm, commands: &mut Vec<Command>) {
+fn restart_ui(ui: &mut Ui, status: &AppStatus, form: &mut SetupForm, commands: &mut Vec<Command>) {
     if matches!(form.awaiting_confirmation, Some(Command::StartTraining { .. })) {
         return discard_question_ui(ui, status, form, commands);
     }
@@ -85,7 +85,7 @@ fn transfer_button_ui(
     text: &str,
     about: &str,
     policy: PolicySource,
-    status: &AppSnapshot,
+    status: &AppStatus,
     form: &mut SetupForm,
     commands: &mut Vec<Command>,
 ) {
@@ -100,7 +100,7 @@ fn transfer_button_ui(
 fn opened_policy_ui(
     ui: &mut Ui,
     name: &str,
-    status: &AppSnapshot,
+    status: &AppStatus,
     form: &mut SetupForm,
     commands: &mut Vec<Command>,
 ) {

@@ -9,7 +9,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use wasm_bindgen::prelude::*;
 
-use crate::app::app_snapshot::LastSession;
+use crate::app::app_status::LastSession;
 use crate::app::page;
 use crate::run::RunError;
 

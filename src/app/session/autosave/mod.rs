@@ -40,7 +40,7 @@ use super::save;
 use super::saved_run::SavedRun;
 use super::training_run::TrainingRun;
 use crate::agent::ActiveLearner;
-use crate::app::app_snapshot::{LastSession, Severity};
+use crate::app::app_status::{LastSession, Severity};
 use crate::run::RunError;
 use background::Writing;
 use sessions::FoundSession;

@@ -11,7 +11,7 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use serde::{Deserialize, Serialize};
 
 use super::retention::keep_newest;
-use crate::app::app_snapshot::LastSession;
+use crate::app::app_status::LastSession;
 use crate::app::session::run_snapshot::RunSnapshot;
 use crate::run::folder::RunFolder;
 use crate::run::lock::Lock;

@@ -1,4 +1,4 @@
-//! The app snapshot: the state of the session in numbers and words, taken once per frame together with the
+//! The app's status: the state of the session in numbers and words, taken once per frame together with the
 //! [`Scene`](super::scene::Scene).
 //!
 //! In: the session and the learner, read-only (`extract.rs`). Out: plain data for the panels.
@@ -89,7 +89,7 @@ pub struct ExpertChoice {
 
 /// The state of the session.
 #[derive(Clone, Debug, PartialEq)]
-pub struct AppSnapshot {
+pub struct AppStatus {
     /// Whether time is paused.
     pub paused: bool,
     /// Pace of the simulated time.
