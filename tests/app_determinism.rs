@@ -309,6 +309,13 @@ fn a_saved_run_can_be_replayed_even_if_it_was_reopened_in_between() {
     std::fs::write(&journal, text.replace("after_steps: 120", "after_steps: 121"))
         .expect("the file can be written");
     assert_eq!(verify(&second_run).map(|replayed| replayed.bit_identical), Ok(false));
+
+    // That of a run with another seed is refused.
+    let other_seed = text.replacen("seed: 1,", "seed: 2,", 1);
+    assert_ne!(other_seed, text);
+    std::fs::write(&journal, other_seed).expect("the file can be written");
+    let why = verify(&second_run).expect_err("another run");
+    assert!(why.to_string().contains("journal.ron: its seed or number of arenas"), "{why:?}");
 }
 
 fn transfer(policy: PolicySource, seed: u64) -> Command {

@@ -80,6 +80,11 @@ impl Journal {
             Some(text) => parse_ron_with_limit(text, file, MAX_JOURNAL_BYTES)?,
             None => Self::new(config.clone()),
         };
+        let started = &journal.config;
+        if (started.seed, started.preset.arenas) != (config.seed, config.preset.arenas) {
+            let why = "its seed or number of arenas is not that of config.ron: it belongs to another run";
+            return Err(RunError::invalid_input(file, why));
+        }
         journal.check().map_err(|why| RunError::invalid_input(file, why))?;
         journal.steps = learner.env_steps() / config.preset.arenas as u64;
         let times: Vec<u64> = journal.entries.iter().map(|entry| entry.after_steps).collect();
