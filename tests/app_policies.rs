@@ -104,6 +104,25 @@ fn the_best_policy_can_be_saved_tested_compared_and_transferred() {
 }
 
 #[test]
+fn the_map_of_values_is_that_of_the_tested_policy_while_time_is_paused() {
+    let mut app = evaluated();
+    app.view_state().overlays.value = true;
+    app.command(Command::SetMode(SessionMode::Test));
+    let mut values_of = |source| {
+        app.command(Command::SetTested(source));
+        // Longer than the interval between two maps.
+        for _ in 0..2 {
+            app.frame(Duration::from_millis(300));
+        }
+        let values = &app.shown().0.value.as_ref().expect("a map of values").values;
+        values.iter().map(|value| value.to_bits()).collect::<Vec<_>>()
+    };
+    let current = values_of(PolicySource::Current);
+    assert!(values_of(PolicySource::Best) != current, "another policy");
+    assert!(values_of(PolicySource::Current) == current, "the first one again");
+}
+
+#[test]
 fn a_training_run_from_a_policy_runs_even_if_time_was_paused() {
     let start = StartOptions { scenario: "empty".into(), paused: true, ..StartOptions::default() };
     let mut app = HeadlessApp::new(start);
