@@ -1,7 +1,7 @@
 //! The cost of a scan of one arena with 24 beams, averaged over random poses: wayfield's casts against the arena's colliders,
-//! and the same beams in rapier's query pipeline.
+//! with and without the grid over static shapes, and the same beams in rapier's query pipeline.
 //!
-//! `cargo bench --bench lidar`; a time is that of 500 scans, the throughput is in beams.
+//! `cargo bench --bench lidar`; each time is for 500 scans; throughput is in beams.
 
 #[path = "support/allocator.rs"]
 mod allocator;
@@ -90,7 +90,7 @@ fn rapier_query_pipeline(bencher: Bencher, name: &str) {
     });
 }
 
-/// Random poses that a robot may have when an episode starts.
+/// Random start poses of a robot.
 fn poses(name: &str) -> Vec<Pose> {
     let mut lab = Lab::new(&scenario(name), POSES, 1);
     lab.states().iter().map(|state| state.pose).collect()

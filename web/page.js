@@ -46,7 +46,9 @@ const KEYS_WITH_CTRL = new Set(['s', 'o']);
 const canvas = byId('canvas');
 canvas.addEventListener('keydown', (event) => {
     const keys = event.ctrlKey || event.metaKey ? KEYS_WITH_CTRL : KEYS;
-    if (keys.has(event.key) && !event.altKey) event.preventDefault();
+    // With Caps Lock, a letter is a capital.
+    const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+    if (keys.has(key) && !event.altKey) event.preventDefault();
 });
 canvas.addEventListener('wheel', (event) => event.preventDefault(), { passive: false });
 canvas.addEventListener('contextmenu', (event) => event.preventDefault());
@@ -82,7 +84,9 @@ addEventListener('drop', (event) => {
 // When the pointer or the focus leaves the page, the user may be about to close it. While the page is hidden, no frame runs
 // in which the training could be saved.
 for (const [target, event] of [[document.documentElement, 'mouseleave'], [globalThis, 'blur'], [document, 'visibilitychange']])
-    target.addEventListener(event, () => hasFailed || app?.save_soon?.());
+    target.addEventListener(event, () => {
+        if (document.body.dataset.state === 'started') app.save_soon();
+    });
 
 /// Compresses text to URL-safe base64; `decompress` is the inverse.
 async function compress(text) {
@@ -237,7 +241,10 @@ async function start() {
     fitStage(maxSide);
     addEventListener('resize', () => fitStage(maxSide));
     const encoded = new URLSearchParams(location.hash.slice(1)).get('scenario');
-    if (encoded !== null) embeddedScenario = await decompress(encoded).catch(() => 'not a scenario: the address is damaged');
+    if (encoded !== null) {
+        // The app reports this text as an invalid scenario.
+        embeddedScenario = await decompress(encoded).catch(() => 'not a scenario: the address is damaged');
+    }
     await Promise.all([autosaves.find(), backups.find()]);
     try {
         // The build id in the URLs prevents a cache from combining files of two builds.

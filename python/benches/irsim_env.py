@@ -1,6 +1,6 @@
 """Scenario I in ir-sim (``pip install ir-sim``), as a gymnasium.Env: the same enclosure, obstacles, motions, LIDAR and rewards.
 
-The robot's radius is 0.105 m, not 0.1 m.
+One difference: the robot's radius is 0.105 m here and 0.1 m in wayfield.
 """
 
 import tempfile

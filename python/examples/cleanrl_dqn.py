@@ -1,4 +1,4 @@
-"""CleanRL's DQN in wayfield's environments: its file `cleanrl/dqn.py`, unchanged, with the name of a wayfield environment.
+"""CleanRL's DQN in wayfield's environments: runs its unchanged `cleanrl/dqn.py` with the ID of a wayfield environment.
 
     git clone https://github.com/vwxyzjn/cleanrl
     pip install ./python torch tyro tensorboard
@@ -23,7 +23,7 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 
 class OldSyncVectorEnv(SyncVectorEnv):
-    """``SyncVectorEnv`` with the autoreset and the keys of Gymnasium 0.29."""
+    """``SyncVectorEnv`` with the autoreset behaviour and the info keys of Gymnasium 0.29."""
 
     def __init__(self, env_fns: Any) -> None:
         super().__init__(env_fns, autoreset_mode=AutoresetMode.SAME_STEP)
@@ -65,7 +65,8 @@ def train(script: Path, scenario: str, env_steps: int, seed: int, scale: float =
         mock.patch.object(gymnasium.vector, "SyncVectorEnv", OldSyncVectorEnv),
     ):
         network: torch.nn.Module = runpy.run_path(str(script), run_name="__main__")["q_network"]
-    return network
+    # CleanRL trains on a GPU if there is one.
+    return network.cpu()
 
 
 def q_network(weights: dict[str, torch.Tensor]) -> torch.nn.Module:

@@ -15,7 +15,8 @@ pub fn benchmark(py: Python<'_>, mut env: PyRefMut<'_, NativeEnv>, steps: usize)
     env.run(py, |env, _| {
         let mut random = stream(1, "actions", 0);
         let (envs, num_actions) = (env.num_envs(), env.num_actions());
-        let actions: Vec<usize> = (0..ROWS * envs).map(|_| uniform_index(&mut random, num_actions)).collect();
+        let actions: Vec<usize> =
+            (0..steps.min(ROWS) * envs).map(|_| uniform_index(&mut random, num_actions)).collect();
         let mut ended = Vec::with_capacity(envs);
         for row in actions.chunks_exact(envs).cycle().take(steps) {
             let step = env.step(row)?;

@@ -16,7 +16,7 @@ class NavigationEnv(gymnasium.Env):
     **Observation**: float32, (beams + 4,); 28 numbers with 24 beams. The LIDAR's ranges, counterclockwise; the goal's
     bearing, left positive; the goal's distance; the smallest range; the index of its beam. ``"scaled"``: divided by 3.5 m,
     pi, 4 m, 3.5 m and the number of beams. ``"raw"``: in m and rad. A preset such as ``general`` may observe by sectors
-    instead, with another width and without bounds.
+    instead (docs/algorithm.md), with another width and without bounds.
 
     **Action**: ``"discrete"``, the index of one of the robot's motions (``motions``), or ``"continuous"``, float32, (2,):
     speed in m/s and turning rate in rad/s, limited to the action space and by the robot's minimum turning radius.
@@ -37,7 +37,8 @@ class NavigationEnv(gymnasium.Env):
         actions: ``"discrete"`` or ``"continuous"``.
         preset: A training preset (``wayfield.presets()``, a path or RON text), whose reward and observation are used.
         set: New values for fields of the preset or the scenario, as with ``--set``: ``{"reward.mu": 50,
-            "reward.kind": "Traditional", "scenario.lidar.noise_std_m": 0.02}``. A string is RON text; a tuple, a RON tuple.
+            "reward.kind": "Traditional", "scenario.lidar.noise_std_m": 0.02}``. A string is taken as RON text, and a tuple
+            becomes a RON tuple.
         render_mode: None, or ``"rgb_array"``: an image of 960 x 720 pixels, seen from above, with obstacles, goal, robot
             and beams.
 
@@ -70,7 +71,7 @@ class NavigationEnv(gymnasium.Env):
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
         """Starts an episode. With a seed, its random numbers are those of Rust's ``VecEnv::reset(seed)``; without one, they
-        continue the sequence of the previous episodes.
+        continue the sequence of the previous episodes, and the first reset draws a seed.
 
         Returns:
             The observation and an empty dict.

@@ -78,7 +78,8 @@ enum OverlayArg {
     None,
 }
 
-/// Opens the app and returns when its window is closed. The training is saved at the interval `save_every`.
+/// Opens the app and returns when its window is closed. The training is autosaved every `save_every` (by default, every
+/// [`AUTOSAVE_INTERVAL`]), but not for a screenshot.
 ///
 /// # Errors
 /// An option, the scenario or the preset is invalid, the window cannot be opened, or a signal or a failure has closed it.
@@ -121,7 +122,7 @@ pub fn run(args: WindowArgs, shared: SharedArgs, save_every: Option<Duration>) -
 /// because the app loads it once the user has fixed it. For a screenshot it is an error.
 fn check_start_files(start: &StartOptions, screenshot: bool) -> Result<(), RunError> {
     let scenario = Path::new(&start.scenario);
-    // The app reloads a scenario's file when it changes, and the editor saves to it: that would spoil the run.
+    // If it were opened as a scenario, the editor could overwrite the run's configuration.
     if read_text(scenario).is_ok_and(|text| RunConfig::is_meant_by(&text)) {
         let why = "this is the configuration of a run; help: open the run's folder with --open";
         return Err(RunError::invalid_input(scenario, why));

@@ -3,14 +3,14 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread::Builder;
 
-/// The results of `of` for the indices 0 to `count` - 1, in this order, on `threads` threads (0: one per core). Each thread
-/// first makes its own `state`. The number of threads changes no result if `of` does not depend on what earlier calls left in
-/// the state.
+/// Calls `compute` for the indices 0 to `count` - 1 on `threads` threads (0: one per core), and returns the results in this
+/// order. Each thread first makes its own `state`. The number of threads changes no result, provided that `compute` does not
+/// depend on what earlier calls left in the state.
 pub fn map<S, T: Send>(
     count: usize,
     threads: usize,
     state: impl Fn() -> S + Sync,
-    of: impl Fn(&mut S, usize) -> T + Sync,
+    compute: impl Fn(&mut S, usize) -> T + Sync,
 ) -> Vec<T> {
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
     let threads = if threads == 0 { cores() } else { threads }.min(count);
@@ -20,7 +20,7 @@ pub fn map<S, T: Send>(
         let mut state = state();
         let next_result = || {
             let index = next.fetch_add(1, Ordering::Relaxed);
-            (index < count).then(|| (index, of(&mut state, index)))
+            (index < count).then(|| (index, compute(&mut state, index)))
         };
         std::iter::from_fn(next_result).collect::<Vec<_>>()
     };

@@ -113,7 +113,7 @@ fn check_encoding(policy: &Policy, expected: Encoding) -> Result<(), RunError> {
         return Ok(());
     }
     Err(RunError::InvalidInput(format!(
-        "the policy was trained with {} observations, but the preset's are {}; help: use a preset with `observation: {encoding:?}`",
+        "the policy was trained with {} observations, but the preset has {} observations; help: use a preset with `observation: {encoding:?}`",
         policy_card::encoding_name(encoding),
         policy_card::encoding_name(expected)
     )))

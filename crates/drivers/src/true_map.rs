@@ -13,7 +13,7 @@ use crate::percept::{Odometry, Percept};
 use crate::planned::{Map, closeness_cost};
 use crate::robot::Robot;
 
-/// The map. It is empty until the first percept.
+/// The map of an episode. It is empty until the first percept with a `truth`.
 pub(crate) struct TrueMap {
     keep_out_m: f32,
     margin_m: f32,
@@ -110,7 +110,8 @@ impl TrueMap {
         along(0.0) * (1.0 - fraction.y) + along(1.0) * fraction.y
     }
 
-    /// The distance in m from a point to the nearest moving obstacle, `after_s` seconds from now.
+    /// The distance in m from a point to the nearest moving obstacle, `after_s` seconds from now, rounded down to a
+    /// whole control step.
     fn moving_clearance_m(&self, point_m: Vec2, after_s: f32) -> f32 {
         let steps = (after_s / self.period_s) as u64;
         let distance = |moving: &Moving| {
@@ -214,6 +215,7 @@ mod tests {
         for point in [vec2(0.3, 0.5), vec2(-0.5, -0.8), vec2(1.8, -1.7), vec2(0.5, -0.4), vec2(0.7, 0.65)] {
             for steps in [0, 3, 5] {
                 let expected = clearance(&scenario, point, 10 + steps).min(map.reach_m);
+                // A little later, because times are rounded down to whole control steps.
                 let value = of_map(point, steps as f32 * 0.2 + 0.01);
                 assert!((value - expected).abs() < 0.02, "{point} after {steps}: {value}, not {expected}");
             }

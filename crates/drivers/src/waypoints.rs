@@ -20,7 +20,8 @@ const MARGIN: f32 = 1.0;
 const REPLAN_STEPS: u32 = 3;
 /// The farthest waypoint along the path, in keep-out distances.
 const LOOKAHEAD: f32 = 8.0;
-/// Least distance of a waypoint along the path, in sight or not, in keep-out distances.
+/// Points up to this distance along the path count as in sight, so that the waypoint is not right in front of the robot; in
+/// keep-out distances.
 const NEAREST: f32 = 2.0;
 /// The highest extra cost of a cell on a line that counts as in sight: just below that of a cell too close to something.
 const IN_SIGHT: u16 = TOO_CLOSE - 1;
@@ -100,7 +101,7 @@ impl Waypoints {
         self.map.make_costs();
         let at_m = self.pose.translation_m;
         let max_cost = if self.waypoint_m.is_some() { IN_SIGHT_AGAIN } else { IN_SIGHT };
-        if self.map.is_clear(at_m, self.goals_edge_m(), max_cost) {
+        if self.map.is_clear(at_m, self.goal_edge_m(), max_cost) {
             self.waypoint_m = None;
             self.path.clear();
             return;
@@ -117,9 +118,10 @@ impl Waypoints {
     }
 
     /// The point within the goal's radius that is closest to the robot.
-    fn goals_edge_m(&self) -> Vec2 {
-        let way = self.goal_m - self.pose.translation_m;
-        self.pose.translation_m + way * (1.0 - self.goal_radius_m / way.length().max(self.goal_radius_m))
+    fn goal_edge_m(&self) -> Vec2 {
+        let to_goal_m = self.goal_m - self.pose.translation_m;
+        self.pose.translation_m
+            + to_goal_m * (1.0 - self.goal_radius_m / to_goal_m.length().max(self.goal_radius_m))
     }
 
     /// The farthest point in sight on the path, up to [`LOOKAHEAD`] along it. Points up to [`NEAREST`] count as in sight. The
@@ -232,7 +234,7 @@ mod tests {
 
     #[test]
     fn a_goal_on_the_edge_of_sight_does_not_come_and_go() {
-        // From (0.6, 0.67) the line to the goal passes the wall's end at (0.67 - 0.42) / |(1.4, 0.67)| = 0.16 m: farther than the
+        // From (0.6, 0.67) the line to the goal passes the wall's end at (0.67 x 1 - 0.3 x 1.4) / |(1.4, 0.67)| = 0.16 m: farther than the
         // keep-out distance, but within half the margin beyond it.
         let (wall, edge) = (Some((-0.9, 0.3)), vec2(0.6, 0.67));
         assert_eq!(Scene::new(edge).planned(edge, wall), None, "it was never out of sight");
@@ -246,7 +248,7 @@ mod tests {
         let wall = Some((-0.6, 0.6));
         let mut scene = Scene::new(Vec2::ZERO);
         let side = scene.planned(Vec2::ZERO, wall).expect("out of sight").y.signum();
-        // A step to the other side, which makes the path there the shorter one.
+        // Four small moves to the other side, which make the path there the shorter one.
         for step in 1..5 {
             let point = scene.planned(vec2(0.0, -0.02 * side * step as f32), wall).expect("out of sight");
             assert_eq!(point.y.signum(), side, "{point}");

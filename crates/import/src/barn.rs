@@ -101,7 +101,10 @@ pub fn import_world(
 ) -> Result<Imported, FileError> {
     let fail = |message: String| FileError::for_file(path_file, message);
     let bytes =
-        read_bytes(path_file, MAX_PATH_BYTES).map_err(|error| fail(format!("can't be read: {error}")))?;
+        read_bytes(path_file, MAX_PATH_BYTES + 1).map_err(|error| fail(format!("can't be read: {error}")))?;
+    if bytes.len() as u64 > MAX_PATH_BYTES {
+        return Err(fail(format!("is larger than {MAX_PATH_BYTES} bytes; help: fetch the file again")));
+    }
     let task = Task::usual(Some(path_length_m(&bytes, path_file)?));
     scenario(path, file_name(path), solids, &task, findings, options)
 }
@@ -159,7 +162,7 @@ pub fn import_one(
     let solids: Vec<Solid> = world.circles_m.iter().map(solid).collect();
     let points = world.circles_m.iter().chain([&file.start_m, &file.goal_m]);
     if !points.flatten().all(|value| COORDINATE_M.contains(value)) {
-        let message = format!("world {} has a coordinate beyond a million; help: correct it", world.world);
+        let message = format!("world {} has a coordinate beyond ±1,000,000 m; help: correct it", world.world);
         return Err(FileError::for_file(path, message));
     }
     let label = format!("{} world {}", file_name(path), world.world);

@@ -4,7 +4,7 @@ use glam::{DVec2, dvec2};
 
 use crate::grid::Grid;
 
-/// The outlines of the set: closed rings of corners, in units of cells, without corners on straight lines. The set lies to the
+/// The outlines of the set: closed rings of corners, in units of cells, without collinear corners. The set lies to the
 /// left of each ring, so outer rings are counterclockwise and holes clockwise. Cells that touch only at a corner are separate.
 pub fn rings(set: &Grid<bool>) -> Vec<Vec<DVec2>> {
     let is_in = |column: i64, row: i64| {
@@ -53,8 +53,8 @@ pub fn rings(set: &Grid<bool>) -> Vec<Vec<DVec2>> {
     rings
 }
 
-/// Simplifies `ring` (Douglas and Peucker, 1973). Returns the corners that remain, at least two, and the largest distance of a
-/// dropped corner from the new outline, at most `tolerance`.
+/// Simplifies `ring` (Douglas and Peucker, 1973). Returns the corners that remain, at least two if `ring` has two, and an upper
+/// bound on the distance of a dropped corner from the new outline, which is at most `tolerance`.
 pub fn simplified(ring: &[DVec2], tolerance: f64) -> (Vec<DVec2>, f64) {
     let Some(&first) = ring.first() else { return (Vec::new(), 0.0) };
     let farthest = (0..ring.len()).max_by(|&a, &b| {
@@ -82,7 +82,7 @@ pub fn simplified(ring: &[DVec2], tolerance: f64) -> (Vec<DVec2>, f64) {
     (corners.collect(), deviation)
 }
 
-/// The corners of the convex hull, counterclockwise, without those on straight lines (Andrew's monotone chain).
+/// The corners of the convex hull, counterclockwise, without collinear points (Andrew's monotone chain).
 pub fn convex_hull(points: &[DVec2]) -> Vec<DVec2> {
     let mut sorted = points.to_vec();
     sorted.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));

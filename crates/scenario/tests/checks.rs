@@ -356,7 +356,7 @@ fn a_robot_without_space_to_turn_round_is_noted() {
     let notes = with(&lorry, 4.0);
     let [note] = notes.as_slice() else { panic!("{notes:?}") };
     let start = "warning: `robot.motions` turn the robot with a radius of at least 2.50 m, which needs a free disc of 2.63 m \
-                 radius, but the largest here has 2.0";
+                 radius, but the largest here has at most 2.0";
     assert!(note.starts_with(start), "{note}");
     assert_eq!(with(&lorry, 5.5), [""; 0]);
     assert_eq!(with(&[(0.5, 0.2), (-0.5, 0.2)], 4.0), [""; 0], "it can shunt");

@@ -163,7 +163,7 @@ fn move_object(world: &mut World, request: &MoveRequest) {
     record(world, &intervention);
 }
 
-/// Sets the goal of all robots of a demo, if it may be at the requested position.
+/// Sets the goal of all robots while a policy is tested, raced or compared, if it may be at the requested position.
 fn set_goal(world: &mut World, request: &MoveRequest) {
     if world.resource::<ActiveMode>().is_training() {
         return;
@@ -177,7 +177,7 @@ fn set_goal(world: &mut World, request: &MoveRequest) {
     }
 }
 
-/// Records an intervention in the journal. During a demo, only a change of the scenario affects the training.
+/// Records an intervention in the journal. Unless the app is training, only a change of the scenario affects the training.
 fn record(world: &mut World, intervention: &Intervention) {
     let changes_scenario = intervention.changes_scenario();
     if changes_scenario || world.resource::<ActiveMode>().is_training() {

@@ -24,10 +24,13 @@ pub(super) fn check(
     }
     let is_shaped = reward.kind == RewardKind::Optimized;
     let attracts = reached != 0.0 || (is_shaped && mu != 0.0);
-    let repels = collided != 0.0 || (is_shaped && sigma != 0.0);
+    let repels = collided < 0.0 || (is_shaped && sigma > 0.0);
     if !attracts && !has_reward_terms {
-        let lesson =
-            if repels { "the robot learns to avoid collisions only" } else { "nothing will be learned" };
+        let lesson = match repels {
+            _ if collided > 0.0 => "the robot learns to collide",
+            true => "the robot only learns to avoid collisions",
+            false => "nothing will be learned",
+        };
         let message = format!(
             "gives nothing for a goal, so {lesson}; help: give a positive `reached` (the paper: 250)"
         );
@@ -37,13 +40,14 @@ pub(super) fn check(
         && is_shaped
         && sigma > 0.0
     {
-        // In the units of the potential.
+        // The collision range in the potential's units, which are scaled for `RewardLengths::Robot`.
         let collision_range_m = reward.scale(scenario.robot_unit_m()) * scenario.task.collision_range_m;
         if l_r_m <= collision_range_m {
             let message = format!(
-                "is {l_r_m}, within the scenario's collision range of {collision_range_m} m{}, so obstacles repel only when it \
-                 is too late; help: give a larger distance, such as 0.3",
-                if reward.lengths == RewardLengths::Robot { " (scaled to the paper's robot)" } else { "" }
+                "is {l_r_m}, within the scenario's collision range of {collision_range_m:.2} m{}, so obstacles repel only when it \
+                 is too late; help: give a larger distance, such as {:.2}",
+                if reward.lengths == RewardLengths::Robot { " (scaled to the paper's robot)" } else { "" },
+                2.0 * collision_range_m
             );
             add(NoteLevel::Note, "reward.l_r_m", message);
         }

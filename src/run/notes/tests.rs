@@ -57,7 +57,7 @@ fn a_run_without_a_gradient_step_gets_a_warning() {
         "warning: `learning.replay.learning_starts` is 700000, ",
         "after 700000 env steps, and the budget is 600000; help: give a smaller number, or a larger budget",
     );
-    // 10 episodes of 500 steps in 16 arenas are at most 13,000 env steps.
+    // At most (10 + 16) x 500 = 13,000 env steps: the 10 episodes, and an unfinished one in each of the 16 arenas.
     assert_noted(
         |p| {
             p.budget = Budget::Episodes(10);
@@ -73,8 +73,8 @@ fn a_run_without_a_gradient_step_gets_a_warning() {
             .iter()
             .any(|note| note.contains(nothing))
     };
-    // All 16 arenas take their steps before the run ends, so the budget of 500 ends after 512.
-    assert!(late(495) && !late(500), "the first gradient step is at the first multiple of 16 from 500 on");
+    // A run ends after a whole control step of 16 env steps: a budget of 496 at 496, one of 497 at 512.
+    assert!(late(496) && !late(497), "the first gradient step is at the first multiple of 16 from 500 on");
 }
 
 #[test]
@@ -91,11 +91,11 @@ fn learning_rates_that_change_nothing_or_diverge_get_a_warning() {
         assert_eq!(noted(rate(usual)), [""; 0], "{usual}");
     }
     let warm_up = Schedule::Linear { from: 0.0, to: 1e-3, env_steps: 10_000 };
-    assert_eq!(noted(|p| p.learning.learning_rate = warm_up), [""; 0], "it may begin with 0");
+    assert_eq!(noted(|p| p.learning.learning_rate = warm_up), [""; 0], "a warm-up may start at 0");
 }
 
 #[test]
-fn rewards_that_teach_nothing_or_the_wrong_thing_get_a_warning() {
+fn rewards_that_teach_nothing_or_the_wrong_thing_are_noted() {
     assert_noted(
         |p| p.reward.collided = 50.0,
         "warning: `reward.collided` is 50: ",
@@ -109,8 +109,13 @@ fn rewards_that_teach_nothing_or_the_wrong_thing_get_a_warning() {
     assert_noted(
         |p| (p.reward.mu, p.reward.reached) = (0.0, 0.0),
         "warning: `reward` gives nothing for a goal, ",
-        "the robot learns to avoid collisions only",
+        "the robot only learns to avoid collisions",
     );
+    let to_collide = noted(|p| {
+        nothing(p);
+        p.reward.collided = 50.0;
+    });
+    assert!(to_collide.iter().any(|note| note.contains("so the robot learns to collide")), "{to_collide:?}");
     let mut preset = fast();
     nothing(&mut preset);
     assert_eq!(preset_notes(&preset, None, true), [], "a plugin may give the reward");
@@ -122,9 +127,11 @@ fn rewards_that_teach_nothing_or_the_wrong_thing_get_a_warning() {
     let with_lengths = |lengths| {
         let mut preset = fast();
         preset.reward.lengths = lengths;
-        preset_notes(&preset, Some(&large), false).len()
+        preset_notes(&preset, Some(&large), false)
     };
-    assert_eq!((with_lengths(RewardLengths::Metres), with_lengths(RewardLengths::Robot)), (1, 0));
+    let notes = with_lengths(RewardLengths::Metres);
+    assert!(notes.len() == 1 && notes[0].to_string().contains("such as 1.00"), "{notes:?}");
+    assert_eq!(with_lengths(RewardLengths::Robot), []);
 }
 
 #[test]
@@ -145,7 +152,11 @@ fn schedules_that_end_long_before_or_after_the_budget_are_noted() {
         ),
         "{short:?}"
     );
-    assert_eq!(noted(|p| p.budget = Budget::EnvSteps(300_000)), [""; 0], "twice the budget is not long");
+    assert_eq!(
+        noted(|p| p.budget = Budget::EnvSteps(300_000)),
+        [""; 0],
+        "a schedule of twice the budget is not long"
+    );
     let long = noted(|p| p.budget = Budget::EnvSteps(5_000_000));
     assert_eq!(fields(&long), ["learning.learning_rate"]);
     assert!(
@@ -179,7 +190,7 @@ fn schedules_of_every_kind_are_compared_with_the_budget() {
         late.len() == 1 && late[0].contains("first step at env step 600001, but the budget is 600000"),
         "{late:?}"
     );
-    // 1e-3 x 0.5^17 = 7.6e-9 is below 1e-8.
+    // Halfway through the budget, after 17 steps: 1e-3 x 0.5^17 = 7.6e-9, below 1e-8.
     let low = rate(step(0.5, 10_000), 350_000);
     assert!(low.len() == 1 && low[0].contains("has fallen from 0.001 to 7.6"), "{low:?}");
     assert_eq!(rate(step(0.5, 100_000), 600_000), [""; 0]);
@@ -220,7 +231,7 @@ fn questionable_values_of_the_learner_and_the_evaluation_are_noted() {
         "lose half of their value in 661 gradient steps",
     );
     assert_eq!(noted(|p| p.learning.weight_decay = 0.1), [""; 0]);
-    // The first of 600,000 env steps with an update is the 512th, then every 16th: 37,469 updates of 2 gradient steps.
+    // Of the 600,000 env steps, the 512th is the first with an update, then every 16th: 37,469 updates of 2 gradient steps.
     assert_noted(
         |p| p.learning.target_update = TargetUpdate::Hard { every: 74_939 },
         "note: `learning.target_update.every` is 74939, ",

@@ -4,12 +4,13 @@ use std::fs::{File, Metadata};
 use std::io;
 use std::path::Path;
 
-/// Creates a file with the permissions that the umask leaves, but none that the file `replaced` lacks: a private file must not
-/// be readable by others even for a moment.
+/// Creates a file with the default permissions, less those that the file `replaced` does not have either: a private file must
+/// not be readable by others, not even for a moment. The new file belongs to the process's group at first, so that group gets
+/// no permissions of the replaced file's group before [`copy`].
 #[cfg(unix)]
 pub fn create(path: &Path, replaced: Option<&Metadata>) -> io::Result<File> {
     use std::os::unix::fs::{MetadataExt, OpenOptionsExt};
-    let mode = replaced.map_or(0o666, |file| file.mode() & 0o666);
+    let mode = replaced.map_or(0o666, |file| file.mode() & 0o606);
     File::options().read(true).write(true).create_new(true).mode(mode).open(path)
 }
 

@@ -23,18 +23,18 @@ pub use common::common_scenario;
 pub use differences::{check_actions, differing_parts, fits_every_robot, note, warning};
 pub use write::attach;
 
-/// The key for the encoding of the observations in the metadata of policies without a card: `scaled` or `raw`. A policy
-/// without it is `scaled`.
+/// The metadata key for the encoding of observations, `scaled` or `raw`, in policies without a card. Without this key, it is
+/// `scaled`.
 const ENCODING: &str = "encoding";
 
-/// The key in the same metadata for the plugin sensors, with their widths, such as `speed:2, bumper:1`. A policy without it uses
-/// none.
+/// The metadata key for the plugin sensors and their widths, such as `speed:2, bumper:1`, in policies without a card. Without
+/// this key, there are none.
 const SENSORS: &str = "sensors";
 
 /// The suffix that gives a policy a map, wherever the user names a policy or a driver.
 pub const WITH_MAP: &str = "+map";
 
-/// The policy in the file at `path`, whose card agrees with its network and its scenario.
+/// Reads the policy in the file at `path`, and checks that its card agrees with its network and its scenario.
 ///
 /// # Errors
 /// The file cannot be read, is not a policy, or has a card that contradicts itself.
@@ -121,19 +121,19 @@ pub fn scenario_name(policy: &Policy) -> Option<String> {
 /// # Errors
 /// The policy has an encoding that this version does not support.
 pub fn encoding(policy: &Policy) -> Result<Encoding, RunError> {
-    let unknown = |how: &str| {
+    let unknown = |how: &str, known: &str| {
         RunError::InvalidInput(format!(
-            "the policy's observations are encoded {how}, which this version does not know (it knows scaled, raw and sectors); \
-             help: use a newer wayfield"
+            "the policy's observations are encoded {how}, which this version does not know (it knows {known}); help: use a newer \
+             wayfield"
         ))
     };
     if let Some(card) = &policy.card {
-        return card.encoding().ok_or_else(|| unknown("in a way that its card describes"));
+        return card.encoding().ok_or_else(|| unknown("as its card describes", "scaled, raw and sectors"));
     }
     match policy.metadata.get(ENCODING).map(String::as_str) {
         None | Some("scaled") => Ok(Encoding::Scaled),
         Some("raw") => Ok(Encoding::Raw),
-        Some(other) => Err(unknown(&format!("as \"{}\"", printable(other)))),
+        Some(other) => Err(unknown(&format!("as \"{}\"", printable(other)), "scaled and raw")),
     }
 }
 
@@ -156,7 +156,7 @@ pub fn check_without_sensors(policy: &Policy) -> Result<(), RunError> {
         return Ok(());
     }
     Err(RunError::InvalidInput(format!(
-        "the policy was trained with `{}`, whose readings it does not get here; help: test it with --eval, without a map",
+        "the policy was trained with `{}`, whose readings are not available here; help: test it with --eval, without a map",
         printable(&sensors)
     )))
 }
@@ -196,7 +196,7 @@ fn recorded_sensors(policy: &Policy) -> String {
     }
 }
 
-/// The name of `encoding` in messages.
+/// The adjective for observations with `encoding`, in messages.
 #[must_use]
 pub fn encoding_name(encoding: Encoding) -> &'static str {
     match encoding {

@@ -16,13 +16,13 @@ pub struct Measurements {
     ranges: Vec<f32>,
     goal: Vec<f32>,
     sensor_readings: Vec<f32>,
-    /// Observations by sectors.
+    /// Observations by sectors (docs/algorithm.md), for policies that take these instead of ranges.
     observation: Vec<f32>,
-    /// For each of these observations, the robot's highest speed in m/s and turning rate to the left in rad/s.
+    /// For each of these observations, the robot's highest speed in m/s and turning rate in rad/s (left positive).
     highest_motion: Vec<f32>,
-    /// The lowest ones: backwards, and to the right.
+    /// The lowest speed and turning rate, at most 0: backwards, and to the right.
     lowest_motion: Vec<f32>,
-    /// The Q-values that the policy computes for the measurements.
+    /// The Q-values that the policy computes for the measurements or observations.
     q_values: Vec<f32>,
 }
 
@@ -54,7 +54,7 @@ impl Measurements {
         all
     }
 
-    /// Random observations for `policy`, which observes by sectors and whose motions are relative.
+    /// Random observations for `policy`, which observes by sectors and whose actions are relative.
     pub fn random_observations(policy: &Policy) -> Self {
         let mut random = wayfield_random::stream(1, "test: observations", 0);
         let (mut all, mut scratch) = (Self::default(), Scratch::default());
@@ -84,7 +84,7 @@ impl Measurements {
         }
         fs::write(folder.join("parity.py"), include_str!("../parity.py")).expect("written");
         let printed = super::run(python, folder, Path::new("parity.py"));
-        assert!(printed.contains("\"observations\": 100000"), "{printed}");
+        assert!(printed.contains(&format!("\"observations\": {OBSERVATIONS}")), "{printed}");
         printed
     }
 }

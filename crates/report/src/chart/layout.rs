@@ -4,7 +4,7 @@ use plotters::style::text_anchor::HPos;
 
 use crate::style::{Canvas, DrawResult, SOFT_INK, TEXT, write};
 
-/// The width of a figure, in drawn pixels. Text stays legible when the figure is printed 12 cm wide.
+/// The width of a figure, in drawn pixels (two per displayed pixel). Text stays legible when the figure is printed 12 cm wide.
 pub(crate) const WIDTH: i32 = 1280;
 /// The left edge of the plots, in drawn pixels.
 pub(crate) const LEFT: i32 = 128;

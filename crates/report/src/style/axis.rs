@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn an_axis_ends_where_no_value_is_possible() {
+    fn an_axis_stays_within_the_limits_unless_all_values_are_outside() {
         let counts = |values: &[f64]| {
             Axis::within_limits(values.iter().copied(), Some((0.0, f64::INFINITY)), 5.0).range
         };

@@ -6,11 +6,11 @@ use crate::geometry::{clearance, length};
 use crate::schema::{Robot, Scenario};
 use glam::vec2;
 
-/// Points along each side of the grid on which free space is measured.
+/// Points along each axis of the grid on which clearance is measured.
 const GRID: u16 = 64;
-/// The same in a scenario with more sides than [`MANY_SIDES`].
+/// The same in a scenario whose obstacles and walls have more than [`MANY_SIDES`] sides.
 const COARSE_GRID: u16 = 16;
-/// Number of sides above which the coarse grid is used.
+/// Number of sides of obstacles and walls above which the coarse grid is used.
 const MANY_SIDES: usize = 1_000;
 
 pub(super) fn check(scenario: &Scenario, notes: &mut Vec<Note>) {
@@ -24,7 +24,7 @@ pub(super) fn check(scenario: &Scenario, notes: &mut Vec<Note>) {
     }
     let drives = |sign: f32| scenario.robot.motions.iter().any(|motion| motion.v_m_s * sign > 0.0);
     if drives(1.0) && drives(-1.0) {
-        // Forwards and backwards it turns in any space.
+        // By driving forwards and backwards in turn, it can turn round in a narrow space, too.
         return;
     }
     let needed_m = radius_m + scenario.keep_out_m();
@@ -32,7 +32,8 @@ pub(super) fn check(scenario: &Scenario, notes: &mut Vec<Note>) {
     if widest_m < needed_m {
         warn(format!(
             "turn the robot with a radius of at least {radius_m:.2} m, which needs a free disc of {needed_m:.2} m radius, \
-             but the largest here has {widest_m:.2} m, so it can't turn round: write a smaller v_m_s or a larger w_rad_s"
+             but the largest here has at most {widest_m:.2} m, so it can turn round at best by circling an obstacle or inner \
+             wall: write a smaller v_m_s or a larger w_rad_s"
         ));
     }
 }
@@ -43,7 +44,7 @@ fn turning_radius_m(robot: &Robot) -> f32 {
     turning.map(|motion| (motion.v_m_s / motion.w_rad_s).abs()).fold(f32::INFINITY, f32::min)
 }
 
-/// An upper bound on the radius, in m, of the largest disc without walls and static obstacles. The search ends when the
+/// An upper bound on the radius, in m, of the largest disc that is free of walls and static obstacles. The search ends when the
 /// bound reaches `enough_m`.
 fn widest_disc_m(scenario: &Scenario, enough_m: f32) -> f32 {
     let still = without_moving_obstacles(scenario);

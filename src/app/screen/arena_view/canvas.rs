@@ -1,5 +1,5 @@
 //! The canvas that arenas are drawn on, with drawing functions that egui's painter lacks: lines with a colour
-//! gradient, labels that are legible on any background, arrow heads.
+//! gradient, labels that are legible on any background, and arrowheads.
 
 use egui::{
     Align2, Color32, CornerRadius, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2,
@@ -70,7 +70,7 @@ impl Canvas {
         self.painter.text(at, anchor, text, FontId::proportional(SMALL), color)
     }
 
-    /// Draws an arrow head of `length` points with its tip at `tip`, pointing along the unit vector `along`.
+    /// Draws an arrowhead of `length` points with its tip at `tip`, pointing along the unit vector `along`.
     pub fn arrow_head(&self, tip: Pos2, along: Vec2, length: f32, color: Color32) {
         let (back, side) = (tip - along * length, along.rot90() * length * 0.55);
         let corners = vec![tip, back + side, back - side];
@@ -148,7 +148,7 @@ mod tests {
 
     #[test]
     fn thinning_keeps_both_ends() {
-        let points: Vec<Pos2> = (0..100).map(|i| pos2(i as f32 * 0.5, 0.0)).collect();
+        let points: Vec<Pos2> = (0..=100).map(|i| pos2(i as f32 * 0.5, 0.0)).collect();
         let kept = thinned(points.iter().copied(), 1.2);
         assert!(kept.len() < 40 && kept.first() == points.first() && kept.last() == points.last());
     }

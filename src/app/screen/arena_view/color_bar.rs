@@ -9,10 +9,11 @@ use crate::app::scene::ScalarField;
 use crate::app::screen::numbers::format_value;
 use crate::app::screen::theme::SMALL;
 
-/// Draws the colour bar in the upper right corner of the view, on one line if it fits, and returns its
-/// rectangle; `None` if no value is finite or the view is too small.
+/// Draws the colour bar in the upper right corner of the view, on one line if that leaves room for the label on the left, and
+/// returns its rectangle; `None` if no value is finite or the view is too small.
 pub fn draw(canvas: &Canvas, kind: FieldKind, field: &ScalarField, dark: bool) -> Option<Rect> {
     const BAR: f32 = 110.0;
+    const ROOM_FOR_LABEL: f32 = 110.0;
     let range = value_range(field, kind.clipped_shares())?;
     let palette = &canvas.palette;
     let font = FontId::proportional(SMALL);
@@ -24,7 +25,7 @@ pub fn draw(canvas: &Canvas, kind: FieldKind, field: &ScalarField, dark: bool) -
     );
     let scale = low.size().x + BAR + high.size().x + 12.0;
     let (one_line, available) = (title.size().x + 14.0 + scale, canvas.transform.rect.width() - 20.0);
-    let lines = if one_line + 110.0 <= available { 1.0 } else { 2.0 };
+    let lines = if one_line + ROOM_FOR_LABEL <= available { 1.0 } else { 2.0 };
     let width = if lines < 2.0 { one_line } else { scale.max(title.size().x) } + 12.0;
     if width > available || canvas.transform.rect.height() < 160.0 {
         return None;

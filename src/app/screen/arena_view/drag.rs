@@ -1,9 +1,9 @@
 //! Dragging the robot, the goal or an obstacle with the pointer.
 //!
 //! In: the pointer and one arena. Out: [`Command::Move`] while an object is dragged, and the drag itself. The
-//! object under the pointer at the press stays the dragged one, even if it moves away meanwhile.
+//! object under the pointer when the button is pressed stays the dragged one, even if it moves away from the pointer.
 
-use egui::{Response, Ui};
+use egui::{PointerButton, Response, Ui};
 
 use super::drag_target::{centre_of, hit_test, move_context};
 use super::transform::ViewTransform;
@@ -33,7 +33,7 @@ pub fn update(
     commands: &mut Vec<Command>,
 ) -> Option<ActiveDrag> {
     let arena = input.scene.arenas.get(index)?;
-    if response.is_pointer_button_down_on() && ui.input(|state| state.pointer.any_pressed()) {
+    if response.is_pointer_button_down_on() && ui.input(|state| state.pointer.primary_pressed()) {
         let pressed = ui.input(|state| state.pointer.press_origin());
         *drag = pressed.and_then(|at| {
             let object = hit_test(transform, arena, at)?;
@@ -48,11 +48,11 @@ pub fn update(
         return None;
     }
     // Before the pointer has moved, it may still be a click.
-    let pointer = response.interact_pointer_pos().filter(|_| response.dragged())?;
+    let pointer = response.interact_pointer_pos().filter(|_| response.dragged_by(PointerButton::Primary))?;
     let at = transform.to_world(pointer);
     active.to_m = [at[0] + active.offset_m[0], at[1] + active.offset_m[1]];
     active.rejection = check_move(&move_context(arena), active.object, active.to_m.into()).err();
-    // Unless paused, the robot would drive away from a resting pointer, and a reached goal would be replaced:
+    // Unless paused, the robot would drive away from a stationary pointer, and a reached goal would be replaced:
     // send a command in every frame.
     let drifts = !input.status.paused && !matches!(active.object, Movable::Obstacle(_));
     let pointer_moved = ui.input(|state| state.pointer.delta() != egui::Vec2::ZERO);

@@ -6,7 +6,7 @@
 //! | file | purpose |
 //! |---|---|
 //! | `transform.rs`, `camera.rs` | metres to points and back; pan, zoom and fit |
-//! | `canvas.rs` | what everything is drawn on: gradient lines, labels, arrow heads |
+//! | `canvas.rs` | what everything is drawn on: gradient lines, labels, arrowheads |
 //! | `single_arena.rs` | one arena with everything over it |
 //! | `arena_grid.rs` | the grid of all arenas |
 //! | `floor.rs`, `arena.rs` | floor and grid lines; walls, obstacles, goal, robot |

@@ -148,7 +148,7 @@ mod tests {
             let found = triangles(&corners);
             assert_eq!(found.len(), 4);
             let area: f32 =
-                found.iter().map(|t| turn(corners[t[0]], corners[t[1]], corners[t[2]]) / 2.0).sum();
+                found.iter().map(|t| turn(corners[t[0]], corners[t[1]], corners[t[2]]).abs() / 2.0).sum();
             assert_eq!(area, 3.0, "three quarters of 4, no area covered twice");
             for t in found {
                 let middle = |of: fn(&Vec2) -> f32| t.iter().map(|&k| of(&corners[k])).sum::<f32>() / 3.0;

@@ -1,6 +1,6 @@
 //! The card of Q-values next to the robot: a row for each motion, from the sharpest left turn to the sharpest right turn, with
-//! its advantage (Q-value minus the mean) as a bar and its Q-value as a number. The chosen motion is highlighted. Of many
-//! motions, only the chosen and the best one have a row.
+//! its advantage (Q-value minus the mean) as a bar and its Q-value as a number. The chosen motion is highlighted. Of more
+//! than [`MAX_ROWS`] motions, only the chosen one and the best one have a row.
 //!
 //! In: the Q-values of an [`ArenaScene`]. Out: a card near the robot that avoids covering it or the goal, and a line from the
 //! robot to the card.
@@ -16,7 +16,7 @@ use crate::app::scene::{ArenaScene, DriverLabel};
 use crate::app::screen::numbers::{decimals_for, format_decimals};
 use crate::scenario::{Motion, Scenario};
 
-/// Up to this many motions, all are shown; of more, only the chosen and the best one.
+/// Maximum number of motions that are all shown; of more, only the chosen one and the best one are.
 const MAX_ROWS: usize = 12;
 const ROW: f32 = 16.0;
 const HEAD: f32 = 18.0;
@@ -80,7 +80,7 @@ fn draw_captions(canvas: &Canvas, card: Rect, arena: &ArenaScene, has_last_line:
     let palette = &canvas.palette;
     let (top, right) = (card.top() + 4.0, card.right() - PAD);
     canvas.small_text(pos2(zero_x(card), top), Align2::CENTER_TOP, "advantage", palette.weak_text);
-    canvas.small_text(pos2(right, top), Align2::RIGHT_TOP, "Q-values", palette.weak_text);
+    canvas.small_text(pos2(right, top), Align2::RIGHT_TOP, "Q-value", palette.weak_text);
     if has_last_line {
         let (words, color) =
             if arena.explored { ("exploring", palette.warning) } else { ("greedy", palette.weak_text) };

@@ -55,7 +55,7 @@ fn about_ui(ui: &mut Ui, editor: &mut Editor) {
     let field = TextEdit::multiline(&mut text).desired_width(f32::INFINITY).desired_rows(3);
     let field = field.char_limit(MAX_ABOUT_CHARS).hint_text("Purpose of the scenario");
     let response = ui.add(field);
-    set_accessible_name(&response, "Description");
+    set_accessible_name(&response, "About");
     if response.changed() {
         editor.edit("about", |scenario| scenario.about = text);
     }
@@ -69,7 +69,7 @@ pub fn enclosure_ui(ui: &mut Ui, editor: &mut Editor) {
     let mut enclosure = editor.scenario().enclosure.clone();
     let kinds = [
         (EnclosureKind::Rectangle, "Rectangle", "Centred at (0, 0), sides along x and y"),
-        (EnclosureKind::Polygon, "Polygon", "Any polygon"),
+        (EnclosureKind::Polygon, "Polygon", "A polygon whose sides do not cross"),
     ];
     if let Some(kind) = choice_ui(ui, "Shape", EnclosureKind::from_enclosure(&enclosure), &kinds) {
         return editor.set_enclosure(kind);
@@ -87,7 +87,7 @@ pub fn enclosure_ui(ui: &mut Ui, editor: &mut Editor) {
 
 fn benchmark_route_ui(ui: &mut Ui, editor: &mut Editor) {
     if editor.scenario().benchmark_route.is_none() {
-        let tip = "A fixed start and goal: wayfield --eval --course times the drive";
+        let tip = "A fixed start and goal; wayfield --eval --course measures the time between them";
         if button_row_ui(ui, &[("Add a benchmark route", tip, true)]).is_some() {
             editor.add_benchmark_route();
         }

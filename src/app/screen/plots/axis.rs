@@ -17,7 +17,7 @@ pub enum AxisScale {
     Linear,
     /// Any number from 0 upwards.
     FromZero,
-    /// Base-10 logarithms of the values shown.
+    /// A logarithmic axis: points are at the base-10 logarithms of their values, and labels show the values.
     Log10,
 }
 
@@ -32,7 +32,7 @@ impl AxisScale {
         }
     }
 
-    /// Values that the axis must include: the reference line, zero and one, or whole decades.
+    /// Values that the axis must include: the reference line and, depending on the scale, 0, 1, or the enclosing powers of ten.
     pub(super) fn included_values<'a>(
         self,
         series: impl Iterator<Item = &'a DownsampledSeries>,
@@ -79,7 +79,8 @@ impl AxisScale {
         }
     }
 
-    /// A value to display, with `digits` decimals (on a log axis: significant digits; in percent, `digits` has no effect).
+    /// The text of `value`, which is a logarithm on a log axis. `digits` is the number of decimals; on a log axis, that of
+    /// significant digits, but no digit before the decimal point is lost; in percent it has no effect.
     #[must_use]
     pub fn format_value(self, value: f64, digits: usize) -> String {
         match self {
@@ -93,9 +94,9 @@ impl AxisScale {
     }
 }
 
-/// A number with `digits` decimals, or in scientific notation from a million on, as when learning diverges.
+/// A number with `digits` decimals; in scientific notation for a million or more, which occurs when learning diverges.
 fn short(value: f64, digits: usize) -> String {
-    if value.abs() < 1e6 { number(value, digits) } else { format!("{value:.1e}") }
+    if value.abs() < 1e6 { number(value, digits) } else { format!("{value:.1e}").replace('-', "\u{2212}") }
 }
 
 /// The tick label of 10 to the power of a whole number.

@@ -1,6 +1,6 @@
-//! Autosaves of earlier visits in a browser, and what the page reports about autosaves.
+//! Autosaves from earlier visits in a browser, and what the page reports about autosaves.
 //!
-//! In: calls of the page. Out: the session to offer, its files, and failures. The page chooses the newest session that no
+//! In: calls from the page. Out: the session to offer, its files, and failures. The page chooses the newest session that no
 //! other tab is writing, and deletes old ones.
 
 use std::collections::BTreeMap;
@@ -13,7 +13,7 @@ use crate::app::app_status::LastSession;
 use crate::app::page;
 use crate::run::RunError;
 
-/// An autosave of an earlier visit.
+/// An autosave from an earlier visit.
 #[derive(Clone, Debug)]
 pub(super) struct FoundSession(LastSession);
 
@@ -45,7 +45,7 @@ struct PageReports {
     stored: Option<Result<(), RunError>>,
     /// Files received so far of the session that the user continues.
     files: BTreeMap<String, Vec<u8>>,
-    /// All of these files once they have been received, or the reason why they cannot be.
+    /// All of these files once they have been received, or the reason why they could not be read.
     session: Option<Result<BTreeMap<String, Vec<u8>>, RunError>>,
 }
 
@@ -90,7 +90,7 @@ pub fn save_soon() {
     reports().save_soon = true;
 }
 
-/// Reports the result of storing the autosave of this number: an error message, or nothing.
+/// Reports that autosave `number` was stored, or `error`, the reason why it was not.
 #[wasm_bindgen]
 pub fn autosave_stored(number: u32, error: Option<String>) {
     let mut reports = reports();
@@ -105,7 +105,7 @@ pub fn receive_session_file(name: String, bytes: Vec<u8>) {
     reports().files.insert(name, bytes);
 }
 
-/// Reports that all files of the session were passed, or why they cannot be.
+/// Reports that all files of the session have been passed, or why they could not be read.
 #[wasm_bindgen]
 pub fn session_received(error: Option<String>) {
     let mut reports = reports();
