@@ -46,7 +46,7 @@ pub enum CheckpointError {
     /// The file is not a checkpoint.
     #[error("not a wayfield checkpoint")]
     NotCheckpoint,
-    /// The file was written by another version of wayfield.
+    /// The file has a format version that this wayfield does not read.
     #[error(
         "checkpoint version {found} is not supported; this wayfield reads versions {} to {}",
         VERSIONS.start(),

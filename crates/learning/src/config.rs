@@ -34,8 +34,8 @@ pub struct LearningConfig {
     /// The optimizer's step size, 0 to 10, as a function of env steps. Table 1: 0.00025.
     pub learning_rate: Schedule,
     /// The largest norm of the gradient of all parameters together, above 0; a longer gradient is scaled down to it, as by
-    /// PyTorch's `clip_grad_norm_`. The loss is in units of scaled reward; with rewards of the order of one, 10 is usual. The
-    /// paper: `None`, no limit.
+    /// PyTorch's `clip_grad_norm_`. The norm depends on the scale of the rewards; with scaled rewards of the order of one, 10 is
+    /// usual. The paper: `None`, no limit.
     pub max_gradient_norm: Option<f32>,
     /// The decoupled weight decay, 0 to 1: before each gradient step, all parameters are multiplied by 1 - learning rate x
     /// `weight_decay` (AdamW, Loshchilov and Hutter 2019; here also with RMSProp). PyTorch's AdamW: 0.01. The paper: 0.
@@ -55,9 +55,9 @@ pub struct LearningConfig {
     /// Mirror augmentation: each sampled transition is mirrored, left for right, with probability 1/2. It needs an observation
     /// and actions that can be mirrored. The paper: `false`.
     pub mirror: bool,
-    /// Advantage learning: the weight, at least 0 and below 1, of the gap max Q(s, .) - Q(s, a) of the target network, which is
-    /// subtracted from a TD target (Bellemare et al. 2016). The best action stays the best and keeps its value; the gaps to
-    /// the other actions grow by the factor 1 / (1 - weight), so that small errors of the network change the greedy action
+    /// Advantage learning (Bellemare et al. 2016): the weight, at least 0 and below 1, of the gap max Q(s, .) - Q(s, a) that is
+    /// subtracted from each TD target; Q is the target network's. The best action stays the best and keeps its value; the gaps
+    /// to the other actions grow by the factor 1 / (1 - weight), so that small errors of the network change the greedy action
     /// less often. The paper: 0.
     pub advantage_learning: f32,
     /// The number of quantiles of the return that are learned for each action, 1 to 200 (QR-DQN, Dabney et al. 2018). Their
@@ -70,7 +70,7 @@ pub struct LearningConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct NetworkConfig {
-    /// The widths of the hidden layers, at most 8 of 1 to 4096 units. Fig. 5: [64, 64].
+    /// The widths of the hidden layers, at most 8 layers of 1 to 4096 units each. Fig. 5: [64, 64].
     pub hidden: Vec<usize>,
     /// Dueling head: a value and one advantage per action (Wang et al. 2016). `false`: the last layer outputs Q-values.
     pub dueling: bool,
@@ -138,8 +138,8 @@ pub enum Schedule {
         /// The env step at which `to` is reached, at least 1.
         env_steps: u64,
     },
-    /// Exponential up to `env_steps`, then constant: from (to / from)^(n / env_steps), the same factor in every env step (as
-    /// PyTorch's `ExponentialLR` in every epoch).
+    /// Exponential up to `env_steps`, then constant: from (to / from)^(n / env_steps), the same factor in every env step
+    /// (PyTorch's `ExponentialLR` applies it in every epoch).
     Exponential {
         /// The value at env step 0, above 0.
         from: f32,

@@ -6,7 +6,7 @@
 use super::config::{LearningConfig, Loss, TargetUpdate};
 use super::network::QNetwork;
 
-/// The error of a learner that has diverged: a loss or a weight is NaN or infinite.
+/// The error of a learner that has diverged: a loss, a weight or the square of a gradient is NaN or infinite.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
     "learning diverged at gradient step {gradient_step} (env step {env_step}): {what}; help: try {advice} in a new run"
@@ -76,7 +76,7 @@ pub(crate) fn non_finite_loss_cause(returns: &[f32], next_q: &[f32], q: &[f32], 
     format!("the loss is not finite, with TD errors of up to {largest:e}")
 }
 
-/// The first non-finite weight and the gradient step that caused it, as text.
+/// The first non-finite weight, with the gradient and the learning rate of the step that caused it, as text.
 pub(crate) fn non_finite_weight_cause(network: &QNetwork, gradient: &[f32], learning_rate: f32) -> String {
     let weights = network.parameters();
     let Some(at) = weights.iter().position(|weight| !weight.is_finite()) else {

@@ -152,8 +152,8 @@ impl Learner {
         })
     }
 
-    /// Sets the mirror image of observations and actions. A learner whose config has `mirror` needs it before it is trained; in
-    /// others it has no effect.
+    /// Sets the mirror image of observations and actions. Call it before [`Learner::train`] if the config has `mirror`; otherwise
+    /// it has no effect.
     ///
     /// # Errors
     /// `mirror` is for another number of inputs or actions than the learner's.

@@ -5,6 +5,9 @@
 //! be saved and restored exactly ([`Learner::save`]), and its network exported as a [`Policy`]. All randomness comes from
 //! seeded streams: the same seed gives the same bits on any number of threads.
 //!
+//! "The paper" is Li, Yue, Shangguan and Jin, [*Navigation of Mobile Robots Based on Deep Reinforcement Learning: Reward
+//! Function Optimization and Knowledge Transfer*](https://doi.org/10.1007/s12555-021-0642-7) (2023), which wayfield reproduces.
+//!
 //! # Example
 //!
 //! A training loop in a corridor of five cells with a reward at its right end:
@@ -86,7 +89,7 @@
 //!
 //! | module | purpose |
 //! |---|---|
-//! | `config` | the options, their defaults (Table 1 of the paper that wayfield reproduces) and their ranges |
+//! | `config` | the options, their defaults (Table 1 of the paper) and their ranges |
 //! | `learner` | storing experiences; the gradient step with TD targets and target network |
 //! | `network`, `ops`, `matmul` | the Q-network: parameters, forward pass, gradient; only `network` and `ops` use dfdx |
 //! | `thread_pool` | the threads of large matrix products |

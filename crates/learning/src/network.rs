@@ -17,8 +17,8 @@ use wayfield_policy::limits::MAX_PARAMETERS;
 use wayfield_policy::range::within;
 use wayfield_random::{Stream, uniform};
 
-/// The maximum number of rows of one forward pass. Larger batches are split, so that the matrix products stay below the size
-/// at which gemm starts threads: at this size, threads cost more than they gain.
+/// The maximum number of rows of one forward pass without a gradient. Larger batches are split, so that the matrix products stay
+/// below the size at which gemm starts threads: at this size, threads cost more than they gain.
 const CHUNK_ROWS: usize = 128;
 
 /// A network that maps observations to Q-values, or to quantiles of returns, whose means are the Q-values.
@@ -181,7 +181,8 @@ impl QNetwork {
         (hidden, weights, biases)
     }
 
-    /// The name of the parameter with this index in [`NetworkShape::parameters`]; it is the same for all quantiles.
+    /// The name, as in [`NetworkShape::parameters`], of the tensor that contains the parameter with this index in
+    /// [`Self::parameters`]. It is the same for all quantiles.
     pub(crate) fn parameter_name(&self, index: usize) -> String {
         let (inputs, outputs) = head_size(&self.shape);
         let (hidden, weights) = (self.split_head().0.len(), inputs * outputs);

@@ -72,8 +72,8 @@ impl ReplayBuffer {
     /// An empty buffer for observations of `inputs` values. `pending` is the maximum number of steps that wait for their
     /// n-step return at the same time.
     ///
-    /// The state ring is 1/8 larger than the transition ring, because an episode of k steps has k + 1 states. If episodes
-    /// have fewer than 8 steps on average, the oldest transitions are removed before the capacity is reached.
+    /// The state ring is 1/8 larger than the transition ring, because an episode of k steps has up to k + 1 states. If episodes
+    /// have fewer than 8 steps on average, the oldest transitions may be removed before the capacity is reached.
     #[must_use]
     pub fn new(config: &ReplayConfig, inputs: usize, pending: usize) -> Self {
         let capacity = config.capacity;

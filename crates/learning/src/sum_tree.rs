@@ -1,4 +1,4 @@
-//! A sum tree, for sampling an index with a probability proportional to its weight in O(log n).
+//! A sum tree, which samples an index in O(log n), with a probability proportional to the index's weight.
 //!
 //! In: a weight per index, and a point between 0 and their sum. Out: the index whose interval contains the point when the
 //! weights are laid end to end (Schaul et al. 2016, appendix B.2.1).

@@ -25,7 +25,8 @@ pub struct Decider {
 }
 
 impl Decider {
-    /// Takes in the robot's actual speed in m/s and turning rate in rad/s. Up to a tenth of the larger of its limits counts as 0.
+    /// Takes in the robot's actual speed in m/s and turning rate in rad/s. Each counts as 0 up to a tenth of its limit, the
+    /// larger in magnitude of the lowest and the highest value.
     pub fn sense(&mut self, (v_m_s, w_rad_s): (f32, f32), limits: &MotionLimits) {
         let is_still = |value: f32, (low, high): (f32, f32)| value.abs() <= 0.1 * high.max(-low);
         let turns = !is_still(w_rad_s, limits.w_rad_s);
@@ -62,7 +63,7 @@ impl Decider {
         let allowed = || (0..q_row.len()).filter(|&action| !holds(action));
         let best = allowed().reduce(|best, action| if q_row[action] > q_row[best] { action } else { best });
         let Some(best) = best else { return greedy(q_row) };
-        // Most often the best action is safe; then no other one is looked at.
+        // Most often the best action is safe; then no other one is checked.
         let steps = |action: usize| {
             let mut longest = steps_to_collision(action, action);
             for then in (0..q_row.len()).filter(|&then| then != action) {
@@ -103,7 +104,7 @@ mod tests {
         f32::INFINITY
     }
 
-    /// The action for Q-values after the robot has moved like this.
+    /// The action that is chosen for the Q-values `q_row` after the robot has had the motions `moved`.
     fn chosen(moved: &[(f32, f32)], q_row: [f32; 4], moves: bool) -> usize {
         let mut decider = Decider::default();
         for motion in moved {
@@ -131,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn a_robot_that_cannot_turn_on_the_spot_does_not_wait_by_trying() {
+    fn a_robot_that_cannot_turn_on_the_spot_does_not_wait_by_trying_to_turn() {
         let mut decider = Decider::default();
         decider.sense(STILL, &LIMITS);
         let motions = [(0.5, -1.0), (0.0, 0.0), (0.0, 0.0), (0.0, 0.0)];
@@ -154,7 +155,7 @@ mod tests {
         let avoidable = |first, then| if first == 0 && then != 3 { 2.0 } else { f32::INFINITY };
         assert_eq!(choose(&q_row, avoidable), 0, "a turn to the right in the next step avoids it");
         let later = |first, _| if first == 2 { 5.0 } else { 2.0 };
-        assert_eq!(choose(&q_row, later), 2, "none avoids it: the longest way");
+        assert_eq!(choose(&q_row, later), 2, "none avoids it: the one with the latest collision");
         assert_eq!(choose(&q_row, |_, _| 2.0), 0, "nothing helps: the best Q-value");
     }
 }

@@ -53,7 +53,7 @@ struct HeaderWithoutCard<N, M> {
     metadata: M,
 }
 
-/// The part of a header that tells how to read the rest.
+/// The part of a header that determines how the rest is read.
 #[derive(Deserialize)]
 struct HeaderVersion {
     version: Option<u64>,

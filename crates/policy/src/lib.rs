@@ -4,6 +4,9 @@
 //! package, the ONNX export and the browser build use it; the app and the learner share its file format and observation
 //! encoding.
 //!
+//! "The paper" is Li, Yue, Shangguan and Jin, [*Navigation of Mobile Robots Based on Deep Reinforcement Learning: Reward
+//! Function Optimization and Knowledge Transfer*](https://doi.org/10.1007/s12555-021-0642-7) (2023), which wayfield reproduces.
+//!
 //! | module | purpose |
 //! |---|---|
 //! | [`observation`] | the network's inputs, from LIDAR scans and a goal |

@@ -226,8 +226,8 @@ pub(crate) fn forward<'a>(
     &units[1..]
 }
 
-/// Writes the indices of the nonzero units into `active`, and returns them. Half of an observation by sectors, and at least
-/// half of the units after a ReLU, are 0 and add nothing to the next layer.
+/// Writes the indices of the nonzero units into `active`, and returns them. Typically half of an observation by sectors, and at
+/// least half of the units after a ReLU, are 0 and add nothing to the next layer.
 fn list_active<'a>(units: &[f32], active: &'a mut Vec<u32>) -> &'a [u32] {
     if active.len() < units.len() {
         active.resize(units.len(), 0);

@@ -67,8 +67,8 @@ impl ReplayBuffer {
         Ok(())
     }
 
-    /// Checks that every stored transition has a valid priority and, if sampling is prioritized, every removed one priority 0,
-    /// so that it is never drawn.
+    /// Checks that every stored transition has a valid priority. If sampling is prioritized, every removed one must have
+    /// priority 0, so that it is never drawn.
     fn check_leaves(&self, leaves: &[f64]) -> Result<(), CheckpointError> {
         if !(self.head..self.tail).all(|number| is_priority(leaves[self.slot(number)])) {
             return Err(CheckpointError::Corrupt("a priority is invalid"));

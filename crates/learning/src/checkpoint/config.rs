@@ -8,8 +8,8 @@ use wayfield_policy::Activation;
 use crate::config::{LearningConfig, NetworkConfig};
 use crate::framing::encode;
 
-/// What version 2 of the file adds. Version 3 adds mirror augmentation, version 4 advantage learning and version 5
-/// quantiles. A config is written in the lowest version that has all it uses.
+/// The options that version 2 of the file adds. Version 3 adds mirror augmentation, version 4 advantage learning and version 5
+/// quantiles. A config is written in the lowest version that has all the options it uses.
 #[derive(Serialize, PartialEq)]
 struct Switches {
     layer_norm: bool,

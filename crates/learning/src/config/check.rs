@@ -31,9 +31,9 @@ impl LearningConfig {
     #[must_use]
     pub fn problems(&self) -> Vec<ConfigError> {
         let mut problems = self.range_problems();
-        let is_known = |name: &str| !problems.iter().any(|problem| problem.field == name);
+        let is_valid = |name: &str| !problems.iter().any(|problem| problem.field == name);
         let (capacity, batch_size) = (self.replay.capacity, self.batch_size);
-        if capacity < batch_size && is_known("replay.capacity") && is_known("batch_size") {
+        if capacity < batch_size && is_valid("replay.capacity") && is_valid("batch_size") {
             problems.push(ConfigError {
                 field: "replay.capacity".into(),
                 problem: format!(

@@ -27,12 +27,12 @@ pub(super) fn optimizer_epsilon() -> f32 {
     1e-8
 }
 
-/// The beta of prioritized replay: no importance weights.
+/// The beta of prioritized replay: 0, with which all importance weights are 1.
 pub(super) fn beta() -> Schedule {
     Schedule::Constant(0.0)
 }
 
-/// The constant in a priority.
+/// The constant added to |TD error| in a priority.
 pub(super) fn priority_epsilon() -> f32 {
     0.01
 }

@@ -115,7 +115,7 @@ fn every_value_out_of_range_is_reported_with_its_field() {
 }
 
 #[test]
-fn a_config_without_the_switches_of_later_versions_has_them_off() {
+fn a_config_without_the_options_of_later_versions_has_them_off() {
     let text = ron::to_string(&LearningConfig::default()).expect("a config is RON");
     let older = [
         ",quantiles:1",
@@ -153,6 +153,6 @@ fn schedules_follow_their_formulas_and_become_constant_at_their_end() {
             let found = schedule.at(n);
             assert!((found - value).abs() < 1e-6, "{schedule:?} at {n}: {found}, not {value}");
         }
-        assert!((0.0..=1.0).contains(&schedule.at(u64::MAX)), "{schedule:?} has no end");
+        assert!((0.0..=1.0).contains(&schedule.at(u64::MAX)), "{schedule:?} stays between 0 and 1");
     }
 }

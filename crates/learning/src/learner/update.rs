@@ -13,7 +13,7 @@ use wayfield_policy::greedy;
 /// An overestimate is reported once `steps_over_bound` reaches this value.
 const MIN_OVERESTIMATE_STEPS: u32 = 50;
 
-/// Means over the gradient steps of one [`Learner::train`].
+/// The statistics of one call of [`Learner::train`]: means over its gradient steps.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct UpdateStats {
     /// The number of gradient steps.
@@ -35,7 +35,7 @@ pub(super) struct Scratch {
     gradient: Gradient,
     /// Q(s', .) of the network that chooses the next action.
     choosing_q: Vec<f32>,
-    /// The quantiles of Q(s', .) of the target network.
+    /// The quantiles Z(s', .), or Q(s', .), of the target network.
     target_q: Vec<f32>,
     /// Q(s, .) of the target network, for advantage learning.
     gap_q: Vec<f32>,
@@ -46,7 +46,7 @@ impl Learner {
     /// Takes the pending gradient steps, and returns their statistics; `None` if no step is pending.
     ///
     /// # Errors
-    /// The loss or a weight is not finite. The learner can no longer be used.
+    /// The loss, a weight or the square of a gradient is not finite. The learner can no longer be used.
     ///
     /// # Panics
     /// If the config has `mirror`, and no mirror was set ([`Learner::set_mirror`]).

@@ -108,7 +108,7 @@ impl Card {
             )
         })?;
         if encoding.sectors().is_some() {
-            // The observation depends on the robot, whose scenario is not read here.
+            // The observation depends on the robot, which only the scenario describes; this crate does not read scenarios.
             ensure(example.observation.len() == shape.inputs, || {
                 "has an example whose observation has the wrong length".into()
             })?;

@@ -4,11 +4,12 @@
 
 use super::tracker::Disc;
 
-/// The arc of a disc that turns is replaced by this many chords, each for this many control steps. The last one goes on for ever.
+/// The number of chords that replace the arc of a disc that turns. The last one goes on for ever.
 const CHORDS: u8 = 6;
-const STEPS_OF_CHORD: f32 = 5.0;
+/// The number of control steps that a chord stands for.
+const STEPS_PER_CHORD: f32 = 5.0;
 
-/// More than the rounding errors of a distance.
+/// A margin that is larger than the rounding errors of a distance.
 pub(super) const MARGIN: f32 = 0.01;
 
 /// A motion with a constant speed and a constant turning rate.
@@ -21,7 +22,7 @@ pub(super) struct Motion {
 }
 
 impl Motion {
-    /// The displacement after some control steps; of a negative number of them, the displacement before.
+    /// The displacement from now to the moment `steps` control steps later, or earlier if `steps` is negative.
     pub(super) fn displacement(self, steps: f32) -> (f32, f32) {
         let (x, y) = self.velocity;
         // The chord of the arc forms this angle with the present velocity.
@@ -57,14 +58,14 @@ impl Leg {
         };
         let mut end = (disc.x, disc.y);
         (1..=legs).map(move |leg| {
-            let from = STEPS_OF_CHORD * f32::from(leg - 1);
+            let from = STEPS_PER_CHORD * f32::from(leg - 1);
             let start = end;
             let mut velocity = motion.velocity;
             if legs > 1 {
-                end = at(from + STEPS_OF_CHORD);
-                velocity = ((end.0 - start.0) / STEPS_OF_CHORD, (end.1 - start.1) / STEPS_OF_CHORD);
+                end = at(from + STEPS_PER_CHORD);
+                velocity = ((end.0 - start.0) / STEPS_PER_CHORD, (end.1 - start.1) / STEPS_PER_CHORD);
             }
-            let steps = if leg < legs { STEPS_OF_CHORD } else { f32::INFINITY };
+            let steps = if leg < legs { STEPS_PER_CHORD } else { f32::INFINITY };
             Self { disc, from, steps, start, velocity }
         })
     }
@@ -102,16 +103,16 @@ impl Leg {
         if collide { from + steps } else { f32::INFINITY }
     }
 
-    /// Whether a robot that begins at the origin and drives straight on, by `step` in each control step, may collide with the disc
-    /// on this leg in some direction. If not, [`steps_to_collision`](Self::steps_to_collision) is infinite in all directions.
+    /// Whether a robot that begins at the origin and drives straight in some direction, by `step` in each control step, may
+    /// collide with the disc on this leg. If not, [`steps_to_collision`](Self::steps_to_collision) is infinite in all directions.
     pub(super) fn is_in_reach(&self, step: f32) -> bool {
         let Self { disc, from, start, velocity, .. } = self;
         let (distance, speed) = (length(*start), length(*velocity));
         // The rounding errors of a collision grow with the square of the distance.
-        let driven = (from + STEPS_OF_CHORD) * step;
+        let driven = (from + STEPS_PER_CHORD) * step;
         let reach = 1.0 + disc.radius + MARGIN + 1e-6 * driven * driven;
         if self.steps.is_infinite() {
-            // A disc that is not faster stays behind the robot.
+            // If the robot is farther out when the leg begins, a disc that is not faster never catches up.
             return distance + reach > from * step || speed + MARGIN > step;
         }
         let moved = speed * self.steps;
@@ -161,7 +162,7 @@ mod tests {
         assert!((point.0 - 2.0).abs() < 1e-6 && point.1.abs() < 1e-6, "{point:?}");
     }
 
-    /// The steps to a collision with a disc on its way.
+    /// The number of control steps until a collision with a disc on any leg of its path.
     fn steps_to_collision(disc: Disc, motion: Motion, step: (f32, f32)) -> f32 {
         Leg::path(disc, motion).map(|leg| leg.steps_to_collision(step)).fold(f32::INFINITY, f32::min)
     }
@@ -205,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn legs_out_of_reach_are_those_that_no_robot_collides_with() {
+    fn no_robot_collides_on_a_leg_out_of_reach() {
         let mut out_of_reach = [0; 2];
         for case in 0..1000_u16 {
             let (disc, motion) = drawn(case, 30.0);

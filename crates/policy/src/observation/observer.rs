@@ -21,7 +21,7 @@ const CHANGE_GAIN: f32 = 4.0;
 pub const FORESIGHT_STEPS: u32 = 10;
 /// The number of positions in each of these steps that are checked for a collision.
 const PARTS_OF_STEP: u32 = 2;
-/// The largest distance from a moving disc of a hit that belongs to it, in units of the robot.
+/// The largest distance between a moving disc and a hit that belongs to it, in units of the robot.
 const DISC_MARGIN: f32 = 0.3;
 /// The distance beyond which hits are too far away for their motion to matter, in units of the robot.
 const MOTION_RANGE: f32 = distance_at(0.12);
@@ -67,7 +67,7 @@ impl ObserverMemory {
         self.scans.is_empty()
     }
 
-    /// Whether an observer with this layout can remember it after its first scan.
+    /// Whether it can be the memory of an observer with this layout that has taken in at least one scan.
     #[must_use]
     pub fn fits(&self, layout: SectorLayout) -> bool {
         let most = usize::from(layout.earlier_steps) + 1;
@@ -85,7 +85,7 @@ struct EarlierScan {
 }
 
 impl EarlierScan {
-    /// Whether an observer with this layout can remember the scan.
+    /// Whether it can be in the memory of an observer with this layout.
     fn fits(&self, layout: SectorLayout) -> bool {
         let is_hit = |hit: &Hit| {
             hit.x.is_finite()
@@ -309,7 +309,7 @@ impl SectorObserver {
     }
 
     /// Finds how far a disc with a radius of one unit can drive in the direction of each sector's centre before it collides with
-    /// what is in sight, and with what of it does not move.
+    /// anything in sight, and before it collides with anything that stands still.
     fn find_free_distances(&mut self) {
         let Self { memory, discs, static_hits, moving_hits, free, collisions, predicted, directions, .. } =
             self;
@@ -355,7 +355,7 @@ impl SectorObserver {
             self.waiting = 0.0;
             return;
         }
-        // In control steps, then in units of the robot.
+        // From here to the end of the loop, `predicted` is in control steps instead of units of the robot.
         let step = body.step_length();
         predicted.iter_mut().for_each(|free| *free /= step);
         pulp::Arch::new().dispatch(
@@ -408,7 +408,7 @@ impl SectorObserver {
             // The point is taken to be as wide as its sector was, so that the points of a wall leave no gaps.
             let half_width = 0.5 * hit.distance / distance.max(0.25 * hit.distance);
             let centre = libm::atan2f(y, x) / per_sector;
-            // The extent of the body is taken as in the direction in which the point was seen.
+            // The extent of the body is taken to be that in the direction in which the point was seen.
             let extent = hit.distance - distance_at(hit.nearness);
             let (first, last) = ((centre - half_width).round() as i32, (centre + half_width).round() as i32);
             mark(first, last, nearness(distance - extent));

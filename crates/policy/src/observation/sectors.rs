@@ -194,8 +194,8 @@ impl BodyScale {
     }
 }
 
-/// The sectors of each beam: the one that it points into, and each sector that no beam points into, if this beam is the nearest
-/// to its centre and less than the angle between neighbouring beams away.
+/// The sectors of each beam: the one that it points into, and each sector that no beam points into if, of all beams, this one
+/// is the nearest to the sector's centre and less than the angle between neighbouring beams away from it.
 pub(super) fn sectors_of_beams(layout: SectorLayout, lidar: &LidarBeams) -> Vec<Vec<usize>> {
     let count = usize::from(layout.count);
     let per_sector = TAU / count as f32;

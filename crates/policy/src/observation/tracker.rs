@@ -3,9 +3,9 @@
 //! Each compact thing in sight is taken to be a disc with a constant speed and turning rate. An extended Kalman filter estimates
 //! its position, velocity, turning rate and radius from the beams that hit it and from those beside them that pass it. So a few
 //! beams are enough, and a thing is not lost when no beam hits it for a moment. A track counts as moving if its velocity differs
-//! from zero by some standard deviations, and if the scans show that it has moved: earlier ones saw through the places where it
-//! is hit now, or this one sees through those where it was hit then. The hits on walls and rocks move, too, as the robot drives,
-//! but other scans show a surface there.
+//! from zero by more than two standard deviations, and if the scans show that it has moved: earlier ones saw through the places
+//! where it is hit now, or the newest one sees through those where it was hit then. The hits on walls and rocks move, too, as the
+//! robot drives, but other scans show a surface there.
 //!
 //! Positions are in the frame of odometry. Lengths are in units of the robot, which `sectors.rs` defines; times are in control
 //! steps.
@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use super::moving::Motion;
 
-/// The largest number of beams that are used: of more beams, every second one, every third one, and so on.
+/// The largest number of beams that are used. Of more beams, only every second one is used, or every third one, and so on.
 const MAX_BEAMS: usize = 72;
 /// The largest number of tracks.
 const MAX_TRACKS: usize = 64;
@@ -27,14 +27,15 @@ const COMPARED_EVERY: usize = 6;
 
 /// The mean and the standard deviation of the radius of a thing that has not been seen before.
 const RADIUS: (f32, f32) = (1.1, 0.4);
-/// The standard deviation of its position.
+/// The standard deviation of the position of such a thing.
 const POSITION_SD: f32 = 0.6;
 /// The standard deviation of its velocity, relative to the robot's highest speed.
 const SPEED_SD: f32 = 1.2;
 /// The standard deviation of the change of a velocity in a control step, relative to the robot's highest speed.
 const ACCELERATION_SD: f32 = 0.05;
-/// The standard deviation of the turn of a new thing in a control step, in rad, and of the change of a turn from step to step.
+/// The standard deviation of the turn of a new thing in a control step, in rad.
 const TURN_SD: f32 = 0.05;
+/// The standard deviation of the change of a turn from one control step to the next, in rad.
 const TURN_CHANGE_SD: f32 = 0.005;
 /// The largest turn in a control step, in rad.
 const MAX_TURN: f32 = 0.3;
@@ -69,8 +70,8 @@ const MAX_EXTENT: f32 = 4.0;
 const WALL_MARGIN: f32 = 0.3;
 /// A beam shows that a disc is not there if it passes within this many radii of its centre.
 const CENTRE: f32 = 0.7;
-/// A place is on a surface if its distance from it is less than this. A scan sees through it if both beams beside it go farther
-/// by more than this.
+/// A place is on a surface if it is less than this away from the surface. A scan sees through a place if both beams beside
+/// the place go farther by more than this.
 const SURFACE_MARGIN: f32 = 0.3;
 /// Beams are neighbours if the angle between them is less than this many times that between neighbouring beams of the LIDAR.
 const NEIGHBOURS: f32 = 1.5;
@@ -83,8 +84,9 @@ const EARLIER_HIT_MARGIN: f32 = 0.2;
 const MIN_SEEN: u16 = 3;
 /// The smallest squared velocity of a moving thing, in variances.
 const MIN_SIGNIFICANCE: f32 = 4.0;
-/// The evidence from which on a thing counts as having moved, and the most that a track collects.
+/// The least evidence with which a thing counts as having moved.
 const MIN_EVIDENCE: f32 = 0.5;
+/// The most evidence that a track accumulates.
 const MAX_EVIDENCE: f32 = 1.5;
 /// How much a place on a surface counts against one that is seen through.
 const SURFACE_EVIDENCE: f32 = 0.3;
@@ -205,7 +207,7 @@ impl Rays {
         passes
     }
 
-    /// The rays that have hit something nearer than `distance` to `(x, y)`, and their ends.
+    /// The rays that have hit something within `distance` of `(x, y)`, and their ends.
     fn hits_near(&self, (x, y): (f32, f32), distance: f32) -> impl Iterator<Item = (usize, (f32, f32))> {
         // Without branches, so that the loop is vectorized.
         let mut are_near = [false; MAX_BEAMS];
@@ -291,7 +293,7 @@ enum Sight {
     Unknown,
 }
 
-/// The number of places that scans were asked for, and how many of them were free, and on a surface.
+/// The number of places that were looked up in scans, and how many of them were free or on a surface.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sights {
     places: f32,
@@ -363,7 +365,7 @@ struct Track {
 }
 
 impl Track {
-    /// A thing at a position that no beam has hit yet.
+    /// The track of a new thing at this position, before its first hit is taken in.
     fn new((x, y): (f32, f32), max_speed: f32, is_hidden: bool) -> Self {
         let speed_sd = SPEED_SD * max_speed;
         let mut covariance = [[0.0; 6]; 6];
@@ -419,8 +421,8 @@ impl Track {
         (with, with[0] * x + with[1] * y + with[4] * radius)
     }
 
-    /// Corrects the estimate, if a quantity that should be 0 has this `value` and `gradient`. Returns the squared value in
-    /// variances.
+    /// Corrects the estimate by a quantity that has this `value` and should be 0, up to the standard deviation `sd`. `gradient`:
+    /// see [`covariance_with`](Self::covariance_with). Returns the squared value in variances.
     fn correct(&mut self, value: f32, gradient: (f32, f32, f32), sd: f32) -> f32 {
         let (with, variance) = self.covariance_with(gradient);
         let variance = variance + sd * sd;
@@ -480,7 +482,7 @@ impl Track {
         self.correct(overlap, (-side * rays.sin[ray], side * rays.cos[ray], 1.0), PASS_SD);
     }
 
-    /// Whether its velocity differs from zero.
+    /// Whether its speed exceeds [`MIN_SPEED`], and its squared velocity, in variances, exceeds [`MIN_SIGNIFICANCE`].
     fn is_fast(&self, max_speed: f32) -> bool {
         let (x, y) = self.velocity;
         let p = &self.covariance;
@@ -491,7 +493,7 @@ impl Track {
             && yy * x * x - 2.0 * xy * x * y + xx * y * y > MIN_SIGNIFICANCE * determinant
     }
 
-    /// The motion to expect of it: an uncertain turn is taken to be smaller than the estimate, or none.
+    /// The motion to expect of it: an uncertain turn is taken to be smaller than the estimate, or 0.
     fn motion(&self) -> Motion {
         let significance = self.turn * self.turn / self.covariance[5][5];
         let part = 1.0 - MIN_TURN_SIGNIFICANCE / significance.max(MIN_TURN_SIGNIFICANCE);
@@ -787,7 +789,7 @@ mod tests {
 
     const FEW_BEAMS: Lidar = Lidar(24, TAU);
 
-    /// Lets a robot, which drives in a circle, track for some steps what `discs` gives for each step.
+    /// The tracker of a robot that has driven in a circle for this many steps, among the `discs` of each step.
     fn track(steps: u8, discs: impl Fn(f32) -> Vec<Disc>) -> Tracker {
         let mut tracker = Tracker::new(0.5);
         for step in 0..steps {
@@ -826,7 +828,7 @@ mod tests {
     #[test]
     fn walls_posts_and_rocks_do_not_move_as_the_robot_drives_past() {
         let posts = [(3.0, 3.0, 0.7), (-2.0, -4.0, 0.7), (7.0, -1.0, 0.7), (-11.5, 7.0, 0.7)];
-        // Each rock is of overlapping discs.
+        // Three rocks: two pairs of overlapping discs, and a single disc.
         let rocks =
             [(2.5, -7.0, 1.5), (4.2, -7.6, 1.1), (-8.5, -6.0, 1.8), (-9.0, -3.5, 1.2), (1.0, 11.5, 1.6)];
         let discs: Vec<Disc> =
@@ -902,7 +904,7 @@ mod tests {
                 assert!((motion.turn - turn).abs() < 0.025, "{motion:?}");
                 let displacement = motion.displacement(10.0);
                 let error = (found.x + displacement.0 - later.x).hypot(found.y + displacement.1 - later.y);
-                assert!(error < 0.6, "{error} after ten steps, straight on it would be 1.6");
+                assert!(error < 0.6, "{error} after ten steps; straight on, it would be 1.6");
             }
         }
     }
