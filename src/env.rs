@@ -138,8 +138,6 @@ pub struct Step<'a> {
 }
 
 /// Environments of one scenario, stepped together. [`Autoreset`] determines when the next episode begins.
-///
-/// Without plugins, a step allocates no memory except inside rapier.
 pub struct VecEnv {
     simulation: Simulation,
     num_envs: usize,
@@ -226,7 +224,7 @@ impl VecEnv {
     }
 
     /// Runs one control step in every environment. `motions[k]` is the speed and turning rate commanded in environment k,
-    /// limited to [`motion_limits`](Self::motion_limits).
+    /// limited as [`Commands::Motions`] describes.
     ///
     /// # Errors
     /// As for [`step`](Self::step), or a motion is not finite.
@@ -275,7 +273,7 @@ impl VecEnv {
         (self.command_rules.low, self.command_rules.high)
     }
 
-    /// Starts a new episode in the selected environments.
+    /// Resets the selected environments, as [`reset_selected`](Self::reset_selected) describes.
     fn restart(
         &mut self,
         seed: Option<u64>,

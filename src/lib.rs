@@ -53,12 +53,12 @@
 //! |---|---|
 //! | [`wayfield_random`] | named, seeded streams of random numbers |
 //! | [`wayfield_policy`] | policy files, the encoding of observations, the forward pass |
-//! | [`wayfield_drivers`] | classical drivers: potential field, DWA, A*, ORCA |
+//! | [`wayfield_drivers`] | drivers: classical ones (potential field, DWA, A*, ORCA), and policies with or without a map |
 //! | [`wayfield_export`] | a policy as an ONNX file, and its model card |
 //! | [`wayfield_import`] | scenarios from ROS maps, images, SDF worlds, BARN worlds and the stages of turtlebot3_drlnav |
 //! | `wayfield_protobuf` | a writer and a reader of protobuf messages |
 //! | [`wayfield_scenario`] | scenarios: the RON schema, its checks, geometry, generators |
-//! | `wayfield_orca` | ORCA, with which pedestrians and the driver of that name avoid others |
+//! | `wayfield_orca` | optimal reciprocal collision avoidance (ORCA), used by pedestrians and by the driver `orca` |
 //! | `wayfield_ron_patch` | a RON writer that keeps comments |
 //! | [`wayfield_learning`] | the learner: Q-network, replay buffer, update rules |
 //! | [`wayfield_planner`] | time-optimal paths, and lower bounds on the number of steps |
@@ -89,7 +89,7 @@
 //!   [`add_reward_term`](task::SimulationAppExt::add_reward_term).
 //! - Any other Bevy system can run in the sets of a [`ControlStep`](control_step::ControlStep).
 //! - [`Extensions`](simulation::Extensions) passes such plugins to training, evaluation and environments.
-//! - [`cli::main`] runs the whole command line with such plugins, from a binary of three lines.
+//! - [`cli::main`] runs the whole command line with such plugins, from your own `main`.
 //!
 //! # Features
 //!

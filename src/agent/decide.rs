@@ -54,13 +54,13 @@ pub enum ActionSource {
 /// The last decisions, and the random streams of exploration.
 #[derive(Resource)]
 pub struct Decisions {
-    /// The Q-values of the last decision: arenas x actions; NaN in arenas whose source has none.
+    /// The Q-values of the last decision: arenas x actions; NaN in arenas that a driver or the user controls.
     pub q_values: Vec<f32>,
     /// Whether the last action of each arena was random.
     pub explored: Vec<bool>,
     /// The exploration stream of each arena.
     pub streams: Vec<Stream>,
-    /// The memory of each arena's policy; empty during training.
+    /// The memory of each arena's decisions. Only policies with relative actions use it, outside training.
     deciders: Vec<Decider>,
 }
 
@@ -91,8 +91,8 @@ pub(super) struct Robots<'w, 's> {
 }
 
 impl Robots<'_, '_> {
-    /// Chooses among relative actions, in the arenas for which `is_policy` is true, as [`Decider::choose`] does. In the others,
-    /// the deciders only sense.
+    /// Chooses among [relative actions](ActionSet::Relative) as [`Decider::choose`] does, in the arenas for which `is_policy` is
+    /// true. In the others, the deciders only sense. Does nothing if actions are the robot's motions.
     fn choose(&self, decisions: &mut Decisions, is_policy: impl Fn(usize) -> bool, actions: &mut Actions) {
         let ActionSet::Relative(motions) = &self.action_set.0 else { return };
         let Decisions { q_values, deciders, .. } = decisions;

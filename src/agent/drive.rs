@@ -1,7 +1,7 @@
 //! Classical drivers, policies as drivers (with or without a map) and manual control, as action sources (`Decide`).
 //!
-//! In: the components of an arena. Out: its action. A driver of class A or B gets what a policy's observation is made of, and
-//! odometry; one of class C also gets the true scenario and pose.
+//! In: the components of an arena. Out: its action. A driver of [class](DriverClass) A or B gets what a policy's observation is
+//! made of, and odometry; one of class C also gets the true scenario and pose.
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
@@ -73,8 +73,8 @@ impl DriverSource {
         self.driver.as_ref()?.q_values()
     }
 
-    /// Returns the driver's own motions, which its actions index; `None` before the first step, or if they index the robot's
-    /// motions.
+    /// Returns the driver's own motions, which its actions index; `None` before the first step, or if its actions index the
+    /// robot's motions.
     #[must_use]
     pub fn motions(&self) -> Option<&[Motion]> {
         self.driver.as_ref()?.motions()
@@ -143,7 +143,7 @@ pub(super) fn drive(
             continue;
         }
         if episode.steps == 0 || source.driver.is_none() {
-            // Like a policy, it does not know the values drawn for the episode.
+            // Like a policy, a driver does not know the values drawn for its robot and LIDAR.
             source.driver = Some(source.kind.driver(&layout.written));
             source.last_pose = *estimate;
         }

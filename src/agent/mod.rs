@@ -5,7 +5,7 @@
 //! | file | responsible for |
 //! |---|---|
 //! | `decide.rs` | `Decide`: observations -> actions, epsilon-greedy or greedy |
-//! | `drive.rs` | `Decide`: the actions of classical drivers and of policies used as drivers |
+//! | `drive.rs` | `Decide`: the actions of classical drivers, of policies used as drivers, and of the user |
 //! | `train.rs` | `Store` and `Learn`: transitions -> replay buffer -> gradient steps |
 
 mod decide;

@@ -8,8 +8,8 @@ use bevy_rapier2d::rapier::prelude::SharedShape;
 
 use crate::scenario::{Enclosure, Shape, polygon};
 
-/// The thickness of the enclosure's walls, in m. Rapier rarely lets a body through a wall this thick; `contact.rs` stops the
-/// rest.
+/// The thickness of the enclosure's walls, in m. Rapier rarely lets a robot through a wall this thick; if it does, `contact.rs`
+/// stops the robot.
 const WALL_M: f32 = 0.5;
 
 /// The shapes of the enclosure's walls and their poses, in m and rad.

@@ -86,8 +86,7 @@ impl ContactQuery<'_> {
     ) -> Option<f32> {
         let step_m = (to - self.from).length();
         let approach = |shape: PlacedShape, obstacle: Option<usize>, max_travel_m: f32| {
-            let (position, of) = shape;
-            let is_near = distance_m(position, of, to) - reach_m <= max_travel_m;
+            let is_near = distance_m(shape.0, shape.1, to) - reach_m <= max_travel_m;
             if is_near { approach(shape, obstacle, max_travel_m) } else { None }
         };
         let in_grid = self.static_near(to, reach_m + step_m);
@@ -139,7 +138,7 @@ impl ContactQuery<'_> {
     fn max_travel_m(&self, obstacle: usize) -> f32 {
         let description = &self.layout.scenario.obstacles[obstacle];
         if description.motion.speed() == MotionSpeed::Variable {
-            // The length of its trajectory: the highest speed of many key frames would take long to find.
+            // The length of its trajectory in this step: the highest speed of many key frames would take long to find.
             return self.translation_m(obstacle).length() + MIN_ADVANCE_M;
         }
         let speed_m_s = description.max_speed_m_s();

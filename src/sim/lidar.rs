@@ -80,7 +80,7 @@ fn add_noise(lidar: &Lidar, stream: &mut Stream, ranges_m: &mut [f32]) {
     }
 }
 
-/// Queues the new scan and reports the one taken `steps` steps ago, or the episode's first scan until there is one.
+/// Queues the new scan and reports the one taken `steps` steps ago or, until there is one, the first scan after the reset.
 fn delay(steps: usize, scan: &mut Scan) {
     let new = (scan.sensor_pose, scan.ranges_m.clone());
     scan.delayed.push_back(new);

@@ -42,7 +42,7 @@ pub struct Bodies {
     pub scenario: Arc<Scenario>,
     /// The robot.
     pub robot: RigidBodyHandle,
-    /// The bodies of the scenario's obstacles, in the scenario's order; None for a static obstacle.
+    /// The bodies of the scenario's obstacles, in the scenario's order; `None` for a static obstacle.
     pub obstacles: Vec<Option<RigidBodyHandle>>,
     /// The bodies in `obstacles`, each with its index there.
     pub(super) moving: Vec<(RigidBodyHandle, usize)>,

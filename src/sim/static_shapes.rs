@@ -1,7 +1,8 @@
 //! The static shapes of a scenario in a grid, for ray casts and contacts in scenarios with many shapes.
 //!
 //! In: rapier's colliders of what never moves. Out: ranges along beams, and the shapes near a point. Arenas of the same scenario
-//! share one [`StaticShapes`], unless it generates many obstacles. The results equal those of testing every shape, bit for bit.
+//! share one [`StaticShapes`], unless the scenario generates many obstacles. The results equal those of testing every shape, bit
+//! for bit.
 
 use std::sync::Arc;
 
@@ -88,7 +89,7 @@ impl StaticShape {
 }
 
 impl StaticShapes {
-    /// The grid over the static colliders `solids`, for beams of up to `max_range_m`. None if a test of every shape is as fast.
+    /// The grid over the static colliders `solids`, for beams of up to `max_range_m`. `None` if a test of every shape is as fast.
     pub(super) fn new(
         colliders: &ColliderSet,
         solids: impl Iterator<Item = ColliderHandle>,

@@ -139,7 +139,7 @@ impl SimulationBuilder {
         let mut app = App::new();
         app.add_plugins(MinimalPlugins);
         self.add_to(&mut app);
-        // An app's runner does this before its first frame.
+        // As an app's runner does, up to and including the first frame.
         app.finish();
         app.cleanup();
         app.update();

@@ -38,7 +38,7 @@ pub struct ArenaState {
     /// The pedestrians. Checkpoints store them separately.
     #[serde(skip)]
     pub pedestrians: Pedestrians,
-    /// The seed of the generated obstacles and of the numbers drawn from ranges ([`ArenaLayout`](super::ArenaLayout)).
+    /// The seed of what varies by episode ([`ArenaLayout::layout_seed`](super::ArenaLayout::layout_seed)).
     pub layout_seed: u64,
     /// The scenario drawn from the [`ScenarioPool`](super::ScenarioPool), if there is one. Checkpoints store it separately.
     #[serde(skip)]

@@ -182,7 +182,7 @@ impl ScanMemory {
         }
     }
 
-    /// Leaves a fraction of the moving things that it will see out of predictions, until it forgets all scans. The choice
+    /// Makes predictions leave out a fraction of the moving things that the robot sees, until it forgets all scans. The choice
     /// depends on the stream's state and on the clock, but draws nothing from the stream, so that everything else is the same
     /// with and without dropout.
     fn drop_predictions(

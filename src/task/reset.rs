@@ -52,7 +52,7 @@ type ResetData = (
 /// The draw for an arena: a start, unless the robot stays where it is, and a goal.
 type StartAndGoalDraw = (Option<Pose>, Goal);
 
-/// `Draw`: draws a new goal; for a new episode also a new start, and a new layout if the scenario has generators or ranges.
+/// `Draw`: draws a new goal; for a new episode also a new start, and a new layout if layouts vary by episode.
 pub(super) fn draw(setup: Res<EpisodeSetup>, mut fault: ResMut<TaskFault>, mut arenas: Query<ResetData>) {
     for (arena, clock, mut layout, mut crowd, mut pose, mut twist, mut goal, mut episode, mut streams) in
         &mut arenas
@@ -101,8 +101,8 @@ pub(super) fn draw(setup: Res<EpisodeSetup>, mut fault: ResMut<TaskFault>, mut a
     }
 }
 
-/// The layout seed of a new episode. For generators it is drawn from `placement`. Ranges alone draw nothing from it, so that
-/// starts and goals are the same as without ranges: the seed is then a function of the stream's state and of the clock. The
+/// The layout seed of a new episode. For generators it is drawn from `placement`. Ranges and slip alone draw nothing from it, so
+/// that starts and goals are the same as without them: the seed is then a function of the stream's state and of the clock. The
 /// clock makes it change even if start and goal are fixed and nothing is drawn.
 fn layout_seed(written: &Scenario, clock: Clock, placement: &mut Stream) -> u64 {
     if !written.generators.is_empty() {

@@ -244,7 +244,7 @@ mod tests {
     }
 
     #[test]
-    fn eq_6_repulsion_increases_within_l_r_and_is_zero_beyond() {
+    fn eq_6_repulsion_is_quadratic_within_l_r_and_zero_beyond() {
         // 100 * (1 - 0.1/0.4)^2 / 2 = 28.125
         assert!((table_1().potential(0.0, 0.1).repulsion - 28.125).abs() < 1e-4);
         assert_eq!(table_1().potential(0.0, 0.4).repulsion, 0.0, "zero at l_r");

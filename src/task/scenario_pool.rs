@@ -159,9 +159,9 @@ impl ScenarioPool {
         let total: f64 = self.0.iter().map(|member| member.share).sum();
         let mut taken = vec![0_u32; self.0.len()];
         let next = |episode: usize| {
-            let owed = |k: usize| self.0[k].share / total * (episode + 1) as f64 - f64::from(taken[k]);
-            let most_owed = (0..taken.len()).reduce(|best, k| if owed(k) > owed(best) { k } else { best });
-            let member = most_owed.unwrap_or(0);
+            let deficit = |k: usize| self.0[k].share / total * (episode + 1) as f64 - f64::from(taken[k]);
+            let chosen = (0..taken.len()).reduce(|best, k| if deficit(k) > deficit(best) { k } else { best });
+            let member = chosen.unwrap_or(0);
             taken[member] += 1;
             member
         };

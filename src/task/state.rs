@@ -2,7 +2,7 @@
 //!
 //! In a control step, [`sim`](crate::sim) writes [`Pose`], [`Twist`] and [`Scan`], and `outcome.rs` writes [`Episode`].
 //! `reset.rs` draws new goals and starts, and begins new episodes. Positions are in the arena's frame, with the origin at the
-//! centre of the enclosure.
+//! centre of a rectangular enclosure.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, OnceLock};
@@ -23,8 +23,8 @@ pub struct Arena(pub usize);
 pub struct ArenaLayout {
     /// The scenario as written, with its generators instead of their obstacles.
     pub written: Arc<Scenario>,
-    /// The seed of the generated obstacles and of the values drawn from ranges; 0 if the scenario has neither generators nor
-    /// ranges.
+    /// The seed of the generated obstacles, of the values drawn from ranges and of random slip; 0 if the scenario has none of
+    /// these.
     pub layout_seed: u64,
     /// The scenario with the generated obstacles and the drawn values ([`Scenario::with_generated_obstacles`]).
     pub scenario: Arc<Scenario>,
@@ -55,8 +55,8 @@ impl ArenaLayout {
         }
     }
 
-    /// Replaces the generated obstacles and the drawn values by those of `layout_seed`. Does nothing if the scenario has neither
-    /// generators nor ranges.
+    /// Replaces the generated obstacles, the drawn values and the random slip by those of `layout_seed`. Does nothing if the
+    /// scenario has none of these.
     pub(crate) fn generate(&mut self, layout_seed: u64) {
         if self.written.varies_by_episode() {
             self.layout_seed = layout_seed;
@@ -207,7 +207,8 @@ pub struct Goal {
 #[derive(Component, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Pedestrians(pub Crowd);
 
-/// The control steps since the arena was spawned. The poses of all moving obstacles but pedestrians are a function of it.
+/// The number of control steps for which the arena has been simulated; a reset may set it. The poses of all moving obstacles but
+/// pedestrians are a function of it.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Clock(pub u64);
 
