@@ -71,7 +71,7 @@ mod frames {
         bencher.with_inputs(step).bench_local_values(|()| app.borrow_mut().frame(Duration::from_millis(16)));
     }
 
-    /// Includes control steps: 12 ms of them, and the rest of the last one.
+    /// Includes control steps: 12 ms of them, plus the rest of the step in progress.
     #[divan::bench(sample_count = 60)]
     fn one_arena_while_training_at_full_speed(bencher: Bencher) {
         let mut app = trained(2_000, StartOptions::default());

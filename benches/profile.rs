@@ -1,10 +1,10 @@
 //! Measures the time of each system set in a control step.
 //!
-//! `cargo bench --no-default-features --bench profile` prints nanoseconds per env step in Scenario I, for several
-//! numbers of arenas: without gradient steps, then with those of the default preset, and in two large scenarios. The
-//! numbers are means over control steps in which the arenas are at all stages of an episode. A system between two sets
-//! reads the clock, which takes about 40 ns and matters for one arena only. `Decide` includes the start of the
-//! schedule, `Reset` the check for faults.
+//! `cargo bench --no-default-features --bench profile` prints nanoseconds per env step: in Scenario I without gradient
+//! steps, for several numbers of arenas; in Scenario I with the gradient steps of the default preset; and in two large
+//! scenarios without gradient steps. The numbers are means over control steps in which the arenas are at all stages of
+//! an episode. A system between two sets reads the clock, which takes about 40 ns and matters only with one arena.
+//! `Decide` includes the start of the schedule, `Reset` the check for faults.
 
 #[path = "support/allocator.rs"]
 mod allocator;

@@ -1,4 +1,4 @@
-//! The time and memory of an env step and a gradient step, by the number of arenas and the size of the replay buffer.
+//! The time of an env step by the number of arenas, and of a gradient step by the size of the replay buffer; the memory of both.
 //!
 //! `cargo bench --no-default-features --bench scaling -- [SVG]` prints two tables. With a path, it also draws them. An env
 //! step here is a complete training step of the preset `fast` without gradient steps: forward pass, exploration, rapier,

@@ -1,4 +1,4 @@
-//! The time and env steps that a training run needs to reach 96 % and 99 % success, and the final success.
+//! The time and env steps that a training run needs to reach 96 % and 99 % success, and its final success rate.
 //!
 //! `cargo bench --no-default-features --bench skill -- [SEEDS] [PRESET:SCENARIO ...]`, by default 2 seeds of
 //! `fast:scenario-1 fast:scenario-2 per_d3qn:scenario-1`. Every seed is a complete run as with `--train`, with 500 episodes

@@ -81,11 +81,11 @@ fn headless(env_steps: u64) -> Result<bool, Box<dyn Error>> {
     let samples = Arc::new(Mutex::new(vec![Sample::now(began, 0, 0)]));
     let listener = {
         let samples = Arc::clone(&samples);
-        Box::new(move |status: &wayfield::run::progress::Progress| {
+        Box::new(move |progress: &wayfield::run::progress::Progress| {
             let mut samples = samples.lock().expect("not poisoned");
             let last = samples.last().map_or(0, |sample| sample.env_steps);
-            if status.env_steps >= last + (env_steps / 1000).max(1) {
-                samples.push(Sample::now(began, status.env_steps, 0));
+            if progress.env_steps >= last + (env_steps / 1000).max(1) {
+                samples.push(Sample::now(began, progress.env_steps, 0));
             }
         })
     };
@@ -189,17 +189,18 @@ mod window {
         Ok(passed && results.error_notices.is_empty())
     }
 
-    /// Takes 60 samples over the duration. At the end, saves the run and closes the window a few frames later.
+    /// Takes about 60 samples over the duration. At the end, saves the run, and closes the window once the run is saved or
+    /// [`SAVE_TIMEOUT`] has passed.
     fn watch(
         mut soak: ResMut<Soak>,
         shown: Res<Snapshot>,
         journal: Option<Res<Journal>>,
-        trainer: Option<Res<ActiveLearner>>,
+        learner: Option<Res<ActiveLearner>>,
         end: Res<End>,
         mut commands: MessageWriter<Command>,
         mut exit: MessageWriter<AppExit>,
     ) {
-        let (Some(journal), Some(trainer), Some((_, status))) = (journal, trainer, &shown.now) else {
+        let (Some(journal), Some(learner), Some((_, status))) = (journal, learner, &shown.now) else {
             return;
         };
         let soak = &mut *soak;
@@ -227,7 +228,7 @@ mod window {
             return;
         };
         if soak.run.join("checkpoint").exists() || since.elapsed() > SAVE_TIMEOUT {
-            let learner = &trainer.0;
+            let learner = &learner.0;
             *end.0.lock().expect("not poisoned") = Some(Results {
                 samples: soak.samples.clone(),
                 counts: [journal.steps, learner.env_steps(), learner.episodes(), learner.gradient_steps()],

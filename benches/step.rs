@@ -49,8 +49,8 @@ fn office(bencher: Bencher, arenas: usize) {
     control_step(bencher, &common::large_worlds::office(), arenas);
 }
 
-/// With the forward pass of the network of Table 1 (28-64-64, dueling). Its weights are untrained, which does not change the
-/// cost.
+/// With the forward pass of the network of the paper's Table 1 (28-64-64, dueling). Its weights are untrained, which does not
+/// change the cost.
 #[divan::bench(args = ARENAS)]
 fn with_greedy_agent(bencher: Bencher, arenas: usize) {
     let scenario = Arc::new(common::four_cylinders());

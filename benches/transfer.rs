@@ -1,4 +1,4 @@
-//! Transfer: the training time in Scenario II with and without a policy from Scenario I.
+//! Transfer: the training time in Scenario II when it starts from a policy of Scenario I, and from scratch.
 //!
 //! `cargo bench --no-default-features --bench transfer -- [SEEDS]`, by default 3 seeds. All runs use the default preset. Each
 //! seed trains for 20,000 env steps in Scenario I (about enough to succeed there; they are not counted). Then it trains
@@ -24,9 +24,9 @@ const ENV_STEPS: u64 = 50_000;
 /// Env steps between evaluations in Scenario II.
 const EVAL_INTERVAL: u64 = 1_000;
 const PRESET: &str = "fast";
-/// The success rates whose first env step is reported.
+/// The success rates for which the env steps to reach them are reported.
 const RATES: [f64; 3] = [0.8, 0.9, 0.95];
-/// The success rate whose wall time is reported.
+/// The success rate for which the wall time to reach it is reported.
 const TIMED_RATE: f64 = 0.95;
 /// The mean failure rate is taken over the evaluations up to these env steps.
 const FAILURE_HORIZONS: [u64; 2] = [20_000, ENV_STEPS];

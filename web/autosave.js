@@ -50,10 +50,11 @@ export async function keysInUse() {
 /// The result of a request or a transaction.
 const done = (request) => new Promise((resolve, reject) => {
     request.onsuccess = request.oncomplete = () => resolve(request.result);
-    request.onerror = request.onabort = () => reject(request.error ?? new Error('the browser has stopped it'));
+    request.onerror = request.onabort = () => reject(request.error ?? new Error('the browser has aborted the transaction'));
 });
 
-/// Calls `use` with the stores of notes and of files, and waits until the changes are stored.
+/// Calls `use` with the stores of notes (one per session, with its description) and of files, and waits until the changes
+/// are stored.
 async function withStores(mode, use) {
     const opening = indexedDB.open(DATABASE, 1);
     opening.onupgradeneeded = () => {
@@ -86,7 +87,7 @@ const removeAll = (keys) => withStores('readwrite', (notes, files) => {
     }
 });
 
-/// Looks for a session to offer, and deletes old ones. Without a database, there is none.
+/// Looks for a session to offer, and deletes old ones. Without a database, none is offered.
 export async function find() {
     try {
         const key = sessionStorage.getItem(CONTINUE_KEY);
@@ -160,7 +161,7 @@ export async function store(noteJson) {
     nextStored = withResolvers();
 }
 
-/// Asks the app to save, and waits up to `MAX_WAIT_MS` until that is stored.
+/// Asks the app to save, and waits until the autosave is stored, but at most for `MAX_WAIT_MS`.
 export async function saveNow(app) {
     if (app?.save_soon === undefined) return;
     const stored = nextStored.promise;

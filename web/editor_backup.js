@@ -1,4 +1,5 @@
-// Backups of the scenario editor in the browser's storage: a closed tab or a crash loses a few seconds of unsaved changes.
+// Backups of the scenario editor in the browser's storage: a closed tab or a crash loses only the last seconds of unsaved
+// changes.
 // In: the changes, as text from the app. Out: the newest backup that no open tab uses, to be restored.
 
 import { keysInUse, lock, newKey } from './autosave.js';
@@ -19,7 +20,7 @@ function stored() {
     return keys.map(read).sort((a, b) => b.savedMs - a.savedMs);
 }
 
-/// Looks for a backup to offer, and deletes old ones. If storage is disabled, there is none.
+/// Looks for a backup to offer, and deletes old ones. If storage is disabled, none is offered.
 export async function find() {
     try {
         const inUse = await keysInUse();

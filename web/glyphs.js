@@ -22,8 +22,7 @@ const LINES = ['', 'BL', 'RB', 'RL', 'TR', 'TR BL', 'TB', 'TL', 'LT', 'BT', 'LT 
 const canvas = document.createElement('canvas');
 const pen = canvas.getContext('2d', { willReadFrequently: true });
 
-/// Whether the browser returns the pixels that were drawn. Some browsers alter them to prevent
-/// fingerprinting.
+/// Whether the browser returns the pixels that were drawn. Some browsers alter them to prevent fingerprinting.
 export function canTrace() {
     canvas.width = canvas.height = 2;
     pen.fillRect(0, 0, 1, 2);
@@ -33,7 +32,7 @@ export function canTrace() {
 
 /// Draws a character and traces it: `advance` is its width and `outlines` are its closed polygons, in units of the em.
 export function trace(character) {
-    // A combining mark gets a space to combine with. An emoji is drawn in one colour if the system has such a font.
+    // A combining mark gets a space to combine with. U+FE0E asks for an emoji in one colour.
     const isMark = /\p{M}/u.test(character);
     const text = (isMark ? '\u00a0' : '') + character + (/\p{Extended_Pictographic}/u.test(character) ? '\ufe0e' : '');
     const font = `${EM}px sans-serif`;

@@ -60,7 +60,7 @@ canvas.addEventListener('webglcontextlost', async () => {
 let app;
 let hasFailed = false;
 
-/// Passes the files that the user has chosen or dropped to the app, all in one frame: a map needs its image.
+/// Passes to the app the files that the user has chosen or dropped, all in one frame: a map needs its image.
 async function openUserFiles(files) {
     if (document.body.dataset.state !== 'started') return;
     // One byte more than the largest policy. The app reports what is wrong with a larger or unreadable file.

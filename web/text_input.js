@@ -1,6 +1,6 @@
 // Text input by an input method (Japanese, Chinese, ...), an emoji picker or a virtual keyboard. Browsers offer these only
-// in text elements. So while the app edits text, a hidden element has the focus: it passes keys on to the canvas, and
-// composed text to the app.
+// in text elements. So while the app edits text, an invisible text field has the focus: it passes keys on to the canvas,
+// and composed text to the app.
 // In: where the app edits text. Out: keys for the canvas; calls of `compose_text` and `insert_text` of the app.
 
 /// A copy of a key event with the fields that the canvas reads.
@@ -13,8 +13,9 @@ const keyCopy = (event) => {
 /// Whether an input method handles the key. The app must not see such a key.
 const isComposed = (event) => event.isComposing || event.keyCode === 229 || event.key === 'Dead';
 
-/// Connects `field`, a hidden text field, with `canvas`. `app` returns the functions of the app. Returns a function that moves
-/// the field to the text cursor, given by its left, top and height in CSS pixels; undefined if no text is edited.
+/// Connects `field`, the invisible text field, with `canvas`. `app` returns the functions of the app. Returns a function that
+/// moves the field to the text cursor. Its argument is the cursor's left, top and height in CSS pixels, or undefined if no text
+/// is edited.
 export function connect(field, canvas, app) {
     let isEditing = false;
 

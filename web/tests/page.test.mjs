@@ -7,8 +7,8 @@ import { test } from 'node:test';
 import { pathToFileURL } from 'node:url';
 import { brotliCompressSync, constants } from 'node:zlib';
 import {
-    SOFTWARE_GPU, canBeHidden, centre, click, closeWithoutErrors, file, launch, open, ownScenario, pageUnderTest, picture, press,
-    status, until,
+    SOFTWARE_GPU, canBeHidden, centre, click, closeWithoutErrors, file, isShown, launch, open, ownScenario, pageUnderTest, picture,
+    press, status, until,
 } from './support.mjs';
 
 const app = pageUnderTest();
@@ -50,12 +50,12 @@ test('the page draws on a screen with more pixels than the largest texture of th
     const options = { viewport: { width: 1500, height: 300 }, deviceScaleFactor: 6 };
     const page = await open(app.browser, app.address, { options });
     await until(page, (now) => now.frames > 20, 120);
-    const { width, drawn, shown } = await page.evaluate(() => {
+    const { width, maxSide, shown } = await page.evaluate(() => {
         const canvas = document.querySelector('canvas');
         const gl = document.createElement('canvas').getContext('webgl2');
-        return { width: canvas.width, drawn: gl.getParameter(gl.MAX_TEXTURE_SIZE), shown: canvas.getBoundingClientRect().width };
+        return { width: canvas.width, maxSide: gl.getParameter(gl.MAX_TEXTURE_SIZE), shown: canvas.getBoundingClientRect().width };
     });
-    assert.ok(width <= drawn, `${width} pixels, at most ${drawn}`);
+    assert.ok(width <= maxSide, `${width} pixels, at most ${maxSide}`);
     assert.ok(Math.abs(shown - 1500) < 2, `${shown} of 1500 points`);
     await closeWithoutErrors(page);
 });
@@ -121,7 +121,7 @@ test('the address selects scenario, preset, seed and pace', async () => {
     await closeWithoutErrors(page);
 });
 
-test('a scenario selected with the mouse can continue or restart training, and the address is updated', async () => {
+test('training can continue or restart in a scenario selected with the mouse, and the address is updated', async () => {
     const page = await open(app.browser, `${app.address}?seed=5`, { options: TALL });
     await until(page, (now) => now.env_steps > 0);
     await click(page, 'Scenario');
@@ -414,9 +414,11 @@ test('the app takes only its own shortcuts from the browser, and the view is res
     await click(page, 'Plots panel');
     await page.waitForFunction(() => localStorage.getItem('wayfield: preferences')?.includes('plots_open: false'));
     await page.reload();
-    await until(page, (now) => now.frames > 5);
+    // In the plots panel, Export would be enabled after the first episode.
+    await until(page, (now) => now.episodes > 0);
+    await centre(page, 'Plots panel');
     await picture(page, 'without-plots');
-    assert.match(await page.evaluate(() => localStorage.getItem('wayfield: preferences')), /plots_open: false/);
+    assert.equal(await isShown(page, 'Export'), false, 'the plots panel stays closed');
     await closeWithoutErrors(page);
 });
 

@@ -43,7 +43,8 @@ export const SOFTWARE_GPU = ['--use-gl=angle', '--use-angle=swiftshader', '--ena
 export const launch = (gpu = SOFTWARE_GPU) =>
     chromium.launch({ executablePath: WAYFIELD_CHROMIUM, args: [...FLAGS, ...gpu] });
 
-/// Serves the page and launches a browser while the tests of a file run. Returns an object that has `address` and `browser` then.
+/// Serves the page and launches a browser while the tests of a file run. Returns an object whose `address` and `browser` are set
+/// before the first test.
 export function pageUnderTest() {
     const tested = {};
     let close;
@@ -119,7 +120,8 @@ export async function centre(page, name, seconds = 30) {
     }
 }
 
-/// Whether a control or arena object with this accessible name is displayed and enabled.
+/// Whether a control or arena object with this accessible name is displayed and enabled. Call `centre` for another control first:
+/// the app knows no names before the frame after the first request.
 export const isShown = (page, name) => page.evaluate((name) => wayfieldPage.app.control(name) !== undefined, name);
 
 /// Asserts that what `page` has stored is offered by the button `name` in another tab only after `page` is closed, and can be
@@ -128,6 +130,7 @@ export async function offeredOnlyOnceClosed(app, page, name) {
     const other = await page.context().newPage();
     await other.goto(`${app.address}?paused`);
     await until(other, (now) => now.paused);
+    await centre(other, 'Run');
     await other.waitForTimeout(2000);
     assert.equal(await isShown(other, name), false);
     await page.close();
