@@ -1,6 +1,6 @@
 //! A custom reward term, added by a plugin: a penalty for turning, logged like the paper's own terms.
 //!
-//! `cargo run --release --no-default-features --example custom_reward -- FOLDER`
+//! `cargo run --release --no-default-features --example custom_reward -- [FOLDER]`
 
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;

@@ -2,7 +2,7 @@
 //!
 //! The policy file records the sensor. Evaluation works with the same plugin and fails without it.
 //!
-//! `cargo run --release --no-default-features --example custom_sensor -- FOLDER`
+//! `cargo run --release --no-default-features --example custom_sensor -- [FOLDER]`
 
 use std::path::PathBuf;
 use std::sync::Arc;

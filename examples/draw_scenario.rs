@@ -1,6 +1,6 @@
 //! A scenario, parsed from text, checked, and drawn as an image.
 //!
-//! `cargo run --release --no-default-features --example draw_scenario -- FILE.svg`
+//! `cargo run --release --no-default-features --example draw_scenario -- [FILE.svg]`
 
 use std::path::PathBuf;
 

@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         100.0 * result.timeout_rate,
         result.mean_time_s.unwrap_or(f64::NAN)
     );
-    // One record per episode, as in the file of `--eval --csv`.
+    // One record per episode, as in the file of `--eval --csv`. 0 threads: one per core.
     let shortest_m = shortest_paths_m(&scenario, &episodes, 0);
     let records = episodes.iter().zip(shortest_m).enumerate().map(|(index, (episode, shortest_m))| {
         EpisodeRecord::new("scenario-1", index + 1, episode, &scenario, shortest_m, None)

@@ -1,6 +1,7 @@
 """Scenario I in ir-sim (``pip install ir-sim``), as a gymnasium.Env: the same enclosure, obstacles, motions, LIDAR and rewards.
 
-One difference: the robot's radius is 0.105 m here and 0.1 m in wayfield.
+Two differences: the robot's radius is 0.105 m here and 0.1 m in wayfield, and the first beam points backwards here and straight
+ahead in wayfield.
 """
 
 import tempfile

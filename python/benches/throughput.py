@@ -7,8 +7,8 @@ batched port of Scenario I without physics: kinematics, exact ray casting of 24 
 reward, and resets. "numpy, one robot" is the same port with one robot as a gymnasium.Env. All environments with one robot are
 wrapped in Gymnasium's RecordEpisodeStatistics, which collects the same statistics as SB3's Monitor. "ir-sim, one robot" is
 Scenario I in ir-sim (irsim_env.py), if ir-sim is installed. Each ratio is one of two rates of the same round; the table has the
-median over the rounds. The overhead of a call is the median difference between 100 steps from Python and the 100 native steps
-before them.
+median over the rounds. The overhead of a call is a hundredth of the median difference between the times of 100 steps from Python
+and of the 100 native steps before them.
 """
 
 import argparse
@@ -141,7 +141,7 @@ class NumpyEnv(gymnasium.Env):
 
 
 def rate_of(step, actions: np.ndarray, seconds: float) -> float:
-    """Env steps per second of ``step``, called with rows of ``actions``."""
+    """Env steps per CPU second of ``step``, called with rows of ``actions``."""
     for row in actions[:200]:
         step(row)
     done, began = 0, time.process_time()
@@ -167,7 +167,7 @@ def vector_step(envs: gymnasium.vector.VectorEnv) -> Callable[[np.ndarray], None
 
 
 def native_rate(envs: wayfield.NavigationVectorEnv, steps: int) -> float:
-    """Env steps per second of ``envs``, stepped without Python."""
+    """Env steps per CPU second of ``envs``, stepped without Python."""
     native = envs.unwrapped._native
     _native.benchmark(native, 200)
     began = time.process_time()
@@ -203,7 +203,7 @@ def overhead_us(envs: wayfield.NavigationVectorEnv, actions: np.ndarray, blocks:
 
 
 def measurements(seconds: float) -> dict[str, Callable[[], float]]:
-    """What is measured, by name: functions that return env steps per second."""
+    """What is measured, by name: functions that return env steps per CPU second."""
     centres = np.array([(0.6, 0.6), (-0.6, 0.6), (-0.6, -0.6), (0.6, -0.6)])
     rng = np.random.default_rng(1)
     many, one = rng.integers(0, 5, (1000, 64)), rng.integers(0, 5, (1000, 1))
@@ -230,7 +230,7 @@ def measurements(seconds: float) -> dict[str, Callable[[], float]]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument(
-        "--seconds", type=float, default=2.0, help="CPU seconds per measurement (native: 5,000 control steps for each)"
+        "--seconds", type=float, default=2.0, help="CPU seconds per measurement; a native one takes 5,000 steps for each"
     )
     parser.add_argument("--rounds", type=int, default=5)
     options = parser.parse_args()

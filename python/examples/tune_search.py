@@ -1,4 +1,4 @@
-"""Searches for settings with Ray Tune, with Optuna's search algorithm, on all nodes of a cluster:
+"""Searches for settings with Ray Tune and Optuna's search algorithm, on all nodes of a cluster:
 
     pip install './python[sweep]'
     python python/examples/tune_search.py
@@ -31,7 +31,7 @@ def trial(settings: dict) -> dict:
 
 if __name__ == "__main__":
     config = tune.TuneConfig(metric="mean_cost_s", mode="min", search_alg=OptunaSearch(seed=1), num_samples=20)
-    # On several nodes, Ray needs a folder here that all of them can reach.
+    # With several nodes, `storage_path` must be a folder that all of them can reach.
     run_config = tune.RunConfig(name="fast", storage_path=str(Path("tune").absolute()))
     best = tune.Tuner(trial, param_space=SPACE, tune_config=config, run_config=run_config).fit().get_best_result()
     print(f"the best trial has a mean cost of {best.metrics['mean_cost_s']:.2f} s: {best.config}")

@@ -62,7 +62,8 @@ class WatchedPool(RayPool):
 
 
 def compare(ours: Path, theirs: Path) -> tuple[int, list[str]]:
-    """Compares the files of ``theirs``. Returns their number, and those that differ. In pages, ignores the line with the time."""
+    """Compares the files in ``theirs`` with those in ``ours``. Returns the number of files compared, and the paths of those that
+    differ. In pages, ignores the line with the time."""
 
     def contents(path: Path) -> list[bytes]:
         lines = path.read_bytes().splitlines()

@@ -1,4 +1,4 @@
-"""The promises of wayfield.cluster, without Ray: which tasks there are, what they return, and what is not repeated."""
+"""Tests of wayfield.cluster without Ray: which tasks there are, what they return, and what is not repeated."""
 
 import json
 import subprocess
@@ -34,7 +34,7 @@ SMALL = {"steps": 1_000, "set": {"learning.network.hidden": [16], "arenas": 4}}
 
 
 class OneProcess:
-    """A pool that does one task after the other in this process. With ``stop_after``, it fails after so many tasks."""
+    """A pool that does one task after the other in this process. With ``stop_after``, it fails after that many tasks."""
 
     parallel = 1
 
@@ -112,17 +112,18 @@ def test_a_run_waits_for_the_run_that_it_starts_from(folder):
     reproduce(pool)
     first_stages = [name for name in pool.names if "empty" in name]
     configs = {name: (folder / f"report/runs/{name}/config.ron").read_text() for name in pool.names}
-    for name, text in configs.items():
-        origins = [origin for origin in first_stages if f'policy: "{origin}/' in text]
-        assert all(pool.names.index(origin) < pool.names.index(name) for origin in origins)
+    pairs = [(origin, name) for name, text in configs.items() for origin in first_stages if f'policy: "{origin}/' in text]
+    assert len(pairs) == 2, "one per seed"
+    assert all(pool.names.index(origin) < pool.names.index(name) for origin, name in pairs)
     assert sum("/policy-after-" in text for text in configs.values()) == 2
 
 
-def test_a_damaged_or_partial_run_is_done_again(folder):
+@pytest.mark.parametrize("damage", [lambda path: path.unlink(), lambda path: path.write_text("{")])
+def test_a_damaged_or_partial_run_is_done_again(folder, damage):
     reproduce(OneProcess())
     before = files(folder / "report")
     run = next((folder / "report/runs").glob("*empty*"))
-    (run / "summary.json").unlink()
+    damage(run / "summary.json")
     pool = OneProcess()
     reproduce(pool)
     assert pool.names == [run.name]

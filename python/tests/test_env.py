@@ -1,7 +1,11 @@
 """Tests of the environments."""
 
 import copy
+import math
 import pickle
+import sys
+import threading
+import time
 
 import gymnasium
 import numpy as np
@@ -131,15 +135,18 @@ def test_an_ended_environment_must_be_reset_if_autoreset_is_off():
 def test_in_the_continuing_task_the_robot_drives_on_from_its_goal():
     envs = gymnasium.make_vec(ENV, num_envs=32, scenario=SMALL, task="continuing", autoreset_mode="SameStep")
     envs.reset(seed=5)
+    goals = [envs.state(k)["goal"] for k in range(32)]
     rng, reached = np.random.default_rng(2), 0
     for _ in range(300):
-        *_, info = envs.step(rng.integers(0, 5, 32))
-        done = info.get("final_info", {"is_success": np.zeros(32, bool)})["is_success"]
-        for k in np.flatnonzero(done):
-            x, y, _ = envs.state(k)["pose"]
-            reached += 1
-            assert envs.state(k)["episode_steps"] > 0, "the episode goes on"
-            assert abs(x) <= 1 and abs(y) <= 1
+        _, _, terminated, truncated, info = envs.step(rng.integers(0, 5, 32))
+        for k in np.flatnonzero(terminated | truncated):
+            state = envs.state(k)
+            if info["final_info"]["is_success"][k]:
+                reached += 1
+                assert state["episode_steps"] > 0, "the time limit is not restarted"
+                assert math.dist(state["pose"][:2], goals[k]) < 0.201, "the robot is still within the radius of the old goal"
+                assert state["goal"] != goals[k]
+            goals[k] = state["goal"]
     assert reached > 0
 
 
@@ -160,6 +167,7 @@ def test_the_reward_can_be_changed_by_preset_and_by_field():
 
     assert reward(set={"reward.kind": "Traditional"}) == 0.0
     assert reward(preset="per_d3qn") == reward()
+    assert reward(preset="(reward: (mu: 50.0, sigma: 50.0))") == pytest.approx(reward() / 2, rel=1e-4)
     with pytest.raises(FileNotFoundError, match="did you mean `fast`"):
         reward(preset="fsat")
     assert reward(set={"reward.mu": 50, "reward.sigma": 50.0}) == pytest.approx(reward() / 2, rel=1e-4)
@@ -230,8 +238,6 @@ def test_errors_are_python_exceptions_with_the_messages_of_the_command_line(tmp_
 
 
 def test_other_threads_run_during_a_step():
-    import threading
-
     envs = gymnasium.make_vec(ENV, num_envs=2048, scenario="hall")
     envs.reset(seed=1)
     turns, stop = [0], threading.Event()
@@ -242,11 +248,19 @@ def test_other_threads_run_during_a_step():
 
     thread = threading.Thread(target=count)
     thread.start()
-    before = turns[0]
-    envs.step(np.zeros(2048, np.int64))
-    during = turns[0] - before
-    stop.set()
-    thread.join()
+    interval_s = sys.getswitchinterval()
+    # Longer than the step, so that the other thread runs during the step only if the step releases the GIL.
+    sys.setswitchinterval(0.5)
+    try:
+        # Ends the other thread's last wait with the old interval.
+        time.sleep(0.01)
+        before = turns[0]
+        envs.step(np.zeros(2048, np.int64))
+        during = turns[0] - before
+    finally:
+        stop.set()
+        sys.setswitchinterval(interval_s)
+        thread.join()
     assert during > 1000, f"{during} turns of the other thread"
 
 

@@ -6,7 +6,7 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
-#: Observations (envs x width), rewards, terminated, truncated, and the rest.
+#: Observations (envs x width), rewards, terminated, truncated, and the details for ``info``.
 _Stepped = tuple[NDArray[np.float32], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], StepDetails]
 
 @final
@@ -38,7 +38,7 @@ class NativeEnv:
 
 @final
 class StepDetails:
-    """What a step did: the contents of ``info``, made when they are asked for."""
+    """The details of a step: makes the contents of ``info`` when they are asked for."""
 
     def info(self) -> dict[str, Any]: ...
 

@@ -5,12 +5,12 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-#: The seconds between two lines if stderr is not a terminal.
+#: The seconds between two lines if stderr is neither a terminal nor a notebook.
 _PLAIN_INTERVAL_S = 10.0
 
 
 class ProgressLine:
-    """Calls the user's callback, and shows the progress on stderr: one line that is rewritten, or every few seconds a new line if
+    """Calls the user's callback, and shows the progress on stderr: one line that is rewritten, or a new line every ten seconds if
     stderr is neither a terminal nor a notebook."""
 
     def __init__(self, callback: Callable[[dict[str, Any]], Any] | None, show: bool) -> None:

@@ -23,7 +23,7 @@ class RayPool:
         except ImportError as error:
             raise ImportError("Ray is not installed; help: pip install 'wayfield[cluster]', or pip install ray") from error
         if cpus < 1 or retries < 0:
-            raise ValueError(f"cpus={cpus}, retries={retries}; help: give at least 1 CPU and 0 retries")
+            raise ValueError(f"cpus={cpus}, retries={retries}; help: give 1 or more cpus, and 0 or more retries")
         self._ray: Any = ray
         self._cpus, self._retries = cpus, retries
         self._names: dict[Hashable, str] = {}

@@ -1,4 +1,4 @@
-"""The work that the processes of a cluster do. It needs no files but wayfield's, and leaves none."""
+"""The work that the processes of a cluster do. It needs no files except the installed package, and leaves none behind."""
 
 import os
 import tempfile

@@ -63,11 +63,11 @@ def reproduce(
         only: Names of figures, tables or experiments; none for all.
         seeds: The number of seeds, or a list of them; None for the experiments' own.
         set: Fields of presets and scenarios with other values, as in ``wayfield.train``.
-        quick: Whether to make a rough report in a minute.
+        quick: Whether to make a rough report, with a tenth of the training and tests, and at most two seeds.
         out: The folder of the report; None for that of the command line.
-        cpus: The number of CPUs for a training run. It changes no result.
-        retries: How many times a training run is repeated after its node was lost.
-        progress: Whether to show the finished runs on stderr.
+        cpus: The number of CPUs for each task. It changes no result.
+        retries: How many times a task is repeated after its node or its process was lost.
+        progress: Whether to show the finished tasks on stderr.
         pool: The pool of processes to use instead of Ray's.
 
     Raises:
@@ -105,8 +105,8 @@ def sweep(
     """Trains with many settings, each as a task on the cluster.
 
     Args:
-        runs: The options of each training run, those of ``wayfield.train`` that change its result: ``{"seed": 3, "set":
-            {"learning.gamma": 0.97}}``.
+        runs: The options of each training run, such as ``{"seed": 3, "set": {"learning.gamma": 0.97}}``: those of
+            ``wayfield.train`` that change its result.
         out: The folder for the run folders. They have no checkpoints, so ``wayfield.resume`` cannot continue them.
         cpus, retries, progress, pool: As for ``reproduce``.
 
@@ -146,8 +146,8 @@ def evaluate(
     """Tests many policies or classical drivers, or one in many scenarios, each as a task on the cluster.
 
     Args:
-        cases: The options of each test, those of ``wayfield.evaluate`` with one policy or driver and without a trace:
-            ``{"policy": "runs/a/policy.safetensors", "scenario": "hall"}``.
+        cases: The options of each test, such as ``{"policy": "runs/a/policy.safetensors", "scenario": "hall"}``: those of
+            ``wayfield.evaluate`` in one scenario, with one policy or classical driver, without ``trace``.
         out: The folder for the results, a JSON file each.
         cpus, retries, progress, pool: As for ``reproduce``.
 

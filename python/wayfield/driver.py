@@ -82,6 +82,6 @@ class Driver:
 
     @property
     def observation(self) -> np.ndarray:
-        """The policy's observation in the last call of ``act``: float32, (width,). If the policy observes by sectors, this
-        is the input ``observation`` of its ONNX file. All zeros before the first call of an episode."""
+        """The policy's observation in the last call of ``act``: float32, (width,). If the policy observes by sectors
+        (docs/algorithm.md), this is the input ``observation`` of its ONNX file. All zeros before the first call of an episode."""
         return self._native.observation

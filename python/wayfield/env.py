@@ -31,8 +31,9 @@ class NavigationEnv(gymnasium.Env):
         scenario: A shipped scenario by name (``wayfield.scenarios()``), a file's path, or the text of a RON file; also a set,
             from which each episode draws a scenario.
         task: ``"navigation"``: a reached goal ends the episode, and the next one starts elsewhere. ``"continuing"``: the
-            next episode starts where the robot is, with a new goal; only a collision or the time limit moves the robot.
-            wayfield's own learner trains on this task.
+            next episode starts where the robot is, with a new goal and with the steps that are left of the time limit. The
+            robot is moved only after a collision, at the time limit, or if no new goal is far enough from it. wayfield's own
+            learner trains on this task.
         observation: ``"scaled"`` or ``"raw"``; None takes the preset's.
         actions: ``"discrete"`` or ``"continuous"``.
         preset: A training preset (``wayfield.presets()``, a path or RON text), whose reward and observation are used.
@@ -70,7 +71,7 @@ class NavigationEnv(gymnasium.Env):
         self._is_reset = False
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
-        """Starts an episode. With a seed, its random numbers are those of Rust's ``VecEnv::reset(seed)``; without one, they
+        """Starts an episode. With a seed, its random numbers are those after Rust's ``VecEnv::reset(seed)``; without one, they
         continue the sequence of the previous episodes, and the first reset draws a seed.
 
         Returns:
@@ -87,6 +88,10 @@ class NavigationEnv(gymnasium.Env):
 
         Returns:
             Observation, reward, terminated, truncated, info.
+
+        Raises:
+            RuntimeError: The environment was not reset, or its episode has ended.
+            ValueError: The action is out of range, or the motion is not finite or has the wrong shape.
         """
         if not self._is_reset:
             raise RuntimeError("the environment was not reset; help: call reset() before step()")
@@ -103,6 +108,6 @@ class NavigationEnv(gymnasium.Env):
 
     @property
     def state(self) -> dict[str, Any]:
-        """The state: ``pose`` (m, m, rad), ``velocity`` (m/s, rad/s), ``goal`` (m, m), ``ranges`` (m), ``clock`` and
-        ``episode_steps`` (control steps)."""
+        """The state: ``pose`` (m, m, rad), ``velocity`` (m/s, rad/s), ``goal`` (m, m), ``ranges`` (m), ``clock``
+        (control steps since the last reset with a seed) and ``episode_steps`` (control steps)."""
         return self._native.state(0)

@@ -20,7 +20,7 @@ _PolicyLike = Policy | str | os.PathLike[str]
 
 @dataclass(frozen=True)
 class Evaluation:
-    """The results of a policy or a driver over episodes: the numbers of ``wayfield --eval --json``.
+    """The results of a policy, a classical driver or a function over episodes: the numbers of ``wayfield --eval --json``.
 
     Attributes:
         driver_class: What it may perceive (docs/drivers.md): "A" (all policies without a map), "B" or "C".
@@ -29,7 +29,7 @@ class Evaluation:
         success_rate, collision_rate, timeout_rate: Fractions of the episodes, 0 to 1.
         success_interval, collision_interval, timeout_interval: Their 95 % confidence intervals.
         mean_time_s: The mean simulated time of the successful episodes in s; None without one.
-        spl: The mean success weighted by path length, 0 to 1.
+        spl: The mean success weighted by path length (docs/command-line.md), 0 to 1.
         mean_cost_s: The mean time of all episodes in s, where a failed one counts as the whole time limit.
         optimum_mean_time_s, time_ratio: With ``optimum=True``, the planner's mean time in s, and the policy's divided by it,
             over the successful episodes in which the planner found a path; None without one.
@@ -143,11 +143,11 @@ def evaluate(
         seed: The seed of starts and goals. Equal seeds give equal episodes.
         benchmark_route: Drive the scenario's benchmark route in every episode.
         optimum: Also compute the optimal times, which may take seconds per episode in large scenarios.
-        trace: A file of JSON lines, with every control step: the file of ``wayfield --eval --trace``. Episodes then run one
-            after the other, with the same results.
+        trace: A file to which every control step is written, as JSON lines: the file of ``wayfield --eval --trace``. Episodes
+            then run one after the other, with the same results.
 
     Returns:
-        The results, for a suite by families; for a list, a list in the same order.
+        The results; with ``suite``, those of its families; for a list of policies, a list in the same order.
 
     Warns:
         UserWarning: The scenario differs from the one used in training.

@@ -38,7 +38,8 @@ def import_scenario(
     robot: str | os.PathLike[str] | None = None,
     set: Mapping[str, Any] | None = None,
 ) -> ImportedScenario:
-    """Makes a scenario from a ROS map, an image, a Gazebo world or a BARN world, like ``wayfield --import``.
+    """Makes a scenario from a ROS map, an image, a Gazebo world, a world of the BARN data set, or a stage of turtlebot3_drlnav,
+    like ``wayfield --import`` (docs/import.md).
 
     Args:
         path: The file: .yaml, .png, .pgm, .world, .sdf or .json.
@@ -47,8 +48,9 @@ def import_scenario(
         specks: Connected occupied or unknown parts of up to this many cells of a map become floor.
         lidar_height: The height, in m, at which the shapes of an SDF world are cut.
         models: Folders with the models that an SDF world includes.
-        world: The number of the world in a file of BARN worlds.
-        robot: A scenario whose robot, LIDAR and rules are used.
+        world: The number of the world or stage in a .json file.
+        robot: A scenario whose robot, LIDAR and rules are used; None for those of Scenario I. BARN worlds and stages have
+            their own (docs/import.md), unless ``robot`` or ``set`` is given.
         set: Fields of that scenario with other values, as in ``train``.
 
     Raises:

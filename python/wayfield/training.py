@@ -16,7 +16,7 @@ from ._progress import ProgressLine
 from ._settings import pairs
 from .policy import Policy
 
-#: A callback: gets the progress every 0.1 s, and stops the run by returning False.
+#: A function that gets the progress every 0.1 s, and stops the run by returning False.
 Callback = Callable[[dict[str, Any]], Any]
 
 
@@ -97,7 +97,7 @@ def train(
         steps: The budget in env steps over all arenas; None for the preset's.
         episodes: The budget in episodes, in place of ``steps``.
         arenas: The number of parallel robots; None for the preset's.
-        out: The run folder, a new one; None for ``runs/<scenario>-<preset>-<seed>``.
+        out: The run folder, a new one; None for ``runs/<scenario>-<preset>-<seed>``, with a number appended if that exists.
         init: A policy whose weights the run starts from (transfer).
         epsilon: With ``init``, the initial probability of a random action, 0 to 1.
         callback: Called every 0.1 s with ``episodes``, ``env_steps``, ``gradient_steps``, ``mean_return``, ``success_rate`` (of

@@ -77,7 +77,8 @@ class NavigationVectorEnv(VectorEnv):
             All observations, float32, (num_envs, width), and an empty dict.
 
         Raises:
-            RuntimeError: a mask leaves out environments that have never been reset.
+            RuntimeError: The mask leaves out environments that have never been reset.
+            ValueError: The mask is not a bool array of the shape (num_envs,).
         """
         if seed is not None:
             super().reset(seed=seed)
@@ -100,8 +101,8 @@ class NavigationVectorEnv(VectorEnv):
             Observations (float32), rewards (float64), terminated and truncated (bool), info. The arrays are newly allocated.
 
         Raises:
-            RuntimeError: the environments have not been reset.
-            ValueError: an action does not exist or is not a number, or the shape is wrong.
+            RuntimeError: The environments have not been reset or, with ``DISABLED``, an episode has ended and was not reset.
+            ValueError: An action is out of range, a motion is not finite, or the shape is wrong.
         """
         if not self._is_reset:
             raise RuntimeError("the environments were not reset; help: call reset() before step()")
