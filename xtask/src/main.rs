@@ -63,7 +63,7 @@ fn steps(command: &str) -> Option<Vec<Step<'static>>> {
             cargo("test --release -p wayfield --test cli_export what_cannot_be_exported", RENEW),
             cargo("test --release -p wayfield --test cli_check faults_of_every_kind", RENEW),
         ],
-        "snapshots" => vec![cargo("test --release -p wayfield --test app_statuss", UPDATE)],
+        "snapshots" => vec![cargo("test --release -p wayfield --test app_snapshots", UPDATE)],
         "images" => images(),
         "ci" => vec![Step { program: "bash", arguments: vec![".ci/run".into()], variables: &[] }],
         _ => return None,
