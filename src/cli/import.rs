@@ -26,7 +26,7 @@ pub struct ImportArgs {
     pub resolution: Option<f64>,
 
     /// How far the walls may be from the cells of a map, in m; with 0, every cell is kept [default: the side of a cell plus
-    /// 0.01, half the thickness of a wall]
+    /// 0.01]
     #[arg(long, value_name = "M", value_parser = values::metres(TOLERANCE_M), allow_negative_numbers = true)]
     tolerance: Option<f64>,
 

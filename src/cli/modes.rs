@@ -18,7 +18,7 @@ pub struct ModeArgs {
 
     /// Test policies (files, or shipped ones by name) and classical drivers (field, dwa, dwa-cv, grid-dwa, astar-dwa,
     /// astar, orca, or RON files) over rounds of episodes that they have not been trained on; all drive the same episodes
-    /// and act greedily. With POLICY+map, the policy builds a map and drives to waypoints on a path planned in it (class B)
+    /// and act greedily. With POLICY+map, the policy builds a map and drives to waypoints on a path planned in it
     #[arg(long, value_name = "POLICY", num_args = 1..)]
     pub eval: Vec<PathBuf>,
 

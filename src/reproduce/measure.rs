@@ -11,10 +11,10 @@ pub enum Measure {
     BenchmarkRouteTime,
     /// The mean time of all test episodes, in s; a failed episode counts as the time limit.
     MeanTime,
-    /// The time of the successful test episodes over the planner's time for the same episodes; if the planner's paths are
+    /// The time of the successful test episodes divided by the planner's time for the same episodes; if the planner's paths are
     /// optimal, 1 is optimal.
     TimeRatio,
-    /// The time of the successful test episodes over the proven lower bounds for the same episodes. The ratio to the
+    /// The time of the successful test episodes divided by the proven lower bounds for the same episodes. The ratio to the
     /// true optimum lies between this and [`TimeRatio`](Self::TimeRatio).
     BoundRatio,
     /// The success rate in the evaluations during training, in percent: at a point between two evaluations, the value that the

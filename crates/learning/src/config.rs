@@ -70,7 +70,7 @@ pub struct LearningConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct NetworkConfig {
-    /// The widths of the hidden layers, at most 8 layers of 1 to 4096 units each. Fig. 5: [64, 64].
+    /// The widths of the hidden layers: at most 8 layers, each of 1 to 4096 units. Fig. 5: [64, 64].
     pub hidden: Vec<usize>,
     /// Dueling head: a value and one advantage per action (Wang et al. 2016). `false`: the last layer outputs Q-values.
     pub dueling: bool,
@@ -81,7 +81,8 @@ pub struct NetworkConfig {
     pub activation: Activation,
 }
 
-/// The loss of a TD error d = Q(s, a) - y. The loss of a batch is the mean over its transitions, with importance weights.
+/// The loss of a TD error d = Q(s, a) - y. The loss of a batch is the mean over its transitions, each multiplied by its
+/// importance weight if `importance_weights` is `true`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Loss {
@@ -138,8 +139,8 @@ pub enum Schedule {
         /// The env step at which `to` is reached, at least 1.
         env_steps: u64,
     },
-    /// Exponential up to `env_steps`, then constant: from (to / from)^(n / env_steps), the same factor in every env step
-    /// (PyTorch's `ExponentialLR` applies it in every epoch).
+    /// Exponential up to `env_steps`, then constant: from x (to / from)^(n / env_steps), the same factor in every env step (as
+    /// PyTorch's `ExponentialLR` in every epoch).
     Exponential {
         /// The value at env step 0, above 0.
         from: f32,
@@ -187,7 +188,8 @@ pub struct ReplayConfig {
 pub enum Sampling {
     /// Every transition has the same probability.
     Uniform,
-    /// The probability is proportional to a power of the last TD error (Schaul et al. 2016).
+    /// The probability of transition i is proportional to a power of its priority p_i = |last TD error| + `epsilon` (Schaul et
+    /// al. 2016).
     Prioritized {
         /// The exponent in P(i) = p_i^alpha / sum of p^alpha, 0 (uniform) to 1. Algorithm 1 as printed: 1.
         #[serde(default = "defaults::one")]
@@ -195,11 +197,11 @@ pub enum Sampling {
         /// The exponent of the importance weights, 0 to 1, as a function of env steps.
         #[serde(default = "defaults::beta")]
         beta: Schedule,
-        /// Whether the loss is weighted by (N P(i))^-beta, divided by the largest weight of the batch. Algorithm 1 has no
-        /// weights.
+        /// Whether the loss is weighted by (N P(i))^-beta, divided by the largest weight of the batch. N is the number of
+        /// stored transitions. Algorithm 1 has no weights.
         #[serde(default)]
         importance_weights: bool,
-        /// The constant added to |TD error| in the priority, above 0, so that every transition can be drawn again.
+        /// The constant in the priority, above 0, so that every transition can be drawn again.
         #[serde(default = "defaults::priority_epsilon")]
         epsilon: f32,
     },
@@ -250,8 +252,8 @@ pub enum Exploration {
 }
 
 impl Default for LearningConfig {
-    /// PER-D3QN as in Table 1 and algorithm 1 of the paper. Values that these leave open are PyTorch's defaults, and
-    /// learning starts with the first full batch.
+    /// PER-D3QN as in Table 1 and algorithm 1 of the paper. These leave some values open: those of the optimizer are PyTorch's
+    /// defaults, the `epsilon` of priorities is 0.01, and learning starts with the first full batch.
     fn default() -> Self {
         Self {
             network: NetworkConfig::default(),

@@ -232,8 +232,8 @@ pub enum ObstacleMotion {
         seed: u32,
     },
     /// A pedestrian, who walks to goals one after another and avoids the other pedestrians, walls and static obstacles by
-    /// ORCA, without rotation; all other moving obstacles are ignored. It does not find its way around walls. At the start
-    /// of every episode it stands at its position. At most 200 obstacles are pedestrians.
+    /// ORCA (van den Berg et al. 2011), without rotation. It ignores all other moving obstacles, and does not find its way
+    /// around walls. At the start of every episode it stands at its position. At most 200 obstacles may be pedestrians.
     Pedestrian {
         /// The goals, 1 to 256.
         goals_m: Vec<Vec2>,
@@ -247,9 +247,9 @@ pub enum ObstacleMotion {
         #[serde(default)]
         sees_robot: bool,
     },
-    /// Recorded positions, each with its time, and straight lines between them, without rotation. At time 0 it is at its
-    /// position; don't repeat that as a frame. The clock of an arena's obstacles runs on from episode to episode of a training
-    /// run, and episodes of an evaluation begin at a random time: a motion that stops is mostly seen at rest.
+    /// Recorded positions, each with its time, and straight lines between them, without rotation. At time 0 the obstacle is at
+    /// its position; don't repeat that as a frame. The clock of an arena's obstacles runs on from episode to episode of a
+    /// training run, and episodes of an evaluation begin at a random time: a motion that stops is mostly seen at rest.
     KeyFrames {
         /// The 1 to 10,000 frames, in the order of their times; at most 10,000 for all obstacles together.
         frames: Vec<KeyFrame>,
@@ -338,7 +338,7 @@ pub struct Region {
     pub max_m: Vec2,
 }
 
-/// The robot: a body with a differential drive. Its origin is the middle between its wheels, about which it turns.
+/// The robot: a body with a differential drive. Its origin is the midpoint between its wheels, about which it turns.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Robot {
@@ -370,8 +370,8 @@ pub struct Robot {
 
 impl Default for Robot {
     /// The paper's five motions in the order of its equation (9) (large left, small left, forward, small right,
-    /// large right) with v0 = 0.15 m/s and w0 = 0.75 rad/s from table 1. The paper does not specify the radius (here 0.1 m) or
-    /// the lag and the accelerations (here no lag and no limits).
+    /// large right) with v0 = 0.15 m/s and w0 = 0.75 rad/s from table 1. The paper does not specify the radius (here 0.1 m), the
+    /// lag (here none) or the highest accelerations (here unlimited).
     fn default() -> Self {
         let motions = [1.5, 0.75, 0.0, -0.75, -1.5].map(|w_rad_s| Motion { v_m_s: 0.15, w_rad_s });
         Self {
@@ -411,9 +411,9 @@ impl Default for Slip {
 }
 
 /// Odometry that drifts. The policy observes the direction and the distance of the goal from the pose that odometry reports.
-/// This pose is exact when an episode begins or the robot is put somewhere else. Then the robot adds up the motion of its
-/// wheels with the errors below, and does not notice slip. A new goal in the same episode corrects nothing. Rewards, collisions
-/// and reached goals are decided by the true pose.
+/// This pose is exact when an episode begins or the robot is put somewhere else. From then on, the robot adds up the motion of
+/// its wheels with the errors below, and does not notice slip. A new goal in the same episode corrects nothing. Rewards,
+/// collisions and reached goals are decided by the true pose.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OdometryDrift {
@@ -439,8 +439,8 @@ pub struct Motion {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Lidar {
-    /// Number of beams, 1 to 4,096. With a full field of view, beam 0 points along the heading and the others follow
-    /// counterclockwise.
+    /// Number of beams, 1 to 4,096. If the field of view is a full circle, beam 0 points along the heading and the others
+    /// follow counterclockwise.
     pub beams: usize,
     /// Field of view, 0.01 to 6.2832; from 6.2732 on it is a full circle. A narrower field is centred on the heading: the
     /// first beam is its right edge, the last its left edge. A single beam points ahead.
@@ -490,9 +490,9 @@ impl Lidar {
 pub struct TaskRules {
     /// The paper's l_a, 0.001 to 100 m: a goal is reached when the robot's centre is closer than this.
     pub goal_radius_m: f32,
-    /// The paper's l_c, 0.01 to 100 m: a collision is a smallest beam range below this, measured from the robot's centre, or
-    /// contact of the robot's body. Must be less than the LIDAR's maximum range and more than the radius of a disc. With a
-    /// `shape`, it may be smaller than the body: where the body reaches farther, contact alone counts.
+    /// The paper's l_c, 0.01 to 100 m: the robot collides if a beam range, measured from its centre, is below this, or if its
+    /// body touches something. Must be less than the LIDAR's maximum range and more than the radius of a robot that is a disc.
+    /// With a `shape`, it may be smaller than the body: where the body reaches farther, contact alone counts.
     pub collision_range_m: f32,
     /// Steps after which an episode is truncated, 1 to 1,000,000.
     pub max_episode_steps: u32,
@@ -503,8 +503,9 @@ pub struct TaskRules {
 }
 
 impl Default for TaskRules {
-    /// l_a = 0.2 m and the control period of 0.2 s are the paper's. The paper does not specify l_c, the time limit and the
-    /// smallest goal distance; the values here are this project's.
+    /// l_a = 0.2 m and the control period of 0.2 s are the paper's. The paper does not specify l_c and the smallest goal
+    /// distance, and its time limit of 6000 steps does not fit its returns (detail 15 of docs/algorithm.md); the values here are
+    /// this project's.
     fn default() -> Self {
         Self {
             goal_radius_m: 0.2,

@@ -42,8 +42,8 @@ use test::{Named, Test};
 #[command(next_help_heading = "Options of --eval")]
 pub struct EvalArgs {
     /// Test in many scenarios, with results by family: a suite (a RON file, or a shipped one by name: shipped, validation,
-    /// general, circle-crossing), a folder of scenarios, a set of scenarios, or a level generator, in levels that no training run
-    /// uses; --episodes is the number in each scenario
+    /// general, circle-crossing), a folder of scenarios, a set of scenarios, or a level generator, in levels that no training
+    /// run uses; --episodes is the number in each scenario
     #[arg(long, value_name = "NAME", conflicts_with = "scenario")]
     suite: Option<String>,
 

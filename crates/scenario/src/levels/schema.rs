@@ -382,7 +382,7 @@ pub enum Route {
         #[serde(default = "default_clearance_m")]
         clearance_m: f32,
     },
-    /// From the middle of the lower side, heading along +y, to the middle of the upper side, as in the BARN dataset.
+    /// A route from the middle of the lower side, heading along +y, to the middle of the upper side, as in the BARN dataset.
     Across {
         /// Depth of the two strips, along the lower and the upper side, that are kept free of clutter and traffic, 0.1 to 50 m.
         /// The start is in the middle of the lower strip, the goal in the middle of the upper one. Must be at least twice
