@@ -73,7 +73,8 @@ pub struct SuiteFamily {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SuiteScore {
     /// The BARN Challenge's: 0 after a failure, otherwise T / clip(time, 2 T, 8 T), at most 0.5. T is the time for the shortest
-    /// path at the robot's top speed. An imported BARN world states the length of that path; in others, the planner finds it.
+    /// path at the robot's top speed. An imported BARN world states the length of that path; in others, it is `shortest_path_m`
+    /// of `--eval --csv`.
     Barn,
 }
 
