@@ -210,3 +210,42 @@ fn an_arena_whose_scenario_has_changed_computes_the_same_bits_as_a_new_one() {
         }
     }
 }
+
+#[test]
+fn obstacles_keep_moving_when_the_next_episode_begins_in_another_scenario() {
+    use std::sync::Arc;
+    use wayfield::scenario::{ScenarioSet, SetMember, SetSource, pose_at};
+    use wayfield::task::{ArenaLayout, ScenarioPool};
+
+    let mut scenario = common::moving_obstacles();
+    scenario.task.max_episode_steps = 7;
+    let member = |name: &str| SetMember {
+        name: name.into(),
+        share: 1.0,
+        source: SetSource::Scenario(Box::new(scenario.clone())),
+    };
+    let set = ScenarioSet { name: "both".into(), members: vec![member("one"), member("other")] };
+    let extensions = Extensions::default().plugin(ScenarioPool::new(&set));
+    let scenario = Arc::new(scenario);
+    let simulation = SimulationBuilder::new(&scenario).seed(5).extensions(&extensions).build();
+    let mut lab = Lab { simulation, scenario };
+    let mut streams = common::action_streams(1);
+    let (mut changes, mut before) = (0, None);
+    for step in 0..200 {
+        lab.step(&common::random_actions(&mut streams));
+        let world = lab.simulation.world_mut();
+        let written = world.query::<&ArenaLayout>().single(world).expect("one arena").written.clone();
+        changes += usize::from(before.is_some_and(|before| !Arc::ptr_eq(&before, &written)));
+        let clock = lab.state(0).clock.0;
+        lab.with_physics(0, |bodies, set, _| {
+            for (obstacle, body) in written.obstacles.iter().zip(&bodies.obstacles) {
+                let Some(body) = body.and_then(|body| set.bodies.get(body)) else { continue };
+                let (x, y, _) = pose_at(obstacle, clock, written.task.control_period_s);
+                let at = body.translation();
+                assert!((at.x - x).hypot(at.y - y) < 1e-5, "step {step}: {at:?}, not ({x}, {y})");
+            }
+        });
+        before = Some(written);
+    }
+    assert!(changes > 10, "{changes}");
+}

@@ -25,10 +25,11 @@ use bevy_rapier2d::rapier::prelude::{
 
 use super::colliders::{enclosure_colliders, shared_shape};
 use super::footprint::Footprint;
+use super::obstacles::place_bodies;
 use super::static_shapes::StaticShapes;
 use crate::control_step::{ControlSet, ControlStep};
 use crate::scenario::{Obstacle, ObstacleMotion, Robot, Scenario, Wall, pose_at};
-use crate::task::ArenaLayout;
+use crate::task::{ArenaLayout, Clock, Pedestrians};
 
 /// The prediction distance of rapier's soft CCD, in m. With it, most bodies stop at a surface instead of inside it;
 /// `contact.rs` handles the others.
@@ -98,8 +99,8 @@ impl KeptBodies {
     /// Maximum number of scenarios whose bodies are kept.
     const MAX: usize = 1_024;
 
-    /// Replaces an arena's bodies if its scenario has changed. Nothing of the old ones remains, so that rapier computes the same
-    /// bits as in a new arena.
+    /// Replaces an arena's bodies if its scenario has changed, and returns whether it has. Nothing of the old ones remains, so
+    /// that rapier computes the same bits as in a new arena. Moving obstacles are at their poses of step 0.
     pub(super) fn replace(
         &mut self,
         layout: &ArenaLayout,
@@ -107,9 +108,9 @@ impl KeptBodies {
         context: &mut RapierContextSimulation,
         set: &mut RapierRigidBodySet,
         colliders: &mut RapierContextColliders,
-    ) {
+    ) -> bool {
         if Arc::ptr_eq(&bodies.scenario, &layout.written) {
-            return;
+            return false;
         }
         if self.0.len() >= Self::MAX {
             self.0.clear();
@@ -118,11 +119,14 @@ impl KeptBodies {
         let new = self.0.entry(address).or_insert_with(|| ArenaBodies::new(&layout.written)).clone();
         *context = simulation(layout.written.task.control_period_s);
         (*bodies, *set, *colliders) = (new.bodies, new.set, new.colliders);
+        true
     }
 }
 
 /// The components of an arena that [`replace_bodies`] reads and writes.
 type Replaced = (
+    &'static Clock,
+    &'static Pedestrians,
     &'static ArenaLayout,
     &'static mut Bodies,
     &'static mut RapierContextSimulation,
@@ -130,10 +134,12 @@ type Replaced = (
     &'static mut RapierContextColliders,
 );
 
-/// `Place`: replaces the bodies of every arena whose scenario has changed.
+/// `Place`: replaces the bodies of every arena whose scenario has changed; its clock goes on.
 pub(super) fn replace_bodies(mut kept: Local<KeptBodies>, mut arenas: Query<Replaced>) {
-    for (layout, mut bodies, mut context, mut set, mut colliders) in &mut arenas {
-        kept.replace(layout, &mut bodies, &mut context, &mut set, &mut colliders);
+    for (clock, pedestrians, layout, mut bodies, mut context, mut set, mut colliders) in &mut arenas {
+        if kept.replace(layout, &mut bodies, &mut context, &mut set, &mut colliders) {
+            place_bodies(layout.indexed(pedestrians), *clock, &bodies, &mut set, &mut colliders);
+        }
     }
 }
 
