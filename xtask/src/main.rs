@@ -62,6 +62,7 @@ fn steps(command: &str) -> Option<Vec<Step<'static>>> {
             cargo("test --release -p wayfield --test cli_policy_card reversed_or_reordered", RENEW),
             cargo("test --release -p wayfield --test cli_export what_cannot_be_exported", RENEW),
             cargo("test --release -p wayfield --test cli_check faults_of_every_kind", RENEW),
+            cargo("test --release -p wayfield-scenario --test errors", RENEW),
         ],
         "snapshots" => vec![cargo("test --release -p wayfield --test app_snapshots", UPDATE)],
         "images" => images(),
