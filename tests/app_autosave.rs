@@ -241,7 +241,7 @@ fn a_short_training_run_leaves_nothing_behind_and_old_autosaves_are_deleted() {
         kill(app, folder.path());
     }
     drop(app(folder.path(), 0));
-    assert_eq!(autosaves(folder.path()).len(), 3, "the newest three are kept");
+    assert_eq!(autosaves(folder.path()).len(), 3, "three of the five are kept");
 }
 
 #[test]

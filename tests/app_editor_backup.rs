@@ -122,7 +122,12 @@ fn a_window_does_not_offer_what_another_one_edits_and_a_dismissed_backup_stays()
         rename(&mut app(folder.path(), "empty"), name);
     }
     drop(app(folder.path(), "empty"));
-    assert_eq!(backups(folder.path()).len(), 3, "the newest three are kept");
+    let kept: String =
+        backups(folder.path()).iter().map(|path| fs::read_to_string(path).expect("a backup")).collect();
+    assert_eq!(backups(folder.path()).len(), 3);
+    for name in ["a", "b", "c"] {
+        assert!(kept.contains(&format!("name: \"{name}\"")), "the newest three are kept: {kept}");
+    }
 }
 
 #[test]

@@ -183,14 +183,15 @@ proptest! {
         let motion = Motion { v_m_s: commanded, w_rad_s: -4.0 * commanded };
         let mut twist = Motion { v_m_s: initial, w_rad_s: -4.0 * initial };
         let max = initial.abs().max(commanded.abs()) * (1.0 + 1e-6);
+        let slack = 1e-6 * max;
+        let between = initial.min(commanded) - slack..=initial.max(commanded) + slack;
         let steps = (20.0 * lag_s / seconds).ceil().min(1e6) as u32 + 1;
         for _ in 0..steps {
             let (mean, after) = lag.step(&twist, &motion);
             for (v, w) in [(mean.v_m_s, mean.w_rad_s), (after.v_m_s, after.w_rad_s)] {
-                prop_assert!(v.abs() <= max && w.abs() <= 4.0 * max, "{v}, {w}");
+                prop_assert!(between.contains(&v) && between.contains(&(w / -4.0)), "{v}, {w}");
             }
             let off = |v: f32| (v - commanded).abs();
-            let slack = 1e-6 * max;
             prop_assert!(off(after.v_m_s) <= off(mean.v_m_s) + slack && off(mean.v_m_s) <= off(twist.v_m_s) + slack);
             twist = after;
         }

@@ -196,7 +196,11 @@ fn many_generated_obstacles_are_indexed_in_every_episode() {
         let poses: Vec<Pose> =
             (0..200).map(|_| Pose { x_m: coordinate(), y_m: coordinate(), heading_rad: 0.3 }).collect();
         assert_ranges_of_all_shapes(&mut lab, &poses);
-        layouts.push(lab.state(0).layout_seed);
+        let world = lab.simulation.world_mut();
+        let mut arenas = world.query::<&ArenaLayout>();
+        let layout = arenas.single(world).expect("one arena");
+        assert!(layout.index.is_some(), "the obstacles are indexed");
+        layouts.push(layout.scenario.obstacles.clone());
         lab.edit(0, |state| state.layout_seed += 1);
     }
     layouts.dedup();

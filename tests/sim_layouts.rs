@@ -137,9 +137,6 @@ fn no_robot_passes_through_a_wall_at_any_speed() {
             for step in 0..300 {
                 let actions: Vec<usize> = (0..8).map(|_| uniform_index(&mut stream, 3)).collect();
                 lab.step(&actions);
-                for (arena, outcome) in lab.outcomes().iter().enumerate() {
-                    assert!(!outcome.inactive, "arena {arena}");
-                }
                 for state in lab.states() {
                     let layout = lab.scenario.with_generated_obstacles(state.layout_seed);
                     let at = (f64::from(state.pose.x_m), f64::from(state.pose.y_m));

@@ -205,8 +205,8 @@ fn a_restored_simulation_continues_to_the_bit_with_numbers_drawn_from_ranges() {
 }
 
 #[test]
-fn a_restored_simulation_continues_to_the_bit_even_in_contact() {
-    // Robots can slide along obstacles here, so rapier has contacts when the snapshot is taken.
+fn a_restored_simulation_continues_to_the_bit_when_episodes_end_in_contact() {
+    // The collision range hardly exceeds the radius, so robots collide by contact rather than by a short range.
     let mut scenario = common::moving_obstacles();
     (scenario.task.collision_range_m, scenario.robot.radius_m) = (0.1005, 0.1);
     assert_restored_continues_to_the_bit(scenario);
