@@ -99,7 +99,7 @@ fn a_run_with_mirror_augmentation_and_dropout_of_predictions_resumes_bit_identic
 }
 
 #[test]
-fn more_levels_than_a_run_can_keep_the_results_of_are_an_error() {
+fn drawing_by_progress_from_too_many_levels_is_an_error() {
     let workspace = workspace();
     let entry = |k: u32| format!("(name: \"n{k}\", generator: \"clutter.ron\", levels: 900000)");
     let entries: Vec<String> = (0..5).map(entry).collect();
@@ -131,7 +131,7 @@ fn every_episode_draws_its_scenario_by_the_shares() {
         count as f64 / episodes.len() as f64
     };
     assert!(episodes.len() > 350, "{} episodes", episodes.len());
-    // Four standard deviations of a binomial distribution with 400 episodes, about.
+    // About four standard deviations of a binomial distribution with 400 episodes.
     for (name, expected) in [("one", 0.5), ("moving", 0.25), ("clutter", 0.25)] {
         assert!((share(name) - expected).abs() < 0.1, "{name}: {} of the episodes", share(name));
     }

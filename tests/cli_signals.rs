@@ -108,7 +108,7 @@ fn signals_of_batch_systems_save_the_run() {
 }
 
 #[test]
-fn a_later_second_ctrl_c_in_the_terminal_ends_at_once() {
+fn a_second_ctrl_c_in_the_terminal_ends_the_run_at_once() {
     let script = Requirement { commands: &["script"], packages: "bsdutils" };
     if !script.is_met() {
         return;

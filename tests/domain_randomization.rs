@@ -9,7 +9,7 @@ use common::{Lab, bits};
 use wayfield::scenario::{Obstacle, ObstacleMotion, Ranged, Scenario, Shape, with_setting};
 use wayfield::task::{Arena, ArenaLayout, ArenaState};
 
-/// Moving obstacles, of which each episode draws the speeds, and a robot and a LIDAR that differ from episode to episode.
+/// Moving obstacles whose speeds each episode draws, and a robot and a LIDAR that differ from episode to episode.
 fn randomized() -> Scenario {
     let mut scenario = common::moving_obstacles();
     scenario.task.max_episode_steps = 20;

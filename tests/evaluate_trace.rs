@@ -1,4 +1,4 @@
-//! The trace of an episode equals the evaluation's first episode, pose by pose.
+//! A trace has the result of the evaluation's first episode, and its poses fit that result.
 
 use std::sync::Arc;
 

@@ -90,7 +90,7 @@ fn noise_and_dropout_repeat_with_the_seed() {
 
 #[test]
 fn noise_causes_no_collision() {
-    // With noise of 1 m, some beam reads less than l_c in nearly every scan, although nothing is near.
+    // With noise of 1 m, some beam reads less than l_c in about a third of the scans, although nothing is near.
     let mut scenario = with_noise(1.0, 0.0);
     scenario.task.max_episode_steps = 1_000_000;
     let mut lab = Lab::new(&scenario, 1, 1);
