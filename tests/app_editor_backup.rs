@@ -70,8 +70,10 @@ fn unsaved_changes_of_a_killed_app_are_offered_and_restored_as_they_were() {
     drop(killed);
     let mut next = app(folder.path(), "empty");
     assert_eq!(offer(&next).as_deref(), Some("Mine, too"));
+    let before = backups(folder.path());
     next.command(Command::RestoreEdits);
     next.frame(FRAME);
+    assert_eq!(backups(folder.path()), before, "it is not deleted before the editor opens");
     next.frame(FRAME);
     assert_eq!(offer(&next), None, "the offer is gone");
     let restored = editor(&mut next);

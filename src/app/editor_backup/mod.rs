@@ -139,9 +139,13 @@ pub(super) fn back_up_if_due(world: &mut World) {
 /// Backs up unsaved changes in the editor if the last attempt is at least `interval` ago.
 fn back_up(world: &mut World, interval: Duration) -> Result<(), RunError> {
     world.resource_scope(|world, mut backup: Mut<EditorBackup>| {
-        let editor = world.resource::<CurrentViewState>().0.editor.as_deref();
+        let view_state = &world.resource::<CurrentViewState>().0;
+        let editor = view_state.editor.as_deref();
         let Some(editor) = editor.filter(|editor| editor.has_unsaved_changes()) else {
-            backup.delete();
+            // Restored changes are unsaved, even if the screen has not opened them yet.
+            if !matches!(view_state.open_editor, Some(EditorSource::Draft { .. })) {
+                backup.delete();
+            }
             return Ok(());
         };
         let is_written =
