@@ -31,7 +31,8 @@ fn assert_harmless(done: &CommandOutput) {
 fn standard_input_is_read_once_and_may_be_a_pipe() {
     let workspace = Workspace::new();
     workspace.write("quick.ron", quick_fast());
-    for name in if cfg!(unix) { ["-", "/dev/stdin"] } else { ["-", "-"] } {
+    let names: &[&str] = if cfg!(unix) { &["-", "/dev/stdin"] } else { &["-"] };
+    for name in names {
         let done = workspace.run_with_stdin(&format!("--check {name}"), MINE);
         assert_eq!(
             (done.stdout, done.status),
