@@ -166,7 +166,8 @@ mod tests {
     #[test]
     fn the_error_for_another_encoding_gives_the_policy_s_own_as_it_is_written_in_a_preset() {
         let general = shipped::policies().iter().find(|policy| policy.is_general()).expect("shipped");
-        let error = check_encoding(&general.policy, Encoding::Scaled).expect_err("another encoding").to_string();
+        let error =
+            check_encoding(&general.policy, Encoding::Scaled).expect_err("another encoding").to_string();
         let (_, fix) = error.split_once("help: use a preset with `observation: ").expect("a fix");
         let encoding: Encoding = ron::from_str(fix.trim_end_matches('`')).expect("RON");
         assert_eq!(policy_card::encoding(&general.policy), Ok(encoding), "{error}");
