@@ -83,7 +83,7 @@ fn source(entry: &SetEntry, wanted: &str) -> Result<SetSource, String> {
 /// if there is one, else `name` itself. `name` need not exist. It may end with the seed of a level, such as `:17`.
 ///
 /// # Errors
-/// It is a folder, a pipe or a device, and not a shipped scenario. An untrusted file must not name a pipe or a device, because
+/// It is a folder, a pipe or a device, and not a shipped scenario or level generator. An untrusted file must not name a pipe or a device, because
 /// reading it might never end.
 pub(super) fn named_file(from: &Path, name: &str) -> Result<String, String> {
     let beside = |name: &str| {
@@ -95,7 +95,8 @@ pub(super) fn named_file(from: &Path, name: &str) -> Result<String, String> {
         Some(format!("{}:{seed}", beside(file)?))
     };
     let wanted = beside(name).or_else(level_beside).unwrap_or_else(|| name.into());
-    if Path::new(&wanted).exists() && !Path::new(&wanted).is_file() && !shipped::is_scenario(&wanted) {
+    let is_shipped = shipped::is_scenario(&wanted) || shipped::is_level_generator(&wanted);
+    if Path::new(&wanted).exists() && !Path::new(&wanted).is_file() && !is_shipped {
         return Err("it is not a file; help: name a file".into());
     }
     Ok(wanted)
