@@ -91,8 +91,8 @@ impl Evaluator {
         Self { simulation, scenario: scenario.clone(), arenas, path_query: None }
     }
 
-    /// The number of arenas for an evaluation of `episodes` episodes: fewer if each has thousands of bodies. It does not change any
-    /// result.
+    /// The number of arenas for an evaluation of `episodes` episodes: fewer if each has thousands of bodies. It does not change
+    /// any result.
     pub(crate) fn parallel_arenas(scenario: &Scenario, episodes: usize) -> usize {
         episodes.min(MAX_PARALLEL).min(MAX_BODIES / bodies_per_arena(scenario)).max(1)
     }
