@@ -53,6 +53,18 @@ fn a_run_over_a_set_resumes_bit_identically() {
 }
 
 #[test]
+fn a_run_over_a_set_that_is_killed_before_its_first_checkpoint_can_be_resumed() {
+    let workspace = workspace();
+    workspace.run_ok(&format!("{TRAIN} --steps 1600 --out straight"));
+    let aborted = workspace.run_until(&format!("{TRAIN} --steps 1600 --out killed"), "events: created");
+    assert_ne!(aborted.status, Some(0), "{}", aborted.stderr);
+    assert!(!workspace.path("killed/checkpoint/latest.bin").exists());
+    assert_eq!(workspace.text("killed/episodes.csv").lines().count(), 1, "the header is there, but no row");
+    workspace.run_ok("--train --resume killed");
+    workspace.assert_same_run("straight", "killed");
+}
+
+#[test]
 fn a_run_that_draws_levels_by_progress_resumes_bit_identically() {
     let workspace = workspace();
     workspace.write("progress.ron", "(based_on: \"fast.ron\", levels: ByProgress(uniform: 0.2))");

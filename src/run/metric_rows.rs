@@ -202,7 +202,7 @@ pub struct Summary {
     /// The program that wrote the summary, and the scenario's checksum.
     #[serde(flatten)]
     pub provenance: Provenance,
-    /// The scenario's name.
+    /// The name of the scenario, or of the set of scenarios.
     pub scenario: String,
     /// The scenario's file or shipped name, as given by the user.
     pub scenario_from: String,

@@ -4,7 +4,6 @@ use super::RunError;
 use super::checkpoint::BestPolicy;
 use super::folder::{EPISODES_FILE, EVALUATIONS_FILE, RunConfig, RunFolder};
 use super::metric_rows::{EpisodeRow, EvaluationRow};
-use super::shipped;
 use crate::report::run_figure::{RunFigure, best_evaluation};
 
 /// The figure of the run of `config` in `folder`, as SVG. The run may still be in progress.
@@ -20,7 +19,7 @@ pub fn figure(folder: &RunFolder, config: &RunConfig) -> Result<String, RunError
         episodes: episodes.iter().map(EpisodeRow::point).collect(),
         best: best_evaluation(&evaluations, BestPolicy::COST_TOLERANCE),
         evaluations,
-        is_paper_scenario_1: shipped::is_paper_scenario_1(&config.scenario),
+        is_paper_scenario_1: config.is_paper_scenario_1(),
         ..RunFigure::default()
     };
     figure.svg().map_err(|error| RunError::failed(folder.path(), error))

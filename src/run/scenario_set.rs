@@ -80,17 +80,41 @@ fn source(entry: &SetEntry, wanted: &str) -> Result<SetSource, String> {
 }
 
 /// The file or shipped name that the file at `from` refers to as `name`: the file with that path relative to the folder of `from`
-/// if there is one, else `name` itself. `name` need not exist.
+/// if there is one, else `name` itself. `name` need not exist. It may end with the seed of a level, such as `:17`.
 ///
 /// # Errors
-/// It is a folder, a pipe or a device, and not a shipped scenario. An untrusted file must not name a pipe or a device, because
+/// It is a folder, a pipe or a device, and not a shipped scenario or level generator. An untrusted file must not name a pipe or a device, because
 /// reading it might never end.
 pub(super) fn named_file(from: &Path, name: &str) -> Result<String, String> {
-    let beside = from.parent().map(|folder| folder.join(name));
-    let wanted =
-        beside.filter(|path| path.is_file()).map_or_else(|| name.into(), |path| path.display().to_string());
-    if Path::new(&wanted).exists() && !Path::new(&wanted).is_file() && !shipped::is_scenario(&wanted) {
+    let beside = |name: &str| {
+        let path = from.parent().map(|folder| folder.join(name)).filter(|path| path.is_file());
+        path.map(|path| path.display().to_string())
+    };
+    let level_beside = || {
+        let (file, seed) = name.rsplit_once(':').filter(|(_, seed)| seed.parse::<u64>().is_ok())?;
+        Some(format!("{}:{seed}", beside(file)?))
+    };
+    let wanted = beside(name).or_else(level_beside).unwrap_or_else(|| name.into());
+    let is_shipped = shipped::is_scenario(&wanted) || shipped::is_level_generator(&wanted);
+    if Path::new(&wanted).exists() && !Path::new(&wanted).is_file() && !is_shipped {
         return Err("it is not a file; help: name a file".into());
     }
     Ok(wanted)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_and_a_level_of_a_file_are_relative_to_the_file_that_names_them() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mine = folder.path().join("mine.ron");
+        std::fs::write(&mine, "()").expect("written");
+        let named = |name: &str| named_file(&folder.path().join("suite.ron"), name);
+        assert_eq!(named("mine.ron"), Ok(mine.display().to_string()));
+        assert_eq!(named("mine.ron:17"), Ok(format!("{}:17", mine.display())));
+        assert_eq!(named("mine.ron:x"), Ok("mine.ron:x".into()));
+        assert_eq!(named("clutter:17"), Ok("clutter:17".into()));
+    }
 }

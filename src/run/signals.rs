@@ -2,9 +2,9 @@
 //! end of a job's time.
 //!
 //! In: signals. Out: a stop flag, which long-running work polls, and the first signal, which determines the exit status.
-//! Further signals change nothing, with one exception: a second Ctrl-C in the terminal, at least half a second after the
-//! first signal, ends the process at once. On Linux, a signal that was already ignored when the process started (`nohup`, a
-//! background job of `sh`) stays ignored.
+//! Further signals change nothing, with one exception: a second Ctrl-C in the terminal ends the process at once (on Unix, only
+//! if it comes at least half a second after the first signal). On Linux, a signal that was already ignored when the process
+//! started (`nohup`, a background job of `sh`) stays ignored.
 
 #[cfg(not(unix))]
 #[path = "signals/ctrl_c.rs"]

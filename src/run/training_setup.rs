@@ -112,10 +112,12 @@ fn check_encoding(policy: &Policy, expected: Encoding) -> Result<(), RunError> {
     if encoding == expected {
         return Ok(());
     }
+    let [trained, here] = [encoding, expected].map(policy_card::encoding_name);
+    let other = if trained == here { "other " } else { "" };
     Err(RunError::InvalidInput(format!(
-        "the policy was trained with {} observations, but the preset has {} observations; help: use a preset with `observation: {encoding:?}`",
-        policy_card::encoding_name(encoding),
-        policy_card::encoding_name(expected)
+        "the policy was trained with {trained} observations, but the preset has {other}{here} observations; help: use a preset \
+         with `observation: {}`",
+        ron::to_string(&encoding).unwrap_or_default()
     )))
 }
 
@@ -159,6 +161,16 @@ mod tests {
             }
         }
         count
+    }
+
+    #[test]
+    fn the_error_for_another_encoding_gives_the_policy_s_own_as_it_is_written_in_a_preset() {
+        let general = shipped::policies().iter().find(|policy| policy.is_general()).expect("shipped");
+        let error =
+            check_encoding(&general.policy, Encoding::Scaled).expect_err("another encoding").to_string();
+        let (_, fix) = error.split_once("help: use a preset with `observation: ").expect("a fix");
+        let encoding: Encoding = ron::from_str(fix.trim_end_matches('`')).expect("RON");
+        assert_eq!(policy_card::encoding(&general.policy), Ok(encoding), "{error}");
     }
 
     #[test]

@@ -19,7 +19,7 @@ use crate::sim;
 use crate::simulation::{self, Extensions, Simulation, SimulationBuilder};
 use crate::task::{
     ActiveActionSet, ArenaState, Clock, CommandedMotions, EpisodeEnd, EpisodeEnded, EpisodeSetup,
-    ObservationLayout, Observations, ScenarioPool, Streams, TaskMode,
+    ObservationLayout, Observations, ScenarioPool, Streams, TaskFault, TaskMode,
 };
 
 /// Maximum number of parallel episodes. In a browser it is smaller, because the simulation is built within a
@@ -91,8 +91,8 @@ impl Evaluator {
         Self { simulation, scenario: scenario.clone(), arenas, path_query: None }
     }
 
-    /// The number of arenas for an evaluation of `episodes` episodes: fewer if each has thousands of bodies. It does not change any
-    /// result.
+    /// The number of arenas for an evaluation of `episodes` episodes: fewer if each has thousands of bodies. It does not change
+    /// any result.
     pub(crate) fn parallel_arenas(scenario: &Scenario, episodes: usize) -> usize {
         episodes.min(MAX_PARALLEL).min(MAX_BODIES / bodies_per_arena(scenario)).max(1)
     }
@@ -172,6 +172,9 @@ impl Evaluator {
     pub(super) fn begin(&mut self, run: &mut EvaluationRun, batch: usize) {
         let (seed, first) = (run.seed, run.first + run.episodes.len());
         let world = self.simulation.world_mut();
+        // An evaluation that failed must not make this one fail, too.
+        world.insert_resource(TaskFault::default());
+        world.resource_mut::<Messages<EpisodeEnded>>().clear();
         if let Some(pool) = world.get_resource::<ScenarioPool>() {
             let scenarios = pool.evaluation(seed, first + batch);
             sim::assign_scenarios(world, |arena| scenarios.get(first + arena).copied().unwrap_or_default());
@@ -336,4 +339,22 @@ pub fn check_compatible(
          and has {actions} motions; help: use the scenario it was trained in, or one with as many {needed}",
         shape.inputs, shape.actions, scenario.name
     )))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::shipped;
+    use crate::task::Fault;
+
+    #[test]
+    fn an_evaluation_after_a_failed_one_has_the_usual_result() {
+        let scenario = Arc::new(shipped::scenario("scenario-1").expect("shipped"));
+        let policy = &shipped::policies()[0].policy;
+        let mut evaluator = Evaluator::new(&scenario, 4);
+        let expected = evaluator.run(policy, 4, 4, EpisodeSetup::Random).expect("episodes");
+        let fault = Fault::NonFinite { arena: 0, step: 0, what: "the goal".into() };
+        evaluator.world_mut().insert_resource(TaskFault(Some(fault)));
+        assert_eq!(evaluator.run(policy, 4, 4, EpisodeSetup::Random), Ok(expected));
+    }
 }

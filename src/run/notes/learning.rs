@@ -72,7 +72,7 @@ fn no_gradient_step(learning: &LearningConfig, length: RunLength) -> Option<(&'s
     }
     let (field, value) = match () {
         () if train_freq > most => ("train_freq", train_freq),
-        () if batch > most => ("batch_size", batch),
+        () if batch > most.min(learning.replay.learning_starts) => ("batch_size", batch),
         () => ("replay.learning_starts", learning.replay.learning_starts),
     };
     let problem = format!(

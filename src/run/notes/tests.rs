@@ -68,6 +68,13 @@ fn a_run_without_a_gradient_step_gets_a_warning() {
         "warning: `learning.replay.learning_starts` is 13001, ",
         "the budget is 13000",
     );
+    // The 60th env step has 60 transitions, too few for a batch; the next update would come at the 120th.
+    let batch = noted(|p| {
+        (p.arenas, p.budget, p.learning.train_freq) = (1, Budget::EnvSteps(100), 60);
+        (p.learning.batch_size, p.learning.replay.learning_starts) = (64, 0);
+    });
+    let expected = "warning: `learning.batch_size` is 64, so nothing will be learned: the first gradient step comes after 120 ";
+    assert!(batch.iter().any(|note| note.starts_with(expected)), "{batch:?}");
     let late = |n| {
         noted(move |p| (p.budget, p.learning.replay.learning_starts) = (Budget::EnvSteps(n), 500))
             .iter()

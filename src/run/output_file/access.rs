@@ -5,8 +5,8 @@ use std::io;
 use std::path::Path;
 
 /// Creates a file with the default permissions, less those that the file `replaced` does not have either: a private file must
-/// not be readable by others, not even for a moment. The new file belongs to the process's group at first, so that group gets
-/// no permissions of the replaced file's group before [`copy`].
+/// not be readable by others, not even for a moment. The group gets no permissions before [`copy`], because the new file may
+/// belong to another group than the replaced one.
 #[cfg(unix)]
 pub fn create(path: &Path, replaced: Option<&Metadata>) -> io::Result<File> {
     use std::os::unix::fs::{MetadataExt, OpenOptionsExt};

@@ -47,6 +47,10 @@ impl OutputTarget {
             return Err(io::Error::new(ErrorKind::NotFound, why));
         }
         check_entry(&target)?;
+        if ends_with_separator(&target) {
+            let why = "this is the name of a folder; help: give the name of a file";
+            return Err(io::Error::new(ErrorKind::IsADirectory, why));
+        }
         if target.exists() {
             // Replacing a file needs permissions for its folder only; a file that may not be written must not be replaced either.
             File::options().write(true).open(&target)?;
@@ -76,6 +80,12 @@ pub fn check_entry(path: &Path) -> io::Result<()> {
         }
         _ => Ok(()),
     }
+}
+
+/// Whether `path` is written as a folder: `new/`.
+fn ends_with_separator(path: &Path) -> bool {
+    let bytes = path.as_os_str().as_encoded_bytes();
+    bytes.last().is_some_and(|last| std::path::is_separator(char::from(*last)))
 }
 
 /// The folder that contains `path`.

@@ -122,7 +122,8 @@ fn base_text(name: &str, path: &Path) -> Result<Option<(PathBuf, String)>, FileE
 /// The scenario `name` of the preset at `path`: the file of this name, relative to the preset, or else the name itself.
 fn scenario_of(name: &str, path: &Path) -> String {
     let file = file_of(name, path);
-    if path_exists(&file) { file.display().to_string() } else { name.into() }
+    // A folder that happens to be called `hall` does not hide the shipped scenario.
+    if path_exists(&file) && !file.is_dir() { file.display().to_string() } else { name.into() }
 }
 
 /// The file of this name, relative to the preset at `path`.

@@ -64,6 +64,14 @@ fn a_preset_takes_what_it_lacks_from_the_one_that_it_is_based_on() {
 }
 
 #[test]
+fn a_folder_with_the_name_of_a_shipped_scenario_does_not_hide_it() {
+    let folder = folder(&[("mine.ron", "(scenario: \"hall\")")]);
+    std::fs::create_dir(folder.path().join("hall")).expect("a folder");
+    let mine = Preset::load(folder.path().join("mine.ron")).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(mine.scenario.as_deref(), Some("hall"));
+}
+
+#[test]
 fn problems_of_presets_that_are_based_on_others_are_located_in_the_right_file() {
     let base = ("base.ron", "(based_on: \"fast\")");
     for (files, expected) in [

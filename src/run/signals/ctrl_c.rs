@@ -18,10 +18,11 @@ pub fn exit_on_signal() {}
 /// Installs the handler. A second Ctrl-C ends the process at once.
 pub fn stop_on_signal(announcement: &'static str) -> io::Result<()> {
     let handler = move || {
+        // First, because the code that sees the stop flag set asks for the signal.
+        FIRST.store(SIGINT, Ordering::SeqCst);
         if STOP.swap(true, Ordering::SeqCst) {
             std::process::exit(128 + SIGINT as i32);
         }
-        FIRST.store(SIGINT, Ordering::SeqCst);
         print_stderr(announcement);
     };
     ctrlc::set_handler(handler).map_err(io::Error::other)

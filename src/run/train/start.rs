@@ -1,5 +1,7 @@
 //! The start of a training loop: a new run, or a resumed one.
 
+use std::fs::File;
+use std::io::{BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -9,10 +11,10 @@ use crate::learning::Learner;
 use crate::policy::Policy;
 use crate::run::background_evaluator::BackgroundEvaluator;
 use crate::run::checkpoint::{self, LoadedCheckpoint, TrainerState};
-use crate::run::folder::{EPISODES_FILE, INITIAL_POLICY_FILE, POLICY_FILE, RunConfig, RunFolder, header};
+use crate::run::folder::{EPISODES_FILE, INITIAL_POLICY_FILE, POLICY_FILE, RunConfig, RunFolder};
 #[cfg(unix)]
 use crate::run::memory_limit;
-use crate::run::metric_rows::{EpisodeRow, Summary};
+use crate::run::metric_rows::Summary;
 use crate::run::metrics_writer::MetricsWriter;
 use crate::run::preset::Budget;
 use crate::run::progress::{ProgressListener, ProgressReporter, ProgressTotal};
@@ -144,8 +146,9 @@ fn is_complete(folder: &Path, learner: &Learner) -> bool {
     Summary::read(folder).is_some_and(|s| s.finished && s.env_steps == learner.env_steps())
 }
 
-/// Whether `episodes.csv` in `folder` has a row.
+/// Whether `episodes.csv` in `folder` has a row after its header.
 fn has_rows(folder: &Path) -> bool {
-    let header_bytes = || header::<EpisodeRow>(&[]).map_or(0, |line| line.len() as u64);
-    std::fs::metadata(folder.join(EPISODES_FILE)).is_ok_and(|file| file.len() > header_bytes())
+    let Ok(file) = File::open(folder.join(EPISODES_FILE)) else { return false };
+    let mut file = BufReader::new(file);
+    file.skip_until(b'\n').is_ok() && file.fill_buf().is_ok_and(|rest| !rest.is_empty())
 }
