@@ -21,7 +21,7 @@ use wayfield::run::preset::Budget;
 use wayfield::run::settings::{Setting, Settings};
 use wayfield::run::train::{CHECKPOINT_INTERVAL, Job, train};
 use wayfield::run::{shipped, training_setup};
-use wayfield::scenario::pose_at;
+use wayfield::scenario::{Generator, ObstacleMotion, RandomShape, Scenario, pose_at};
 use wayfield::sim;
 use wayfield::simulation::Extensions;
 use wayfield::task::{ArenaState, Clock, CurrentScenario};
@@ -174,6 +174,47 @@ fn training_with_interventions_can_be_replayed() {
     untouched.entries.clear();
     let mut other = untouched.replay(None).expect("the journal is valid");
     assert!(state(other.world_mut()).0 != learned, "without the interventions the training differs");
+}
+
+#[test]
+fn obstacles_dragged_over_several_positions_between_two_steps_can_be_replayed() {
+    let mut app = HeadlessApp::new(options(13));
+    app.command(Command::Pause(true));
+    app.step_to(40);
+    // Each move shifts an orbit by an offset, and rounding errors add up.
+    for index in 0..4 {
+        for _ in 0..3 {
+            nudge(&mut app, index);
+            app.frame(Duration::from_millis(10));
+        }
+    }
+    let shifts = app.journal().entries.len();
+    assert!(shifts > 4, "every position is recorded: {shifts}");
+    app.step_to(60);
+    // With generated obstacles, each move begins new episodes.
+    let mut edited = Scenario::clone(&app.shown().0.scenario);
+    edited.obstacles.iter_mut().for_each(|obstacle| obstacle.motion = ObstacleMotion::Static);
+    let shape = RandomShape::Circle { radius_m: (0.05, 0.1) };
+    edited.generators = vec![Generator { count: 2, shape, gap_m: 0.3, within: None }];
+    app.command(Command::ApplyScenario {
+        scenario: Arc::new(edited),
+        from: "scenario-2".into(),
+        restart: false,
+    });
+    app.frame(Duration::from_millis(10));
+    for _ in 0..3 {
+        nudge(&mut app, 0);
+        app.frame(Duration::from_millis(10));
+    }
+    assert_eq!(app.error_notices(), Vec::<String>::new());
+    app.step_to(80);
+
+    let journal = app.journal().clone();
+    assert_eq!(journal.entries.len(), shifts + 4, "another scenario, and three moves");
+    let (learned, arenas) = state(app.world());
+    let mut replayed = journal.replay(None).expect("the journal is valid");
+    let (replayed_learner, replayed_arenas) = state(replayed.world_mut());
+    assert!(arenas == replayed_arenas && learned == replayed_learner, "bit-identical");
 }
 
 #[test]

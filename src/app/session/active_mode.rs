@@ -125,12 +125,14 @@ impl ActiveMode {
         matches!(self, Self::Demo(demo) if !demo.training.interventions.is_empty())
     }
 
-    /// Stores a change of the scenario for the suspended training run, if a demo is shown. As in the journal, only the last
-    /// position of a dragged object counts if the LIDAR is `exact` (without noise and dropout).
-    pub(super) fn record_for_training(&mut self, intervention: &Intervention, exact: bool) {
+    /// Stores a change of the scenario for the suspended training run, if a demo is shown. With
+    /// `only_last_counts`, it replaces the last one if that moved the same object, as in the journal.
+    pub(super) fn record_for_training(&mut self, intervention: &Intervention, only_last_counts: bool) {
         let Self::Demo(demo) = self else { return };
         match demo.training.interventions.last_mut() {
-            Some(last) if exact && last.affects_same_object(intervention) => last.clone_from(intervention),
+            Some(last) if only_last_counts && last.affects_same_object(intervention) => {
+                last.clone_from(intervention);
+            }
             _ => demo.training.interventions.push(intervention.clone()),
         }
     }

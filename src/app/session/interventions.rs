@@ -15,7 +15,7 @@ use crate::app::moves::{
     Movable, MoveContext, MoveRejection, MoveRequest, ObstaclePose, check_move, initial_position,
     with_obstacle_at,
 };
-use crate::scenario::Scenario;
+use crate::scenario::{Obstacle, ObstacleMotion, Scenario};
 use crate::sim;
 use crate::task::{Arena, ArenaLayout, Clock, CurrentScenario, Goal, Pedestrians, Pose, ScenarioPool};
 
@@ -52,6 +52,16 @@ impl Intervention {
             }
             _ => false,
         }
+    }
+
+    /// Whether it makes earlier moves of the same object without effect, if every LIDAR of `scenario` is exact. That of an obstacle
+    /// does not if obstacles are generated, because each move then begins new episodes, nor if the obstacle moves, because its
+    /// path is shifted by an offset, and rounding errors add up.
+    #[must_use]
+    pub fn overrides_earlier(&self, scenario: &Scenario) -> bool {
+        let &Self::Move { object: Movable::Obstacle(index), .. } = self else { return true };
+        let is_static = |obstacle: &Obstacle| matches!(obstacle.motion, ObstacleMotion::Static);
+        scenario.generators.is_empty() && scenario.obstacles.get(index).is_some_and(is_static)
     }
 }
 
