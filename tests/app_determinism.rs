@@ -254,7 +254,14 @@ fn an_obstacle_dragged_in_one_arena_of_a_demo_goes_where_the_user_drops_it() {
     }
     let (scene, _) = app.shown();
     let running = scene.arenas.iter().position(|arena| !arena.inactive).expect("one arena still runs");
-    assert!(scene.arenas.iter().any(|arena| arena.inactive), "one arena has finished");
+    let finished = scene.arenas.iter().position(|arena| arena.inactive).expect("one arena has finished");
+    let still = scene.arenas[finished].obstacles.clone();
+    app.frame(Duration::from_millis(70));
+    assert_eq!(
+        app.shown().0.arenas[finished].obstacles,
+        still,
+        "nothing in it moves between two steps either"
+    );
     app.command(Command::Pause(true));
     for _ in 0..3 {
         app.command(Command::Step);
