@@ -54,9 +54,9 @@ impl Intervention {
         }
     }
 
-    /// Whether it makes earlier moves of the same object without effect, if every LIDAR of `scenario` is exact. That of an obstacle
-    /// does not if obstacles are generated, because each move then begins new episodes, nor if the obstacle moves, because its
-    /// path is shifted by an offset, and rounding errors add up.
+    /// Whether only the last of several moves of this object between two control steps has an effect, if every LIDAR is exact.
+    /// It is not so for an obstacle of a scenario with generators, because each move begins new episodes; nor for a moving
+    /// obstacle, because each move shifts its path by an offset, and rounding errors add up.
     #[must_use]
     pub fn overrides_earlier(&self, scenario: &Scenario) -> bool {
         let &Self::Move { object: Movable::Obstacle(index), .. } = self else { return true };
