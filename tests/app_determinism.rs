@@ -21,7 +21,7 @@ use wayfield::run::preset::Budget;
 use wayfield::run::settings::{Setting, Settings};
 use wayfield::run::train::{CHECKPOINT_INTERVAL, Job, train};
 use wayfield::run::{shipped, training_setup};
-use wayfield::scenario::pose_at;
+use wayfield::scenario::{Generator, ObstacleMotion, RandomShape, Scenario, pose_at};
 use wayfield::sim;
 use wayfield::simulation::Extensions;
 use wayfield::task::{ArenaState, Clock, CurrentScenario};
@@ -177,6 +177,47 @@ fn training_with_interventions_can_be_replayed() {
 }
 
 #[test]
+fn obstacles_dragged_over_several_positions_between_two_steps_can_be_replayed() {
+    let mut app = HeadlessApp::new(options(13));
+    app.command(Command::Pause(true));
+    app.step_to(40);
+    // Each move shifts an orbit by an offset, and rounding errors add up.
+    for index in 0..4 {
+        for _ in 0..3 {
+            nudge(&mut app, index);
+            app.frame(Duration::from_millis(10));
+        }
+    }
+    let shifts = app.journal().entries.len();
+    assert!(shifts > 4, "every position is recorded: {shifts}");
+    app.step_to(60);
+    // With generated obstacles, each move begins new episodes.
+    let mut edited = Scenario::clone(&app.shown().0.scenario);
+    edited.obstacles.iter_mut().for_each(|obstacle| obstacle.motion = ObstacleMotion::Static);
+    let shape = RandomShape::Circle { radius_m: (0.05, 0.1) };
+    edited.generators = vec![Generator { count: 2, shape, gap_m: 0.3, within: None }];
+    app.command(Command::ApplyScenario {
+        scenario: Arc::new(edited),
+        from: "scenario-2".into(),
+        restart: false,
+    });
+    app.frame(Duration::from_millis(10));
+    for _ in 0..3 {
+        nudge(&mut app, 0);
+        app.frame(Duration::from_millis(10));
+    }
+    assert_eq!(app.error_notices(), Vec::<String>::new());
+    app.step_to(80);
+
+    let journal = app.journal().clone();
+    assert_eq!(journal.entries.len(), shifts + 4, "another scenario, and three moves");
+    let (learned, arenas) = state(app.world());
+    let mut replayed = journal.replay(None).expect("the journal is valid");
+    let (replayed_learner, replayed_arenas) = state(replayed.world_mut());
+    assert!(arenas == replayed_arenas && learned == replayed_learner, "bit-identical");
+}
+
+#[test]
 fn objects_cannot_be_moved_to_invalid_positions() {
     let mut app = HeadlessApp::new(options(7));
     app.command(Command::Pause(true));
@@ -213,7 +254,14 @@ fn an_obstacle_dragged_in_one_arena_of_a_demo_goes_where_the_user_drops_it() {
     }
     let (scene, _) = app.shown();
     let running = scene.arenas.iter().position(|arena| !arena.inactive).expect("one arena still runs");
-    assert!(scene.arenas.iter().any(|arena| arena.inactive), "one arena has finished");
+    let finished = scene.arenas.iter().position(|arena| arena.inactive).expect("one arena has finished");
+    let still = scene.arenas[finished].obstacles.clone();
+    app.frame(Duration::from_millis(70));
+    assert_eq!(
+        app.shown().0.arenas[finished].obstacles,
+        still,
+        "nothing in it moves between two steps either"
+    );
     app.command(Command::Pause(true));
     for _ in 0..3 {
         app.command(Command::Step);

@@ -259,6 +259,28 @@ fn an_edited_scenario_continues_or_restarts_the_training() {
 }
 
 #[test]
+fn training_continues_in_an_edited_scenario_in_which_the_compared_policy_cannot_drive() {
+    let mut app = HeadlessApp::new(StartOptions { paused: true, ..StartOptions::default() });
+    app.frame(Duration::from_millis(10));
+    app.command(Command::OpenExpert);
+    app.frame(Duration::from_millis(10));
+    assert_eq!(app.shown().1.mode, SessionMode::Compare);
+    let mut edited = Scenario::clone(&app.shown().0.scenario);
+    edited.robot.motions.reverse();
+    app.command(Command::ApplyScenario {
+        scenario: Arc::new(edited.clone()),
+        from: "empty".into(),
+        restart: false,
+    });
+    app.frame(Duration::from_millis(10));
+    assert!(has_notice(&app, "the policy's card says"), "{:?}", app.notices());
+    let status = &app.shown().1;
+    assert_eq!((status.mode, status.scenario_from.as_str()), (SessionMode::Train, "empty"));
+    assert_eq!(app.shown().0.scenario.robot.motions, edited.robot.motions);
+    assert_eq!(app.journal().entries.len(), 1);
+}
+
+#[test]
 fn an_edited_scenario_is_saved_with_its_comments_and_can_be_opened_while_invalid() {
     let folder = tempfile::tempdir().expect("temporary folder");
     let file = folder.path().join("mine.ron");

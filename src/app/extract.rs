@@ -132,7 +132,12 @@ fn arena_scenes(session: &SessionView, world: &WorldView, view_state: &CurrentVi
                 set_member: world.pool.as_ref().zip(member).map(|(pool, member)| pool.title(member.choice)),
                 pose: trails.previous_pose.map_or(*pose, |before| interpolate(&before, pose, part)),
                 goal: *goal,
-                obstacles: obstacles(layout.indexed(pedestrians), *clock, part),
+                // The clock of an inactive arena stands still: its obstacles would move back and forth.
+                obstacles: obstacles(
+                    layout.indexed(pedestrians),
+                    *clock,
+                    if episode.inactive { 1.0 } else { part },
+                ),
                 ranges_m: scan.ranges_m.clone(),
                 scan_pose: scan.sensor_pose,
                 driver: session.mode.driver(k),

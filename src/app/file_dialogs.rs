@@ -123,8 +123,8 @@ pub(super) fn run_file_dialogs(
             (Purpose::SaveScenario { .. }, Some(name)) => save_dialog(SaveKind::Scenario, &name),
             (Purpose::Edit, _) => open_dialog("Open a scenario in the editor", &["ron"]),
             _ => open_dialog(
-                "Open a policy, a checkpoint, a scenario or a preset",
-                &["safetensors", "bin", "ron"],
+                "Open a policy, a checkpoint, a scenario, a preset or a map",
+                &["safetensors", "bin", "ron", "yaml", "yml", "sdf", "world"],
             ),
         };
         dialogs.open = Some(Dialog { answer, purpose, since: Instant::now() });

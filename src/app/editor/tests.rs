@@ -136,7 +136,7 @@ fn many_steps_can_be_undone_and_redone() {
 }
 
 #[test]
-fn typing_in_a_field_is_one_step_until_another_field() {
+fn typing_in_a_field_is_one_step_until_another_field_is_edited() {
     let mut editor = editor(full());
     editor.select(Selection::Obstacle(0));
     for width in [1.0, 1.2, 1.25] {

@@ -10,10 +10,12 @@ use bevy::prelude::*;
 use super::comparison;
 use super::demo::{self, FirstRound, Rounds};
 use super::interventions::{self, Intervention};
+use super::notices::{NoticeTopic, notify};
 use super::pacer::Pacer;
 use super::trails::Trails;
 use super::training_run::TrainingRun;
 use crate::agent::{ActionSelection, Decisions, TrainingStats};
+use crate::app::app_status::Severity;
 use crate::app::commands::{Pace, PolicySource, SessionMode};
 use crate::app::scene::DriverLabel;
 use crate::random::Stream;
@@ -125,12 +127,14 @@ impl ActiveMode {
         matches!(self, Self::Demo(demo) if !demo.training.interventions.is_empty())
     }
 
-    /// Stores a change of the scenario for the suspended training run, if a demo is shown. As in the journal, only the last
-    /// position of a dragged object counts if the LIDAR is `exact` (without noise and dropout).
-    pub(super) fn record_for_training(&mut self, intervention: &Intervention, exact: bool) {
+    /// Stores a change of the scenario for the suspended training run, if a demo is shown. With
+    /// `only_last_counts`, it replaces the last one if that moved the same object, as in the journal.
+    pub(super) fn record_for_training(&mut self, intervention: &Intervention, only_last_counts: bool) {
         let Self::Demo(demo) = self else { return };
         match demo.training.interventions.last_mut() {
-            Some(last) if exact && last.affects_same_object(intervention) => last.clone_from(intervention),
+            Some(last) if only_last_counts && last.affects_same_object(intervention) => {
+                last.clone_from(intervention);
+            }
             _ => demo.training.interventions.push(intervention.clone()),
         }
     }
@@ -220,10 +224,11 @@ fn resume_training(world: &mut World) {
     world.resource_mut::<Trails>().restart(arenas);
 }
 
-/// Runs `work` while the training is active, then restores the previous mode and pace.
+/// Runs `work` while the training is active, then restores the previous mode and pace. If a policy of the previous mode cannot
+/// drive any more, because `work` has changed the scenario, the training stays active, with a notice.
 ///
 /// # Errors
-/// `work` fails, or the previous mode cannot be restored.
+/// `work` fails.
 pub(super) fn while_training<T>(
     world: &mut World,
     work: impl FnOnce(&mut World) -> Result<T, RunError>,
@@ -231,7 +236,9 @@ pub(super) fn while_training<T>(
     let (mode, pace) = (world.resource::<ActiveMode>().mode(), world.resource::<Pacer>().pace);
     set_mode(world, SessionMode::Train)?;
     let done = work(world);
-    set_mode(world, mode)?;
-    world.resource_mut::<Pacer>().pace = pace;
+    match set_mode(world, mode) {
+        Ok(()) => world.resource_mut::<Pacer>().pace = pace,
+        Err(error) => notify(world, NoticeTopic::Comparison, Severity::Error, error.to_string()),
+    }
     done
 }

@@ -181,9 +181,11 @@ fn set_goal(world: &mut World, request: &MoveRequest) {
 fn record(world: &mut World, intervention: &Intervention) {
     let changes_scenario = intervention.changes_scenario();
     if changes_scenario || world.resource::<ActiveMode>().is_training() {
-        let exact = world.resource::<TrainingRun>().config.has_exact_lidars();
-        world.resource_mut::<ActiveMode>().record_for_training(intervention, exact);
-        world.resource_mut::<Journal>().record(intervention.clone(), exact);
+        let config = &world.resource::<TrainingRun>().config;
+        // With an inexact LIDAR, each scan draws from the sensor's random stream.
+        let only_last_counts = config.has_exact_lidars() && intervention.overrides_earlier(&config.scenario);
+        world.resource_mut::<ActiveMode>().record_for_training(intervention, only_last_counts);
+        world.resource_mut::<Journal>().record(intervention.clone(), only_last_counts);
     }
     if changes_scenario {
         scenario_changes::on_scenario_changed(world);

@@ -141,11 +141,11 @@ impl Journal {
         Ok(())
     }
 
-    /// Records an intervention made now. Of an object dragged between two control steps, only the last position counts. If
-    /// the LIDAR is not `exact`, every position counts, because each scan draws from the sensor's random stream.
-    pub fn record(&mut self, intervention: Intervention, exact: bool) {
+    /// Records an intervention made now. With `only_last_counts`, it replaces the last one if that moved the same object since
+    /// the last control step.
+    pub fn record(&mut self, intervention: Intervention, only_last_counts: bool) {
         if let Some(last) = self.entries.last_mut()
-            && exact
+            && only_last_counts
             && last.after_steps == self.steps
             && last.intervention.affects_same_object(&intervention)
         {

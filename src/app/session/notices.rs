@@ -26,7 +26,7 @@ pub enum NoticeTopic {
     File(String),
     /// An object that the user tried to move.
     Move,
-    /// A warning about the second policy of a comparison.
+    /// A warning or an error about the second policy of a comparison.
     Comparison,
     /// Questionable settings of the current training run.
     Settings,

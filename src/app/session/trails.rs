@@ -80,7 +80,7 @@ impl Trails {
             } else {
                 None
             };
-            // After a collision or a timeout the robot is already at its next start.
+            // After a collision or a timeout the robot may already be at its next start.
             let replaced = outcome.collided || outcome.timed_out;
             if !replaced {
                 paths.path_m.push([pose.x_m, pose.y_m]);

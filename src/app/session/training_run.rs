@@ -35,7 +35,7 @@ pub struct TrainingRun {
     pub trainer_state: TrainerState,
     /// Policy from whose weights training started, if any.
     pub initial_policy: Option<Policy>,
-    /// Whether training met non-finite numbers and cannot continue.
+    /// Whether training has met a fault other than a lack of free space, such as a non-finite number, and cannot continue.
     pub has_failed: bool,
     /// When the policy or the run was saved last; the start of the run if neither was.
     saved_at: Moment,

@@ -1,4 +1,4 @@
-//! Drawing with tools. A tool is put away when it no longer fits the selected item.
+//! Drawing with tools. A tool is deselected when it no longer fits the selected item.
 
 use super::*;
 use bevy::math::vec2;
@@ -17,7 +17,7 @@ fn placing_goals() -> Editor {
 }
 
 #[test]
-fn the_positions_tool_is_put_away_when_its_rule_is_deselected_or_changes_kind() {
+fn the_positions_tool_is_deselected_when_its_rule_is_deselected_or_changes_kind() {
     let changes: [fn(&mut Editor); 6] = [
         Editor::delete,
         |e| e.add_obstacle(new_shape("Circle"), vec2(0.0, 0.0)),
@@ -59,7 +59,7 @@ fn the_positions_tool_stays_while_its_rule_is_selected() {
 }
 
 #[test]
-fn the_path_tool_is_put_away_when_its_obstacle_is_deselected() {
+fn the_path_tool_is_deselected_when_its_obstacle_is_deselected() {
     let changes: [fn(&mut Editor); 4] = [
         Editor::duplicate,
         Editor::delete,
@@ -113,7 +113,7 @@ fn drawing_a_wall_is_one_undo_step() {
     assert_eq!(editor.scenario().walls.len(), 1);
     editor.set_tool(Tool::Wall { corners_m: Vec::new() });
     editor.undo_tool_point();
-    assert_eq!(*editor.tool(), Tool::Select, "without a corner the tool is put away");
+    assert_eq!(*editor.tool(), Tool::Select, "without a corner the tool is deselected");
 }
 
 #[test]

@@ -274,8 +274,10 @@ pub(super) fn continue_last_session(world: &mut World) -> Result<(), RunError> {
     let run = world.resource::<TrainingRun>();
     let saved = SavedRun::from_folder(&found.path, &run.config.extensions)?;
     let would_lose = run.would_lose_training(world.resource::<ActiveLearner>().0.env_steps());
-    if would_lose {
-        save_now(world)?;
+    if would_lose && let Err(error) = save_now(world) {
+        // The user can make room and try again.
+        world.resource_mut::<Autosave>().last_session = Some(found);
+        return Err(error);
     }
     start_saved(world, saved, || slot);
     Ok(())
