@@ -349,21 +349,29 @@ fn what_a_scenario_cannot_represent_is_listed() {
         model("robot", "<joint name='j' type='revolute'/>", BOX),
         "<plugin filename='libworld.so' name='p'/><actor name='walker'/>".into(),
         model("relative", "<pose relative_to='fine'>0 0 0 0 0 0</pose>", BOX),
+        // The pose of a collision is relative to its link, unless it says otherwise.
+        model("aside", "", BOX)
+            .replace("<geometry>", "<pose relative_to='__model__'>0 0 0 0 0 0</pose><geometry>"),
+        "<include><uri>model://guest</uri><pose relative_to='fine'>1 0 0 0 0 0</pose></include>".into(),
         model("ground", "", "<plane><normal>0 0 1</normal></plane>"),
     ];
-    let folder = Folder::new(&[("w.world", world(&parts.concat()).as_bytes())]);
+    let guest = format!("<sdf version='1.6'>{}</sdf>", model("guest", "", BOX));
+    let folder = Folder::new(&[
+        ("w.world", world(&parts.concat()).as_bytes()),
+        ("models/guest/model.sdf", guest.as_bytes()),
+    ]);
     let imported = folder.import("w.world").expect("a world");
     assert_eq!(imported.scenario.obstacles.len(), 2, "fine and crate");
     let expected = [
         "plugins do not run: libworld.so, libpush.so",
         "actors are left out: walker",
+        "poses relative to other frames are not understood, so these are left out: model://guest, relative, aside/c",
         "meshes are left out: statue/c",
         "rolled or pitched shapes are left out: leaning/c",
         "shapes above the LIDAR, which is at a height of 0.18 m, are left out: lamp/c",
         "shapes below the LIDAR, which is at a height of 0.18 m, are left out: step/c",
         "models that could be pushed stand still: crate",
         "models with joints, such as robots, are left out: robot",
-        "poses relative to other frames are not understood, so these are left out: relative",
     ];
     assert_eq!(imported.findings, expected);
     assert!(imported.text().starts_with("// Not imported: plugins do not run: libworld.so, libpush.so.\n"));
