@@ -183,7 +183,8 @@ fn import_solids(path: &Path, world: &sdf::SdfWorld, options: &ImportOptions) ->
     let (count, height_m) = (world.solids.len(), options.lidar_height_m);
     let about = format!("{count} shapes, cut {height_m} m above the ground.");
     let (solids, findings) = (&world.solids, &world.findings);
-    world::World { label: map::file_name(path), about, solids, moving: &[], findings }.import(path, &base)
+    let world = world::World { label: map::file_name(path), about, solids, moving: &[], findings };
+    world.import(&base).map_err(|message| FileError::for_file(path, message))
 }
 
 /// A kind of file.

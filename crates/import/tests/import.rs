@@ -411,7 +411,7 @@ fn invalid_worlds_are_rejected_with_the_file_and_a_fix() {
         ),
         (
             world(&model("m", "", "<box><size>900 900 1</size></box>")),
-            "w.world: the world is 902 m x 902 m, too large",
+            "w.world: the world is 902 m x 902 m, too large for a robot that keeps 0.130 m from walls",
         ),
     ] {
         let folder = Folder::new(&[("w.world", text.as_bytes())]);
@@ -534,8 +534,16 @@ fn moving_discs_of_a_stage_get_key_frames() {
             "[]",
             "stages.json: stage 2: something moves, but has no `keys`; ",
         ),
-        ("[20, 1, -1]", "[50, 1, -1]", "stages.json: the scenario would be invalid: `obstacles[5].motion."),
-        ("[20, 1, -1]", "[0.1, 1, -1]", "stages.json: the scenario would be invalid: `obstacles[5].motion."),
+        (
+            "[20, 1, -1]",
+            "[50, 1, -1]",
+            "stages.json: stage 2: the scenario would be invalid: `obstacles[5].motion.",
+        ),
+        (
+            "[20, 1, -1]",
+            "[0.1, 1, -1]",
+            "stages.json: stage 2: the scenario would be invalid: `obstacles[5].motion.",
+        ),
         ("\"period_s\"", "\"periods\"", "stages.json:4:"),
     ] {
         folder.write("stages.json", STAGES.replacen(from, to, 1).as_bytes());
