@@ -155,6 +155,7 @@ pub fn barn_path_length_m(bytes: &[u8], path: &Path) -> Result<f64, FileError> {
 /// # Errors
 /// As for [`import`].
 pub fn import_worlds(path: &Path, options: &ImportOptions) -> Result<Vec<(String, Imported)>, FileError> {
+    options.check(path)?;
     json::import_file(path, options)
 }
 
@@ -163,6 +164,7 @@ pub fn import_worlds(path: &Path, options: &ImportOptions) -> Result<Vec<(String
 /// # Errors
 /// As for [`import`].
 pub fn backdrop(path: &Path, options: &ImportOptions) -> Result<Backdrop, FileError> {
+    options.check(path)?;
     match kind(path) {
         Some(Kind::Map) => Ok(map::Map::read_yaml(path)?.backdrop()),
         Some(Kind::Image) => Ok(map::Map::read_image(path, options.resolution_m)?.backdrop()),

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
-use wayfield_import::{Frame, ImportOptions, Imported, import, import_worlds};
+use wayfield_import::{Frame, ImportOptions, Imported, backdrop, import, import_worlds};
 use wayfield_scenario::{
     KeyFrame, KeyFrameEnd, ObstacleMotion, Scenario, Shape, Vec2, clearance, diagnostics, pose_at, vec2,
 };
@@ -239,6 +239,9 @@ fn a_plain_image_needs_a_scale() {
     let (low, high) = folder.import_with("plan.pgm", &options).expect("a plan").scenario.enclosure.bounds_m();
     // The unknown grey is bright, so the outside is floor, too; the hall is imported because it is larger.
     assert!((high - low - vec2(10.0, 6.0)).length() < 1e-4, "{low} {high}");
+    let options = ImportOptions { resolution_m: Some(20.0), ..ImportOptions::default() };
+    let error = backdrop(&folder.path("plan.pgm"), &options).expect_err("out of range").to_string();
+    assert!(error.ends_with("plan.pgm: the resolution is 20; help: give 0.001 to 10 (metres)"), "{error}");
 }
 
 /// An SDF world with the elements `inside`.
@@ -482,6 +485,12 @@ fn barn_worlds_have_their_start_goal_and_path_length() {
     folder.write("barn.json", BARN.replace("[[-2.25, 8.0]]", "[[-2.25]]").as_bytes());
     let error = one(7).expect_err("invalid");
     assert!(error.starts_with("barn.json:4:") && error.contains("not a file of BARN worlds: "), "{error}");
+    folder.write("barn.json", b"{\"stages\": [}");
+    let error = one(7).expect_err("not JSON");
+    assert!(
+        error.starts_with("barn.json:1:") && error.contains("not a file of BARN worlds or stages: "),
+        "{error}"
+    );
 }
 
 /// A room of 4 m x 3 m with a pillar and two discs that move.
