@@ -44,8 +44,8 @@ pub(crate) struct RollingMap {
 }
 
 impl RollingMap {
-    /// An empty map. The side of a cell is `cell` keep-out distances, or more where there would be too many cells. If they can,
-    /// paths keep `margin` keep-out distances beyond the keep-out distance.
+    /// An empty map. The side of a cell is `cell` keep-out distances, or more where there would be too many cells. Where
+    /// possible, paths keep another `margin` keep-out distances beyond the keep-out distance.
     pub(crate) fn new(robot: &Robot, cell: f32, margin: f32) -> Self {
         let half_m = 1.5 * robot.max_range_m;
         let wanted_m = cell * robot.keep_out_m;
@@ -251,6 +251,7 @@ mod tests {
         ranges_m[0] = 3.5;
         ranges_m[23] = 0.6;
         map.update(&percept(&ranges_m, moved));
+        assert_ne!(map.occupied().count(), 0, "the thing is still in the map");
         for at in map.occupied() {
             assert!((at - seen).abs().max_element() <= 1, "{at} is not near {seen}");
         }

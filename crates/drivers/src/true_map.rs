@@ -23,6 +23,8 @@ pub(crate) struct TrueMap {
     /// Clearance of the static parts at the centre of each cell, in m, at most `reach_m`.
     clearances_m: Vec<f32>,
     reach_m: f32,
+    /// The obstacles of the scenario that the map shows. The user of the app may move one during an episode.
+    obstacles: Vec<Obstacle>,
     /// The extra cost of each cell in the last plan.
     costs: Vec<u16>,
     search: PathSearch,
@@ -56,6 +58,7 @@ impl TrueMap {
     pub(crate) fn new(robot: &Robot, parameters: &PlannerParameters) -> Self {
         let (keep_out_m, margin_m) = (robot.keep_out_m, parameters.margin * robot.keep_out_m);
         let cell_m = parameters.cell * keep_out_m;
+        let dwa_limit_m = keep_out_m * (1.0 + parameters.dwa.margin);
         Self {
             keep_out_m,
             margin_m,
@@ -63,7 +66,8 @@ impl TrueMap {
             period_s: robot.control_period_s,
             grid: Grid { min_m: Vec2::ZERO, cell_m, columns: 0, rows: 0 },
             clearances_m: Vec::new(),
-            reach_m: 2.0 * (keep_out_m + margin_m),
+            reach_m: dwa_limit_m.max(2.0 * (keep_out_m + margin_m)),
+            obstacles: Vec::new(),
             costs: Vec::new(),
             search: PathSearch::default(),
             moving: Vec::new(),
@@ -86,6 +90,7 @@ impl TrueMap {
         let moving = scenario.obstacles.iter().enumerate().filter(|(_, obstacle)| !is_static(obstacle));
         let moving = moving.map(|(index, obstacle)| Moving { index, obstacle: obstacle.clone(), walk: None });
         self.moving = moving.collect();
+        self.obstacles.clone_from(&scenario.obstacles);
     }
 
     /// Lowers the clearances around a static obstacle.
@@ -124,8 +129,9 @@ impl TrueMap {
 impl Map for TrueMap {
     fn update(&mut self, percept: &Percept) -> Odometry {
         if let Some(truth) = &percept.truth {
-            if self.clearances_m.is_empty() {
-                self.build(truth.layout.scenario);
+            let scenario = truth.layout.scenario;
+            if self.clearances_m.is_empty() || self.obstacles != scenario.obstacles {
+                self.build(scenario);
             }
             self.clock = truth.clock;
             for moving in &mut self.moving {
@@ -179,16 +185,34 @@ mod tests {
     use wayfield_scenario::{Motion, Shape, clearance};
 
     use super::*;
+    use crate::config::DwaParameters;
     use crate::percept::Truth;
 
-    #[test]
-    fn the_clearance_of_the_map_is_that_of_the_scenario() {
-        let circle = |motion| Obstacle {
+    fn circle(motion: ObstacleMotion) -> Obstacle {
+        Obstacle {
             shape: Shape::Circle { radius_m: 0.15 },
             position_m: vec2(0.6, 0.6),
             rotation_rad: 0.0,
             motion,
-        };
+        }
+    }
+
+    /// Updates `map` with `scenario` at step 10, with the robot at (0, 0).
+    fn update(map: &mut TrueMap, scenario: &Scenario) {
+        let truth =
+            Truth { layout: scenario.into(), clock: 10, pose: (0.0, 0.0, 0.0), goal_m: vec2(1.0, 0.0) };
+        map.update(&Percept {
+            ranges_m: &[],
+            goal_distance_m: 1.0,
+            goal_bearing_rad: 0.0,
+            twist: Motion { v_m_s: 0.0, w_rad_s: 0.0 },
+            odometry: Odometry::default(),
+            truth: Some(truth),
+        });
+    }
+
+    #[test]
+    fn the_clearance_of_the_map_is_that_of_the_scenario() {
         let orbit = ObstacleMotion::Orbit { centre_m: Vec2::ZERO, speed_rad_s: (-0.5).into() };
         let scenario = Scenario {
             obstacles: vec![circle(ObstacleMotion::Static), circle(orbit)],
@@ -201,16 +225,7 @@ mod tests {
         };
         let robot = Robot::of(&scenario);
         let mut map = TrueMap::new(&robot, &PlannerParameters::default());
-        let (layout, goal_m) = ((&scenario).into(), vec2(1.0, 0.0));
-        let truth = Truth { layout, clock: 10, pose: (0.0, 0.0, 0.0), goal_m };
-        map.update(&Percept {
-            ranges_m: &[],
-            goal_distance_m: 1.0,
-            goal_bearing_rad: 0.0,
-            twist: Motion { v_m_s: 0.0, w_rad_s: 0.0 },
-            odometry: Odometry::default(),
-            truth: Some(truth),
-        });
+        update(&mut map, &scenario);
         let of_map = map.clearance(1.0);
         for point in [vec2(0.3, 0.5), vec2(-0.5, -0.8), vec2(1.8, -1.7), vec2(0.5, -0.4), vec2(0.7, 0.65)] {
             for steps in [0, 3, 5] {
@@ -220,5 +235,29 @@ mod tests {
                 assert!((value - expected).abs() < 0.02, "{point} after {steps}: {value}, not {expected}");
             }
         }
+    }
+
+    #[test]
+    fn an_obstacle_that_is_moved_during_an_episode_moves_in_the_map() {
+        let mut scenario =
+            Scenario { obstacles: vec![circle(ObstacleMotion::Static)], ..Scenario::default() };
+        let mut map = TrueMap::new(&Robot::of(&scenario), &PlannerParameters::default());
+        update(&mut map, &scenario);
+        let (before, after) = (vec2(0.6, 0.6), vec2(-0.6, -0.6));
+        assert!(map.clearance(1.0)(before, 0.0) < 0.0 && map.clearance(1.0)(after, 0.0) > 0.13);
+        scenario.obstacles[0].position_m = after;
+        update(&mut map, &scenario);
+        assert!(map.clearance(1.0)(before, 0.0) > 0.13 && map.clearance(1.0)(after, 0.0) < 0.0);
+    }
+
+    #[test]
+    fn the_map_reaches_as_far_as_the_margin_of_the_dynamic_window_approach() {
+        let scenario = Scenario::default();
+        let dwa = DwaParameters { margin: 5.0, ..DwaParameters::default() };
+        let parameters = PlannerParameters { margin: 0.0, dwa, ..PlannerParameters::default() };
+        let mut map = TrueMap::new(&Robot::of(&scenario), &parameters);
+        update(&mut map, &scenario);
+        let clearance_m = map.clearance(1.0)(Vec2::ZERO, 0.0);
+        assert!(clearance_m > 5.9 * 0.13, "the walls are over a metre away: {clearance_m} m");
     }
 }

@@ -234,8 +234,8 @@ mod tests {
 
     #[test]
     fn a_goal_on_the_edge_of_sight_does_not_come_and_go() {
-        // From (0.6, 0.67) the line to the goal passes the wall's end at (0.67 x 1 - 0.3 x 1.4) / |(1.4, 0.67)| = 0.16 m: farther than the
-        // keep-out distance, but within half the margin beyond it.
+        // From (0.6, 0.67) the line to the goal passes the wall's end at (0.67 x 1 - 0.3 x 1.4) / |(1.4, 0.67)| = 0.16 m:
+        // farther than the keep-out distance, but within half the margin beyond it.
         let (wall, edge) = (Some((-0.9, 0.3)), vec2(0.6, 0.67));
         assert_eq!(Scene::new(edge).planned(edge, wall), None, "it was never out of sight");
         let mut scene = Scene::new(Vec2::ZERO);

@@ -207,7 +207,8 @@ fn scenario(
         ..base.clone()
     };
     draft::check(&scenario).map_err(|problem| {
-        FileError::for_file(path, format!("{label}: {problem}; help: use another robot (--robot)"))
+        let help = "change the file, or use another robot (--robot)";
+        FileError::for_file(path, format!("{label}: {problem}; help: {help}"))
     })?;
     Ok(Imported { scenario, deviation_m: 0.0, path_length_m: task.path_length_m, findings: findings.lines() })
 }

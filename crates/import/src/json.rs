@@ -13,6 +13,7 @@ use crate::{Imported, barn, stages};
 
 /// The key that distinguishes a file of stages from a file of BARN worlds.
 #[derive(Deserialize)]
+#[serde(expecting = "an object")]
 struct Probe {
     stages: Option<IgnoredAny>,
 }
@@ -34,8 +35,8 @@ pub fn import_text(
     path: &Path,
     options: &ImportOptions,
 ) -> Result<Vec<(String, Imported)>, FileError> {
-    let has_stages = serde_json::from_str(text).is_ok_and(|probe: Probe| probe.stages.is_some());
-    if has_stages {
+    let probe: Probe = parse(text, path, "BARN worlds or stages")?;
+    if probe.stages.is_some() {
         let import =
             |(number, stage)| Ok((format!("stage-{number}"), stages::import(path, number, stage, options)?));
         return chosen(stages::parse(text, path)?, path, options)?.into_iter().map(import).collect();

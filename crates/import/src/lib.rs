@@ -155,6 +155,7 @@ pub fn barn_path_length_m(bytes: &[u8], path: &Path) -> Result<f64, FileError> {
 /// # Errors
 /// As for [`import`].
 pub fn import_worlds(path: &Path, options: &ImportOptions) -> Result<Vec<(String, Imported)>, FileError> {
+    options.check(path)?;
     json::import_file(path, options)
 }
 
@@ -163,6 +164,7 @@ pub fn import_worlds(path: &Path, options: &ImportOptions) -> Result<Vec<(String
 /// # Errors
 /// As for [`import`].
 pub fn backdrop(path: &Path, options: &ImportOptions) -> Result<Backdrop, FileError> {
+    options.check(path)?;
     match kind(path) {
         Some(Kind::Map) => Ok(map::Map::read_yaml(path)?.backdrop()),
         Some(Kind::Image) => Ok(map::Map::read_image(path, options.resolution_m)?.backdrop()),
@@ -183,7 +185,8 @@ fn import_solids(path: &Path, world: &sdf::SdfWorld, options: &ImportOptions) ->
     let (count, height_m) = (world.solids.len(), options.lidar_height_m);
     let about = format!("{count} shapes, cut {height_m} m above the ground.");
     let (solids, findings) = (&world.solids, &world.findings);
-    world::World { label: map::file_name(path), about, solids, moving: &[], findings }.import(path, &base)
+    let world = world::World { label: map::file_name(path), about, solids, moving: &[], findings };
+    world.import(&base).map_err(|message| FileError::for_file(path, message))
 }
 
 /// A kind of file.

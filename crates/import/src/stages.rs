@@ -147,7 +147,7 @@ pub fn import(
         moving: &stage.moving,
         findings: &findings,
     };
-    let mut imported = world.import(path, &base)?;
+    let mut imported = world.import(&base).map_err(fail)?;
     // Other worlds get a longer time limit if the path to the goal is long. A stage keeps that of `base`.
     imported.scenario.task.max_episode_steps = base.task.max_episode_steps;
     Ok(imported)

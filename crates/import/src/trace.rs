@@ -192,10 +192,12 @@ fn obstacle(corners: &[DVec2], scale: Scale) -> Obstacle {
 fn remove_inside(set: &mut Grid<bool>, ring: &[DVec2]) {
     let (low, high) = ring.iter().fold((DVec2::MAX, DVec2::MIN), |(low, high), &c| (low.min(c), high.max(c)));
     for row in low.y as usize..high.y as usize {
+        let y = row as f64 + 0.5;
+        let ends = ring.iter().zip(ring.iter().cycle().skip(1));
+        let sides: Vec<f64> = ends.filter(|(a, b)| (a.y > y) != (b.y > y)).map(|(a, _)| a.x).collect();
         for column in low.x as usize..high.x as usize {
-            let at = dvec2(column as f64 + 0.5, row as f64 + 0.5);
-            let ends = ring.iter().zip(ring.iter().cycle().skip(1));
-            let crossings = ends.filter(|(a, b)| (a.y > at.y) != (b.y > at.y) && a.x > at.x).count();
+            let x = column as f64 + 0.5;
+            let crossings = sides.iter().filter(|&&side| side > x).count();
             if crossings % 2 == 1 {
                 set.set((column, row), false);
             }

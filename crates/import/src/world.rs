@@ -1,10 +1,8 @@
 //! The import of a world of solids: those that border the floor are kept exactly, and the space between them that the robot
 //! can't reach is filled.
 
-use std::path::Path;
-
 use glam::{DVec2, dvec2};
-use wayfield_scenario::{FileError, Scenario};
+use wayfield_scenario::Scenario;
 
 use crate::Imported;
 use crate::draft::{self, Source};
@@ -45,7 +43,7 @@ impl Raster {
         let cell_m = (keep_out_m / 8.0).max((size.x * size.y / MAX_GRID_CELLS).sqrt());
         if cell_m > keep_out_m / 2.0 || !cell_m.is_finite() {
             return Err(format!(
-                "the world is {:.0} m x {:.0} m, too large for a robot that keeps {keep_out_m} m from walls; help: \
+                "the world is {:.0} m x {:.0} m, too large for a robot that keeps {keep_out_m:.3} m from walls; help: \
                  remove what is far away, or use a larger robot (--robot)",
                 size.x, size.y
             ));
@@ -120,19 +118,18 @@ impl World<'_> {
     /// The scenario of the world, with the robot of `base`.
     ///
     /// # Errors
-    /// The world is too large for the robot, has too many large solids or no place that the robot fits into, or the scenario
-    /// would be invalid or too large.
-    pub fn import(self, path: &Path, base: &Scenario) -> Result<Imported, FileError> {
+    /// As a message: the world is too large for the robot, has too many large solids or no place that the robot fits into, or
+    /// the scenario would be invalid or too large.
+    pub fn import(self, base: &Scenario) -> Result<Imported, String> {
         let Self { label, about, solids, moving, findings } = self;
-        let fail = |message: String| FileError::for_file(path, message);
-        let raster = Raster::new(solids, f64::from(base.keep_out_m())).map_err(fail)?;
+        let raster = Raster::new(solids, f64::from(base.keep_out_m()))?;
         let margins = draft::margins(base, raster.cell_m);
         let no_floor = || {
             let needed_m = draft::needed_m(base);
-            fail(format!(
+            format!(
                 "the robot fits nowhere in this world: it needs more than {needed_m:.3} m to each side; help: use a smaller \
                  robot (--robot)"
-            ))
+            )
         };
         let floor = Floor::new(&raster.free, margins, raster.inner()).ok_or_else(no_floor)?;
         let ((left, bottom), (right, top)) = floor.cells.bounds().ok_or_else(no_floor)?;
@@ -158,7 +155,7 @@ impl World<'_> {
         let source = Source { file: label, about, frame: Frame { origin_m: centre_m, yaw_rad: 0.0 } };
         let scenario = draft::scenario(base, &source, high - low, &floor, scale, &found);
         draft::check(&scenario)
-            .map_err(|problem| fail(format!("{problem}; help: use another robot (--robot)")))?;
+            .map_err(|problem| format!("{problem}; help: change the file, or use another robot (--robot)"))?;
         Ok(Imported { scenario, deviation_m: 0.0, path_length_m: None, findings: findings.lines() })
     }
 }

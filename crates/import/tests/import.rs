@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
-use wayfield_import::{Frame, ImportOptions, Imported, import, import_worlds};
+use wayfield_import::{Frame, ImportOptions, Imported, backdrop, import, import_worlds};
 use wayfield_scenario::{
     KeyFrame, KeyFrameEnd, ObstacleMotion, Scenario, Shape, Vec2, clearance, diagnostics, pose_at, vec2,
 };
@@ -239,6 +239,9 @@ fn a_plain_image_needs_a_scale() {
     let (low, high) = folder.import_with("plan.pgm", &options).expect("a plan").scenario.enclosure.bounds_m();
     // The unknown grey is bright, so the outside is floor, too; the hall is imported because it is larger.
     assert!((high - low - vec2(10.0, 6.0)).length() < 1e-4, "{low} {high}");
+    let options = ImportOptions { resolution_m: Some(20.0), ..ImportOptions::default() };
+    let error = backdrop(&folder.path("plan.pgm"), &options).expect_err("out of range").to_string();
+    assert!(error.ends_with("plan.pgm: the resolution is 20; help: give 0.001 to 10 (metres)"), "{error}");
 }
 
 /// An SDF world with the elements `inside`.
@@ -349,21 +352,29 @@ fn what_a_scenario_cannot_represent_is_listed() {
         model("robot", "<joint name='j' type='revolute'/>", BOX),
         "<plugin filename='libworld.so' name='p'/><actor name='walker'/>".into(),
         model("relative", "<pose relative_to='fine'>0 0 0 0 0 0</pose>", BOX),
+        // The pose of a collision is relative to its link, unless it says otherwise.
+        model("aside", "", BOX)
+            .replace("<geometry>", "<pose relative_to='__model__'>0 0 0 0 0 0</pose><geometry>"),
+        "<include><uri>model://guest</uri><pose relative_to='fine'>1 0 0 0 0 0</pose></include>".into(),
         model("ground", "", "<plane><normal>0 0 1</normal></plane>"),
     ];
-    let folder = Folder::new(&[("w.world", world(&parts.concat()).as_bytes())]);
+    let guest = format!("<sdf version='1.6'>{}</sdf>", model("guest", "", BOX));
+    let folder = Folder::new(&[
+        ("w.world", world(&parts.concat()).as_bytes()),
+        ("models/guest/model.sdf", guest.as_bytes()),
+    ]);
     let imported = folder.import("w.world").expect("a world");
     assert_eq!(imported.scenario.obstacles.len(), 2, "fine and crate");
     let expected = [
         "plugins do not run: libworld.so, libpush.so",
         "actors are left out: walker",
+        "poses relative to other frames are not understood, so these are left out: model://guest, relative, aside/c",
         "meshes are left out: statue/c",
         "rolled or pitched shapes are left out: leaning/c",
         "shapes above the LIDAR, which is at a height of 0.18 m, are left out: lamp/c",
         "shapes below the LIDAR, which is at a height of 0.18 m, are left out: step/c",
         "models that could be pushed stand still: crate",
         "models with joints, such as robots, are left out: robot",
-        "poses relative to other frames are not understood, so these are left out: relative",
     ];
     assert_eq!(imported.findings, expected);
     assert!(imported.text().starts_with("// Not imported: plugins do not run: libworld.so, libpush.so.\n"));
@@ -403,7 +414,7 @@ fn invalid_worlds_are_rejected_with_the_file_and_a_fix() {
         ),
         (
             world(&model("m", "", "<box><size>900 900 1</size></box>")),
-            "w.world: the world is 902 m x 902 m, too large",
+            "w.world: the world is 902 m x 902 m, too large for a robot that keeps 0.130 m from walls",
         ),
     ] {
         let folder = Folder::new(&[("w.world", text.as_bytes())]);
@@ -474,6 +485,12 @@ fn barn_worlds_have_their_start_goal_and_path_length() {
     folder.write("barn.json", BARN.replace("[[-2.25, 8.0]]", "[[-2.25]]").as_bytes());
     let error = one(7).expect_err("invalid");
     assert!(error.starts_with("barn.json:4:") && error.contains("not a file of BARN worlds: "), "{error}");
+    folder.write("barn.json", b"{\"stages\": [}");
+    let error = one(7).expect_err("not JSON");
+    assert!(
+        error.starts_with("barn.json:1:") && error.contains("not a file of BARN worlds or stages: "),
+        "{error}"
+    );
 }
 
 /// A room of 4 m x 3 m with a pillar and two discs that move.
@@ -526,8 +543,16 @@ fn moving_discs_of_a_stage_get_key_frames() {
             "[]",
             "stages.json: stage 2: something moves, but has no `keys`; ",
         ),
-        ("[20, 1, -1]", "[50, 1, -1]", "stages.json: the scenario would be invalid: `obstacles[5].motion."),
-        ("[20, 1, -1]", "[0.1, 1, -1]", "stages.json: the scenario would be invalid: `obstacles[5].motion."),
+        (
+            "[20, 1, -1]",
+            "[50, 1, -1]",
+            "stages.json: stage 2: the scenario would be invalid: `obstacles[5].motion.",
+        ),
+        (
+            "[20, 1, -1]",
+            "[0.1, 1, -1]",
+            "stages.json: stage 2: the scenario would be invalid: `obstacles[5].motion.",
+        ),
         ("\"period_s\"", "\"periods\"", "stages.json:4:"),
     ] {
         folder.write("stages.json", STAGES.replacen(from, to, 1).as_bytes());

@@ -37,6 +37,9 @@ pub struct SdfWorld {
     includes: usize,
 }
 
+/// The finding about elements whose pose is relative to a frame other than that of their parent.
+const OTHER_FRAME: &str = "poses relative to other frames are not understood, so these are left out";
+
 /// How a model is placed by the world, model or include that contains it.
 #[derive(Clone, Copy)]
 struct Placement<'a> {
@@ -154,8 +157,7 @@ impl SdfWorld {
             self.findings.add("plugins do not run", plugin(found));
         }
         let Some(own) = at.own_pose.map_or_else(|| pose::of(file, model), |pose| Ok(Some(pose)))? else {
-            self.findings
-                .add("poses relative to other frames are not understood, so these are left out", label);
+            self.findings.add(OTHER_FRAME, label);
             return Ok(());
         };
         let is_static = at.is_static
@@ -185,8 +187,7 @@ impl SdfWorld {
         for collision in children(link, "collision") {
             let label = format!("{model}/{}", name(collision));
             let (Some(own), Some(inner)) = (own, pose::of(file, collision)?) else {
-                self.findings
-                    .add("poses relative to other frames are not understood, so these are left out", &label);
+                self.findings.add(OTHER_FRAME, &label);
                 continue;
             };
             let Some(shape) = children(collision, "geometry").next() else { continue };
@@ -224,6 +225,13 @@ impl SdfWorld {
                 .add("models that were not found are left out (name their folder with --models)", uri);
             return Ok(());
         };
+        let label = children(include, "name").next().map(xml::text);
+        let pose_node = children(include, "pose").next();
+        let own_pose = pose_node.map_or(Ok(None), |node| pose::read(file, node))?;
+        if pose_node.is_some() && own_pose.is_none() {
+            self.findings.add(OTHER_FRAME, label.unwrap_or(uri));
+            return Ok(());
+        }
         self.includes += 1;
         if self.includes > MAX_INCLUDES {
             let message = format!("more than {MAX_INCLUDES} models are included; help: remove some");
@@ -233,13 +241,8 @@ impl SdfWorld {
         let text = read_text_with_limit(&path, MAX_WORLD_BYTES - self.bytes_read)?;
         self.bytes_read += text.len() as u64;
         let document = xml::parse(&text, &path)?;
-        let own_pose = match children(include, "pose").next() {
-            Some(node) => pose::read(file, node)?,
-            None => None,
-        };
         let is_static =
             children(include, "static").next().is_some_and(|node| matches!(xml::text(node), "1" | "true"));
-        let label = children(include, "name").next().map(xml::text);
         let inside = XmlFile { path: &path, text: &text };
         let Some(model) = children(document.root_element(), "model").next() else {
             self.findings.add("included files without a model are left out", uri);

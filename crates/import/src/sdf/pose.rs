@@ -53,8 +53,16 @@ pub fn of(file: &XmlFile<'_>, element: Node<'_, '_>) -> Result<Option<Pose>, Fil
 /// The numbers are invalid.
 pub fn read(file: &XmlFile<'_>, node: Node<'_, '_>) -> Result<Option<Pose>, FileError> {
     let frame = node.attribute("relative_to").or_else(|| node.attribute("frame")).unwrap_or("");
+    let parent = node.parent_element().map_or("", |element| element.tag_name().name());
+    let is_of_parent = match frame {
+        "" => true,
+        // The parent of a collision is its link.
+        "__model__" => parent != "collision",
+        "world" => matches!(parent, "model" | "include"),
+        _ => false,
+    };
     let is_quaternion = node.attribute("rotation_format").is_some_and(|format| format != "euler_rpy");
-    if !matches!(frame, "" | "world" | "__model__") || is_quaternion {
+    if !is_of_parent || is_quaternion {
         return Ok(None);
     }
     if super::xml::text(node).is_empty() {
