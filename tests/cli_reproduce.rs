@@ -180,6 +180,18 @@ fn an_experiment_gives_a_report_and_finished_runs_are_not_repeated() {
     assert_eq!(finished_at(&workspace.path("one")), before, "no run was repeated");
     assert!(report(&workspace, "one") == one);
 
+    // Nor does a program of the same version from another commit repeat a run.
+    for run in run_names(&workspace, "one") {
+        let file = format!("one/runs/{run}/config.ron");
+        let text = workspace.text(&file);
+        let lines: Vec<&str> =
+            text.lines().filter(|line| !line.trim_start().starts_with("commit:")).collect();
+        workspace
+            .write(&file, lines.join("\n").replacen("seed:", "commit: Some(\"0000000\"),\n    seed:", 1));
+    }
+    workspace.run_ok("--reproduce --experiment mine/own.ron --out one");
+    assert_eq!(finished_at(&workspace.path("one")), before, "no run was repeated");
+
     // A setting from the command line is recorded in all runs, and gives other runs.
     workspace.run_ok("--reproduce --experiment mine/own.ron --out set --only all --set learning.gamma=0.5");
     for run in fs::read_dir(workspace.path("set/runs")).unwrap() {
@@ -572,8 +584,13 @@ fn arms_can_be_compared_before_their_first_step_and_right_after_a_transfer() {
                 (scenario: "empty", preset: "fast.ron", budget: EnvSteps(1600)),
                 (scenario: "scenario-1", preset: "fast.ron", budget: EnvSteps(1600), epsilon: 0.5),
             ]),
+            (name: "not compared", stages: [(scenario: "hall", preset: "fast.ron", budget: EnvSteps(160))]),
         ],
         tables: [(
+            name: "end",
+            title: "End",
+            show: Contrast(measures: [Success], better: "transferred", than: "scratch"),
+        ), (
             name: "start",
             title: "Start",
             show: Contrast(measures: [Success, SuccessRate], better: "transferred", than: "scratch", after: [EnvSteps(0)], of_last_stage: true),
@@ -585,6 +602,8 @@ fn arms_can_be_compared_before_their_first_step_and_right_after_a_transfer() {
     let page = workspace.text("starts/README.md");
     let claim = "Success in evaluations during training after 0 env steps of the last stage: transferred ";
     assert!(page.contains(claim), "{page}");
+    let data = "unequal data (means over the seeds): scratch 1,600 env steps in ";
+    assert!(page.contains(data), "an arm that is not compared is not trained: {page}");
     let runs = fs::read_dir(workspace.path("starts/runs")).unwrap().map(|run| run.unwrap().path());
     let initial = runs.filter(|run| run.join("policy-after-0-env-steps.safetensors").exists());
     assert_eq!(initial.count(), 4, "of two seeds, from scratch and after the transfer");
