@@ -238,6 +238,17 @@ fn stopped_work_continues_where_it_stopped() {
     );
     assert!(!workspace.path("stopped/report.html").exists(), "there is no report of unfinished work");
 
+    // A run in which another process is writing is left alone.
+    let mut runs = fs::read_dir(workspace.path("stopped/runs")).unwrap().map(|run| run.unwrap().path());
+    let begun = runs.find(|run| run.join("checkpoint/latest.bin").exists()).unwrap();
+    let lock = fs::File::create(begun.join("checkpoint/lock")).unwrap();
+    lock.lock().unwrap();
+    let done = workspace.run(&format!("{arguments} stopped"));
+    assert_eq!(done.status, Some(2), "{}", done.stderr);
+    assert!(done.stderr.contains("another wayfield process is writing in it"), "{}", done.stderr);
+    assert!(begun.join("checkpoint/latest.bin").exists(), "its checkpoint is kept");
+    drop(lock);
+
     // A run continues from its checkpoint; a run without a checkpoint is repeated.
     let mut child = workspace.start(&format!("{arguments} stopped"));
     wait_until(&mut child, "a run is finished", || !finished_at(&workspace.path("stopped")).is_empty());

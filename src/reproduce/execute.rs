@@ -17,6 +17,7 @@ use super::progress::OverallProgress;
 use super::queue::Queue;
 use crate::policy::Policy;
 use crate::run::folder::{CHECKPOINT_FOLDER, RunConfig, RunFolder};
+use crate::run::lock::Lock;
 use crate::run::metric_rows::Summary;
 use crate::run::preset::Budget;
 use crate::run::progress::ProgressListener;
@@ -152,6 +153,7 @@ fn run_training(
         None => {
             // The folder holds the beginning of the same run, or a run that is too short.
             if path.exists() {
+                check_unused(&path)?;
                 fs::remove_dir_all(&path).map_err(|error| RunError::failed(&path, error))?;
             }
             let config = Box::new(training.config.clone());
@@ -165,6 +167,12 @@ fn run_training(
     let checkpoints = path.join(CHECKPOINT_FOLDER);
     fs::remove_dir_all(&checkpoints).map_err(|error| RunError::failed(&checkpoints, error))?;
     Ok(true)
+}
+
+/// Checks that no other process is writing in the run folder `path`, such as one that resumes the run.
+fn check_unused(path: &Path) -> Result<(), RunError> {
+    let lock = path.join(RunFolder::LOCK_FILE);
+    if lock.exists() { Lock::acquire(path, &lock).map(drop) } else { Ok(()) }
 }
 
 /// Reads the policy that a training run starts from, if any. Its path is relative to `folder`.
