@@ -220,7 +220,9 @@ mod tests {
                 e.evaluation = Some(every);
             }),
             ("arms[0].runs", |e| e.arms[0].runs = vec!["runs/a".into()]),
-            ("arms[0].runs", |e| e.arms[0].runs = vec!["x".into(); 1001]),
+            ("arms[0].runs", |e| {
+                (e.arms[0].stages, e.arms[0].runs) = (Vec::new(), vec!["x".into(); 1001]);
+            }),
             ("tables[0].show.paper[0][1]", |e| {
                 let paper = vec![("nobody".into(), f64::NAN)];
                 e.tables[0].show = TableKind::Seeds { measure: Measure::Success, after: None, paper };
