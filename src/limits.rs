@@ -30,7 +30,7 @@ pub const MAX_EVALUATION_EPISODES: usize = 100_000;
 /// Maximum number of episodes in one `--eval`, over all rounds.
 pub const MAX_EVAL_EPISODES: u64 = 1_000_000;
 
-/// Maximum size in bytes of the results of a test (`--eval --json`), which list up to [`MAX_EVAL_EPISODES`] rounds.
+/// Maximum size in bytes of the results of a test (`--eval --json`), which list the success rate of every round.
 pub const MAX_EVAL_RESULTS_BYTES: u64 = 1 << 25;
 
 /// Maximum width and height of an image, in pixels.

@@ -208,6 +208,9 @@ fn an_image_of_a_scenario_has_its_name_a_legend_and_a_scale() {
     }
     workspace.run_ok("--draw map.svg --scenario hall --plain");
     assert!(!workspace.text("map.svg").contains("<text"), "only the image");
+    workspace.run_ok("--draw level.svg --scenario clutter --seed 5 --plain");
+    workspace.run_ok("--draw same.svg --scenario clutter:5 --plain");
+    assert!(workspace.read("level.svg") == workspace.read("same.svg"), "--seed selects the level");
 }
 
 #[test]

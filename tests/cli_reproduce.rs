@@ -180,6 +180,18 @@ fn an_experiment_gives_a_report_and_finished_runs_are_not_repeated() {
     assert_eq!(finished_at(&workspace.path("one")), before, "no run was repeated");
     assert!(report(&workspace, "one") == one);
 
+    // Nor does a program of the same version from another commit repeat a run.
+    for run in run_names(&workspace, "one") {
+        let file = format!("one/runs/{run}/config.ron");
+        let text = workspace.text(&file);
+        let lines: Vec<&str> =
+            text.lines().filter(|line| !line.trim_start().starts_with("commit:")).collect();
+        workspace
+            .write(&file, lines.join("\n").replacen("seed:", "commit: Some(\"0000000\"),\n    seed:", 1));
+    }
+    workspace.run_ok("--reproduce --experiment mine/own.ron --out one");
+    assert_eq!(finished_at(&workspace.path("one")), before, "no run was repeated");
+
     // A setting from the command line is recorded in all runs, and gives other runs.
     workspace.run_ok("--reproduce --experiment mine/own.ron --out set --only all --set learning.gamma=0.5");
     for run in fs::read_dir(workspace.path("set/runs")).unwrap() {
@@ -225,6 +237,17 @@ fn stopped_work_continues_where_it_stopped() {
         done.stderr
     );
     assert!(!workspace.path("stopped/report.html").exists(), "there is no report of unfinished work");
+
+    // A run in which another process is writing is left alone.
+    let mut runs = fs::read_dir(workspace.path("stopped/runs")).unwrap().map(|run| run.unwrap().path());
+    let begun = runs.find(|run| run.join("checkpoint/latest.bin").exists()).unwrap();
+    let lock = fs::File::create(begun.join("checkpoint/lock")).unwrap();
+    lock.lock().unwrap();
+    let done = workspace.run(&format!("{arguments} stopped"));
+    assert_eq!(done.status, Some(2), "{}", done.stderr);
+    assert!(done.stderr.contains("another wayfield process is writing in it"), "{}", done.stderr);
+    assert!(begun.join("checkpoint/latest.bin").exists(), "its checkpoint is kept");
+    drop(lock);
 
     // A run continues from its checkpoint; a run without a checkpoint is repeated.
     let mut child = workspace.start(&format!("{arguments} stopped"));
@@ -572,8 +595,13 @@ fn arms_can_be_compared_before_their_first_step_and_right_after_a_transfer() {
                 (scenario: "empty", preset: "fast.ron", budget: EnvSteps(1600)),
                 (scenario: "scenario-1", preset: "fast.ron", budget: EnvSteps(1600), epsilon: 0.5),
             ]),
+            (name: "not compared", stages: [(scenario: "hall", preset: "fast.ron", budget: EnvSteps(160))]),
         ],
         tables: [(
+            name: "end",
+            title: "End",
+            show: Contrast(measures: [Success], better: "transferred", than: "scratch"),
+        ), (
             name: "start",
             title: "Start",
             show: Contrast(measures: [Success, SuccessRate], better: "transferred", than: "scratch", after: [EnvSteps(0)], of_last_stage: true),
@@ -585,6 +613,8 @@ fn arms_can_be_compared_before_their_first_step_and_right_after_a_transfer() {
     let page = workspace.text("starts/README.md");
     let claim = "Success in evaluations during training after 0 env steps of the last stage: transferred ";
     assert!(page.contains(claim), "{page}");
+    let data = "unequal data (means over the seeds): scratch 1,600 env steps in ";
+    assert!(page.contains(data), "an arm that is not compared is not trained: {page}");
     let runs = fs::read_dir(workspace.path("starts/runs")).unwrap().map(|run| run.unwrap().path());
     let initial = runs.filter(|run| run.join("policy-after-0-env-steps.safetensors").exists());
     assert_eq!(initial.count(), 4, "of two seeds, from scratch and after the transfer");

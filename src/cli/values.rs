@@ -18,7 +18,7 @@ pub fn whole<N: TryFrom<u64>>(
     move |text: &str| {
         let value = whole_number(text).filter(|n| range.contains(n)).and_then(|n| N::try_from(n).ok());
         value.ok_or_else(|| {
-            let fix = ungrouped(text).map(|n| format!("; write {n}"));
+            let fix = ungrouped(text).filter(|n| range.contains(n)).map(|n| format!("; write {n}"));
             format!(
                 "give a whole number from {} to {}{}",
                 range.start(),
@@ -71,7 +71,7 @@ pub fn seeds(text: &str) -> Result<Seeds, String> {
 /// Parses a fraction from 0 to 1.
 pub fn fraction(text: &str) -> Result<f32, String> {
     let value = text.parse().ok().filter(|x| (0.0..=1.0).contains(x));
-    value.ok_or_else(|| format!("give a number from 0 to 1{}", decimal_point(text)))
+    value.ok_or_else(|| format!("give a number from 0 to 1{}", decimal_point(text, &(0.0..=1.0))))
 }
 
 /// Parses a width and a height, such as 1600x1200.
@@ -87,10 +87,11 @@ pub fn size(text: &str) -> Result<(u16, u16), String> {
 
 /// Parses a time in s.
 pub fn seconds(text: &str) -> Result<Duration, String> {
-    let value = text.parse().ok().filter(|s| (0.01..=1e6).contains(s));
+    let range: RangeInclusive<f64> = 0.01..=1e6;
+    let value = text.parse().ok().filter(|s| range.contains(s));
     value
         .map(Duration::from_secs_f64)
-        .ok_or_else(|| format!("give 0.01 to 1000000 seconds{}", decimal_point(text)))
+        .ok_or_else(|| format!("give 0.01 to 1000000 seconds{}", decimal_point(text, &range)))
 }
 
 /// A parser of lengths in m in `range`.
@@ -100,14 +101,14 @@ pub fn metres(
     move |text: &str| {
         let value = text.parse().ok().filter(|length| range.contains(length));
         let (least, most) = (range.start(), range.end());
-        value.ok_or_else(|| format!("give {least} to {most} (metres){}", decimal_point(text)))
+        value.ok_or_else(|| format!("give {least} to {most} (metres){}", decimal_point(text, &range)))
     }
 }
 
-/// The end of a message about `text` if it is a number with a decimal comma.
-fn decimal_point(text: &str) -> String {
+/// The end of a message about `text` if it is a number in `range` with a decimal comma.
+fn decimal_point(text: &str, range: &RangeInclusive<f64>) -> String {
     let fixed = text.replacen(',', ".", 1);
-    let is_fixed = fixed != text && fixed.parse::<f64>().is_ok();
+    let is_fixed = fixed != text && fixed.parse::<f64>().is_ok_and(|value| range.contains(&value));
     if is_fixed { format!("; write {fixed}") } else { String::new() }
 }
 
@@ -152,6 +153,11 @@ mod tests {
             let error = format!("give a whole number from 1 to 1000000000000000{fix}");
             assert_eq!(budget(text), Err(error), "{text}");
         }
+        assert_eq!(
+            levels("1,000"),
+            Err("give a whole number from 1 to 100".into()),
+            "1000 is not valid either"
+        );
     }
 
     #[test]
@@ -168,6 +174,7 @@ mod tests {
     fn a_decimal_comma_is_rejected_with_the_number_to_write() {
         assert_eq!(fraction("0,5"), Err("give a number from 0 to 1; write 0.5".into()));
         assert_eq!(seconds("1,5"), Err("give 0.01 to 1000000 seconds; write 1.5".into()));
+        assert_eq!(fraction("1,5"), Err("give a number from 0 to 1".into()), "1.5 is not valid either");
         assert_eq!(fraction("NaN"), Err("give a number from 0 to 1".into()));
     }
 }

@@ -55,10 +55,11 @@ fn margin(mean: f64, half_width: f64) -> f64 {
     half_width.max(1e-9 * mean.abs().max(1.0))
 }
 
-/// Whether all seeds agree exactly, but are too few to know their spread.
+/// Whether all seeds agree, up to rounding errors, but are too few to know their spread.
 fn is_coincidence(difference: Option<Estimate>, better: &ArmValues, than: &ArmValues) -> bool {
     let fewest = better.seeds.len().min(than.seeds.len());
-    fewest < MIN_SEEDS && difference.is_some_and(|difference| difference.half_width == Some(0.0))
+    let agree = |d: Estimate| d.half_width.is_some_and(|half_width| half_width <= margin(d.mean, 0.0));
+    fewest < MIN_SEEDS && difference.is_some_and(agree)
 }
 
 /// Tests `claim`. `anchor` is the section that shows the data, and `window` the number of training episodes in the moving means
@@ -231,6 +232,11 @@ mod tests {
             outcome(Measure::Success, &[6.0; 2], &[5.0; 2]),
             ClaimOutcome::NotShown,
             "two seeds agree"
+        );
+        assert_eq!(
+            outcome(Measure::Success, &[99.8, 99.6], &[99.6, 99.4]),
+            ClaimOutcome::NotShown,
+            "two seeds agree up to rounding errors"
         );
     }
 

@@ -22,8 +22,11 @@ struct Data {
 /// # Errors
 /// An arm's training is too short to reach `point`. The plan rules this out.
 pub fn data_note(results: &Results<'_>, experiment: usize, point: TestPoint) -> Result<String, RunError> {
+    // An arm that no selected figure, table or claim is about is not trained.
+    let is_trained = |row: &ArmIndex| results.arm_runs(*row).any(|(_, run)| !run.stages.is_empty());
     let data = rows(results, experiment)
         .into_iter()
+        .filter(is_trained)
         .map(|row| data(results, row, point))
         .collect::<Result<Vec<_>, _>>()?;
     let are_equal = |of: fn(&Data) -> f64| {

@@ -14,7 +14,7 @@ use crate::run::RunError;
 use crate::run::folder::{RunConfig, RunFolder};
 use crate::run::metric_rows::Summary;
 use crate::run::preset::Budget;
-use crate::scenario::{printable, read_text};
+use crate::scenario::{printable, quoted, read_text};
 
 /// A run that was trained elsewhere and is finished.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,8 +44,8 @@ impl FinishedRun {
         }
         let (_, config) = RunFolder::open(&folder)?;
         let Some(summary) = Summary::read(&folder).filter(|summary| summary.finished) else {
-            let name = printable(&folder.display().to_string()).into_owned();
-            return Err(invalid(&format!("this run is not finished; help: finish it with --resume {name}")));
+            let why = format!("this run is not finished; help: finish it with --resume {}", quoted(&folder));
+            return Err(invalid(&why));
         };
         let records = [RunFolder::CONFIG_FILE, "summary.json"]
             .map(|name| read_text(folder.join(name)).unwrap_or_default());

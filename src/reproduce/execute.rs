@@ -16,7 +16,8 @@ use super::policy_test;
 use super::progress::OverallProgress;
 use super::queue::Queue;
 use crate::policy::Policy;
-use crate::run::folder::{CHECKPOINT_FOLDER, RunFolder};
+use crate::run::folder::{CHECKPOINT_FOLDER, RunConfig, RunFolder};
+use crate::run::lock::Lock;
 use crate::run::metric_rows::Summary;
 use crate::run::preset::Budget;
 use crate::run::progress::ProgressListener;
@@ -116,9 +117,15 @@ fn is_trained(training: &PlannedRun, folder: &Path) -> bool {
     let same = RunFolder::open(path).is_ok_and(|(_, mut config)| {
         config.preset.budget = training.config.preset.budget;
         config.save_policy_after.clone_from(&training.config.save_policy_after);
-        config == training.config
+        is_equal(&config, &training.config)
     });
     summary.finished && long_enough && same && training.config.save_policy_after.iter().all(saved)
+}
+
+/// Whether two configurations are equal, except perhaps in the program's commit: a report can be continued by a program of the same
+/// version from another commit.
+fn is_equal(found: &RunConfig, planned: &RunConfig) -> bool {
+    RunConfig { commit: planned.commit.clone(), ..found.clone() } == *planned
 }
 
 /// Trains, from the latest checkpoint if there is a suitable one; `false` if it was stopped.
@@ -132,8 +139,8 @@ fn run_training(
     let began = Instant::now();
     let run = |job: Job| train(job, CHECKPOINT_INTERVAL, stop, began, Some(listener()));
     let mut resumed = None;
-    if RunFolder::open(&path).is_ok_and(|(_, config)| config == training.config) && checkpoint::exists(&path)
-    {
+    let is_same_run = RunFolder::open(&path).is_ok_and(|(_, config)| is_equal(&config, &training.config));
+    if is_same_run && checkpoint::exists(&path) {
         match run(Job::Resume { folder: path.clone(), budget: None, extensions: Extensions::default() }) {
             Ok((_, summary)) => resumed = Some(summary),
             // The checkpoint is damaged, or is the final one of a run without a summary: train from the start.
@@ -146,6 +153,7 @@ fn run_training(
         None => {
             // The folder holds the beginning of the same run, or a run that is too short.
             if path.exists() {
+                check_unused(&path)?;
                 fs::remove_dir_all(&path).map_err(|error| RunError::failed(&path, error))?;
             }
             let config = Box::new(training.config.clone());
@@ -159,6 +167,12 @@ fn run_training(
     let checkpoints = path.join(CHECKPOINT_FOLDER);
     fs::remove_dir_all(&checkpoints).map_err(|error| RunError::failed(&checkpoints, error))?;
     Ok(true)
+}
+
+/// Checks that no other process is writing in the run folder `path`, such as one that resumes the run.
+fn check_unused(path: &Path) -> Result<(), RunError> {
+    let lock = path.join(RunFolder::LOCK_FILE);
+    if lock.exists() { Lock::acquire(path, &lock).map(drop) } else { Ok(()) }
 }
 
 /// Reads the policy that a training run starts from, if any. Its path is relative to `folder`.

@@ -130,12 +130,12 @@ impl RunPlan {
         Ok(arm_run)
     }
 
-    /// Adds a run that was trained elsewhere.
+    /// Adds a run that was trained elsewhere. A copy of a run in another folder is the same run: their test results would have
+    /// the same folder.
     fn add_finished(&mut self, config: RunConfig, run: FinishedRun) -> ArmRun {
         let length = config.preset.budget;
-        let known = |training: &PlannedRun| {
-            training.elsewhere.as_ref().is_some_and(|known| known.folder == run.folder)
-        };
+        let known =
+            |training: &PlannedRun| training.elsewhere.as_ref().is_some_and(|known| known.name == run.name);
         let index = self.training_runs.iter().position(known).unwrap_or_else(|| {
             let (name, tests) = (run.name.clone(), BTreeSet::new());
             self.training_runs.push(PlannedRun { name, config, origin: None, tests, elsewhere: Some(run) });

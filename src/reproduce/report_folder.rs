@@ -155,7 +155,7 @@ fn lock(folder: &Path, shard: Option<Shard>) -> Result<Vec<Lock>, RunError> {
     Ok(vec![Lock::share(folder, &all)?, Lock::acquire(folder, &own)?])
 }
 
-/// Whether `folder` is missing or empty, or holds only what a process leaves that is killed before it has written its first file: a
+/// Whether `folder` is missing or empty, or holds only the remains of a process that was killed before it wrote its first file: a
 /// lock, perhaps with a temporary file.
 #[must_use]
 pub fn is_vacant(folder: &Path) -> bool {

@@ -109,7 +109,7 @@ impl<'de> Visitor<'de> for SeedsVisitor {
         let mut seeds = Vec::new();
         while let Some(seed) = list.next_element()? {
             seeds.push(seed);
-            // One too many is read, so that the check of the experiment reports it like any other fault.
+            // One too many is read, so that the check of the experiment reports it like any other problem.
             if seeds.len() > crate::limits::experiment::MAX_SEEDS as usize + 1 {
                 return Err(A::Error::invalid_length(seeds.len(), &"at most 1,000 seeds"));
             }

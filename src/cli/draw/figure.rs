@@ -43,6 +43,10 @@ impl ScenarioFigure<'_> {
             (Source::Levels(generator), _) if !self.is_plain && self.over.is_none() => {
                 return self.contact_sheet(&generator);
             }
+            (Source::Levels(generator), _) => {
+                let level = generator.level(self.seed.unwrap_or(0));
+                level.map_err(|error| RunError::invalid_input(Path::new(self.name), error))?
+            }
             (Source::Set(_, set), None) if !self.is_plain && self.over.is_none() => {
                 return self.sheet_of_set(&set);
             }

@@ -107,7 +107,7 @@ impl TestFile<'_> {
     ) -> Result<(), TestEnd> {
         let mut writer = csv::WriterBuilder::new().has_headers(is_first).from_writer(&mut *self.writer);
         let written = records.try_for_each(|record| writer.serialize(record));
-        let written = written.map_err(io::Error::from).and_then(|()| writer.flush());
+        let written = written.map_err(io_error).and_then(|()| writer.flush());
         drop(writer);
         written.map_err(|error| failed(self.path, &error))
     }
@@ -117,6 +117,15 @@ impl TestFile<'_> {
         let written = step.write_line(policy, &mut *self.writer);
         written.map_err(|error| failed(self.path, &error))
     }
+}
+
+/// `error` with the kind of its cause, which `io::Error::from` would lose.
+fn io_error(error: csv::Error) -> io::Error {
+    let kind = match error.kind() {
+        csv::ErrorKind::Io(cause) => cause.kind(),
+        _ => io::ErrorKind::Other,
+    };
+    io::Error::new(kind, error)
 }
 
 fn failed(path: &Path, error: &io::Error) -> TestEnd {

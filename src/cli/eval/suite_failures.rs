@@ -6,7 +6,7 @@ use super::suite::Tested;
 use crate::run::evaluate::{EpisodeResult, Evaluator, outcome_name, period_s};
 use crate::run::suite::{SuiteEpisodes, episode_setup};
 use crate::run::{RunError, on_all_cores};
-use crate::scenario::{PlacementRule, Scenario, to_text, vec2};
+use crate::scenario::{PlacementRule, Scenario, quoted, to_text, vec2};
 
 /// The folder of the failures' scenarios, in the report's folder.
 pub const FOLDER: &str = "failures";
@@ -106,9 +106,32 @@ fn repeatable(scenario: &Scenario, episode: &EpisodeResult, text: &str) -> Scena
     }
 }
 
-/// The command with which the app repeats `failure`, an episode of the test with `seed`.
+/// The command, for a shell, with which the app repeats `failure`, an episode of the test with `seed`.
 pub fn command(report: &Path, failure: &Failure, seed: u64, driver: &Path) -> String {
     let scenario: PathBuf = report.join(FOLDER).join(format!("{}.ron", failure.file));
-    let (scenario, episode, driver) = (scenario.display(), failure.episode, driver.display());
+    let (scenario, episode, driver) = (quoted(scenario), failure.episode, quoted(driver));
     format!("wayfield --scenario {scenario} --seed {seed} --episode {episode} --open {driver}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_of_a_failure_can_be_pasted_into_a_shell() {
+        let failure = Failure {
+            driver: 0,
+            family: 0,
+            episode: 7,
+            file: "failure-0001".into(),
+            text: String::new(),
+            svg: String::new(),
+            scenario: String::new(),
+        };
+        assert_eq!(
+            command(Path::new("my report"), &failure, 5, Path::new("my report/drivers/1-field.ron")),
+            "wayfield --scenario 'my report/failures/failure-0001.ron' --seed 5 --episode 7 \
+             --open 'my report/drivers/1-field.ron'"
+        );
+    }
 }

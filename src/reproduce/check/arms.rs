@@ -2,7 +2,7 @@
 
 use super::Check;
 use crate::limits::MAX_STEPS;
-use crate::reproduce::experiment::{Experiment, TestedPolicy};
+use crate::reproduce::experiment::{Arm, Experiment, TestedPolicy};
 use crate::reproduce::measure::Measure;
 use crate::reproduce::test_point::{TestPoint, amount, difference, unit_name};
 use crate::run::preset::Budget;
@@ -83,8 +83,15 @@ impl Check<'_> {
         }
     }
 
-    /// Checks that `measures` have values at `point`, and that every arm is trained that long, in the same unit.
-    pub(super) fn after(&mut self, path: &str, point: TestPoint, measures: &[Measure]) {
+    /// Checks that `measures` have values at `point`, and that the arms called `names` (by default, all arms) are trained that long,
+    /// in the same unit.
+    pub(super) fn after(
+        &mut self,
+        path: &str,
+        point: TestPoint,
+        measures: &[Measure],
+        names: Option<[&str; 2]>,
+    ) {
         let Some(after) = point.after else { return };
         self.found.range(path, amount(after), 0, MAX_STEPS);
         if let Some(measure) = measures.iter().find(|m| m.is_of_episodes() && amount(after) == 0) {
@@ -94,8 +101,9 @@ impl Check<'_> {
             );
             self.found.add(path, message);
         }
-        for arm in self.arms.iter().filter(|arm| arm.policy == TestedPolicy::After && !arm.stages.is_empty())
-        {
+        let is_tested = |arm: &&Arm| names.is_none_or(|names| names.contains(&arm.name.as_str()));
+        let is_trained = |arm: &&Arm| arm.policy == TestedPolicy::After && !arm.stages.is_empty();
+        for arm in self.arms.iter().filter(is_tested).filter(is_trained) {
             let first = if point.of_last_stage { arm.stages.len() - 1 } else { 0 };
             // A budget of the preset is checked when the preset is loaded.
             let budgets = || arm.stages[first..].iter().map(|stage| stage.budget);

@@ -20,8 +20,8 @@ use super::figure_spec::FigureKind;
 use super::measure::Measure;
 use super::table_spec::TableKind;
 use super::test_point::{TestPoint, contrast_points};
-use crate::limits::MAX_EVALUATION_EPISODES;
 use crate::limits::experiment::{MAX_ROUNDS, MAX_SEEDS, MAX_SMOOTHING, MAX_TEST_EPISODES, MAX_TRAINING_RUNS};
+use crate::limits::{MAX_EVALUATION_EPISODES, MAX_STEPS};
 use crate::scenario::{Diagnostic, closest_name, overlap};
 
 /// All diagnostics of `experiment`. The values at the paths `unknown` could not be read. If a list is too long, only what is
@@ -69,7 +69,7 @@ impl Check<'_> {
         found.range("test.rounds", experiment.test.rounds as u64, 1, MAX_ROUNDS as u64);
         found.range("test.episodes", experiment.test.episodes as u64, 1, MAX_TEST_EPISODES);
         if let Some(rule) = &experiment.evaluation {
-            found.range("evaluation.every_env_steps", rule.every_env_steps, 1, u64::MAX);
+            found.range("evaluation.every_env_steps", rule.every_env_steps, 1, MAX_STEPS);
             found.range("evaluation.episodes", rule.episodes as u64, 1, MAX_EVALUATION_EPISODES as u64);
         }
         if experiment.figures.is_empty() && experiment.tables.is_empty() {
@@ -90,10 +90,10 @@ impl Check<'_> {
                 }
                 FigureKind::DotPlot { measures, after } => {
                     self.measures(&format!("{at}.draw.measures"), measures);
-                    self.after(&format!("{at}.draw.after"), TestPoint::overall(*after), measures);
+                    self.after(&format!("{at}.draw.after"), TestPoint::overall(*after), measures, None);
                 }
                 FigureKind::BenchmarkRoute { after } => {
-                    self.after(&format!("{at}.draw.after"), TestPoint::overall(*after), &[]);
+                    self.after(&format!("{at}.draw.after"), TestPoint::overall(*after), &[], None);
                 }
             }
             self.claims(&at, &figure.claims);
@@ -116,23 +116,23 @@ impl Check<'_> {
         match kind {
             TableKind::Seeds { measure, after, paper } => {
                 self.measures(&format!("{at}.measure"), &[*measure]);
-                self.after(&after_path, TestPoint::overall(*after), &[*measure]);
+                self.after(&after_path, TestPoint::overall(*after), &[*measure], None);
                 paper.iter().for_each(|(name, _)| self.arm(&format!("{at}.paper"), name));
             }
             TableKind::Rounds { after, paper } => {
-                self.after(&after_path, TestPoint::overall(*after), &[]);
+                self.after(&after_path, TestPoint::overall(*after), &[], None);
                 paper.iter().for_each(|(name, _)| self.arm(&format!("{at}.paper"), name));
             }
             TableKind::Measures { measures, after } => {
                 self.measures(&format!("{at}.measures"), measures);
-                self.after(&after_path, TestPoint::overall(*after), measures);
+                self.after(&after_path, TestPoint::overall(*after), measures, None);
             }
             TableKind::Contrast { measures, better, than, after, of_last_stage } => {
                 self.measures(&format!("{at}.measures"), measures);
                 self.arm(&format!("{at}.better"), better);
                 self.arm(&format!("{at}.than"), than);
                 for point in contrast_points(after, *of_last_stage) {
-                    self.after(&after_path, point, measures);
+                    self.after(&after_path, point, measures, Some([better.as_str(), than.as_str()]));
                 }
             }
         }
@@ -144,7 +144,8 @@ impl Check<'_> {
             self.measures(&format!("{at}.measure"), &[claim.measure]);
             self.arm(&format!("{at}.better"), &claim.better);
             self.arm(&format!("{at}.than"), &claim.than);
-            self.after(&format!("{at}.after"), claim.point(), &[claim.measure]);
+            let names = Some([claim.better.as_str(), claim.than.as_str()]);
+            self.after(&format!("{at}.after"), claim.point(), &[claim.measure], names);
         }
     }
 
@@ -175,7 +176,7 @@ impl Check<'_> {
 mod tests {
     use super::*;
     use crate::reproduce::seeds::Seeds;
-    use crate::run::preset::Budget;
+    use crate::run::preset::{Budget, EvaluationConfig};
     use crate::run::shipped;
 
     /// The path of the field that must be reported, and a change that makes a valid experiment invalid.
@@ -214,8 +215,14 @@ mod tests {
             ("seeds", |e| e.seeds = Seeds::First(u64::MAX)),
             ("seeds", |e| e.seeds = Seeds::List(vec![7, 1, 7])),
             ("seeds", |e| e.seeds = Seeds::List(Vec::new())),
+            ("evaluation.every_env_steps", |e| {
+                let every = EvaluationConfig { every_env_steps: u64::MAX, ..EvaluationConfig::default() };
+                e.evaluation = Some(every);
+            }),
             ("arms[0].runs", |e| e.arms[0].runs = vec!["runs/a".into()]),
-            ("arms[0].runs", |e| e.arms[0].runs = vec!["x".into(); 1001]),
+            ("arms[0].runs", |e| {
+                (e.arms[0].stages, e.arms[0].runs) = (Vec::new(), vec!["x".into(); 1001]);
+            }),
             ("tables[0].show.paper[0][1]", |e| {
                 let paper = vec![("nobody".into(), f64::NAN)];
                 e.tables[0].show = TableKind::Seeds { measure: Measure::Success, after: None, paper };
@@ -228,5 +235,30 @@ mod tests {
             assert!(found.iter().any(|diagnostic| diagnostic.path == *path), "{path}: {found:?}");
             assert!(found.len() < 10, "{path}: too many other diagnostics: {found:?}");
         }
+    }
+
+    #[test]
+    fn only_the_arms_that_are_compared_must_be_trained_until_they_are() {
+        let text = |than: &str| {
+            let arm = |name: &str, episodes: u64| {
+                format!(
+                    r#"(name: "{name}", stages: [(scenario: "empty", preset: "dqn", budget: Episodes({episodes}))])"#
+                )
+            };
+            format!(
+                r#"(title: "T", arms: [{}, {}, {}], tables: [(
+                    name: "t",
+                    title: "T",
+                    show: Contrast(measures: [Success], better: "a", than: "{than}", after: [Episodes(100)]),
+                    claims: [(statement: "S", measure: Success, better: "a", than: "{than}", after: Episodes(100))],
+                )])"#,
+                arm("a", 100),
+                arm("b", 100),
+                arm("short", 50),
+            )
+        };
+        Experiment::parse(&text("b"), "t.ron").expect("the third arm may be shorter");
+        let error = Experiment::parse(&text("short"), "t.ron").expect_err("it is too short").to_string();
+        assert_eq!(error.matches("but arm \"short\" is trained for 50 episodes").count(), 2, "{error}");
     }
 }
