@@ -227,7 +227,7 @@ fn write_actions(page: &mut String, card: &Card) -> std::fmt::Result {
         }
         return writeln!(
             page,
-            "\nA negative fraction is of the highest speed backwards, or of the highest turning rate to the right.\n"
+            "\nNegative fractions are relative to the highest speed backwards and the highest turning rate to the right.\n"
         );
     }
     writeln!(page, "| action | m/s | rad/s |\n|---|---|---|")?;
@@ -245,7 +245,7 @@ fn write_results(page: &mut String, results: &[EvalResults], has_relative_action
     if has_relative_actions {
         writeln!(
             page,
-            "Unlike this file, it also keeps the robot from collisions that it can foresee and from staying in one place."
+            "Unlike this file, `wayfield --eval` also prevents foreseeable collisions, and keeps the robot from staying in one place."
         )?;
     }
     writeln!(page)?;
