@@ -27,7 +27,7 @@ pub fn model_card(policy: &Policy, onnx_file: &str, results: &[EvalResults]) -> 
     Ok(page)
 }
 
-/// The front matter. Values are JSON (a subset of YAML), so untrusted text cannot inject YAML.
+/// The front matter. Values are JSON with YAML's escapes, so untrusted text cannot inject YAML.
 fn front_matter(card: &Card, scenario: &TrainedScenario, onnx_file: &str, results: &[EvalResults]) -> String {
     let tags = [
         "reinforcement-learning",
@@ -81,17 +81,16 @@ fn metric(kind: &str, value: f64, name: &str) -> Value {
     json!({"type": kind, "value": value, "name": name, "verified": false})
 }
 
-/// JSON in which all characters beyond ASCII are escaped: YAML forbids some of them.
+/// JSON in which all characters beyond ASCII are escaped, because YAML forbids some of them. The escapes are YAML's: it does not
+/// combine JSON's surrogate pairs.
 fn ascii(value: &Value) -> String {
     let mut text = String::new();
     for c in value.to_string().chars() {
-        if matches!(c, ' '..='~') {
-            text.push(c);
-        } else {
-            for unit in c.encode_utf16(&mut [0; 2]) {
-                let _ = write!(text, "\\u{unit:04x}");
-            }
-        }
+        let _ = match u32::from(c) {
+            0x20..=0x7e => write!(text, "{c}"),
+            code @ ..=0xffff => write!(text, "\\u{code:04x}"),
+            code => write!(text, "\\U{code:08x}"),
+        };
     }
     text
 }
@@ -228,7 +227,7 @@ fn write_actions(page: &mut String, card: &Card) -> std::fmt::Result {
         }
         return writeln!(
             page,
-            "\nA negative fraction is of the highest speed backwards, or of the highest turning rate to the right.\n"
+            "\nNegative fractions are relative to the highest speed backwards and the highest turning rate to the right.\n"
         );
     }
     writeln!(page, "| action | m/s | rad/s |\n|---|---|---|")?;
@@ -246,7 +245,8 @@ fn write_results(page: &mut String, results: &[EvalResults], has_relative_action
     if has_relative_actions {
         writeln!(
             page,
-            "Unlike this file, it also keeps the robot from collisions that it can foresee and from staying in one place."
+            "Unlike this file, `wayfield --eval` also prevents foreseeable collisions, and keeps the robot from staying in \
+             one place."
         )?;
     }
     writeln!(page)?;
@@ -315,4 +315,15 @@ fn escaped(text: &str) -> String {
         escaped.push(c);
     }
     escaped
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn front_matter_is_ascii_with_the_escapes_of_yaml() {
+        let text = json!("a \"b\"\n\u{7f} \u{e9} \u{1f916}");
+        assert_eq!(ascii(&text), r#""a \"b\"\n\u007f \u00e9 \U0001f916""#);
+    }
 }

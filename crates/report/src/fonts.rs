@@ -123,4 +123,11 @@ mod tests {
         }
         assert!(has_outline(EMBEDDED, 0, 'A') && !has_outline(EMBEDDED, 0, '迷'));
     }
+
+    #[test]
+    fn the_embedded_font_has_every_character_that_figures_use() {
+        for character in "−±εαβγσµμΔ·≥≤≈°%–—…→×²₁‘’“”".chars() {
+            assert!(has_outline(EMBEDDED, 0, character), "{character} is missing");
+        }
+    }
 }

@@ -78,19 +78,22 @@ impl<'a> Formatter<'a> {
             return line;
         }
         let indent = format!("{}{INDENT}", cursor.indent);
+        let on_lines = |open, parts: &[Value], close| {
+            let inner = Cursor { indent: &indent, column: columns(&indent) };
+            let lines = parts.iter().map(|part| indent.clone() + &self.value(part, inner));
+            self.lines(open, lines, cursor.indent, close)
+        };
         match value {
             Value::Text(value) => wrapped(value, cursor.column, WIDTH, self.newline),
-            Value::List(parts) => {
-                let inner = Cursor { indent: &indent, column: columns(&indent) };
-                let lines = parts.iter().map(|part| indent.clone() + &self.value(part, inner));
-                self.lines("[", lines, cursor.indent, "]")
-            }
+            Value::List(parts) => on_lines("[", parts, "]"),
+            // A tuple is on several lines only if it contains a list that must be.
+            Value::Tuple(parts) => self.line(value).unwrap_or_else(|| on_lines("(", parts, ")")),
             Value::Record(record) => {
                 let fields = self.written_fields(record);
                 let lines = fields.iter().map(|(name, value)| self.field(name, value, &indent));
                 self.lines(&format!("{}(", record.variant), lines, cursor.indent, ")")
             }
-            Value::Tuple(_) | Value::Scalar(_) | Value::Null => self.line(value).unwrap_or_default(),
+            Value::Scalar(_) | Value::Null => self.line(value).unwrap_or_default(),
         }
     }
 

@@ -37,7 +37,8 @@ fn token_length(rest: &str, first: char) -> usize {
     match first {
         '"' => string_length(rest),
         '\'' => char_length(rest),
-        c if c.is_alphanumeric() || matches!(c, '_' | '+' | '-') => {
+        // A number may start with a dot: `.5`.
+        c if c.is_alphanumeric() || matches!(c, '_' | '.' | '+' | '-') => {
             let word = word_length(rest, first);
             raw_string_length(rest, word).unwrap_or(word)
         }
@@ -102,4 +103,16 @@ pub(crate) fn block_comment_length(rest: &str) -> usize {
         }
     }
     rest.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_and_numbers_are_whole_tokens() {
+        let text = "(a_b: -1.5e-3, c: .5, d: +.5)";
+        let found: Vec<_> = tokens(text).map(|token| &text[token]).collect();
+        assert_eq!(found, ["(", "a_b", ":", "-1.5e-3", ",", "c", ":", ".5", ",", "d", ":", "+.5", ")"]);
+    }
 }

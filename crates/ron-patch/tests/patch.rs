@@ -116,6 +116,23 @@ fn the_default_style_writes_every_field_without_blank_lines() {
 }
 
 #[test]
+fn a_tuple_that_contains_a_list_of_structs_is_written_on_several_lines() {
+    let value = (1, vec![Lidar::default()]);
+    let text = to_text(&value, &Style::default()).expect("a supported type");
+    assert_eq!(text, "(\n    1,\n    [\n        (beams: 24, max_range_m: 3.5),\n    ],\n)\n");
+    let back: (i32, Vec<Lidar>) = ron::from_str(&text).expect("valid RON");
+    assert_eq!(back, value);
+}
+
+#[test]
+fn a_number_may_start_with_a_dot() {
+    let text = "(name: \"x\", lidar: (beams: 30, max_range_m: .5), route: [(.5, 1), (-.5, 2)]) // mine\n";
+    assert_eq!(edited(text, |map| map.lidar.beams = 31), text.replace("30", "31"));
+    assert_eq!(edited(text, |map| map.lidar.max_range_m = 2.5), text.replace(" .5)", " 2.5)"));
+    assert_eq!(edited(text, |map| map.route[0].1 = 3.0), text.replace("(.5, 1)", "(.5, 3.0)"));
+}
+
+#[test]
 fn a_value_that_is_not_a_struct_is_written_and_patched() {
     let read = |text: &str| ron::from_str::<Vec<u32>>(text).ok();
     let style = Style::default();

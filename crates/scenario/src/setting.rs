@@ -45,3 +45,15 @@ fn is_closed(text: &str) -> bool {
     });
     never_closes_more && depth == 0
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Scenario;
+
+    #[test]
+    fn a_number_that_starts_with_a_dot_keeps_its_exponent() {
+        let set = with_setting(&Scenario::default(), "lidar.max_range_m", ".25e1").expect("a number");
+        assert_eq!(set.lidar.max_range_m, 2.5);
+    }
+}

@@ -20,7 +20,7 @@ pub const MAX_SINGLE_EPISODES: usize = 1000;
 pub struct PaperResult {
     /// The value.
     pub value: f64,
-    /// The value in words, for the legend.
+    /// The label of the line: the value in words.
     pub label: &'static str,
 }
 

@@ -31,10 +31,11 @@ impl Axis {
         Self { range: low..high, step: nice_step((high - low) / count) }
     }
 
+    /// The ticks in the range; none if it contains no multiple of the distance.
     pub(crate) fn ticks(&self) -> Vec<f64> {
         let first = (self.range.start / self.step - 1e-6).ceil();
         let last = (self.range.end / self.step + 1e-6).floor();
-        (0..=(last - first) as u32).map(|i| (first + f64::from(i)) * self.step).collect()
+        (0..(last - first + 1.0) as u32).map(|i| (first + f64::from(i)) * self.step).collect()
     }
 
     /// The text of a tick, with as many decimals as the tick distance needs.
@@ -96,6 +97,7 @@ mod tests {
             Axis::within([-7.5].into_iter(), 4.0).ticks().len() >= 3,
             "a constant gets a range around it"
         );
+        assert!(Axis { range: 1.0..3.0, step: 10.0 }.ticks().is_empty(), "no tick is outside the range");
         let labels = |axis: Axis| axis.ticks().into_iter().map(|t| axis.label(t)).collect::<Vec<_>>();
         assert_eq!(labels(Axis { range: 0.0..0.5, step: 0.25 }), ["0.00", "0.25", "0.50"]);
         assert_eq!(labels(Axis { range: -2500.0..0.0, step: 2500.0 }), ["\u{2212}2,500", "0"]);

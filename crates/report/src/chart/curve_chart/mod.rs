@@ -33,8 +33,7 @@ const PANEL_HEIGHT: i32 = HEADING_HEIGHT + PLOT_HEIGHT;
 const X_AXIS_HEIGHT: i32 = 128;
 
 impl CurveChart {
-    /// The figure as the text of an SVG file; less than 400 kB for six curves with raw lines in
-    /// each of three panels.
+    /// The figure as the text of an SVG file; less than 400 kB for six curves with raw lines in each of three panels.
     ///
     /// # Errors
     /// The drawing library failed. No input is known to cause this.

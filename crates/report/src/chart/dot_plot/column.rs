@@ -54,7 +54,10 @@ impl<'a> ColumnDrawing<'a> {
             let gap = axis.step / (axis.range.end - axis.range.start) * f64::from(pixels);
             f64::from(widths.max().unwrap_or(0)) <= gap
         };
-        [5.0, 4.0, 3.0, 2.0].map(with_ticks).into_iter().find(fits).unwrap_or_else(|| with_ticks(1.0))
+        let axis = [5.0, 4.0, 3.0, 2.0].map(with_ticks).into_iter().find(fits);
+        // The distance for one tick may be so large that the range contains none.
+        let coarsest = || Some(with_ticks(1.0)).filter(|axis| !axis.ticks().is_empty());
+        axis.or_else(coarsest).unwrap_or_else(|| with_ticks(2.0))
     }
 
     /// Draws the column between two x and two y positions; `row_middles` are the rows' y positions.
