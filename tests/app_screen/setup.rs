@@ -185,6 +185,7 @@ fn the_seed_can_be_typed_or_drawn_at_random() {
     for (text, problem) in [
         ("18446744073709551616", "Too large: 18446744073709551616. The seed stays 1844674407370955161"),
         ("x3", "Not a whole number: x3. The seed stays 1844674407370955161"),
+        ("-5", "Negative: -5. The seed stays 1844674407370955161"),
     ] {
         type_seed(&mut window, text);
         assert!(window.query_by_label(problem).is_some(), "{problem}");
