@@ -90,7 +90,6 @@ pub(super) fn drivers(
     world: &World,
     mode: SessionMode,
 ) -> Result<Vec<(DriverLabel, ActionSource)>, RunError> {
-    let config = &world.resource::<TrainingRun>().config;
     Ok(match mode {
         SessionMode::Train | SessionMode::Test => vec![tested(world)?],
         SessionMode::Drive => {
