@@ -238,6 +238,7 @@ fn the_users_robot_keeps_its_motion_when_its_demo_starts_again() {
     let folder = tempfile::tempdir().expect("temporary folder");
     let mut app = HeadlessApp::new(StartOptions { paused: true, ..StartOptions::default() });
     frame(&mut app);
+    app.step_to(40);
     app.command(Command::SetMode(SessionMode::Drive));
     step(&mut app, 2);
     assert_eq!(app.shown().0.arenas[0].action, 2, "straight ahead");
