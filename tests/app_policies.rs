@@ -234,6 +234,27 @@ fn step(app: &mut HeadlessApp, count: usize) {
 }
 
 #[test]
+fn the_users_robot_keeps_its_motion_when_its_demo_starts_again() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let mut app = HeadlessApp::new(StartOptions { paused: true, ..StartOptions::default() });
+    frame(&mut app);
+    app.step_to(40);
+    app.command(Command::SetMode(SessionMode::Drive));
+    step(&mut app, 2);
+    assert_eq!(app.shown().0.arenas[0].action, 2, "straight ahead");
+    app.command(Command::Steer(0));
+    step(&mut app, 1);
+    for restart in
+        [Command::SetTested(PolicySource::Current), Command::Save(SaveKind::Run, folder.path().join("run"))]
+    {
+        app.command(restart);
+        step(&mut app, 2);
+        assert_eq!(app.shown().1.mode, SessionMode::Drive);
+        assert_eq!(app.shown().0.arenas[0].action, 0, "the screen does not send the motion again");
+    }
+}
+
+#[test]
 fn a_policy_drives_next_to_itself_with_a_map_that_is_shown() {
     let start = StartOptions { scenario: "u-trap".into(), paused: true, ..StartOptions::default() };
     let mut app = HeadlessApp::new(start);

@@ -225,6 +225,8 @@ fn an_edited_scenario_continues_or_restarts_the_training() {
     app.command(apply(&invalid, false));
     app.frame(Duration::from_millis(10));
     assert!(has_notice(&app, "outside the enclosure"), "{:?}", app.error_notices());
+    let editor = app.view_state().editor.as_ref().expect("the edited scenario is not lost");
+    assert_eq!(**editor.scenario(), invalid);
     app.command(apply(
         &Scenario {
             lidar: wayfield::scenario::Lidar { beams: 12, ..edited.lidar.clone() },

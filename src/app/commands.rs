@@ -142,7 +142,7 @@ pub enum Command {
     },
     /// Keeps the app open: the other answer to that question.
     KeepOpen,
-    /// Applies an edited scenario to the training.
+    /// Applies an edited scenario to the training. If that fails, the editor opens with the scenario again.
     ApplyScenario {
         /// The scenario.
         scenario: Arc<Scenario>,

@@ -33,7 +33,7 @@ pub struct Interaction {
     pub setup_form: Option<SetupForm>,
     /// Whether the plots under "More" are shown.
     pub more_plots_open: bool,
-    /// Whether the user is being asked which scenario of a set to edit.
+    /// Whether the user is being asked whether to edit a copy of a scenario of the set.
     pub set_question: bool,
     /// Unfinished actions in the editor.
     pub editor: EditorInteraction,

@@ -8,6 +8,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use wayfield::app::commands::{Command, EditorReply, SessionMode};
 use wayfield::app::editor::{Editor, Selection, Tool};
+use wayfield::app::view_state::ViewCamera;
 use wayfield::scenario::{Enclosure, ObstacleMotion, PlacementRule, Scenario, Shape, diagnostics};
 
 use super::{Window, click, press, release_event, sent_commands, settle};
@@ -221,6 +222,20 @@ fn a_wall_is_drawn_click_by_click() {
     click_at(&mut window, vec2(0.0, 0.0));
     press(&mut window, Key::Escape);
     assert_eq!(edited_scenario(&mut window).walls.len(), 2);
+}
+
+#[test]
+fn a_double_click_that_ends_a_drawing_does_not_fit_the_view() {
+    let mut window = editing();
+    let zoomed = ViewCamera { zoom: 2.0, ..ViewCamera::default() };
+    window.state_mut().view_state.camera = zoomed;
+    editor(&mut window).set_tool(Tool::Wall { corners_m: Vec::new() });
+    // Too few corners for a wall, so nothing is under the pointer afterwards.
+    double_click_at(&mut window, vec2(0.6, -0.2));
+    assert_eq!(editor(&mut window).tool(), &Tool::Select);
+    assert_eq!(window.state().view_state.camera, zoomed);
+    double_click_at(&mut window, vec2(0.6, -0.2));
+    assert_eq!(window.state().view_state.camera, ViewCamera::default(), "without a drawing");
 }
 
 #[test]

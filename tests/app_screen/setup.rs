@@ -75,6 +75,11 @@ fn a_transfer_is_confirmed_and_shows_where_its_policy_comes_from() {
     click(&mut window, "Scenario II");
     assert_eq!(click(&mut window, "Continue training in Scenario II"), []);
     assert!(window.query_by_label_contains("Its policy continues").is_some());
+    for policy in ["best", "current"] {
+        click(&mut window, &format!("Continue with the {policy} policy"));
+        assert!(window.query_by_label("Cancel").is_none(), "the question was about the other policy");
+    }
+    assert_eq!(click(&mut window, "Continue training in Scenario II"), []);
     let transfer = Command::Transfer {
         policy: PolicySource::Current,
         scenario: "scenario-2".into(),
@@ -180,6 +185,7 @@ fn the_seed_can_be_typed_or_drawn_at_random() {
     for (text, problem) in [
         ("18446744073709551616", "Too large: 18446744073709551616. The seed stays 1844674407370955161"),
         ("x3", "Not a whole number: x3. The seed stays 1844674407370955161"),
+        ("-5", "Negative: -5. The seed stays 1844674407370955161"),
     ] {
         type_seed(&mut window, text);
         assert!(window.query_by_label(problem).is_some(), "{problem}");

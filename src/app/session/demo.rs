@@ -90,15 +90,22 @@ pub(super) fn drivers(
     world: &World,
     mode: SessionMode,
 ) -> Result<Vec<(DriverLabel, ActionSource)>, RunError> {
-    let config = &world.resource::<TrainingRun>().config;
     Ok(match mode {
         SessionMode::Train | SessionMode::Test => vec![tested(world)?],
         SessionMode::Drive => {
-            let ahead = straightest_motion(&config.scenario.robot.motions);
-            vec![(DriverLabel::User, ActionSource::Manual(ahead)), tested(world)?]
+            vec![(DriverLabel::User, ActionSource::Manual(held_motion(world))), tested(world)?]
         }
         SessionMode::Compare => vec![tested(world)?, second(world)?],
     })
+}
+
+/// The motion of the robot that the user drives: the last one that was sent, or straight ahead. The screen sends a motion only
+/// when it changes, so it must survive a restart of the demo.
+fn held_motion(world: &World) -> usize {
+    match world.resource::<ActionSources>().arenas.first() {
+        Some(ActionSource::Manual(held)) => *held,
+        _ => straightest_motion(&world.resource::<TrainingRun>().config.scenario.robot.motions),
+    }
 }
 
 /// The second driver of a comparison: the classical driver that the user has chosen, or else the opened policy.

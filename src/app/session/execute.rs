@@ -25,17 +25,34 @@ use super::start_training;
 use super::trails::Trails;
 use super::training_run::TrainingRun;
 use crate::agent::{ActionSource, ActionSources, ActiveLearner};
+use crate::app::CurrentViewState;
 use crate::app::app_status::Severity;
 use crate::app::commands::{Command, SaveKind};
 use crate::app::editor_backup::{self, EditorBackup};
 use crate::app::moves::{Movable, MoveRequest};
+use crate::app::view_state::EditorSource;
 use crate::run::RunError;
 
 /// Executes `command`. A failure becomes a notice.
 pub(super) fn execute(world: &mut World, command: Command) {
-    let topic = topic(&command);
+    let (topic, edited) = (topic(&command), edited_scenario(&command));
     if let Err(error) = try_execute(world, command) {
         notify(world, topic, Severity::Error, error.to_string());
+        if edited.is_some() {
+            // The editor has closed, and its changes may not be saved.
+            world.resource_mut::<CurrentViewState>().0.open_editor = edited;
+        }
+    }
+}
+
+/// The scenario to open in the editor again if `command` cannot apply it.
+fn edited_scenario(command: &Command) -> Option<EditorSource> {
+    match command {
+        Command::ApplyScenario { scenario, from, .. } => {
+            Some(EditorSource::Draft { from: from.clone(), scenario: scenario.clone(), in_file: None })
+        }
+        Command::SaveFirst(then) => edited_scenario(then),
+        _ => None,
     }
 }
 

@@ -8,6 +8,10 @@ use egui::{
 use super::transform::{ViewTransform, constrain_to};
 use crate::app::screen::theme::{Palette, SMALL};
 
+/// Maximum length of a dashed line, in points. For a far longer one, such as a path to a mistyped position, egui would make
+/// millions of dashes, or never end.
+const MAX_DASHED: f32 = 1e5;
+
 /// A painter with the transform and the palette of a view.
 #[derive(Clone)]
 pub struct Canvas {
@@ -43,6 +47,12 @@ impl Canvas {
         }
     }
 
+    /// Draws a dashed line through points on the screen; `dashes` are the lengths of a dash and of the gap after it, in points.
+    /// A line far longer than the view is solid.
+    pub fn dashed_line(&self, points: &[Pos2], stroke: Stroke, dashes: (f32, f32)) {
+        self.painter.extend(dashed(points, stroke, dashes));
+    }
+
     /// Draws a small label at `at`, moved into the view if necessary, and returns its rectangle.
     pub fn label(&self, at: Pos2, anchor: Align2, text: &str, color: Color32) -> Rect {
         let galley = self.painter.layout_no_wrap(text.to_owned(), FontId::proportional(SMALL), color);
@@ -75,6 +85,18 @@ impl Canvas {
         let (back, side) = (tip - along * length, along.rot90() * length * 0.55);
         let corners = vec![tip, back + side, back - side];
         self.painter.add(Shape::convex_polygon(corners, color, Stroke::NONE));
+    }
+}
+
+/// The dashes of a line, or the whole line if it is longer than [`MAX_DASHED`]; nothing if its length is not finite.
+fn dashed(points: &[Pos2], stroke: Stroke, (dash, gap): (f32, f32)) -> Vec<Shape> {
+    let length: f32 = points.windows(2).map(|ends| ends[0].distance(ends[1])).sum();
+    if length <= MAX_DASHED {
+        Shape::dashed_line(points, stroke, dash, gap)
+    } else if length.is_finite() {
+        vec![Shape::line(points.to_vec(), stroke)]
+    } else {
+        Vec::new()
     }
 }
 
@@ -144,6 +166,14 @@ mod tests {
         assert_eq!(mesh.vertices[5].color, Color32::from_gray(80), "a third of the way");
         assert_eq!(mesh.calc_bounds(), Rect::from_min_max(pos2(0.0, -1.25), pos2(30.0, 1.25)));
         assert!(line_mesh(&points[..1], 2.0, 0.5, |_| Color32::RED).is_none());
+    }
+
+    #[test]
+    fn a_line_to_a_place_far_away_is_drawn_without_dashes() {
+        let shapes = |x: f32| dashed(&[Pos2::ZERO, pos2(x, 0.0)], Stroke::new(1.0, Color32::RED), (6.0, 4.0));
+        assert_eq!(shapes(100.0).len(), 10);
+        assert_eq!(shapes(1e12).len(), 1);
+        assert!(shapes(f32::INFINITY).is_empty() && shapes(f32::NAN).is_empty());
     }
 
     #[test]

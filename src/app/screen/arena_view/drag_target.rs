@@ -156,9 +156,9 @@ mod tests {
         let at = transform.to_screen([1.0, 1.0]);
         assert_eq!(hit_test(&transform, &scene.arenas[0], at), Some(Movable::Obstacle(0)));
         scene.arenas[0].set_member = Some("Crossing".into());
-        assert_eq!(hit_test(&transform, &scene.arenas[0], at), None, "nor one of a set's scenario");
+        assert_eq!(hit_test(&transform, &scene.arenas[0], at), None, "an obstacle of a set");
         scene.arenas[0].set_member = None;
         scene.arenas[0].written = Arc::new(Scenario::default());
-        assert_eq!(hit_test(&transform, &scene.arenas[0], at), None);
+        assert_eq!(hit_test(&transform, &scene.arenas[0], at), None, "a generated obstacle");
     }
 }

@@ -6,16 +6,15 @@ use egui::{Color32, Mesh, Pos2, Shape, Stroke};
 use super::canvas::Canvas;
 use crate::drivers::DriverPlan;
 
-/// Lengths of the path's dashes and gaps, in points.
-const DASH: f32 = 5.0;
-const GAP: f32 = 4.0;
+/// Lengths of a dash of the path and of the gap after it, in points.
+const DASH: (f32, f32) = (5.0, 4.0);
 
 /// Draws the occupied cells and the path of `plan`.
 pub fn draw(canvas: &Canvas, plan: &DriverPlan) {
     canvas.painter.add(Shape::mesh(cells(canvas, plan, canvas.palette.warning.gamma_multiply(0.5))));
     let path: Vec<Pos2> = plan.path_m.iter().map(|at| canvas.to_screen(at.to_array())).collect();
     let stroke = Stroke::new(1.5, canvas.palette.warning);
-    canvas.painter.extend(Shape::dashed_line(&path, stroke, DASH, GAP));
+    canvas.dashed_line(&path, stroke, DASH);
 }
 
 /// The occupied cells, as one mesh.

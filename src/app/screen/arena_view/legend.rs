@@ -1,6 +1,6 @@
 //! The legend: the robot, the goal, the spacing of the grid lines, and the overlays that are on.
 //!
-//! In: the overlays. Out: a strip along the bottom of the view, which the arena does not cover at zoom 1.
+//! In: the overlays. Out: a strip along the bottom of the view; at zoom 1, a single line fits below the arena.
 
 use std::sync::Arc;
 

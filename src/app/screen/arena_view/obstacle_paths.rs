@@ -2,7 +2,7 @@
 //! a random walk.
 
 use bevy::math;
-use egui::{Color32, Pos2, Shape as Mark, Stroke, Vec2, vec2};
+use egui::{Color32, Pos2, Stroke, Vec2, vec2};
 
 use super::canvas::Canvas;
 use crate::scenario::{MotionKind, MotionSpeed, Obstacle, Track};
@@ -72,7 +72,7 @@ fn legs(canvas: &Canvas, corners: Vec<math::Vec2>, traversal: Traversal, stroke:
         points.extend(points.first().copied());
     }
     if points.len() > MAX_MARKED_CORNERS {
-        canvas.painter.extend(Mark::dashed_line(&points, stroke, DASH.0, DASH.1));
+        canvas.dashed_line(&points, stroke, DASH);
         return;
     }
     for &corner in points.iter().skip(1) {
@@ -81,7 +81,7 @@ fn legs(canvas: &Canvas, corners: Vec<math::Vec2>, traversal: Traversal, stroke:
     for leg in points.windows(2) {
         let (from, to) = (leg[0], leg[1]);
         let along = (to - from).normalized();
-        canvas.painter.extend(Mark::dashed_line(&[from, to], stroke, DASH.0, DASH.1));
+        canvas.dashed_line(&[from, to], stroke, DASH);
         if from.distance(to) < 40.0 {
             continue;
         }
@@ -102,5 +102,5 @@ fn ring(canvas: &Canvas, centre: Pos2, radius: f32, stroke: Stroke) {
     let parts = (radius * 0.7).clamp(24.0, 360.0) as usize;
     let point = |k: usize| centre + Vec2::angled(k as f32 / parts as f32 * std::f32::consts::TAU) * radius;
     let points: Vec<Pos2> = (0..=parts).map(point).collect();
-    canvas.painter.extend(Mark::dashed_line(&points, stroke, DASH.0, DASH.1));
+    canvas.dashed_line(&points, stroke, DASH);
 }

@@ -26,7 +26,7 @@ pub fn draw(ui: &Ui, canvas: &Canvas, editor: &Editor, pointer: Option<Pos2>) {
     let label = match (points.last(), points_m.last()) {
         (Some(&last), Some(&last_m)) => {
             let line = Stroke::new(1.75, palette.accent);
-            canvas.painter.extend(Shape::dashed_line(&[last, next], line, 6.0, 4.0));
+            canvas.dashed_line(&[last, next], line, (6.0, 4.0));
             format!("{:.2} m", next_m.distance(last_m))
         }
         _ => format!("{:.2}, {:.2}", next_m.x, next_m.y),

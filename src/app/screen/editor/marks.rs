@@ -2,7 +2,7 @@
 //! the error colour.
 
 use bevy::math;
-use egui::{Align2, Color32, Pos2, Shape, Stroke, vec2};
+use egui::{Align2, Color32, Pos2, Stroke, vec2};
 
 use super::outlines::{self, mark_radius};
 use crate::app::editor::{Body, Editor, PlacementRole, Selection};
@@ -62,7 +62,7 @@ fn shade(canvas: &Canvas, region: Region, color: Color32, strength: f32, label: 
     canvas.painter.rect_filled(rect, 0.0, color.gamma_multiply(strength));
     let corners =
         [rect.left_top(), rect.right_top(), rect.right_bottom(), rect.left_bottom(), rect.left_top()];
-    canvas.painter.extend(Shape::dashed_line(&corners, Stroke::new(1.25, color), 5.0, 4.0));
+    canvas.dashed_line(&corners, Stroke::new(1.25, color), (5.0, 4.0));
     let (at, anchor) = if rect.width() > 84.0 && rect.height() > 34.0 {
         (rect.left_top() + vec2(4.0, 3.0), Align2::LEFT_TOP)
     } else {

@@ -79,9 +79,11 @@ pub fn editor_ui(ui: &mut Ui, view_state: &mut ViewState) {
     }
     let bounds = framing::bounds(ui, editor, *camera);
     let mut transform = ViewTransform::new(rect, MARGIN, *camera, bounds);
+    // Read before `update` deselects the tool: a double-click that finishes a drawing must not also fit the view.
+    let finishes_drawing = *editor.tool() != Tool::Select && response.double_clicked();
     let hit = pointer::update(ui, &response, &transform, editor, &mut interaction.editor);
-    let drawing = *editor.tool() != Tool::Select && response.double_clicked();
-    steer_camera(ui, &response, &mut transform, camera, hit == PointerHit::Nothing && !drawing);
+    let on_floor = hit == PointerHit::Nothing && !finishes_drawing;
+    steer_camera(ui, &response, &mut transform, camera, on_floor);
     cursor::set_icon(ui, &response, &transform, editor, hit);
     let canvas = Canvas { painter: ui.painter_at(rect), transform, palette, compact: false };
     drawing::draw(ui, &canvas, id, editor, hit);

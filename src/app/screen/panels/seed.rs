@@ -55,9 +55,14 @@ pub(super) fn seed_ui(ui: &mut Ui, form: &mut SetupForm) {
 fn parse_seed(text: &str) -> Result<u64, String> {
     let text = text.trim();
     text.parse().map_err(|_| {
-        let is_number = !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+        let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+        let problem = match text.strip_prefix('-') {
+            Some(digits) if is_number(digits) => "Negative",
+            None if is_number(text) => "Too large",
+            _ => "Not a whole number",
+        };
         let repeated: String = text.chars().take(MAX_REPEATED).collect();
-        if is_number { format!("Too large: {repeated}") } else { format!("Not a whole number: {repeated}") }
+        format!("{problem}: {repeated}")
     })
 }
 

@@ -32,9 +32,10 @@ pub fn training_ui(ui: &mut Ui, status: &AppStatus, form: &mut SetupForm, comman
         epsilon_ui(ui, form);
     }
     // A confirmation is obsolete without the button that asked for it.
+    let transfer_from = form.transfer_from;
     form.cancel_confirmation(|command| match command {
         Command::Transfer { policy: PolicySource::Opened, .. } => !has_opened,
-        Command::Transfer { .. } => !is_other_scenario,
+        Command::Transfer { policy, .. } => !is_other_scenario || *policy != transfer_from,
         _ => false,
     });
 }

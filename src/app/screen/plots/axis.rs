@@ -146,6 +146,19 @@ pub fn format_env_steps(value: f64) -> String {
     }
 }
 
+/// The tick label of a grid line at `value` env steps, where lines are `step` apart: the short form, or more decimals if it
+/// would give neighbouring lines the same label.
+#[must_use]
+pub fn env_steps_label(value: f64, step: f64) -> String {
+    let (unit, suffix) = match value.abs() {
+        v if v >= 999_950.0 && step < 10_000.0 => (1e6, "M"),
+        v if (999.5..999_950.0).contains(&v) && step < 100.0 => (1e3, "k"),
+        _ => return format_env_steps(value),
+    };
+    let decimals = (unit / step).log10().ceil().clamp(0.0, 6.0) as usize;
+    format!("{}{suffix}", number(value / unit, decimals))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -155,6 +168,17 @@ mod tests {
         let written = [0.0, 224.0, 999.4, 1000.0, 50_000.0, 96_140.0, 999_960.0, 1_200_000.0, 1_250_000.0]
             .map(format_env_steps);
         assert_eq!(written, ["0", "224", "999", "1k", "50k", "96.1k", "1M", "1.2M", "1.25M"]);
+    }
+
+    #[test]
+    fn neighbouring_grid_lines_have_different_labels_at_any_zoom() {
+        for (lines, step, labels) in [
+            ([50_000.0, 100_000.0], 50_000.0, ["50k", "100k"]),
+            ([50_000.0, 50_020.0], 20.0, ["50.00k", "50.02k"]),
+            ([1_000_000.0, 1_001_000.0], 1000.0, ["1.000M", "1.001M"]),
+        ] {
+            assert_eq!(lines.map(|value| env_steps_label(value, step)), labels);
+        }
     }
 
     #[test]

@@ -121,7 +121,8 @@ fn configure<'a>(card: &'a Card<'_>, shared: &CardContext<'_>, palette: Palette)
         .include_x(shared.range.0)
         .include_x(shared.range.1)
         .custom_x_axes(vec![
-            axis_hints(AxisHints::new_x(), palette).formatter(|mark, _| axis::format_env_steps(mark.value)),
+            axis_hints(AxisHints::new_x(), palette)
+                .formatter(|mark, _| axis::env_steps_label(mark.value, mark.step_size)),
         ])
         .custom_y_axes(vec![
             axis_hints(AxisHints::new_y(), palette)
