@@ -15,9 +15,9 @@ use super::schema::{Obstacle, ObstacleMotion, Scenario};
 const TIME_HORIZON_S: f32 = 5.0;
 /// The distance in m beyond which pedestrians ignore each other.
 const NEIGHBOR_DISTANCE_M: f32 = 10.0;
-/// The most neighbors that a pedestrian avoids, the nearest ones.
+/// Maximum number of neighbors that a pedestrian avoids; the nearest ones count.
 const MAX_NEIGHBORS: usize = 10;
-/// What pedestrians add to all radii, in m.
+/// Margin that pedestrians add to all radii, in m.
 const MARGIN_M: f32 = 0.01;
 /// How far ahead pedestrians avoid collisions with walls and static obstacles, in s.
 const STATIC_HORIZON_S: f32 = 1.0;
