@@ -9,7 +9,7 @@
 //! | `numbers.rs` | ranges of numbers, comparisons between numbers; names and descriptions |
 //! | `obstacles.rs`, `key_frames.rs` | the same for walls, obstacles, generators and key frames; notes on motions that stop |
 //! | `polygons.rs` | polygons: simple and, for obstacles, convex |
-//! | `speeds.rs` | distances travelled by robot and obstacles in one control step; obstacles faster than the robot |
+//! | `speeds.rs` | distances travelled by the robot and obstacles in one control step; obstacles faster than the robot |
 //! | `motions.rs` | the robot can move, and the time limit is long enough for the nearest goals |
 //! | `space.rs` | geometry inside the enclosure; free space for starts, goals and the benchmark route |
 //! | `extent.rs` | how far an obstacle reaches outside the enclosure along its whole path |
@@ -298,6 +298,13 @@ pub(crate) fn rounded_down(most: f32) -> String {
     format!("{:.places$}", (most * scale * (1.0 + 1e-7)).floor() / scale)
 }
 
+/// `least` rounded up to `places` decimals, so that the printed number is allowed.
+pub(crate) fn rounded_up(least: f64, places: usize) -> String {
+    let scale = libm::pow(10.0, places as f64);
+    // The factor restores round numbers, as in [`rounded_down`].
+    format!("{:.places$}", (least * scale * (1.0 - 1e-7)).ceil() / scale)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -312,6 +319,13 @@ mod tests {
             (0.0, "0.000"),
         ] {
             assert_eq!(rounded_down(most), text);
+        }
+    }
+
+    #[test]
+    fn a_minimum_is_rounded_up_unless_it_is_round() {
+        for (least, text) in [(0.4, "0.400"), (0.4004, "0.401"), (0.399_999_999, "0.400")] {
+            assert_eq!(rounded_up(least, 3), text);
         }
     }
 }

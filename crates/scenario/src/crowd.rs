@@ -14,10 +14,10 @@ use super::schema::{Obstacle, ObstacleMotion, Scenario};
 /// How far ahead pedestrians avoid collisions with each other, in s. This and the next three values are vita-epfl/CrowdNav's.
 const TIME_HORIZON_S: f32 = 5.0;
 /// The distance in m beyond which pedestrians ignore each other.
-const NEIGHBOR_DISTANCE_M: f32 = 10.0;
-/// The most neighbors that a pedestrian avoids, the nearest ones.
-const MAX_NEIGHBORS: usize = 10;
-/// What pedestrians add to all radii, in m.
+const NEIGHBOUR_DISTANCE_M: f32 = 10.0;
+/// Maximum number of neighbours that a pedestrian avoids; the nearest ones count.
+const MAX_NEIGHBOURS: usize = 10;
+/// Margin that pedestrians add to all radii, in m.
 const MARGIN_M: f32 = 0.01;
 /// How far ahead pedestrians avoid collisions with walls and static obstacles, in s.
 const STATIC_HORIZON_S: f32 = 1.0;
@@ -139,7 +139,7 @@ impl Pedestrian {
         }
         let reach_m = own.radius_m + walk.speed_m_s * STATIC_HORIZON_S;
         let avoidance = Avoidance {
-            discs: &neighbors(own, others.chain(walk.sees_robot.then_some(robot))),
+            discs: &neighbours(own, others.chain(walk.sees_robot.then_some(robot))),
             points_m: &nearest_points(scenario, own.at_m, reach_m),
             time_horizon_s: TIME_HORIZON_S,
             static_horizon_s: STATIC_HORIZON_S,
@@ -206,11 +206,11 @@ impl<'a> Walk<'a> {
 }
 
 /// The nearest of `others`, nearest first.
-fn neighbors(own: &Disc, others: impl Iterator<Item = Disc>) -> Vec<Disc> {
+fn neighbours(own: &Disc, others: impl Iterator<Item = Disc>) -> Vec<Disc> {
     let away = |disc: &Disc| (disc.at_m - own.at_m).length_squared();
     let mut near: Vec<Disc> =
-        others.filter(|disc| away(disc) < NEIGHBOR_DISTANCE_M * NEIGHBOR_DISTANCE_M).collect();
+        others.filter(|disc| away(disc) < NEIGHBOUR_DISTANCE_M * NEIGHBOUR_DISTANCE_M).collect();
     near.sort_by(|a, b| away(a).total_cmp(&away(b)));
-    near.truncate(MAX_NEIGHBORS);
+    near.truncate(MAX_NEIGHBOURS);
     near
 }

@@ -108,9 +108,9 @@ impl FreeCells {
     /// Whether the straight line from `from` to `to` leads through free cells, at points up to a cell apart. `to` must
     /// be in a free cell. What is in the cell of `from` does not matter.
     pub(super) fn sees(&self, from: Vec2, to: Vec2) -> bool {
-        let way = to - from;
-        let parts = way.abs().max_element().ceil();
-        let (first, step) = (self.cell_at(from), way / parts);
+        let line = to - from;
+        let parts = line.abs().max_element().ceil();
+        let (first, step) = (self.cell_at(from), line / parts);
         let mut at = from;
         (1..parts as u32).all(|_| {
             at += step;

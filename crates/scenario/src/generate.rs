@@ -6,7 +6,7 @@
 use std::f32::consts::PI;
 
 use super::geometry::length;
-use super::schema::{Generator, Obstacle, ObstacleMotion, PlacementRule, RandomShape, Scenario, Shape};
+use super::schema::{Generator, Obstacle, ObstacleMotion, RandomShape, Scenario, Shape};
 use super::spatial_index::IndexedScenario;
 use glam::{Vec2, vec2};
 use wayfield_random::{Stream, stream, uniform};
@@ -43,11 +43,7 @@ impl Scenario {
         let mut places: Vec<Vec2> =
             self.benchmark_route.iter().flat_map(|route| [route.start_m, route.goal_m]).collect();
         for rule in [&self.starts, &self.goals] {
-            match rule {
-                PlacementRule::Fixed { position_m, .. } => places.push(*position_m),
-                PlacementRule::OneOf { positions_m } => places.extend(positions_m),
-                PlacementRule::Random { .. } | PlacementRule::Within { .. } => {}
-            }
+            places.extend(rule.positions_m());
         }
         places
     }

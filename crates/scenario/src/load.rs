@@ -174,6 +174,7 @@ fn unchecked<T>(_: &T) -> Vec<Diagnostic> {
 /// is. [`usize::MAX`] if the text begins with `name` and a bracket.
 #[must_use]
 pub fn resemblance<T: DeserializeOwned>(text: &str, name: &str) -> usize {
+    let text = without_mark(text);
     let map = SourceMap::new(text);
     let body = map.start().map_or("", |start| &text[start..]);
     if body.strip_prefix(name).is_some_and(|rest| rest.trim_start().starts_with('(')) {

@@ -126,7 +126,7 @@ fn default_thickness_m() -> f32 {
     0.1
 }
 
-/// The solid cells of a grid that is written as text: a map in one wall. The cells form as few rectangles as possible, which
+/// The solid cells of a grid that is written as text: a map in one wall. Adjacent cells are merged into rectangles, which
 /// count as segments.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -66,7 +66,7 @@ impl ScenarioSetFile {
         let mut found = Diagnostics::default();
         check_texts(&self.name, &self.about, &mut found);
         found.check_count(format_args!("scenarios"), self.scenarios.len(), SET_SCENARIOS);
-        for (k, entry) in self.scenarios.iter().enumerate() {
+        for (k, entry) in self.scenarios.iter().enumerate().take(*SET_SCENARIOS.end()) {
             entry.check(k, &mut found);
             let name = column_name(&entry.name());
             if self.scenarios[..k].iter().any(|other| column_name(&other.name()) == name) {
@@ -210,7 +210,7 @@ impl ScenarioSet {
     pub fn diagnostics(&self) -> Vec<Diagnostic> {
         let mut found = Diagnostics::default();
         found.check_count(format_args!("members"), self.members.len(), SET_SCENARIOS);
-        for (k, member) in self.members.iter().enumerate() {
+        for (k, member) in self.members.iter().enumerate().take(*SET_SCENARIOS.end()) {
             found.check_range(format_args!("members[{k}].share"), member.share, SET_SHARE, "");
             if let SetSource::Levels { levels, .. } = member.source {
                 found.check_range(format_args!("members[{k}].source.levels"), levels, SET_LEVELS, "");
@@ -283,4 +283,19 @@ fn differing_fields(
         fields.push("robot.motions (other speeds)".into());
     }
     fields
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_too_many_entries_only_the_first_are_checked() {
+        // Each is compared with all before it: a large file would take minutes.
+        let scenarios = vec![SetEntry::default(); SET_SCENARIOS.end() + 1];
+        let set = ScenarioSetFile { name: "a".into(), about: String::new(), scenarios };
+        let found = set.diagnostics();
+        let is_at = |path: &str| found.iter().any(|found| found.path == path);
+        assert!(is_at("scenarios") && is_at("scenarios[63]") && !is_at("scenarios[64]"), "{found:?}");
+    }
 }

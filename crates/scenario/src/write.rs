@@ -40,6 +40,8 @@ fn style() -> Style {
     let style = with_defaults::<Obstacle>(style, obstacle, &["shape", "position_m"]);
     let random_walk = "RandomWalk(radius_m: 1.0, speed_m_s: 1.0)";
     let style = with_defaults::<ObstacleMotion>(style, random_walk, &["radius_m", "speed_m_s"]);
+    let pedestrian = "Pedestrian(goals_m: [], speed_m_s: 1.0)";
+    let style = with_defaults::<ObstacleMotion>(style, pedestrian, &["goals_m", "speed_m_s"]);
     let key_frames = "KeyFrames(frames: [])";
     let style = with_defaults::<ObstacleMotion>(style, key_frames, &["frames"]);
     let generator = "(count: 1, shape: Circle(radius_m: (1.0, 1.0)))";

@@ -146,15 +146,15 @@ fn named_positions_must_be_far_enough_apart() {
         [
             "`goals.max_m[0]` is 0.5 and `min_m[0]` is 1: write the lower left corner as min_m and the upper right one \
              as max_m",
-            "`starts` has no free space at step 0: no point of its rectangle has a clearance of 0.3 m; use fewer or smaller \
-             obstacles, or a smaller clearance_m",
+            "`starts` has no free space at step 0: no point of its rectangle has a clearance of 0.3 m; move or enlarge it, use \
+             fewer or smaller obstacles, or a smaller clearance_m",
         ]
     );
     assert_eq!(
         with(within(vec2(1.8, -1.0), vec2(2.0, 1.0)), PlacementRule::default()),
         [
-            "`starts` has no free space at step 0: no point of its rectangle has a clearance of 0.3 m; use fewer or smaller \
-             obstacles, or a smaller clearance_m"
+            "`starts` has no free space at step 0: no point of its rectangle has a clearance of 0.3 m; move or enlarge it, use \
+             fewer or smaller obstacles, or a smaller clearance_m"
         ]
     );
 }
@@ -400,6 +400,21 @@ fn obstacles_faster_than_the_robot_are_noted() {
 }
 
 #[test]
+fn the_orbit_speed_to_write_is_within_all_limits() {
+    let task = TaskRules { control_period_s: 0.05, ..TaskRules::default() };
+    let motion = ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: 15.0.into() };
+    let obstacles = vec![obstacle(Shape::Circle { radius_m: 0.1 }, vec2(0.0, 1.0), motion)];
+    // 10 rad/s would be 0.5 m per step, but 10 m/s.
+    assert_eq!(
+        found(&Scenario { task, obstacles, ..Scenario::default() }),
+        [
+            "`obstacles[0].motion.speed_rad_s` moves the obstacle 0.750 m in one control step, above the limit of 0.5 m: \
+             write at most 5.000, or a smaller task.control_period_s"
+        ]
+    );
+}
+
+#[test]
 fn key_frames_have_increasing_times_and_no_jumps() {
     let with = |frames: &[(f32, f32, f32)], end| {
         let frame = |&(time_s, x, y): &(f32, f32, f32)| KeyFrame { time_s, position_m: vec2(x, y) };
@@ -443,6 +458,11 @@ fn key_frames_have_increasing_times_and_no_jumps() {
             KeyFrameEnd::Stop,
             "frames[1].time_s` moves the obstacle at 10.000 m/s, above the limit of 5 m/s: make the leg of 1.000 m last \
              at least 0.400 s",
+        ),
+        (
+            &[(20.0, -0.5, 0.5), (20.1, 0.501, 0.5)],
+            KeyFrameEnd::Stop,
+            "make the leg of 1.001 m last at least 0.401 s",
         ),
         (&[(30.0, 5.0, 0.5)], KeyFrameEnd::Stop, "extends 3.100 m outside the enclosure while it moves"),
     ] {

@@ -1,7 +1,7 @@
 //! The exact messages for slips caused by editors, keyboards and other formats: each names what was found and what to write.
 
 use serde::Deserialize;
-use wayfield_scenario::{Scenario, parse_ron, to_text};
+use wayfield_scenario::{Scenario, parse_ron, resemblance, to_text};
 
 /// A file with every kind of value that occurs in presets.
 #[derive(Debug, Deserialize, PartialEq)]
@@ -124,6 +124,14 @@ fn everyday_number_notations_get_the_number_to_write() {
             (
                 "(name: \"Mine\", lidar: (beams: 24.0))",
                 "1:31: `lidar.beams` must be a whole number: write 24",
+            ),
+            (
+                "(name: \"Mine\", lidar: (beams: 10-20))",
+                "1:31: `lidar.beams` must be a single number, not `10-20`",
+            ),
+            (
+                "(name: \"Mine\", lidar: (max_range_m: 2km))",
+                "1:37: `lidar.max_range_m` must be a number only: write 2000 for 2 km",
             ),
             (
                 "(name: \"Mine\", lidar: (beams: 2.4e0))",
@@ -281,6 +289,9 @@ fn a_long_text_still_gets_its_first_problem_quickly() {
     let began = std::time::Instant::now();
     assert_eq!(scenario_error(&text), "w.ron:1:8: `name` must be text in double quotes: \"...\"");
     assert!(began.elapsed().as_secs() < 5);
+    let text = format!("(name: \"Mine\", about: \"{}\", starts: Fixed)", "x".repeat(1 << 15));
+    let message = scenario_error(&text);
+    assert!(message.ends_with("`starts` must be written with parentheses: (...)"), "{message}");
 }
 
 #[test]
@@ -297,4 +308,6 @@ fn a_byte_order_mark_is_read_and_kept() {
     );
     let message = scenario_error("\u{feff}(name: \"Mine\", robt: 1)");
     assert!(message.starts_with("w.ron:1:16: unknown field `robt`"), "{message}");
+    let named = "\u{feff}Scenario(name: \"Mine\")";
+    assert_eq!(resemblance::<Scenario>(named, "Scenario"), usize::MAX, "the name after the mark is read");
 }

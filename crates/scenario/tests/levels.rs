@@ -291,6 +291,24 @@ fn an_invalid_generator_is_reported_with_line_and_fix() {
 }
 
 #[test]
+fn the_clearance_that_an_error_asks_for_is_accepted() {
+    for (gap_m, clearance_m) in [("0.35", "0.1925"), ("0.333", "0.1832")] {
+        let text =
+            |clearance_m| format!("(name: \"a\", gap_m: {gap_m}, route: Random(clearance_m: {clearance_m}))");
+        let error = LevelGenerator::parse(&text("0.18"), "g.ron").expect_err("too little").to_string();
+        assert!(error.contains(&format!("write at least {clearance_m}, ")), "{error}");
+        generator(&text(clearance_m));
+    }
+}
+
+#[test]
+fn an_invalid_control_period_is_the_only_problem_of_a_generator_with_traffic() {
+    let text = "(name: \"a\", task: (control_period_s: -1.0), traffic: [Lanes()])";
+    let error = LevelGenerator::parse(text, "g.ron").expect_err("no period").to_string();
+    assert!(error.contains("`task.control_period_s` is -1") && error.lines().count() == 1, "{error}");
+}
+
+#[test]
 fn obstacles_on_orbits_drive_one_after_the_other_around_a_common_centre() {
     let text = "(name: \"a\", traffic: [Orbits(circles: (1, 1), count: (3, 3), radius_m: (0.1, 0.1),
         speed_m_s: (0.12, 0.12), orbit_m: (0.5, 0.8))])";

@@ -314,6 +314,15 @@ const EVERYTHING: &str = r##"(
 fn the_canonical_text_has_all_parts_and_leaves_out_defaults() {
     assert_eq!(to_text(&everything(), None), EVERYTHING);
     assert_eq!(to_text(&Scenario::default(), None), "(\n    name: \"Empty\",\n)\n", "defaults are left out");
+    let motion = ObstacleMotion::Pedestrian {
+        goals_m: vec![vec2(1.0, 1.0)],
+        speed_m_s: 0.5.into(),
+        loops: true,
+        sees_robot: false,
+    };
+    let obstacles = vec![Obstacle { motion, ..circle(0.0, 0.0) }];
+    let text = to_text(&Scenario { obstacles, ..Scenario::default() }, None);
+    assert!(text.contains("Pedestrian(goals_m: [(1.0, 1.0)], speed_m_s: 0.5)"), "{text}");
 }
 
 #[test]

@@ -132,7 +132,7 @@ mod tests {
 
     #[test]
     fn areas_overlap_if_they_have_a_point_in_common() {
-        // A circle beside a side, beyond a corner, inside; bars that cross without a corner in each other.
+        // A circle next to a side, beyond a corner, inside; bars that cross without a corner in each other.
         assert!(circle(1.4, 0.0).overlaps(&bar(2.0, 1.0)) && !circle(1.6, 0.0).overlaps(&bar(2.0, 1.0)));
         assert!(circle(1.3, 0.8).overlaps(&bar(2.0, 1.0)) && !circle(1.4, 0.9).overlaps(&bar(2.0, 1.0)));
         assert!(circle(0.1, 0.0).overlaps(&bar(8.0, 6.0)) && bar(8.0, 6.0).overlaps(&circle(0.1, 0.0)));

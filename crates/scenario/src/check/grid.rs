@@ -26,12 +26,12 @@ pub(crate) struct CellGrid {
 }
 
 impl CellGrid {
-    /// A grid over the box between two corners for a robot whose centre must stay `room_m` from everything. `None` if the
+    /// A grid over the box between two corners for a robot whose centre must stay `clearance_m` from everything. `None` if the
     /// box is so large that the cells would be too coarse.
-    pub(super) fn over(low: DVec2, high: DVec2, room_m: f64) -> Option<Self> {
+    pub(super) fn over(low: DVec2, high: DVec2, clearance_m: f64) -> Option<Self> {
         let (width, height) = (high.x - low.x, high.y - low.y);
-        let cell_m = (room_m * MIN_CELL_FRACTION).max((width * height / f64::from(MAX_CELLS)).sqrt());
-        (cell_m <= room_m * MAX_CELL_FRACTION).then(|| Self::with_cells(low, high, cell_m))
+        let cell_m = (clearance_m * MIN_CELL_FRACTION).max((width * height / f64::from(MAX_CELLS)).sqrt());
+        (cell_m <= clearance_m * MAX_CELL_FRACTION).then(|| Self::with_cells(low, high, cell_m))
     }
 
     /// A grid over the box between two corners, with cells of side `cell_m`.
@@ -87,15 +87,15 @@ impl CellGrid {
 /// A set of cells of a grid, one bit per cell.
 pub(crate) struct BlockedCells<'a> {
     grid: &'a CellGrid,
-    words_a_row: usize,
+    words_per_row: usize,
     bits: Vec<u64>,
 }
 
 impl<'a> BlockedCells<'a> {
     /// The empty set.
     pub(super) fn empty(grid: &'a CellGrid) -> Self {
-        let words_a_row = grid.columns.div_ceil(64);
-        Self { grid, words_a_row, bits: vec![0; words_a_row * grid.rows] }
+        let words_per_row = grid.columns.div_ceil(64);
+        Self { grid, words_per_row, bits: vec![0; words_per_row * grid.rows] }
     }
 
     /// Adds the cells whose centres are outside the polygon with these corners.
@@ -175,7 +175,7 @@ impl<'a> BlockedCells<'a> {
         if from >= to {
             return;
         }
-        let row = &mut self.bits[row * self.words_a_row..][..self.words_a_row];
+        let row = &mut self.bits[row * self.words_per_row..][..self.words_per_row];
         let (first, last) = (from / 64, (to - 1) / 64);
         let (head, tail) = (u64::MAX << (from % 64), u64::MAX >> (63 - (to - 1) % 64));
         if first == last {
@@ -200,7 +200,7 @@ impl<'a> BlockedCells<'a> {
 
     /// First column from `column` on whose bit equals `set`, or the number of columns.
     fn next(&self, row: usize, column: usize, set: bool) -> usize {
-        let words = &self.bits[row * self.words_a_row..][..self.words_a_row];
+        let words = &self.bits[row * self.words_per_row..][..self.words_per_row];
         let mut word = column / 64;
         let mut ahead = u64::MAX << (column % 64);
         while word < words.len() {

@@ -3,7 +3,7 @@
 use std::fmt::Arguments;
 
 use super::speeds::{SLACK, too_fast};
-use super::{Diagnostics, Note, NoteLevel, SECONDS};
+use super::{Diagnostics, Note, NoteLevel, SECONDS, rounded_up};
 use crate::limits::*;
 use crate::schema::*;
 
@@ -53,9 +53,9 @@ pub(super) fn check_speeds(k: usize, obstacle: &Obstacle, period_s: f32, diagnos
         let fix = || {
             let fastest_m_s = MAX_SPEED_M_S.min(MAX_STEP_M / period_s);
             format!(
-                "make the leg of {:.3} m last at least {:.3} s",
+                "make the leg of {:.3} m last at least {} s",
                 leg.length_m,
-                leg.length_m / f64::from(fastest_m_s)
+                rounded_up(leg.length_m / f64::from(fastest_m_s), 3)
             )
         };
         let problem = if speed_m_s > MAX_SPEED_M_S * SLACK {

@@ -169,8 +169,7 @@ fn check_robot_shape(robot: &Robot, shape: &Shape, diagnostics: &mut Diagnostics
 fn check_lidar(lidar: &Lidar, diagnostics: &mut Diagnostics) {
     diagnostics.check_range(format_args!("lidar.beams"), lidar.beams, BEAMS, "");
     let path = format_args!("lidar.field_of_view_rad");
-    let unit = " (radians: a full turn is 6.2832)";
-    diagnostics.check_range(path, lidar.field_of_view_rad, FIELD_OF_VIEW_RAD, unit);
+    diagnostics.check_range(path, lidar.field_of_view_rad, FIELD_OF_VIEW_RAD, RADIANS);
     diagnostics.check_range(format_args!("lidar.max_range_m"), lidar.max_range_m, LIDAR_RANGE_M, METRES);
     diagnostics.check_ranged(format_args!("lidar.noise_std_m"), lidar.noise_std_m, LIDAR_NOISE_M, METRES);
     diagnostics.check_ranged(format_args!("lidar.dropout"), lidar.dropout, 0.0..=1.0, " (a probability)");

@@ -284,9 +284,12 @@ fn check_layouts(scenario: &Scenario, diagnostics: &mut Diagnostics) {
 
 fn report_no_free_space(name: &str, step: Option<u64>, rule: &PlacementRule, diagnostics: &mut Diagnostics) {
     if let (Some(step), Some(clearance_m)) = (step, rule.clearance_m()) {
-        let of = if rule.region().is_some() { "its rectangle" } else { "the enclosure" };
+        let (of, fix) = match rule.region() {
+            Some(_) => ("its rectangle", "move or enlarge it, use"),
+            None => ("the enclosure", "use"),
+        };
         let message = format!(
-            "has no free space at step {step}: no point of {of} has a clearance of {clearance_m} m; use fewer or smaller \
+            "has no free space at step {step}: no point of {of} has a clearance of {clearance_m} m; {fix} fewer or smaller \
              obstacles, or a smaller clearance_m"
         );
         diagnostics.push(format_args!("{name}"), message);

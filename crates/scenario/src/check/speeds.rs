@@ -1,4 +1,4 @@
-//! The checks of how far robot and obstacles move and turn in one control step, and the notes on fast obstacles.
+//! The checks of how far the robot and obstacles move and turn in one control step, and the notes on fast obstacles.
 
 use std::f32::consts::PI;
 
@@ -32,12 +32,11 @@ fn check_obstacle(k: usize, obstacle: &Obstacle, period: f32, diagnostics: &mut 
             if speed_rad_s.abs() > MAX_ANGULAR_SPEED_RAD_S || !speed.is_finite() {
                 return;
             }
+            let most = || rounded_down((MAX_SPEED_M_S.min(MAX_STEP_M / period) / arm).min(PI / period));
             if speed * period > MAX_STEP_M * SLACK {
-                let most = rounded_down(MAX_STEP_M / period / arm);
-                diagnostics.push(path, too_far(speed * period, "obstacle", &most));
+                diagnostics.push(path, too_far(speed * period, "obstacle", &most()));
             } else if speed > MAX_SPEED_M_S * SLACK {
-                let most = rounded_down(MAX_SPEED_M_S / arm);
-                diagnostics.push(path, format!("{}: write at most {most}", too_fast(speed)));
+                diagnostics.push(path, format!("{}: write at most {}", too_fast(speed), most()));
             } else if speed_rad_s.abs() * period > PI * SLACK {
                 diagnostics.push(path, turns_too_far(speed_rad_s.abs() * period, "obstacle", period));
             }

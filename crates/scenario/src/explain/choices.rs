@@ -5,6 +5,7 @@ use std::ops::Range;
 use ron::error::{Error, SpannedError};
 
 use super::offset;
+use super::recover::MAX_BYTES;
 
 /// A word that no enum of the project has as a choice.
 const UNKNOWN: &str = "UnknownChoice";
@@ -41,7 +42,8 @@ pub(super) fn choice_problem(
     (!choices.is_empty()).then(|| format!("must be one of the choices {}{quotes}{hint}", names.join(", ")))
 }
 
-/// Whether ron reads `candidate` in place of the `value` in `text`, without an error up to its end.
+/// Whether ron reads `candidate` in place of the `value` in `text`, without an error up to its end. False for a text that is too
+/// long to be read again.
 pub(super) fn is_read(
     text: &str,
     value: &Range<usize>,
@@ -50,9 +52,10 @@ pub(super) fn is_read(
 ) -> bool {
     let changed = replaced(text, value, candidate);
     let value = value.start..value.start + candidate.len();
-    parse(&changed).is_none_or(|error| {
-        offset(&changed, error.span.end) >= value.end && !is_about(&error, &changed, &value)
-    })
+    changed.len() <= MAX_BYTES
+        && parse(&changed).is_none_or(|error| {
+            offset(&changed, error.span.end) >= value.end && !is_about(&error, &changed, &value)
+        })
 }
 
 /// Whether ron reads `brackets`, such as `Circle()`, in place of the `value` in `text`, but reports a missing field in them.

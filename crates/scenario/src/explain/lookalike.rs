@@ -1,5 +1,5 @@
-//! Characters that look like those of RON but are others: what word processors, phones and web pages make of quotes,
-//! spaces and symbols.
+//! Characters that look like those of RON but are different ones: the quotes, spaces and symbols of word processors, phones and
+//! web pages.
 
 use crate::text::{code_point, is_unprintable};
 

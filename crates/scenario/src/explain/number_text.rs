@@ -35,8 +35,10 @@ pub(super) fn cut_number_problem(word: &str) -> String {
     if let Some(whole) = whole_number(word) {
         return format!("must be a number in digits: write {whole}");
     }
-    let end = word.find(|c: char| !(c.is_ascii_digit() || "_.+-".contains(c))).unwrap_or(word.len());
-    with_unit(&word[..end], &word[end..])
+    match word.find(|c: char| !(c.is_ascii_digit() || "_.+-".contains(c))) {
+        Some(end) => with_unit(&word[..end], &word[end..]),
+        None => format!("must be a single number, not `{word}`"),
+    }
 }
 
 /// The whole number that a person means by `text`: 600000, 600_000, 6e5 or 600k.
@@ -50,13 +52,14 @@ pub fn whole_number(text: &str) -> Option<u64> {
     if let Ok(value) = digits.parse() {
         return Some(value);
     }
-    let (number, factor) = match digits.char_indices().next_back()? {
-        (end, 'k' | 'K') => (&digits[..end], 1e3),
-        (end, 'M') => (&digits[..end], 1e6),
-        (end, 'G') => (&digits[..end], 1e9),
-        _ => (digits.as_str(), 1.0),
+    // An exponent is exact. A product is not: 2.01 times 1000 is less than 2010.
+    let (number, exponent) = match digits.char_indices().next_back()? {
+        (end, 'k' | 'K') => (&digits[..end], "e3"),
+        (end, 'M') => (&digits[..end], "e6"),
+        (end, 'G') => (&digits[..end], "e9"),
+        _ => (digits.as_str(), ""),
     };
-    number.parse().ok().and_then(|value: f64| whole(value * factor))
+    format!("{number}{exponent}").parse().ok().and_then(whole)
 }
 
 /// The RON `text` with its whole numbers in digits: `EnvSteps(600000)` for `EnvSteps(600k)` and `EnvSteps(6e5)`.
@@ -75,6 +78,8 @@ pub fn with_plain_numbers(text: &str) -> String {
 /// The problem of a `number` with a unit, as the rest of a sentence. The number to write is in the unit of the format.
 pub(super) fn with_unit(number: &str, unit: &str) -> String {
     let factor = match unit {
+        "km" => 1000.0,
+        "min" => 60.0,
         "cm" | "%" => 0.01,
         "mm" | "ms" => 0.001,
         "deg" | "\u{b0}" => PI / 180.0,
@@ -106,15 +111,16 @@ pub(super) fn comma_problem(text: &str, offset: usize) -> Option<(Range<usize>, 
     let (joined, decimal) = (groups.concat(), number.replacen(',', ".", 1));
     let are_thousands =
         groups[1..].iter().all(|group| group.split('.').next().is_some_and(|digits| digits.len() == 3))
-            && !groups[0].starts_with('0');
-    let message = match groups.len() {
-        2 if !are_thousands => format!("a decimal comma: write {decimal}"),
-        2 if joined.contains('.') || groups[0].len() > 1 => {
+            && !groups[0].starts_with('0')
+            && !groups[0].contains('.');
+    let message = match (groups.len(), are_thousands) {
+        (2, false) if !number.contains('.') => format!("a decimal comma: write {decimal}"),
+        (_, false) => return None,
+        (2, true) if joined.contains('.') || groups[0].len() > 1 => {
             format!("a comma inside a number: write {joined}")
         }
-        2 => format!("a comma inside a number: write {joined} or {decimal}"),
-        _ if are_thousands => format!("commas inside a number: write {joined}"),
-        _ => return None,
+        (2, true) => format!("a comma inside a number: write {joined} or {decimal}"),
+        (_, true) => format!("commas inside a number: write {joined}"),
     };
     Some((range, message))
 }
@@ -127,4 +133,32 @@ pub(super) fn pair_problem(brackets: &str) -> Option<String> {
     let are_numbers = fixed.iter().all(|number| number.parse::<f32>().is_ok());
     (are_numbers && inner.matches(',').count() >= numbers.len())
         .then(|| format!("decimal commas: write ({})", fixed.join(", ")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_short_number_is_exact() {
+        for (text, value) in
+            [("2.01k", 2_010), ("16.06K", 16_060), ("4.35M", 4_350_000), ("1.001G", 1_001_000_000)]
+        {
+            assert_eq!(whole_number(text), Some(value), "{text}");
+        }
+        assert_eq!(whole_number("1.0005k"), None);
+    }
+
+    #[test]
+    fn the_number_to_write_instead_of_one_with_commas_is_a_number() {
+        let found = |text: &str| {
+            let end = text.rfind(',').map(|comma| comma + 1)?;
+            comma_problem(text, end).map(|(_, message)| message)
+        };
+        assert_eq!(found("0,5").as_deref(), Some("a decimal comma: write 0.5"));
+        assert_eq!(found("1,000.5").as_deref(), Some("a comma inside a number: write 1000.5"));
+        for text in ["1.234,56", "1.5,200", "1,2.3"] {
+            assert_eq!(found(text), None, "{text}");
+        }
+    }
 }

@@ -11,7 +11,7 @@ use super::names::missing_fields;
 use super::{Problem, Repair, explain};
 
 /// The longest text, in bytes, that is read again to find more problems; in a longer one, only the first is reported.
-const MAX_BYTES: usize = 1 << 15;
+pub(super) const MAX_BYTES: usize = 1 << 15;
 /// The number of repairs after which reading stops.
 const MAX_REPAIRS: usize = 64;
 /// Values of different types, tried in this order in place of an unreadable value. The choices of an enum are tried after them.

@@ -6,7 +6,7 @@ use std::ops::RangeInclusive;
 use super::schema::{Clutter, LevelGenerator, Route, Traffic, WallLayout};
 use super::{floor, text_grid};
 use crate::check::{
-    Diagnostics, METRES, METRES_PER_SECOND, RADIANS, check_random_shape, check_robot_and_task,
+    Diagnostics, METRES, METRES_PER_SECOND, RADIANS, check_random_shape, check_robot_and_task, rounded_up,
 };
 use crate::file_error::Diagnostic;
 use crate::limits::*;
@@ -64,9 +64,11 @@ fn check_sizes(generator: &LevelGenerator, diagnostics: &mut Diagnostics) {
             let path = format_args!("route.clearance_m");
             diagnostics.check_range(path, clearance_m, LEVEL_CLEARANCE_M, METRES);
             let least = MIN_CLEARANCE_GAPS * f64::from(gap_m);
-            if f64::from(clearance_m) < least {
+            // The factor allows for the rounding of both numbers.
+            if f64::from(clearance_m) < least * (1.0 - 1e-6) {
+                let least = rounded_up(least, 4);
                 let message =
-                    format!("is {clearance_m}: write at least {least:.4}, {MIN_CLEARANCE_GAPS} times gap_m");
+                    format!("is {clearance_m}: write at least {least}, {MIN_CLEARANCE_GAPS} times gap_m");
                 diagnostics.push(path, message);
             }
         }
@@ -200,8 +202,10 @@ fn check_traffic(
     | Traffic::PedestrianCrowd { count, radius_m, speed_m_s, .. }) = *traffic;
     diagnostics.check_pair(format_args!("{path}.count"), count, LEVEL_COUNT, "");
     diagnostics.check_pair(format_args!("{path}.radius_m"), radius_m, TRAFFIC_SIZE_M, METRES);
-    // An obstacle must not jump over the robot in one control step.
-    let most = MAX_SPEED_M_S.min(MAX_STEP_M / generator.task.control_period_s);
+    // An obstacle must not jump over the robot in one control step. An invalid control period is reported elsewhere.
+    let period_s = generator.task.control_period_s;
+    let is_valid = CONTROL_PERIOD_S.contains(&period_s);
+    let most = if is_valid { MAX_SPEED_M_S.min(MAX_STEP_M / period_s) } else { MAX_SPEED_M_S };
     diagnostics.check_pair(format_args!("{path}.speed_m_s"), speed_m_s, 0.0..=most, METRES_PER_SECOND);
     match *traffic {
         Traffic::Lanes { pairs, .. } => {

@@ -19,7 +19,7 @@ pub(super) struct Floor<'a> {
     grid: CellGrid,
     regions: ConnectedRegions,
     /// Smallest distance of the centres of free cells from any surface, in m.
-    room_m: f64,
+    clearance_m: f64,
 }
 
 /// The side of the cells, in m, for passages whose minimum width is twice `half_gap_m`.
@@ -41,9 +41,9 @@ impl<'a> Floor<'a> {
     pub(super) fn new(scenario: &'a Scenario, half_gap_m: f32, route: Route) -> Self {
         let (low, high) = scenario.enclosure.bounds_m();
         let grid = CellGrid::with_cells(low.as_dvec2(), high.as_dvec2(), cell_m(half_gap_m, route));
-        let room_m = f64::from(half_gap_m) + grid.half_diagonal_m();
-        let regions = ConnectedRegions::of(&blocked(scenario, &grid, room_m));
-        Self { scenario, grid, regions, room_m }
+        let clearance_m = f64::from(half_gap_m) + grid.half_diagonal_m();
+        let regions = ConnectedRegions::of(&blocked(scenario, &grid, clearance_m));
+        Self { scenario, grid, regions, clearance_m }
     }
 
     /// Checks that there are starts and goals, all in one region.
@@ -69,7 +69,7 @@ impl<'a> Floor<'a> {
             let near =
                 |region, away_m| self.regions.is_near(&self.grid, region, plug.position_m.as_dvec2(), away_m);
             sites.iter().any(|site| site.region != main.region && near(site.region, radius_m))
-                && !near(main.region, self.room_m + radius_m)
+                && !near(main.region, self.clearance_m + radius_m)
         });
         candidates
     }

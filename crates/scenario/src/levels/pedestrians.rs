@@ -19,7 +19,7 @@ const SPACING_M: f32 = 0.2;
 
 /// How the pedestrians of a level behave.
 #[derive(Clone, Copy)]
-pub(super) struct Behavior {
+pub(super) struct Behaviour {
     pub(super) loops: bool,
     pub(super) sees_robot: bool,
 }
@@ -30,7 +30,7 @@ type End = (Vec2, f32);
 /// Adds pedestrians who start near a circle and walk to the opposite points, as in CrowdNav.
 pub(super) fn add_circle(
     draft: &mut Draft,
-    (count, walkers, behavior): (u32, Walkers, Behavior),
+    (count, walkers, behaviour): (u32, Walkers, Behaviour),
     (circle_m, noise_m): ((f32, f32), f32),
     stream: &mut Stream,
 ) {
@@ -51,7 +51,7 @@ pub(super) fn add_circle(
         if let Some(start) = free {
             let goal = 2.0 * middle - start;
             taken.extend([(start, walker.radius_m), (goal, walker.radius_m)]);
-            draft.add_moving(pedestrian(walker, start, vec![goal], behavior));
+            draft.add_moving(pedestrian(walker, start, vec![goal], behaviour));
         }
     }
 }
@@ -60,7 +60,7 @@ pub(super) fn add_circle(
 /// before it.
 pub(super) fn add_crowd(
     draft: &mut Draft,
-    (count, walkers, behavior): (u32, Walkers, Behavior),
+    (count, walkers, behaviour): (u32, Walkers, Behaviour),
     goals: (u32, u32),
     stream: &mut Stream,
 ) {
@@ -74,7 +74,7 @@ pub(super) fn add_crowd(
         let goals_m = random_goals(draft, start, walker.radius_m, whole(stream, goals), stream);
         if !goals_m.is_empty() {
             taken.push((start, walker.radius_m));
-            draft.add_moving(pedestrian(walker, start, goals_m, behavior));
+            draft.add_moving(pedestrian(walker, start, goals_m, behaviour));
         }
     }
 }
@@ -108,8 +108,8 @@ fn is_spaced(start: Vec2, radius_m: f32, taken: &[End]) -> bool {
     taken.iter().all(|end| gap_m(end) >= SPACING_M)
 }
 
-fn pedestrian(walker: Walker, start: Vec2, goals_m: Vec<Vec2>, behavior: Behavior) -> Obstacle {
-    let Behavior { loops, sees_robot } = behavior;
+fn pedestrian(walker: Walker, start: Vec2, goals_m: Vec<Vec2>, behaviour: Behaviour) -> Obstacle {
+    let Behaviour { loops, sees_robot } = behaviour;
     let speed_m_s = walker.speed_m_s.into();
     walker.at(start, ObstacleMotion::Pedestrian { goals_m, speed_m_s, loops, sees_robot })
 }

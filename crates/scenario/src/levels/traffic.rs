@@ -6,7 +6,7 @@ use glam::{Vec2, vec2};
 use wayfield_random::{Stream, random_u64, uniform, uniform_01};
 
 use super::draft::Draft;
-use super::pedestrians::Behavior;
+use super::pedestrians::Behaviour;
 use super::schema::Traffic;
 use super::{lanes, number, one_of, pedestrians, whole};
 use crate::geometry::length;
@@ -51,12 +51,13 @@ pub(super) fn add(draft: &mut Draft, layouts: &[Traffic], stream: &mut Stream) {
             }
         }
         Traffic::PedestrianCircle { count, radius_m, speed_m_s, circle_m, noise_m, loops, sees_robot } => {
-            let who = (whole(stream, count), Walkers { radius_m, speed_m_s }, Behavior { loops, sees_robot });
+            let who =
+                (whole(stream, count), Walkers { radius_m, speed_m_s }, Behaviour { loops, sees_robot });
             pedestrians::add_circle(draft, who, (circle_m, noise_m), stream);
         }
         Traffic::PedestrianCrowd { count, radius_m, speed_m_s, goals, sees_robot } => {
-            let behavior = Behavior { loops: true, sees_robot };
-            let who = (whole(stream, count), Walkers { radius_m, speed_m_s }, behavior);
+            let behaviour = Behaviour { loops: true, sees_robot };
+            let who = (whole(stream, count), Walkers { radius_m, speed_m_s }, behaviour);
             pedestrians::add_crowd(draft, who, goals, stream);
         }
     }
