@@ -102,9 +102,10 @@ pub(super) fn drivers(
 /// The motion of the robot that the user drives: the last one that was sent, or straight ahead. The screen sends a motion only
 /// when it changes, so it must survive a restart of the demo.
 fn held_motion(world: &World) -> usize {
+    let motions = &world.resource::<TrainingRun>().config.scenario.robot.motions;
     match world.resource::<ActionSources>().arenas.first() {
-        Some(ActionSource::Manual(held)) => *held,
-        _ => straightest_motion(&world.resource::<TrainingRun>().config.scenario.robot.motions),
+        Some(ActionSource::Manual(held)) if *held < motions.len() => *held,
+        _ => straightest_motion(motions),
     }
 }
 
