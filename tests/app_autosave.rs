@@ -63,10 +63,16 @@ fn train_to(app: &mut HeadlessApp, folder: &Path, steps: u64) {
     wait(app, "the autosave", |_| autosaves(folder).iter().any(is_saved));
 }
 
-/// Whether an app holds the lock of the autosave at `path`.
+/// Whether an app holds the lock of the autosave at `path`. On Linux, the kernel says so, because trying the lock could keep the
+/// app from taking it.
 fn is_locked(path: &Path) -> bool {
-    let lock = fs::File::options().write(true).open(path.join("checkpoint/lock"));
-    lock.is_ok_and(|lock| lock.try_lock().is_err())
+    let lock = path.join("checkpoint/lock");
+    #[cfg(target_os = "linux")]
+    if let Ok(locks) = fs::read_to_string("/proc/locks") {
+        use std::os::unix::fs::MetadataExt;
+        return fs::metadata(lock).is_ok_and(|lock| locks.contains(&format!(":{} ", lock.ino())));
+    }
+    fs::File::options().write(true).open(lock).is_ok_and(|lock| lock.try_lock().is_err())
 }
 
 /// Ends `app` as if its process were killed, after its last autosave.

@@ -757,8 +757,8 @@ fn a_report_says_that_the_training_before_a_transfer_elsewhere_is_not_counted() 
     );
     workspace.run_ok("--reproduce --experiment mine/transfer.ron --out report");
     let page = workspace.text("report/README.md");
-    let note = "Each run of transferred started from a trained policy, whose training is not counted.";
-    assert!(page.contains(note) && !page.contains("Each run of scratch"), "{page}");
+    let note = "Runs of transferred started from a trained policy, whose training is not counted.";
+    assert!(page.contains(note) && !page.contains("Runs of scratch"), "{page}");
     assert!(page.contains("in 1 round of 1 episode that"), "{page}");
     assert!(page.contains("2: 4,000 env steps in "), "the training runs' env steps are counted:\n{page}");
 }

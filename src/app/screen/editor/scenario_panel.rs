@@ -55,7 +55,7 @@ fn about_ui(ui: &mut Ui, editor: &mut Editor) {
     let field = TextEdit::multiline(&mut text).desired_width(f32::INFINITY).desired_rows(3);
     let field = field.char_limit(MAX_ABOUT_CHARS).hint_text("Purpose of the scenario");
     let response = ui.add(field);
-    set_accessible_name(&response, "About");
+    set_accessible_name(&response, "Description");
     if response.changed() {
         editor.edit("about", |scenario| scenario.about = text);
     }
