@@ -24,7 +24,7 @@ pub(super) fn request(world: &mut World) {
         // The user has saved it; the autosave lets the next session continue.
         exit_with_autosave(world);
     } else {
-        autosave::end_training(world, false);
+        autosave::discard(world);
         exit(world);
     }
 }
@@ -33,7 +33,7 @@ pub(super) fn request(world: &mut World) {
 pub(super) fn answer(world: &mut World, save: bool) {
     world.resource_mut::<QuitQuestion>().0 = false;
     if !save {
-        autosave::end_training(world, false);
+        autosave::discard(world);
         return exit(world);
     }
     let path = save::unused_path(&world.resource::<TrainingRun>().suggested_file_name(SaveKind::Run));

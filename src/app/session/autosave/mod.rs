@@ -251,8 +251,8 @@ pub fn save_now(world: &mut World) -> Result<(), RunError> {
     written
 }
 
-/// Ends the autosaves of the current training run, before another one replaces it or the app quits. Deletes them unless they are
-/// to be kept for an offer at the next start.
+/// Ends the autosaves of the current training run, before another one replaces it. Deletes them unless they are to be kept for an
+/// offer at the next start.
 pub(super) fn end_training(world: &mut World, keep: bool) {
     finish_writing(world, true);
     let mut autosave = world.resource_mut::<Autosave>();
@@ -261,6 +261,12 @@ pub(super) fn end_training(world: &mut World, keep: bool) {
     }
     let slot = autosave.options.as_ref().map(|options| Slot::new(&options.folder));
     autosave.begin(slot, None);
+}
+
+/// Ends the autosaves when the app quits, and deletes those of the current training run.
+pub(super) fn discard(world: &mut World) {
+    end_training(world, false);
+    world.resource_mut::<Autosave>().slot = None;
 }
 
 /// Continues the session that was offered.
