@@ -47,7 +47,7 @@ const canvas = byId('canvas');
 canvas.addEventListener('keydown', (event) => {
     const keys = event.ctrlKey || event.metaKey ? KEYS_WITH_CTRL : KEYS;
     // With Caps Lock, a letter is a capital.
-    const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+    const key = event.key.length === 1 && !event.shiftKey ? event.key.toLowerCase() : event.key;
     if (keys.has(key) && !event.altKey) event.preventDefault();
 });
 canvas.addEventListener('wheel', (event) => event.preventDefault(), { passive: false });

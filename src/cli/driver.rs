@@ -122,5 +122,6 @@ mod tests {
             assert!(DriverConfig::is_meant_by(&text), "{text}");
             assert_eq!(DriverConfig::parse(&text, "driver.ron"), Ok(driver));
         }
+        assert!(!DriverConfig::is_meant_by("(name: \"Dwa\")"), "a scenario with the name of a driver");
     }
 }

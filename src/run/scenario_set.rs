@@ -83,8 +83,8 @@ fn source(entry: &SetEntry, wanted: &str) -> Result<SetSource, String> {
 /// if there is one, else `name` itself. `name` need not exist. It may end with the seed of a level, such as `:17`.
 ///
 /// # Errors
-/// It is a folder, a pipe or a device, and not a shipped scenario or level generator. An untrusted file must not name a pipe or a device, because
-/// reading it might never end.
+/// It is a folder, a pipe or a device, and not a shipped scenario or level generator. An untrusted file must not name a pipe or
+/// a device, because reading it might never end.
 pub(super) fn named_file(from: &Path, name: &str) -> Result<String, String> {
     let beside = |name: &str| {
         let path = from.parent().map(|folder| folder.join(name)).filter(|path| path.is_file());
@@ -95,8 +95,12 @@ pub(super) fn named_file(from: &Path, name: &str) -> Result<String, String> {
         Some(format!("{}:{seed}", beside(file)?))
     };
     let wanted = beside(name).or_else(level_beside).unwrap_or_else(|| name.into());
-    let is_shipped = shipped::is_scenario(&wanted) || shipped::is_level_generator(&wanted);
-    if Path::new(&wanted).exists() && !Path::new(&wanted).is_file() && !is_shipped {
+    let file = match wanted.rsplit_once(':') {
+        Some((file, seed)) if !Path::new(&wanted).exists() && seed.parse::<u64>().is_ok() => file,
+        _ => wanted.as_str(),
+    };
+    let is_shipped = shipped::is_scenario(file) || shipped::is_level_generator(file);
+    if Path::new(file).exists() && !Path::new(file).is_file() && !is_shipped {
         return Err("it is not a file; help: name a file".into());
     }
     Ok(wanted)
@@ -116,5 +120,7 @@ mod tests {
         assert_eq!(named("mine.ron:17"), Ok(format!("{}:17", mine.display())));
         assert_eq!(named("mine.ron:x"), Ok("mine.ron:x".into()));
         assert_eq!(named("clutter:17"), Ok("clutter:17".into()));
+        let a_folder = folder.path().display();
+        assert!(named(&format!("{a_folder}:17")).is_err() && named(&a_folder.to_string()).is_err());
     }
 }

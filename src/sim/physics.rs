@@ -134,7 +134,8 @@ type Replaced = (
     &'static mut RapierContextColliders,
 );
 
-/// `Place`: replaces the bodies of every arena whose scenario has changed; its clock goes on.
+/// `Place`: replaces the bodies of every arena whose scenario has changed, and places the moving obstacles where they are at the
+/// time of the arena's clock, which continues.
 pub(super) fn replace_bodies(mut kept: Local<KeptBodies>, mut arenas: Query<Replaced>) {
     for (clock, pedestrians, layout, mut bodies, mut context, mut set, mut colliders) in &mut arenas {
         if kept.replace(layout, &mut bodies, &mut context, &mut set, &mut colliders) {

@@ -224,8 +224,8 @@ fn resume_training(world: &mut World) {
     world.resource_mut::<Trails>().restart(arenas);
 }
 
-/// Runs `work` while the training is active, then restores the previous mode and pace. If a policy of the previous mode cannot
-/// drive any more, because `work` has changed the scenario, the training stays active, with a notice.
+/// Runs `work` while the training is active, then restores the previous mode and pace. If the previous mode cannot be restored,
+/// for example because `work` has changed the scenario, the training stays active, with a notice.
 ///
 /// # Errors
 /// `work` fails.

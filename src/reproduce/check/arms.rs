@@ -83,8 +83,8 @@ impl Check<'_> {
         }
     }
 
-    /// Checks that `measures` have values at `point`, and that the arms called `names` (by default, all arms) are trained that long,
-    /// in the same unit.
+    /// Checks that `measures` have values at `point`, and that the arms called `names` (by default, all arms) are trained that
+    /// long, in the same unit.
     pub(super) fn after(
         &mut self,
         path: &str,

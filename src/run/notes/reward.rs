@@ -26,10 +26,12 @@ pub(super) fn check(
     let attracts = reached != 0.0 || (is_shaped && mu != 0.0);
     let repels = collided < 0.0 || (is_shaped && sigma > 0.0);
     if !attracts && !has_reward_terms {
-        let lesson = match repels {
-            _ if collided > 0.0 => "the robot learns to collide",
-            true => "the robot only learns to avoid collisions",
-            false => "nothing will be learned",
+        let lesson = if collided > 0.0 {
+            "the robot learns to collide"
+        } else if repels {
+            "the robot only learns to avoid collisions"
+        } else {
+            "nothing will be learned"
         };
         let message = format!(
             "gives nothing for a goal, so {lesson}; help: give a positive `reached` (the paper: 250)"

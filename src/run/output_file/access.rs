@@ -4,8 +4,8 @@ use std::fs::{File, Metadata};
 use std::io;
 use std::path::Path;
 
-/// Creates a file with the default permissions, less those that the file `replaced` does not have either: a private file must
-/// not be readable by others, not even for a moment. The group gets no permissions before [`copy`], because the new file may
+/// Creates a file with the default permissions, without those that the file `replaced` lacks: a private file must not be
+/// readable by others, not even for a moment. The group gets no permissions before [`copy`], because the new file may
 /// belong to another group than the replaced one.
 #[cfg(unix)]
 pub fn create(path: &Path, replaced: Option<&Metadata>) -> io::Result<File> {

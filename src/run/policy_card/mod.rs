@@ -128,7 +128,9 @@ pub fn encoding(policy: &Policy) -> Result<Encoding, RunError> {
         ))
     };
     if let Some(card) = &policy.card {
-        return card.encoding().ok_or_else(|| unknown("as its card describes", "scaled, raw and sectors"));
+        return card
+            .encoding()
+            .ok_or_else(|| unknown("in the way that its card describes", "scaled, raw and sectors"));
     }
     match policy.metadata.get(ENCODING).map(String::as_str) {
         None | Some("scaled") => Ok(Encoding::Scaled),
