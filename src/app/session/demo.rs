@@ -99,13 +99,12 @@ pub(super) fn drivers(
     })
 }
 
-/// The motion of the robot that the user drives: straight ahead at first, and otherwise the last one that was sent. The screen
-/// sends a motion only when it changes, so it must survive a restart of the demo.
+/// The motion of the robot that the user drives: the last one that was sent, or straight ahead. The screen sends a motion only
+/// when it changes, so it must survive a restart of the demo.
 fn held_motion(world: &World) -> usize {
     let motions = &world.resource::<TrainingRun>().config.scenario.robot.motions;
-    let is_driven = world.resource::<ActiveMode>().mode() == SessionMode::Drive;
     match world.resource::<ActionSources>().arenas.first() {
-        Some(ActionSource::Manual(held)) if is_driven && *held < motions.len() => *held,
+        Some(ActionSource::Manual(held)) if *held < motions.len() => *held,
         _ => straightest_motion(motions),
     }
 }
