@@ -117,15 +117,16 @@ fn is_trained(training: &PlannedRun, folder: &Path) -> bool {
     let same = RunFolder::open(path).is_ok_and(|(_, mut config)| {
         config.preset.budget = training.config.preset.budget;
         config.save_policy_after.clone_from(&training.config.save_policy_after);
-        is_equal(&config, &training.config)
+        is_equal(config, &training.config)
     });
     summary.finished && long_enough && same && training.config.save_policy_after.iter().all(saved)
 }
 
-/// Whether two configurations are equal, except perhaps in the program's commit: a report can be continued by a program of the same
-/// version from another commit.
-fn is_equal(found: &RunConfig, planned: &RunConfig) -> bool {
-    RunConfig { commit: planned.commit.clone(), ..found.clone() } == *planned
+/// Whether two configurations are equal, except perhaps in the program's commit: a report can be continued by a program of the
+/// same version from another commit.
+fn is_equal(mut found: RunConfig, planned: &RunConfig) -> bool {
+    found.commit.clone_from(&planned.commit);
+    found == *planned
 }
 
 /// Trains, from the latest checkpoint if there is a suitable one; `false` if it was stopped.
@@ -139,7 +140,7 @@ fn run_training(
     let began = Instant::now();
     let run = |job: Job| train(job, CHECKPOINT_INTERVAL, stop, began, Some(listener()));
     let mut resumed = None;
-    let is_same_run = RunFolder::open(&path).is_ok_and(|(_, config)| is_equal(&config, &training.config));
+    let is_same_run = RunFolder::open(&path).is_ok_and(|(_, config)| is_equal(config, &training.config));
     if is_same_run && checkpoint::exists(&path) {
         match run(Job::Resume { folder: path.clone(), budget: None, extensions: Extensions::default() }) {
             Ok((_, summary)) => resumed = Some(summary),

@@ -91,14 +91,11 @@ pub(super) fn named_file(from: &Path, name: &str) -> Result<String, String> {
         path.map(|path| path.display().to_string())
     };
     let level_beside = || {
-        let (file, seed) = name.rsplit_once(':').filter(|(_, seed)| seed.parse::<u64>().is_ok())?;
-        Some(format!("{}:{seed}", beside(file)?))
+        let (file, seed) = shipped::split_seed(name);
+        Some(format!("{}:{}", beside(file)?, seed?))
     };
     let wanted = beside(name).or_else(level_beside).unwrap_or_else(|| name.into());
-    let file = match wanted.rsplit_once(':') {
-        Some((file, seed)) if !Path::new(&wanted).exists() && seed.parse::<u64>().is_ok() => file,
-        _ => wanted.as_str(),
-    };
+    let (file, _) = shipped::split_seed(&wanted);
     let is_shipped = shipped::is_scenario(file) || shipped::is_level_generator(file);
     if Path::new(file).exists() && !Path::new(file).is_file() && !is_shipped {
         return Err("it is not a file; help: name a file".into());

@@ -33,23 +33,23 @@ pub(crate) struct TrueMap {
     pose: Odometry,
 }
 
-/// A moving obstacle, with its index in the scenario.
+/// A moving obstacle.
 struct Moving {
+    /// Its index in the scenario.
     index: usize,
-    obstacle: Obstacle,
     /// Position in m and velocity in m/s of a pedestrian; `None` for other obstacles.
     walk: Option<(Vec2, Vec2)>,
 }
 
 impl Moving {
-    /// The obstacle's pose at control step `clock + steps`; each step lasts `period_s`.
-    fn pose(&self, clock: u64, steps: u64, period_s: f32) -> (f32, f32, f32) {
+    /// The pose of the `obstacle` at control step `clock + steps`; each step lasts `period_s`.
+    fn pose(&self, obstacle: &Obstacle, clock: u64, steps: u64, period_s: f32) -> (f32, f32, f32) {
         match self.walk {
             Some((at_m, velocity_m_s)) => {
                 let Vec2 { x, y } = at_m + velocity_m_s * (period_s * steps as f32);
                 (x, y, 0.0)
             }
-            None => pose_at(&self.obstacle, clock + steps, period_s),
+            None => pose_at(obstacle, clock + steps, period_s),
         }
     }
 }
@@ -88,8 +88,7 @@ impl TrueMap {
             self.lower(&obstacle);
         }
         let moving = scenario.obstacles.iter().enumerate().filter(|(_, obstacle)| !is_static(obstacle));
-        let moving = moving.map(|(index, obstacle)| Moving { index, obstacle: obstacle.clone(), walk: None });
-        self.moving = moving.collect();
+        self.moving = moving.map(|(index, _)| Moving { index, walk: None }).collect();
         self.obstacles.clone_from(&scenario.obstacles);
     }
 
@@ -120,7 +119,9 @@ impl TrueMap {
     fn moving_clearance_m(&self, point_m: Vec2, after_s: f32) -> f32 {
         let steps = (after_s / self.period_s) as u64;
         let distance = |moving: &Moving| {
-            shape_distance(&moving.obstacle.shape, moving.pose(self.clock, steps, self.period_s), point_m)
+            let obstacle = &self.obstacles[moving.index];
+            let pose = moving.pose(obstacle, self.clock, steps, self.period_s);
+            shape_distance(&obstacle.shape, pose, point_m)
         };
         self.moving.iter().map(distance).fold(f32::INFINITY, f32::min)
     }
@@ -151,7 +152,8 @@ impl Map for TrueMap {
         let cost = |clearance_m: f32| closeness_cost(clearance_m - self.keep_out_m, self.margin_m);
         let mut costs: Vec<u16> = self.clearances_m.iter().map(|clearance| cost(*clearance)).collect();
         for moving in &self.moving {
-            let (pose, obstacle) = (moving.pose(self.clock, 0, self.period_s), &moving.obstacle);
+            let obstacle = &self.obstacles[moving.index];
+            let pose = moving.pose(obstacle, self.clock, 0, self.period_s);
             let (origin, radius_m) = (Vec2::new(pose.0, pose.1), obstacle.shape.bounding_radius_m());
             for cell in self.grid.cells_near(origin - radius_m, origin + radius_m, self.reach_m) {
                 let distance_m = shape_distance(&obstacle.shape, pose, self.grid.centre_m(cell));

@@ -30,8 +30,11 @@ fn common_xs(curves: &[Vec<(f64, f64)>]) -> Vec<f64> {
     }
     let low = curves.iter().filter_map(|curve| Some(curve.first()?.0)).fold(f64::NEG_INFINITY, f64::max);
     let high = curves.iter().filter_map(|curve| Some(curve.last()?.0)).fold(f64::INFINITY, f64::min);
-    if low >= high {
-        return if low == high { vec![low] } else { Vec::new() };
+    if low > high {
+        return Vec::new();
+    }
+    if low == high {
+        return vec![low];
     }
     (0..POINTS).map(|i| low + (high - low) * i as f64 / (POINTS - 1) as f64).collect()
 }

@@ -41,6 +41,7 @@ pub(crate) use grid::{CellGrid, ConnectedRegions};
 pub(crate) use numbers::{check_name, check_texts};
 pub(crate) use obstacles::check_random_shape;
 pub(crate) use reachability::{RegionSite, blocked, sites};
+pub(crate) use speeds::{checked_period_s, fastest_m_s};
 
 use std::fmt;
 use std::ops::RangeInclusive;

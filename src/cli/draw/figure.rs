@@ -43,10 +43,7 @@ impl ScenarioFigure<'_> {
             (Source::Levels(generator), _) if !self.is_plain && self.over.is_none() => {
                 return self.contact_sheet(&generator);
             }
-            (Source::Levels(generator), _) => {
-                let level = generator.level(self.seed.unwrap_or(0));
-                level.map_err(|error| RunError::invalid_input(Path::new(self.name), error))?
-            }
+            (Source::Levels(generator), _) => self.level(&generator, 0)?,
             (Source::Set(_, set), None) if !self.is_plain && self.over.is_none() => {
                 return self.sheet_of_set(&set);
             }
@@ -83,15 +80,20 @@ impl ScenarioFigure<'_> {
 
     /// The contact sheet of levels with consecutive seeds.
     fn contact_sheet(&self, generator: &LevelGenerator) -> Result<String, RunError> {
-        let path = Path::new(self.name);
         let mut levels = Vec::new();
         for k in 0..self.levels.unwrap_or(DEFAULT_LEVELS) {
-            let level = generator.level(self.seed.unwrap_or(0).saturating_add(k));
-            let mut level = level.map_err(|error| RunError::invalid_input(path, error))?;
+            let mut level = self.level(generator, k)?;
             self.settings.apply_to_scenario(&mut level)?;
             levels.push(level);
         }
-        scenario_image::contact_sheet(&generator.name, &levels).map_err(|error| RunError::failed(path, error))
+        let sheet = scenario_image::contact_sheet(&generator.name, &levels);
+        sheet.map_err(|error| RunError::failed(Path::new(self.name), error))
+    }
+
+    /// Level `k` after the one with the seed that the user has given, or else after the first one.
+    fn level(&self, generator: &LevelGenerator, k: u64) -> Result<Scenario, RunError> {
+        let level = generator.level(self.seed.unwrap_or(0).saturating_add(k));
+        level.map_err(|error| RunError::invalid_input(Path::new(self.name), error))
     }
 
     /// The occupied areas of `map` that overlap the bounds of the enclosure of `scenario`, which was imported from it. They are

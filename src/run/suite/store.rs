@@ -76,26 +76,35 @@ impl TestStore {
     }
 }
 
-/// The key of a test, from all that its result depends on: the program, the driver, the scenario and the test's `options`.
-/// The program is identified by its version and commit, so builds of one commit with different uncommitted changes share keys.
+/// The part of a test's [key] that identifies what drives: of a policy the checksum of the whole file, because its card also
+/// says how it observes and acts.
 ///
 /// # Errors
-/// None is known: every driver that can be evaluated can be written, and so can the scenario.
-pub fn key(evaluated: Evaluated<'_>, scenario: &Scenario, options: &str) -> Result<String, RunError> {
-    let failed = |error: serde_json::Error| RunError::Failed(error.to_string());
-    // The whole file, because the card also says how the policy observes and acts.
+/// None is known: every driver that can be evaluated can be written.
+pub fn driver_key(evaluated: Evaluated<'_>) -> Result<String, RunError> {
     let crc_of = |policy: &Policy| match policy.to_bytes() {
         Ok(bytes) => Ok(format!("{:08x}", crc32c::crc32c(&bytes))),
         Err(error) => Err(RunError::Failed(error.to_string())),
     };
-    let driver = match evaluated {
+    Ok(match evaluated {
         Evaluated::Policy(policy) => format!("policy {}", crc_of(policy)?),
         Evaluated::PolicyWithMap(policy) => format!("policy {} with map", crc_of(&policy.policy)?),
         Evaluated::Driver(driver) => {
-            let json = serde_json::to_string(driver).and_then(RawJson::new).map_err(failed)?;
+            let json = serde_json::to_string(driver).and_then(RawJson::new);
+            let json = json.map_err(|error| RunError::Failed(error.to_string()))?;
             format!("{} {}", driver.name(), json.crc32c())
         }
-    };
+    })
+}
+
+/// The key of a test, from all that its result depends on: the program, the driver ([`driver_key`]), the scenario and the test's
+/// `options`. The program is identified by its version and commit, so builds of one commit with different uncommitted changes
+/// share keys.
+///
+/// # Errors
+/// None is known: the scenario can always be written as JSON.
+pub fn key(driver: &str, scenario: &Scenario, options: &str) -> Result<String, RunError> {
+    let failed = |error: serde_json::Error| RunError::Failed(error.to_string());
     let (name, crc) = (&scenario.name, scenario_json(scenario).map_err(failed)?.crc32c());
     Ok(format!("{VERSION} {}; {driver}; {name} {crc}; {options}", COMMIT.unwrap_or("")))
 }

@@ -88,6 +88,8 @@ impl SuiteTest<'_> {
     pub fn run(&self, drivers: &[SuiteDriver<'_>]) -> Result<Vec<Vec<SuiteEpisodes>>, RunError> {
         let scenarios: Vec<(&Family, &SuiteScenario)> = self.suite.scenarios().collect();
         let references: Vec<OnceLock<Arc<References>>> = scenarios.iter().map(|_| OnceLock::new()).collect();
+        let keys = || drivers.iter().map(|driver| store::driver_key(driver.evaluated)).collect();
+        let keys: Option<Vec<String>> = self.store.map(|_| keys()).transpose()?;
         let (done, failed) = (AtomicUsize::new(0), AtomicBool::new(false));
         let count = scenarios.len() * drivers.len();
         let results = on_all_cores::map(
@@ -101,8 +103,9 @@ impl SuiteTest<'_> {
                     return Ok(None);
                 }
                 let (family, scenario) = scenarios[index];
+                let stored = self.store.zip(keys.as_ref().map(|keys| keys[driver].as_str()));
                 let result = kept_of(kept, index, scenario)
-                    .and_then(|kept| self.tested(kept, family, &drivers[driver], &references[index]));
+                    .and_then(|kept| self.tested(kept, family, &drivers[driver], stored, &references[index]));
                 failed.fetch_or(result.is_err(), Ordering::Relaxed);
                 (self.progress)(done.fetch_add(1, Ordering::Relaxed) + 1, count);
                 result.map(Some)
@@ -115,21 +118,25 @@ impl SuiteTest<'_> {
         Ok(found)
     }
 
-    /// The episodes of `driver` in the scenario of `kept`: those of an earlier, equal test, or new ones.
+    /// The episodes of `driver` in the scenario of `kept`: those of an earlier, equal test, or new ones. `stored` has the
+    /// finished tests, and the driver's part of their keys.
     fn tested(
         &self,
         kept: &mut Kept,
         family: &Family,
         driver: &SuiteDriver<'_>,
+        stored: Option<(&TestStore, &str)>,
         references: &OnceLock<Arc<References>>,
     ) -> Result<SuiteEpisodes, RunError> {
-        let Some(store) = self.store else { return self.episodes(kept, family, driver, references) };
+        let Some((store, driver_key)) = stored else {
+            return self.episodes(kept, family, driver, references);
+        };
         let Family { episodes, benchmark_route, .. } = family;
         let options = format!(
             "seed {}, {episodes} episodes, route {benchmark_route}, optimum {}",
             self.seed, self.optimum
         );
-        let key = store::key(driver.evaluated, &kept.scenario, &options)?;
+        let key = store::key(driver_key, &kept.scenario, &options)?;
         if let Some(StoredTest { episodes, references }) = store.get(&key).cloned() {
             let scenario = kept.scenario.clone();
             return Ok(SuiteEpisodes { scenario, episodes, references: Arc::new(references) });

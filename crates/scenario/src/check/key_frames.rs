@@ -2,7 +2,7 @@
 
 use std::fmt::Arguments;
 
-use super::speeds::{SLACK, too_fast};
+use super::speeds::{SLACK, fastest_m_s, too_fast};
 use super::{Diagnostics, Note, NoteLevel, SECONDS, rounded_up};
 use crate::limits::*;
 use crate::schema::*;
@@ -51,11 +51,10 @@ pub(super) fn check_speeds(k: usize, obstacle: &Obstacle, period_s: f32, diagnos
     for (index, leg) in obstacle.legs().enumerate().take(MAX_KEY_FRAMES + 1) {
         let Some(speed_m_s) = leg.speed_m_s().map(|speed| speed as f32) else { continue };
         let fix = || {
-            let fastest_m_s = MAX_SPEED_M_S.min(MAX_STEP_M / period_s);
             format!(
                 "make the leg of {:.3} m last at least {} s",
                 leg.length_m,
-                rounded_up(leg.length_m / f64::from(fastest_m_s), 3)
+                rounded_up(leg.length_m / f64::from(fastest_m_s(period_s)), 3)
             )
         };
         let problem = if speed_m_s > MAX_SPEED_M_S * SLACK {

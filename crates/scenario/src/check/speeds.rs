@@ -11,10 +11,18 @@ use crate::track::MotionSpeed;
 /// Tolerance factor: by rounding, a speed at the limit may exceed it a little.
 pub(super) const SLACK: f32 = 1.0 + 1e-5;
 
+/// The control period of `task` in s, or 0 if it is invalid, which is reported elsewhere: then only speeds are checked.
+pub(crate) fn checked_period_s(task: &TaskRules) -> f32 {
+    if CONTROL_PERIOD_S.contains(&task.control_period_s) { task.control_period_s } else { 0.0 }
+}
+
+/// The highest speed of an obstacle, in m/s. It must not jump over the robot in a control step of `period_s`.
+pub(crate) fn fastest_m_s(period_s: f32) -> f32 {
+    MAX_SPEED_M_S.min(MAX_STEP_M / period_s)
+}
+
 pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
-    let period = scenario.task.control_period_s;
-    // An invalid control period is reported elsewhere; with 0 instead of it, only speeds are checked here.
-    let period = if CONTROL_PERIOD_S.contains(&period) { period } else { 0.0 };
+    let period = checked_period_s(&scenario.task);
     for (k, obstacle) in scenario.obstacles.iter().enumerate().take(MAX_OBSTACLES) {
         check_obstacle(k, obstacle, period, diagnostics);
     }
@@ -32,7 +40,7 @@ fn check_obstacle(k: usize, obstacle: &Obstacle, period: f32, diagnostics: &mut 
             if speed_rad_s.abs() > MAX_ANGULAR_SPEED_RAD_S || !speed.is_finite() {
                 return;
             }
-            let most = || rounded_down((MAX_SPEED_M_S.min(MAX_STEP_M / period) / arm).min(PI / period));
+            let most = || rounded_down((fastest_m_s(period) / arm).min(PI / period));
             if speed * period > MAX_STEP_M * SLACK {
                 diagnostics.push(path, too_far(speed * period, "obstacle", &most()));
             } else if speed > MAX_SPEED_M_S * SLACK {

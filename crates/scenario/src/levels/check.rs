@@ -6,7 +6,8 @@ use std::ops::RangeInclusive;
 use super::schema::{Clutter, LevelGenerator, Route, Traffic, WallLayout};
 use super::{floor, text_grid};
 use crate::check::{
-    Diagnostics, METRES, METRES_PER_SECOND, RADIANS, check_random_shape, check_robot_and_task, rounded_up,
+    Diagnostics, METRES, METRES_PER_SECOND, RADIANS, check_random_shape, check_robot_and_task,
+    checked_period_s, fastest_m_s, rounded_up,
 };
 use crate::file_error::Diagnostic;
 use crate::limits::*;
@@ -202,10 +203,7 @@ fn check_traffic(
     | Traffic::PedestrianCrowd { count, radius_m, speed_m_s, .. }) = *traffic;
     diagnostics.check_pair(format_args!("{path}.count"), count, LEVEL_COUNT, "");
     diagnostics.check_pair(format_args!("{path}.radius_m"), radius_m, TRAFFIC_SIZE_M, METRES);
-    // An obstacle must not jump over the robot in one control step. An invalid control period is reported elsewhere.
-    let period_s = generator.task.control_period_s;
-    let is_valid = CONTROL_PERIOD_S.contains(&period_s);
-    let most = if is_valid { MAX_SPEED_M_S.min(MAX_STEP_M / period_s) } else { MAX_SPEED_M_S };
+    let most = fastest_m_s(checked_period_s(&generator.task));
     diagnostics.check_pair(format_args!("{path}.speed_m_s"), speed_m_s, 0.0..=most, METRES_PER_SECOND);
     match *traffic {
         Traffic::Lanes { pairs, .. } => {

@@ -132,6 +132,11 @@ fn every(step: f64, bounds: (f64, f64)) -> Vec<GridMark> {
     (0..count).map(|index| GridMark { value: (first + index as f64) * step, step_size: step }).collect()
 }
 
+/// From this number of env steps on, the short form is in thousands: 1k.
+const THOUSANDS_FROM: f64 = 999.5;
+/// From this number of env steps on, the short form is in millions: 1M.
+const MILLIONS_FROM: f64 = 999_950.0;
+
 /// A number of env steps in short form: 800, 50k, 1.25M.
 #[must_use]
 pub fn format_env_steps(value: f64) -> String {
@@ -140,8 +145,8 @@ pub fn format_env_steps(value: f64) -> String {
         format!("{}{unit}", text.trim_end_matches('0').trim_end_matches('.'))
     };
     match value.abs() {
-        v if v < 999.5 => number(value, 0),
-        v if v < 999_950.0 => trimmed((value / 100.0).round() / 10.0, "k"),
+        v if v < THOUSANDS_FROM => number(value, 0),
+        v if v < MILLIONS_FROM => trimmed((value / 100.0).round() / 10.0, "k"),
         _ => trimmed(value / 1e6, "M"),
     }
 }
@@ -151,8 +156,8 @@ pub fn format_env_steps(value: f64) -> String {
 #[must_use]
 pub fn env_steps_label(value: f64, step: f64) -> String {
     let (unit, suffix) = match value.abs() {
-        v if v >= 999_950.0 && step < 10_000.0 => (1e6, "M"),
-        v if (999.5..999_950.0).contains(&v) && step < 100.0 => (1e3, "k"),
+        v if v >= MILLIONS_FROM && step < 10_000.0 => (1e6, "M"),
+        v if (THOUSANDS_FROM..MILLIONS_FROM).contains(&v) && step < 100.0 => (1e3, "k"),
         _ => return format_env_steps(value),
     };
     let decimals = (unit / step).log10().ceil().clamp(0.0, 6.0) as usize;

@@ -264,9 +264,10 @@ pub(super) fn end_training(world: &mut World, keep: bool) {
 }
 
 /// Ends the autosaves when the app quits, and deletes those of the current training run.
+#[cfg(not(target_arch = "wasm32"))]
 pub(super) fn discard(world: &mut World) {
     end_training(world, false);
-    world.resource_mut::<Autosave>().slot = None;
+    world.resource_mut::<Autosave>().begin(None, None);
 }
 
 /// Continues the session that was offered.
