@@ -203,7 +203,8 @@ fn an_autosave_that_fails_is_reported_once_and_training_continues() {
         app.error_notices().iter().any(|text| text.contains("Autosave failed"))
     });
     assert!(!app.error_notices()[0].contains("--out"), "the help fits the app: {:?}", app.error_notices());
-    app.command(Command::DismissNotice(0));
+    let notice = app.notices().swap_remove(0);
+    app.command(Command::DismissNotice(notice));
     app.step_to(60);
     assert_eq!(app.error_notices(), Vec::<String>::new(), "the same failure is not reported again");
     fs::remove_file(&root).expect("the file can be removed");

@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::app_status::Notice;
 use super::moves::MoveRequest;
 use crate::scenario::Scenario;
 
@@ -162,8 +163,8 @@ pub enum Command {
     },
     /// Opens a scenario in the editor; `None` opens a dialog. [`EditorReply::Opened`] is the answer.
     OpenInEditor(Option<PathBuf>),
-    /// Dismisses a notice, by its index in the snapshot.
-    DismissNotice(usize),
+    /// Dismisses a notice.
+    DismissNotice(Notice),
 }
 
 /// The file format of a figure.

@@ -1,6 +1,6 @@
 //! Screenshots of the window.
 //!
-//! In: a [`ScreenshotRequest`]. Out: a PNG file, after which the app exits.
+//! In: a [`ScreenshotRequest`]. Out: a PNG file, after which the app exits; it exits with an error if the training stops before.
 
 use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use bevy::prelude::*;
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 
 use super::fallback_fonts::FallbackFonts;
-use super::session::{Journal, Pacer};
+use super::session::{Journal, Notices, Pacer};
 use crate::run::output_file::write_atomic;
 
 /// Frames until the layout has settled, and glyphs and colours have reached the GPU.
@@ -34,12 +34,21 @@ pub(super) fn take_screenshot(
     request: Res<ScreenshotRequest>,
     journal: Option<Res<Journal>>,
     pacer: Option<ResMut<Pacer>>,
+    notices: Res<Notices>,
     fonts: Res<FallbackFonts>,
     under_way: Query<(), With<Screenshot>>,
     mut frames: Local<u32>,
+    mut exit: MessageWriter<AppExit>,
 ) {
     let (Some(journal), Some(mut pacer)) = (journal, pacer) else { return };
-    if !under_way.is_empty() || journal.steps < request.after_steps {
+    if !under_way.is_empty() {
+        return;
+    }
+    if journal.steps < request.after_steps {
+        if let Some(failure) = notices.training_failure() {
+            let why = format!("the training stopped after {} control steps: {failure}", journal.steps);
+            exit.write(report_error(&request.file, &why));
+        }
         return;
     }
     pacer.hold();
@@ -68,13 +77,16 @@ pub(super) fn take_screenshot(
             };
             exit.write(match written {
                 Ok(()) => AppExit::Success,
-                Err(error) => {
-                    crate::run::progress::print_stderr(&format!("error: {}: {error}", file.display()));
-                    AppExit::error()
-                }
+                Err(error) => report_error(&file, &error),
             });
         },
     );
+}
+
+/// Prints why there is no screenshot in `file`.
+fn report_error(file: &Path, why: &str) -> AppExit {
+    crate::run::progress::print_stderr(&format!("error: {}: {why}", file.display()));
+    AppExit::error()
 }
 
 /// Writes the output of `encode` to `file`.

@@ -2,19 +2,21 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::check::training_runs;
 use super::experiment::Experiment;
 use super::options::ReproduceOptions;
 use super::quick::make_quick;
 use super::run_config::resolve;
 use super::selected::{ExperimentSource, SelectedExperiment};
+use crate::limits::experiment::MAX_TRAINING_RUNS;
 use crate::run::{RunError, shipped};
 use crate::scenario::closest_name;
 
 /// The experiments that `options` ask for, with `--set`, `--quick` and `--seeds` applied to them.
 ///
 /// # Errors
-/// A file is invalid, a name is used twice, a name after `--only` does not exist, or `--set` or `--quick` is given for an
-/// experiment with finished runs.
+/// A file is invalid, a name is used twice, a name after `--only` does not exist, `--set` or `--quick` is given for an
+/// experiment with finished runs, or an experiment has too many training runs with the seeds of `--seeds`.
 pub fn select(options: &ReproduceOptions) -> Result<Vec<SelectedExperiment>, RunError> {
     let sources = sources(options)?;
     check_wanted(&options.only, &names(&sources)?)?;
@@ -45,6 +47,15 @@ pub fn select(options: &ReproduceOptions) -> Result<Vec<SelectedExperiment>, Run
         }
         if let Some(seeds) = &options.seeds {
             experiment.seeds = seeds.clone();
+            let runs = training_runs(experiment);
+            if runs > MAX_TRAINING_RUNS {
+                let why = format!(
+                    "--seeds: with {} seeds, {} has {runs} training runs; help: give fewer seeds, for at most {MAX_TRAINING_RUNS}",
+                    seeds.count(),
+                    source.from
+                );
+                return Err(RunError::InvalidInput(why));
+            }
         }
         selected.push(SelectedExperiment { source, figures, tables });
     }

@@ -12,6 +12,9 @@ use super::fault::detect_faults;
 use super::{Arena, Episode, ObservationLayout, SensorSlice, StepOutcomes};
 use crate::control_step::{ControlStep, Reset, ResetSet, RewardSet, SenseSet};
 
+/// The names of the terms of the paper's reward, which are logged in the same way.
+const BUILT_IN_TERMS: [&str; 4] = ["goal", "collision", "attraction", "repulsion"];
+
 /// The handle of a reward term that a plugin has added.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RewardTerm(usize);
@@ -51,6 +54,10 @@ impl ExtraRewards {
 
     fn add(&mut self, name: &str) -> RewardTerm {
         assert!(
+            !BUILT_IN_TERMS.contains(&name),
+            "a plugin adds a reward term named `{name}`, which is the name of a built-in term; rename it"
+        );
+        assert!(
             self.names.iter().all(|other| other != name),
             "two plugins add a reward term named `{name}`; rename one of them"
         );
@@ -84,7 +91,7 @@ pub trait SimulationAppExt {
     /// term's value in [`ExtraRewards`] for each arena; the value is added to the arena's reward.
     ///
     /// # Panics
-    /// If another term has the same name, or the app is not a simulation.
+    /// If another term has the same name (goal, collision, attraction and repulsion are those of the paper's terms), or the app is not a simulation.
     fn add_reward_term<M, S>(&mut self, name: &str, term: impl Fn(RewardTerm) -> S) -> &mut Self
     where
         S: IntoScheduleConfigs<ScheduleSystem, M>;
@@ -135,4 +142,15 @@ fn add_extra_rewards(
         }
     }
     extra.values.fill(0.0);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[should_panic(expected = "the name of a built-in term")]
+    fn a_term_of_a_plugin_does_not_have_the_name_of_a_built_in_one() {
+        ExtraRewards::default().add("attraction");
+    }
 }

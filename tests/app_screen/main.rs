@@ -307,7 +307,8 @@ fn every_notice_is_shown_in_full_and_can_be_dismissed() {
     assert!(window.query_by_label(&text).is_some(), "all lines are shown");
     for index in 0..2 {
         window.get_all_by_label("Dismiss").nth(index).expect("each notice has a button").click();
-        assert_eq!(sent_commands(&mut window), [Command::DismissNotice(index)]);
+        let notice = window.state().status.notices[index].clone();
+        assert_eq!(sent_commands(&mut window), [Command::DismissNotice(notice)]);
     }
 }
 

@@ -8,6 +8,8 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+use glam::IVec2;
+
 /// The extra cost of a cell that is too close to an obstacle or a wall. It is passable, so that there is a path even if the
 /// robot or its goal is in such a cell, but even a long detour is cheaper.
 pub(crate) const TOO_CLOSE: u16 = 200;
@@ -86,9 +88,20 @@ pub(crate) fn path_cost(columns: usize, extra_costs: &[u16], path: impl Iterator
 }
 
 /// The cost of the shortest path without extra costs: no path costs less.
-pub(crate) fn estimate(columns: usize, from: usize, to: usize) -> u32 {
+fn estimate(columns: usize, from: usize, to: usize) -> u32 {
     let dx = (from % columns).abs_diff(to % columns) as u32;
     let dy = (from / columns).abs_diff(to / columns) as u32;
+    free_cost(dx, dy)
+}
+
+/// The same for cells of an unbounded grid.
+pub(crate) fn straight_cost(from: IVec2, to: IVec2) -> u32 {
+    let limit = u32::MAX / DIAGONAL;
+    free_cost(from.x.abs_diff(to.x).min(limit), from.y.abs_diff(to.y).min(limit))
+}
+
+/// The cost of a path to a cell `dx` columns and `dy` rows away, without extra costs.
+fn free_cost(dx: u32, dy: u32) -> u32 {
     SIDE * dx.abs_diff(dy) + DIAGONAL * dx.min(dy)
 }
 

@@ -8,7 +8,7 @@ use glam::{IVec2, Vec2, ivec2};
 
 use crate::dwa::MovingPoint;
 use crate::grid::{Grid, MAX_CELLS};
-use crate::path_search::{PathSearch, TOO_CLOSE, estimate, path_cost};
+use crate::path_search::{PathSearch, TOO_CLOSE, path_cost, straight_cost};
 use crate::percept::{Odometry, Percept};
 use crate::planned::{Map, closeness_cost};
 use crate::robot::Robot;
@@ -132,14 +132,16 @@ impl RollingMap {
         path.into_iter().map(|cell| self.window.centre_m(cell)).collect()
     }
 
-    /// The cost of `path`, plus that of the straight line from `at_m` to its first point as if nothing were there.
-    pub(crate) fn path_cost(&self, at_m: Vec2, path: &[Vec2]) -> u32 {
+    /// The cost of `path`, plus those of the straight lines from `at_m` to its first point and from its last point to `to_m` as
+    /// if nothing were there. A path ends at the edge of the window of its time if `to_m` was outside.
+    pub(crate) fn path_cost(&self, at_m: Vec2, path: &[Vec2], to_m: Vec2) -> u32 {
         let columns = self.window.columns;
         let cells = path.iter().map(|point| self.window.cell(*point));
-        let first = path
-            .first()
-            .map_or(0, |first| estimate(columns, self.window.cell(at_m), self.window.cell(*first)));
-        first.saturating_add(path_cost(columns, &self.costs, cells))
+        let inside = path_cost(columns, &self.costs, cells);
+        let straight = |from_m: Vec2, to_m: Vec2| straight_cost(self.at(from_m), self.at(to_m));
+        let start = path.first().map_or(0, |first| straight(at_m, *first));
+        let end = path.last().map_or(0, |last| straight(*last, to_m));
+        start.saturating_add(inside).saturating_add(end)
     }
 
     /// Whether the straight line from `from_m`, the robot's position, to `to_m` passes only through cells with extra costs of at
@@ -261,5 +263,24 @@ mod tests {
             map.update(&percept(&ranges_m, Odometry::default()));
         }
         assert_eq!(map.occupied().count(), 0);
+    }
+
+    #[test]
+    fn a_path_to_a_goal_outside_the_window_costs_as_much_as_the_rest_of_an_earlier_one() {
+        let mut map = RollingMap::new(&Robot::of(&Scenario::default()), 0.34, 1.0);
+        let (goal_m, at_m) = (vec2(8.0, 0.0), vec2(1.0, 0.0));
+        map.update(&percept(&[3.5; 24], Odometry::default()));
+        map.make_costs();
+        let mut earlier = map.cheapest_path(Vec2::ZERO, goal_m);
+        assert!(
+            earlier.last().is_some_and(|end| end.x < 6.0),
+            "it ends at the edge of the window: {earlier:?}"
+        );
+        map.update(&percept(&[3.5; 24], Odometry { translation_m: at_m, rotation_rad: 0.0 }));
+        map.make_costs();
+        let found = map.cheapest_path(at_m, goal_m);
+        earlier.retain(|point| point.x >= found[0].x);
+        assert!(found.last() != earlier.last(), "the window has moved");
+        assert_eq!(map.path_cost(at_m, &found, goal_m), map.path_cost(at_m, &earlier, goal_m));
     }
 }

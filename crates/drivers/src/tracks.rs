@@ -53,6 +53,7 @@ impl Tracks {
     pub(crate) fn update(&mut self, robot: &Robot, percept: &Percept) -> Vec<MovingPoint> {
         let still = |at_m| MovingPoint { at_m, velocity_m_s: Vec2::ZERO };
         let mut points: Vec<MovingPoint> = robot.hits(percept.ranges_m).map(still).collect();
+        self.start_at_gap(robot, &mut points);
         self.free_space.add(robot, percept);
         self.predict(&percept.odometry, robot.control_period_s);
         let margin_m = self.parameters.free_margin * robot.keep_out_m;
@@ -100,21 +101,31 @@ impl Tracks {
         }
     }
 
+    /// Whether two hits of neighbouring beams are so near each other that they count as hits of one thing.
+    fn is_linked(&self, robot: &Robot, one: Vec2, other: Vec2) -> bool {
+        let spacing_m = robot.beam_spacing_rad * one.length().min(other.length());
+        (one - other).length() <= self.parameters.link * spacing_m
+    }
+
+    /// Rotates the list of hits such that its first and its last are not on one thing, if there is a gap at all. Where beams go all
+    /// around, the first and the last one are neighbours.
+    fn start_at_gap(&self, robot: &Robot, points: &mut [MovingPoint]) {
+        let previous = |k: usize| points[(k + points.len() - 1) % points.len()].at_m;
+        let gap = (0..points.len()).find(|&k| !self.is_linked(robot, previous(k), points[k].at_m));
+        points.rotate_left(gap.unwrap_or(0));
+    }
+
     /// The compact clusters of hits.
     fn clusters(&self, robot: &Robot, points: &[MovingPoint]) -> Vec<Cluster> {
-        let TrackingParameters { link, max_extent, .. } = self.parameters;
-        let is_linked = |one: Vec2, other: Vec2| {
-            (one - other).length() <= link * robot.beam_spacing_rad * one.length().min(other.length())
-        };
         let mut clusters = Vec::new();
         let mut start = 0;
         for end in 1..=points.len() {
-            if end < points.len() && is_linked(points[end - 1].at_m, points[end].at_m) {
+            if end < points.len() && self.is_linked(robot, points[end - 1].at_m, points[end].at_m) {
                 continue;
             }
             let hits = &points[start..end];
             let extent_m = (hits[hits.len() - 1].at_m - hits[0].at_m).length();
-            if extent_m <= max_extent * robot.keep_out_m {
+            if extent_m <= self.parameters.max_extent * robot.keep_out_m {
                 let mean = hits.iter().map(|hit| hit.at_m).sum::<Vec2>() / hits.len() as f32;
                 // The scan shows only the near side. The centre of a disc lies about half its width behind it.
                 let centre_m = mean + mean.normalize_or_zero() * (0.5 * extent_m);
@@ -127,9 +138,10 @@ impl Tracks {
 }
 
 impl Track {
-    /// Corrects the prediction by a measured position.
-    fn correct(&mut self, measured_m: Vec2, parameters: &TrackingParameters, seconds: f32) {
+    /// Corrects the prediction by a measured position. A control step takes `period_s`.
+    fn correct(&mut self, measured_m: Vec2, parameters: &TrackingParameters, period_s: f32) {
         let error = measured_m - self.at_m;
+        let seconds = period_s * (self.missed + 1) as f32;
         self.seen += 1;
         self.missed = 0;
         if self.seen == 2 {
@@ -156,29 +168,30 @@ mod tests {
         if along > 0.0 && half_squared > 0.0 { along - half_squared.sqrt() } else { 3.5 }
     }
 
-    #[test]
-    fn the_velocity_of_a_disc_is_estimated_while_the_robot_drives_and_turns() {
+    /// The points in the last of `steps` scans of a robot with the motion `motion`, and their velocities, in the world frame. One
+    /// disc is at `disc_m(step)`, where the robot sees it unless `is_hidden(step)`. Another one stands at (-1, -0.5).
+    fn points_in_scan(
+        steps: usize,
+        motion: Motion,
+        disc_m: impl Fn(f32) -> Vec2,
+        is_hidden: impl Fn(usize) -> bool,
+    ) -> Vec<(Vec2, Vec2)> {
         let scenario = Scenario { lidar: Lidar { beams: 180, ..Lidar::default() }, ..Scenario::default() };
         let robot = Robot::of(&scenario);
         let mut tracks = Tracks::new(TrackingParameters::default());
-        let motion = Motion { v_m_s: 0.15, w_rad_s: 0.75 };
-        let moved = Robot::arc(&motion, 0.2);
         let mut pose = Odometry::default();
+        let turn = |pose: &Odometry| Odometry { translation_m: Vec2::ZERO, ..*pose };
         let mut points = Vec::new();
-        for step in 0..15 {
-            let odometry = if step == 0 { Odometry::default() } else { moved };
+        for step in 0..steps {
+            let odometry = if step == 0 { Odometry::default() } else { Robot::arc(&motion, 0.2) };
             pose = pose.then(&odometry);
-            // In the world frame, one disc moves at 0.2 m/s along -y. The other one is static.
-            let (moving, still) = (vec2(1.5, 0.6 - 0.04 * step as f32), vec2(-1.0, -0.5));
-            let turn = Odometry { translation_m: Vec2::ZERO, ..pose };
-            let ranges_m: Vec<f32> = robot
-                .beams
-                .iter()
-                .map(|beam| {
-                    let beam = turn.to_outer(*beam);
-                    range(beam, pose.translation_m, moving).min(range(beam, pose.translation_m, still))
-                })
-                .collect();
+            let range_m = |beam: &Vec2| {
+                let beam = turn(&pose).to_outer(*beam);
+                let still_m = range(beam, pose.translation_m, vec2(-1.0, -0.5));
+                let moving_m = range(beam, pose.translation_m, disc_m(step as f32));
+                if is_hidden(step) { still_m } else { still_m.min(moving_m) }
+            };
+            let ranges_m: Vec<f32> = robot.beams.iter().map(range_m).collect();
             let percept = Percept {
                 ranges_m: &ranges_m,
                 goal_distance_m: 1.0,
@@ -189,17 +202,48 @@ mod tests {
             };
             points = tracks.update(&robot, &percept);
         }
-        let in_world = |point: &MovingPoint| {
-            let turn = Odometry { translation_m: Vec2::ZERO, ..pose };
-            (pose.to_outer(point.at_m), turn.to_outer(point.velocity_m_s))
-        };
-        let (moving, still): (Vec<_>, Vec<_>) = points.iter().map(in_world).partition(|(at, _)| at.x > 0.0);
+        let in_world =
+            |point: &MovingPoint| (pose.to_outer(point.at_m), turn(&pose).to_outer(point.velocity_m_s));
+        points.iter().map(in_world).collect()
+    }
+
+    const STILL: Motion = Motion { v_m_s: 0.0, w_rad_s: 0.0 };
+
+    #[test]
+    fn the_velocity_of_a_disc_is_estimated_while_the_robot_drives_and_turns() {
+        let motion = Motion { v_m_s: 0.15, w_rad_s: 0.75 };
+        let points = points_in_scan(15, motion, |step| vec2(1.5, 0.6 - 0.04 * step), |_| false);
+        let (moving, still): (Vec<_>, Vec<_>) = points.iter().partition(|(at, _)| at.x > 0.0);
         assert!(moving.len() >= 4 && still.len() >= 4, "both are seen: {points:?}");
         for (_, velocity) in moving {
             assert!((velocity - vec2(0.0, -0.2)).length() < 0.07, "{velocity}");
         }
         for (_, velocity) in still {
             assert!(velocity.length() < 0.07, "{velocity}");
+        }
+    }
+
+    #[test]
+    fn a_disc_dead_ahead_is_one_thing() {
+        // It crosses the robot's axis, where the first and the last beam are neighbours.
+        let points = points_in_scan(15, STILL, |step| vec2(1.5, 0.52 - 0.04 * step), |_| false);
+        let moving: Vec<_> = points.iter().filter(|(at, _)| at.x > 0.0 && at.y.abs() < 0.1).collect();
+        let on_the_left = moving.iter().filter(|(at, _)| at.y > 0.0).count();
+        assert!(on_the_left >= 2 && moving.len() - on_the_left >= 2, "{moving:?}");
+        for (_, velocity) in moving {
+            assert!((velocity - vec2(0.0, -0.2)).length() < 0.07, "{velocity}");
+        }
+    }
+
+    #[test]
+    fn the_steps_in_which_a_disc_is_hidden_count_in_its_velocity() {
+        // It is seen in step 0 and from step 3 on. After four scans, it counts as moving.
+        let disc_m = |step| vec2(1.5, 0.6 - 0.04 * step);
+        let points = points_in_scan(6, STILL, disc_m, |step| (1..=2).contains(&step));
+        let moving: Vec<_> = points.iter().filter(|(at, _)| at.x > 0.0).collect();
+        assert!(!moving.is_empty());
+        for (_, velocity) in moving {
+            assert!((velocity - vec2(0.0, -0.2)).length() < 0.07, "{velocity}");
         }
     }
 }

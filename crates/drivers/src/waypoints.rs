@@ -108,7 +108,7 @@ impl Waypoints {
         }
         let found = self.map.cheapest_path(at_m, self.goal_m);
         self.path.drain(..nearest(&self.path, at_m));
-        let (cost, kept) = (self.map.path_cost(at_m, &found), self.map.path_cost(at_m, &self.path));
+        let [cost, kept] = [&found, &self.path].map(|path| self.map.path_cost(at_m, path, self.goal_m));
         if self.path.is_empty() || (cost as f32) < BETTER * kept as f32 {
             self.path = found;
         }

@@ -9,7 +9,8 @@ use egui::{Context, Event, Key, Modifiers, Ui};
 use super::editor::{self, confirm_exit};
 use super::input::ScreenInput;
 use super::key_bindings::{KEY_BINDINGS, KeyBinding, PACES, Shortcut};
-use crate::app::commands::{Command, SaveKind};
+
+use crate::app::commands::{Command, SaveKind, SessionMode};
 use crate::app::view_state::{ThemeChoice, ViewCamera, ViewState};
 
 /// Handles the keys of this frame.
@@ -90,6 +91,7 @@ fn execute(
         Shortcut::Pause => commands.push(Command::Pause(!view.status.paused)),
         Shortcut::Step => commands.push(Command::Step),
         Shortcut::Pace | Shortcut::Steer | Shortcut::Scale => {}
+        Shortcut::Grid if view.status.mode != SessionMode::Train => {}
         Shortcut::Grid => view_state.grid = !view_state.grid,
         Shortcut::Next => view_state.followed = (view_state.followed + 1) % view.scene.arenas.len().max(1),
         Shortcut::Fit => view_state.camera = ViewCamera::default(),

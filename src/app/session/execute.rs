@@ -122,7 +122,7 @@ fn try_execute(world: &mut World, command: Command) -> Result<(), RunError> {
         #[cfg(target_arch = "wasm32")]
         Command::Close | Command::Quit { .. } => {}
         Command::KeepOpen => world.resource_mut::<QuitQuestion>().0 = false,
-        Command::DismissNotice(index) => world.resource_mut::<Notices>().dismiss(index),
+        Command::DismissNotice(notice) => world.resource_mut::<Notices>().dismiss(&notice),
         // The file dialogs answer these with a command that has a path.
         Command::OpenDialog
         | Command::SaveDialog(_)

@@ -83,11 +83,16 @@ impl Notices {
         self.remove(&NoticeTopic::TrainingFailure);
     }
 
-    /// Removes the notice at `index`, if there is one.
-    pub(super) fn dismiss(&mut self, index: usize) {
-        if index < self.0.len() {
-            self.0.remove(index);
-        }
+    /// Removes `notice`, if it is still shown.
+    pub(super) fn dismiss(&mut self, notice: &Notice) {
+        self.0.retain(|entry| entry.notice != *notice);
+    }
+
+    /// The error that stopped the current training run, if it is shown.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(in crate::app) fn training_failure(&self) -> Option<&str> {
+        let failure = self.0.iter().find(|entry| entry.topic == NoticeTopic::TrainingFailure);
+        failure.map(|entry| entry.notice.text.as_str())
     }
 
     /// The notices, oldest first.
@@ -142,8 +147,9 @@ mod tests {
             notices.add(NoticeTopic::General, Severity::Error, k.to_string());
         }
         assert_eq!(texts(&notices), ["5", "6", "7", "8"]);
-        notices.dismiss(1);
-        notices.dismiss(9);
+        let second = notices.list().swap_remove(1);
+        notices.dismiss(&second);
+        notices.dismiss(&second);
         assert_eq!(texts(&notices), ["5", "7", "8"]);
         notices.add(NoticeTopic::General, Severity::Info, "saved");
         notices.add(NoticeTopic::General, Severity::Error, "9");

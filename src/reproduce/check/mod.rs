@@ -13,6 +13,7 @@ mod collector;
 mod sizes;
 
 use collector::Collector;
+pub(super) use sizes::training_runs;
 
 use super::claim::Claim;
 use super::experiment::{Arm, Experiment};

@@ -114,11 +114,15 @@ fn check_claims(found: &mut Collector, at: &str, claims: &[Claim]) {
     }
 }
 
-fn check_training_runs(found: &mut Collector, experiment: &Experiment) {
-    let seeds = experiment.seeds.count();
+/// The number of training runs: one for each seed, stage of an arm, and condition.
+pub fn training_runs(experiment: &Experiment) -> u64 {
     let stages: u64 = experiment.arms.iter().map(|arm| arm.stages.len() as u64).sum();
     let conditions = experiment.conditions.len().max(1) as u64;
-    let training_runs = seeds.saturating_mul(stages).saturating_mul(conditions);
+    experiment.seeds.count().saturating_mul(stages).saturating_mul(conditions)
+}
+
+fn check_training_runs(found: &mut Collector, experiment: &Experiment) {
+    let (seeds, training_runs) = (experiment.seeds.count(), training_runs(experiment));
     // A number of seeds that is itself out of range has its own diagnostic.
     if training_runs > MAX_TRAINING_RUNS && seeds <= MAX_SEEDS {
         let message = format!(

@@ -32,12 +32,12 @@ pub fn notices_ui(ui: &mut Ui, arena: Rect, notices: &[Notice], commands: &mut V
             ui.spacing_mut().item_spacing.y = GAP;
             let hidden = notices.len().saturating_sub(MAX_SHOWN);
             for (k, notice) in notices.iter().enumerate().skip(hidden) {
-                ui.push_id(k, |ui| notice_ui(ui, notice, k, commands));
+                ui.push_id(k, |ui| notice_ui(ui, notice, commands));
             }
         });
 }
 
-fn notice_ui(ui: &mut Ui, notice: &Notice, index: usize, commands: &mut Vec<Command>) {
+fn notice_ui(ui: &mut Ui, notice: &Notice, commands: &mut Vec<Command>) {
     let palette = Palette::from_ui(ui);
     let color = match notice.severity {
         Severity::Info => palette.accent,
@@ -55,7 +55,7 @@ fn notice_ui(ui: &mut Ui, notice: &Notice, index: usize, commands: &mut Vec<Comm
             if icons::icon_button_ui(ui, Icon::Close, ButtonStyle::Quiet, 22.0, "Dismiss", "Dismiss")
                 .clicked()
             {
-                commands.push(Command::DismissNotice(index));
+                commands.push(Command::DismissNotice(notice.clone()));
             }
             ui.with_layout(Layout::left_to_right(Align::Min), |ui| {
                 egui::ScrollArea::vertical().max_height(180.0).auto_shrink([false, true]).show(ui, |ui| {
