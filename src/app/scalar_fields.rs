@@ -53,7 +53,7 @@ struct FieldInputs {
     heading_rad: f32,
     clock: Clock,
     gradient_steps: u64,
-    /// When what drives was changed last: the policy that is tested, or another driver.
+    /// When the action sources last changed, for example because another policy is tested.
     drivers_changed: Tick,
 }
 

@@ -34,7 +34,7 @@ pub fn decode(bytes: &[u8]) -> Result<PnmImage, String> {
     let is_bitmap = matches!(format, b'1' | b'4');
     let white = if is_bitmap { 1 } else { reader.number("the brightness of white")? };
     if !(1..=65_535).contains(&white) {
-        return Err(format!("not an image: white is {white}; help: save it again"));
+        return Err(format!("not a valid image: white is {white}; help: save it again"));
     }
     let samples = width * height * if matches!(format, b'3' | b'6') { 3 } else { 1 };
     let values = match format {
@@ -87,7 +87,7 @@ impl Reader<'_> {
         if number.is_none() && rest.is_empty() {
             return Err(incomplete());
         }
-        number.ok_or_else(|| format!("not a complete image: {what} is not a number; help: save it again"))
+        number.ok_or_else(|| format!("not a valid image: {what} is not a number; help: save it again"))
     }
 
     fn skip_spaces(&mut self) {
@@ -109,7 +109,7 @@ impl Reader<'_> {
             match first {
                 b'0' => Ok(0),
                 b'1' => Ok(1),
-                _ => Err("not a complete image: a pixel is not 0 or 1; help: save it again".to_owned()),
+                _ => Err("not a valid image: a pixel is not 0 or 1; help: save it again".to_owned()),
             }
         };
         (0..count).map(bit).collect()

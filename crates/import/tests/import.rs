@@ -352,6 +352,8 @@ fn what_a_scenario_cannot_represent_is_listed() {
         model("robot", "<joint name='j' type='revolute'/>", BOX),
         "<plugin filename='libworld.so' name='p'/><actor name='walker'/>".into(),
         model("relative", "<pose relative_to='fine'>0 0 0 0 0 0</pose>", BOX),
+        model("saved", "<pose>0 6 0 0 0 0</pose>", BOX),
+        "<state><model name='saved'><pose relative_to='fine'>0 0 0 0 0 0</pose></model></state>".into(),
         // The pose of a collision is relative to its link, unless it says otherwise.
         model("aside", "", BOX)
             .replace("<geometry>", "<pose relative_to='__model__'>0 0 0 0 0 0</pose><geometry>"),
@@ -368,7 +370,7 @@ fn what_a_scenario_cannot_represent_is_listed() {
     let expected = [
         "plugins do not run: libworld.so, libpush.so",
         "actors are left out: walker",
-        "poses relative to other frames are not understood, so these are left out: model://guest, relative, aside/c",
+        "poses relative to other frames are not understood, so these are left out: model://guest, relative, saved, aside/c",
         "meshes are left out: statue/c",
         "rolled or pitched shapes are left out: leaning/c",
         "shapes above the LIDAR, which is at a height of 0.18 m, are left out: lamp/c",

@@ -131,7 +131,13 @@ impl SdfWorld {
         let saved = saved_poses(parent);
         for model in children(parent, "model") {
             let own_pose = match saved.get(name(model)) {
-                Some(&node) => pose::read(file, node)?,
+                Some(&node) => {
+                    let Some(pose) = pose::read(file, node)? else {
+                        self.findings.add(OTHER_FRAME, name(model));
+                        continue;
+                    };
+                    Some(pose)
+                }
                 None => None,
             };
             self.add_model(file, model, Placement { own_pose, name: None, ..at }, options)?;

@@ -38,7 +38,7 @@ pub(crate) fn ellipsized(text: &str, size: f64, width: i32) -> String {
 /// The text wrapped into lines of similar length, each at most `width` drawn pixels wide; at least one line.
 pub(crate) fn wrapped(text: &str, size: f64, width: i32) -> Vec<String> {
     let lines = filled(text, size, width);
-    // The narrowest lines that keep their number, so that the last one is not left with a single word.
+    // The smallest width with the same number of lines, so that the last line is not left with a single word.
     let narrower = (width / 2..width).step_by(16).map(|narrow| filled(text, size, narrow));
     let mut balanced =
         narrower.filter(|other| other.len() == lines.len() && !other.iter().any(|l| l.ends_with('…')));

@@ -11,7 +11,7 @@ use crate::schema::{Lidar, RandomShape, Robot, TaskRules};
 /// A level generator: a family of scenarios. Each seed gives one of them, a level.
 ///
 /// A level has one layout of `wall_layouts`, one of `clutter` and one of `traffic`, each drawn from its list with equal
-/// probabilities. With more than one list, a level can have rooms with clutter and traffic in them.
+/// probabilities. So a level can have rooms with clutter and traffic in them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LevelGenerator {
