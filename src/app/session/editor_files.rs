@@ -36,7 +36,8 @@ pub(super) fn save_scenario(
     let older = source_text(based_on).or_else(|| read_text(path).ok());
     let text = to_text(scenario, older.as_deref());
     if text.len() as u64 > MAX_FILE_BYTES {
-        let why = "the scenario is too large: its file would exceed 1 MiB and could not be read again";
+        let why = "the scenario is too large: its file would exceed 1 MiB and could not be read again; \
+                   help: remove some of its obstacles or walls";
         return Err(RunError::failed(path, why));
     }
     write_atomic(path, |file| file.write_all(text.as_bytes()))
@@ -51,7 +52,7 @@ pub(super) fn save_scenario(
         world.resource_mut::<FileWatches>().watch_known(&file);
     }
     notify_saved(world, path);
-    world.resource_mut::<ScenarioSource>().saved = Some((file.clone(), scenario.clone()));
+    world.resource_mut::<ScenarioSource>().record_saved(file.clone(), scenario.clone());
     world.write_message(EditorReply::Saved { file, scenario: scenario.clone() });
     Ok(())
 }
