@@ -46,7 +46,10 @@ pub(super) fn save_scenario(
     #[cfg(target_arch = "wasm32")]
     crate::scenario::virtual_files::add_upload(file.clone(), text.into_bytes());
     if file == world.resource::<TrainingRun>().config.scenario_from {
-        world.resource_mut::<ScenarioSource>().loaded = Scenario::clone(scenario);
+        let mut source = world.resource_mut::<ScenarioSource>();
+        source.loaded = Scenario::clone(scenario);
+        // A change by another program that waits for the end of an episode is overwritten, too.
+        source.pending = None;
         // The user decides in the editor whether to run it; the file watch must not.
         #[cfg(not(target_arch = "wasm32"))]
         world.resource_mut::<FileWatches>().watch_known(&file);
