@@ -325,6 +325,49 @@ fn an_edited_scenario_is_saved_with_its_comments_and_can_be_opened_while_invalid
     assert_eq!(app.error_notices(), Vec::<String>::new());
 }
 
+#[test]
+fn a_change_of_the_file_that_the_editor_overwrites_is_not_adopted() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let file = folder.path().join("mine.ron");
+    write(&file, &scenario_text(0.6));
+    let mut app = HeadlessApp::new(StartOptions { paused: true, ..options(&file) });
+    let_files_be_checked(&mut app);
+    write(&file, &scenario_text(1.1));
+    let_files_be_checked(&mut app);
+    let text = "the changed scenario runs when the next episode ends";
+    assert!(has_notice(&app, text), "{:?}", app.notices());
+    let scenario = Arc::new(Scenario::parse(&scenario_text(0.9), "mine.ron").expect("a scenario"));
+    // The first request is refused, because another program has changed the file.
+    for _ in 0..2 {
+        let (scenario, based_on) = (scenario.clone(), file.display().to_string());
+        app.command(Command::SaveScenario { scenario, based_on, path: Some(file.clone()) });
+        app.frame(FRAME);
+    }
+    assert_eq!(std::fs::read_to_string(&file).expect("the file exists"), scenario_text(0.9));
+    assert!(!has_notice(&app, text), "{:?}", app.notices());
+    app.step_to(60);
+    assert_eq!((x_m(&app), app.error_notices()), (0.6, Vec::new()), "an episode has at most 40 steps");
+}
+
+#[test]
+fn a_file_that_was_opened_in_the_editor_can_be_saved_again_after_another_one() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let (file, copy) = (folder.path().join("mine.ron"), folder.path().join("copy.ron"));
+    write(&file, &scenario_text(0.6));
+    let mut app = HeadlessApp::new(StartOptions { paused: true, ..StartOptions::default() });
+    app.frame(Duration::from_millis(10));
+    app.command(Command::OpenInEditor(Some(file.clone())));
+    app.frame(Duration::from_millis(10));
+    for (path, x_m) in [(&file, 0.7), (&copy, 0.8), (&file, 0.9)] {
+        let scenario = Scenario::parse(&scenario_text(x_m), "mine.ron").expect("a scenario");
+        let (scenario, based_on) = (Arc::new(scenario), file.display().to_string());
+        app.command(Command::SaveScenario { scenario, based_on, path: Some(path.clone()) });
+        app.frame(Duration::from_millis(10));
+        assert_eq!(app.error_notices(), Vec::<String>::new(), "no other program has changed the file");
+        assert_eq!(std::fs::read_to_string(path).expect("the file exists"), scenario_text(x_m));
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn saving_through_a_link_keeps_the_link_and_the_permissions_of_the_file_behind_it() {

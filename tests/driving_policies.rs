@@ -135,7 +135,7 @@ fn only_a_policy_gets_a_map() {
             "dwa+map",
             "dwa+map: +map gives a map to a policy only; help: grid-dwa is a classical driver with a map",
         ),
-        ("scenario-1+map+map", "+map gives a map to a policy only"),
+        ("scenario-1+map+map", "scenario-1+map+map: +map is given twice; help: give it once"),
         ("nothing+map", "nothing: no such file, shipped policy or driver"),
     ] {
         let done = workspace.run(&format!("--eval {name}"));

@@ -68,7 +68,10 @@ impl TestDriver {
     pub fn with_map(self, path: &Path) -> Result<Self, RunError> {
         match self {
             Self::Policy(policy) => policy_card::driving(policy, true).map(Self::PolicyWithMap),
-            Self::PolicyWithMap(_) | Self::Classical(_) => Err(RunError::invalid_input(
+            Self::PolicyWithMap(_) => {
+                Err(RunError::invalid_input(path, format!("{WITH_MAP} is given twice; help: give it once")))
+            }
+            Self::Classical(_) => Err(RunError::invalid_input(
                 path,
                 format!(
                     "{WITH_MAP} gives a map to a policy only; help: grid-dwa is a classical driver with a map"

@@ -184,7 +184,7 @@ fn the_mode_the_thresholds_and_negate_decide_what_is_floor() {
         high.x - low.x
     };
     assert!((width_m(YAML, &hall()) - 5.0).abs() < 1e-4);
-    // With a higher `free_thresh`, the grey of unknown cells is free: all that surrounds a black block.
+    // With a higher `free_thresh`, unknown cells, which are grey, are free: here, all those around a black block.
     let unknown_is_free = YAML.replace("0.196", "0.25");
     let island = pgm(120, 80, |c, r| if (30..50).contains(&c) && (30..50).contains(&r) { 0 } else { 205 });
     assert!((width_m(&unknown_is_free, &island) - 6.0).abs() < 1e-4);

@@ -36,7 +36,8 @@ pub(super) fn save_scenario(
     let older = source_text(based_on).or_else(|| read_text(path).ok());
     let text = to_text(scenario, older.as_deref());
     if text.len() as u64 > MAX_FILE_BYTES {
-        let why = "the scenario is too large: its file would exceed 1 MiB and could not be read again";
+        let why = "the scenario is too large: its file would exceed 1 MiB and could not be read again; \
+                   help: remove some of its obstacles or walls";
         return Err(RunError::failed(path, why));
     }
     write_atomic(path, |file| file.write_all(text.as_bytes()))
@@ -45,13 +46,16 @@ pub(super) fn save_scenario(
     #[cfg(target_arch = "wasm32")]
     crate::scenario::virtual_files::add_upload(file.clone(), text.into_bytes());
     if file == world.resource::<TrainingRun>().config.scenario_from {
-        world.resource_mut::<ScenarioSource>().loaded = Scenario::clone(scenario);
+        let mut source = world.resource_mut::<ScenarioSource>();
+        source.loaded = Scenario::clone(scenario);
+        // A change by another program that waits for the end of an episode is overwritten, too.
+        source.pending = None;
         // The user decides in the editor whether to run it; the file watch must not.
         #[cfg(not(target_arch = "wasm32"))]
         world.resource_mut::<FileWatches>().watch_known(&file);
     }
     notify_saved(world, path);
-    world.resource_mut::<ScenarioSource>().saved = Some((file.clone(), scenario.clone()));
+    world.resource_mut::<ScenarioSource>().record_saved(file.clone(), scenario.clone());
     world.write_message(EditorReply::Saved { file, scenario: scenario.clone() });
     Ok(())
 }

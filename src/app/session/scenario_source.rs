@@ -21,8 +21,8 @@ pub struct ScenarioSource {
     /// A scenario to switch to when the next episode ends.
     pub(super) pending: Option<Scenario>,
     /// The scenario that was saved last; `None` if the current scenario has changed since.
-    pub(super) saved: Option<ScenarioFile>,
-    /// The scenario that was opened last in the editor.
+    saved: Option<ScenarioFile>,
+    /// The file that was opened last in the editor, with the content that the app last read or wrote.
     opened_in_editor: Option<ScenarioFile>,
     /// A file that another program has changed, and that the user has once asked to overwrite.
     overwrite_requested: Option<PathBuf>,
@@ -61,6 +61,16 @@ impl ScenarioSource {
     /// Records the content of a file that was opened in the editor.
     pub(crate) fn record_opened(&mut self, from: String, scenario: Arc<Scenario>) {
         self.opened_in_editor = Some((from, scenario));
+    }
+
+    /// Records the content of a file to which a scenario was saved.
+    pub(super) fn record_saved(&mut self, file: String, scenario: Arc<Scenario>) {
+        if let Some((opened, content)) = &mut self.opened_in_editor
+            && *opened == file
+        {
+            content.clone_from(&scenario);
+        }
+        self.saved = Some((file, scenario));
     }
 
     /// Discards the saved scenario, because the current scenario is newer.

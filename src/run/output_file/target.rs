@@ -37,7 +37,7 @@ impl OutputTarget {
                 Err(_) => return Self::file(target),
             }
         }
-        Err(io::Error::other("too many links lead from one to the next"))
+        Err(io::Error::other("too many levels of symbolic links"))
     }
 
     fn file(target: PathBuf) -> io::Result<Self> {

@@ -59,8 +59,12 @@ fn every_value_out_of_range_is_reported_with_its_field() {
         ("loss.delta", |c| c.loss = Loss::Huber { delta: -1.0 }),
         ("optimizer.smoothing", |c| c.optimizer = Optimizer::RmsProp { smoothing: 1.0, epsilon: 1e-8 }),
         ("optimizer.epsilon", |c| c.optimizer = Optimizer::RmsProp { smoothing: 0.9, epsilon: 0.0 }),
+        ("optimizer.beta1", |c| c.optimizer = Optimizer::Adam { beta1: 1.0, beta2: 0.999, epsilon: 1e-8 }),
         ("optimizer.beta2", |c| c.optimizer = Optimizer::Adam { beta1: 0.9, beta2: 2.0, epsilon: 1e-8 }),
         ("learning_rate", |c| c.learning_rate = Schedule::Constant(-1e-3)),
+        ("learning_rate.from", |c| {
+            c.learning_rate = Schedule::Linear { from: -1e-3, to: 1e-4, env_steps: 1 };
+        }),
         ("learning_rate.env_steps", |c| {
             c.learning_rate = Schedule::Linear { from: 1e-3, to: 1e-4, env_steps: 0 };
         }),
@@ -86,12 +90,28 @@ fn every_value_out_of_range_is_reported_with_its_field() {
         ("batch_size", |c| c.batch_size = 0),
         ("replay.capacity", |c| c.replay.capacity = 63),
         ("replay.capacity", |c| c.replay.capacity = usize::MAX),
+        ("replay.sampling.alpha", |c| {
+            c.replay.sampling = Sampling::Prioritized {
+                alpha: 1.5,
+                beta: Schedule::Constant(0.4),
+                importance_weights: true,
+                epsilon: 1e-3,
+            };
+        }),
         ("replay.sampling.beta", |c| {
             c.replay.sampling = Sampling::Prioritized {
                 alpha: 0.6,
                 beta: Schedule::Constant(1.5),
                 importance_weights: true,
                 epsilon: 1e-3,
+            };
+        }),
+        ("replay.sampling.epsilon", |c| {
+            c.replay.sampling = Sampling::Prioritized {
+                alpha: 0.6,
+                beta: Schedule::Constant(0.4),
+                importance_weights: true,
+                epsilon: 0.0,
             };
         }),
         ("train_freq", |c| c.train_freq = 0),
@@ -103,6 +123,12 @@ fn every_value_out_of_range_is_reported_with_its_field() {
         }),
         ("exploration.start", |c| {
             c.exploration = Exploration::Linear { start: 2.0, end: 0.05, env_steps: 10 };
+        }),
+        ("exploration.end", |c| {
+            c.exploration = Exploration::Linear { start: 1.0, end: -0.1, env_steps: 10 };
+        }),
+        ("exploration.env_steps", |c| {
+            c.exploration = Exploration::Linear { start: 1.0, end: 0.05, env_steps: 0 };
         }),
     ];
     for (field, change) in changes {
