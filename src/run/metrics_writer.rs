@@ -15,6 +15,9 @@ use super::tensorboard::{EventWriter, cut_back};
 use super::write_points::write_point;
 use crate::scenario::column_name;
 
+/// The TensorBoard event files, in messages.
+const EVENT_FILES: &str = "events.out.tfevents.*";
+
 /// The tags of an evaluation's scalars start with this.
 const EVALUATION_TAGS: &str = "evaluation/";
 
@@ -91,7 +94,9 @@ impl MetricsWriter {
         }
         for (column, &reward) in self.reward_columns.iter().zip(&row.extra_rewards) {
             let tag = format!("episode/{column}");
-            self.events.scalar(&tag, row.env_steps, reward).map_err(|error| self.failed("events", error))?;
+            self.events
+                .scalar(&tag, row.env_steps, reward)
+                .map_err(|error| self.failed(EVENT_FILES, error))?;
         }
         self.scalars(
             row.env_steps,
@@ -144,7 +149,7 @@ impl MetricsWriter {
         self.flushed = Instant::now();
         self.episodes.flush().map_err(|error| self.failed(EPISODES_FILE, error))?;
         self.evaluations.flush().map_err(|error| self.failed(EVALUATIONS_FILE, error))?;
-        self.events.flush().map_err(|error| self.failed("events", error))
+        self.events.flush().map_err(|error| self.failed(EVENT_FILES, error))
     }
 
     /// Like [`flush`](Self::flush), but also makes the rows survive a power cut, because a checkpoint will refer to them.
@@ -154,7 +159,7 @@ impl MetricsWriter {
     /// A file cannot be written.
     pub fn sync(&mut self) -> Result<(u64, u64), RunError> {
         self.flush()?;
-        self.events.sync().map_err(|error| self.failed("events", error))?;
+        self.events.sync().map_err(|error| self.failed(EVENT_FILES, error))?;
         let length = |writer: &csv::Writer<File>| {
             writer.get_ref().sync_data()?;
             write_point("CSV: flushed");
@@ -189,7 +194,7 @@ impl MetricsWriter {
             if let Some(value) = value {
                 self.events
                     .scalar(tag, env_steps, value as f32)
-                    .map_err(|error| self.failed("events", error))?;
+                    .map_err(|error| self.failed(EVENT_FILES, error))?;
             }
         }
         Ok(())

@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn the_error_for_another_encoding_gives_the_policy_s_own_as_it_is_written_in_a_preset() {
+    fn the_error_for_another_encoding_gives_that_of_the_policy_in_preset_syntax() {
         let general = shipped::policies().iter().find(|policy| policy.is_general()).expect("shipped");
         let error =
             check_encoding(&general.policy, Encoding::Scaled).expect_err("another encoding").to_string();

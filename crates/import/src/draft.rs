@@ -5,7 +5,7 @@ use wayfield_scenario::limits::{
     EPISODE_STEPS, MAX_ABOUT_CHARS, MAX_NAME_CHARS, MAX_OBSTACLES, MAX_WALL_SEGMENTS, MAX_WALLS,
 };
 use wayfield_scenario::{
-    BenchmarkRoute, Enclosure, MAX_FILE_BYTES, PlacementRule, Scenario, clearance, diagnostics,
+    BenchmarkRoute, Enclosure, MAX_FILE_BYTES, PlacementRule, Scenario, Wall, clearance, diagnostics,
     is_unprintable, to_text,
 };
 
@@ -15,8 +15,8 @@ use crate::grid::Cell;
 use crate::round::{metres, point};
 use crate::trace::{Scale, Surroundings};
 
-/// The time limit suffices for this many times the path between the ends of the floor, because a robot that is still learning
-/// takes detours. The path's length is counted in steps between cells that share a side.
+/// Within the time limit, the robot can drive this many times the length of the path between the ends of the floor, because a
+/// robot that is still learning takes detours. The length is counted in steps between cells that share a side.
 const PATH_FACTOR: f64 = 1.5;
 
 /// Where a scenario comes from.
@@ -112,10 +112,10 @@ fn steps(base: &Scenario, path_m: f64) -> u32 {
 /// # Errors
 /// The first problem, as a message without `; help: ...`.
 pub fn check(scenario: &Scenario) -> Result<(), String> {
-    let corners: usize = scenario.walls.iter().map(|wall| wall.corners_m.len()).sum();
+    let segments: usize = scenario.walls.iter().map(Wall::segment_count).sum();
     for (count, most, what) in [
         (scenario.walls.len(), MAX_WALLS, "walls"),
-        (corners, MAX_WALL_SEGMENTS, "corners of walls"),
+        (segments, MAX_WALL_SEGMENTS, "wall segments"),
         (scenario.obstacles.len(), MAX_OBSTACLES, "obstacles"),
     ] {
         if count > most {
@@ -130,4 +130,24 @@ pub fn check(scenario: &Scenario) -> Result<(), String> {
         return Err(format!("the scenario's file would be larger than {} MiB", MAX_FILE_BYTES >> 20));
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::vec2;
+
+    use super::*;
+
+    #[test]
+    fn the_limit_of_wall_segments_counts_segments_not_corners() {
+        let wall = |corners: usize| Wall {
+            corners_m: (0..corners).map(|k| vec2(k as f32 * 0.01, 0.0)).collect(),
+            ..Wall::default()
+        };
+        let mut scenario = Scenario { walls: vec![wall(11); 1000], ..Scenario::default() };
+        assert!(!check(&scenario).is_err_and(|problem| problem.contains("would have")));
+        scenario.walls[0] = wall(12);
+        let problem = "the scenario would have 10001 wall segments, more than 10000";
+        assert_eq!(check(&scenario), Err(problem.into()));
+    }
 }

@@ -87,10 +87,20 @@ mod tests {
 
     #[test]
     fn incomplete_and_foreign_files_are_errors_and_huge_ones_are_not_decoded() {
+        let half_a_png = |width: u32, height: u32| {
+            let mut file = Cursor::new(Vec::new());
+            image::GrayImage::new(width, height).write_to(&mut file, ImageFormat::Png).expect("encoded");
+            let mut bytes = file.into_inner();
+            bytes.truncate(bytes.len() / 2);
+            bytes
+        };
+        let (small, huge) = (half_a_png(64, 64), half_a_png(8192, 1025));
         for (bytes, expected) in [
             (&b"P5\n4 4\n255\n\0\0\0"[..], "not a complete image: "),
             (b"P5\n400000 400000\n255\n", "400000 x 400000 pixels, more than 8388608; help: "),
             (b"P5\n4 4\n", "not a complete image: "),
+            (&small[..], "not a complete image: "),
+            (&huge[..], "8192 x 1025 pixels, more than 8388608; help: "),
             (b"GIF89a......", "not an image that can be read; help: give a PGM, PPM, PBM or PNG file"),
             (b"", "not an image that can be read; help: "),
         ] {

@@ -249,7 +249,8 @@ impl QNetwork {
         self.in_chunks(observations, n, width, out, |heads| self.quantile_rows(heads));
     }
 
-    /// The quantiles (n quantiles x actions) of the output of the last layer (n x quantiles head outputs).
+    /// The quantiles of all actions, from the output of the last layer. Each of the n rows has the outputs of all heads; each of
+    /// the n * quantiles rows of the result has one value per action.
     fn quantile_rows<T: Tape<f32, Cpu>>(&self, heads: Rows<T>) -> Rows<T> {
         let (n, width) = *heads.shape();
         let heads = match self.quantiles {

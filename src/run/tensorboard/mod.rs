@@ -57,14 +57,13 @@ impl EventWriter {
                 file => break (path, file),
             }
         };
-        let file =
-            file.map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", path.display())))?;
+        let named = |error: io::Error| io::Error::new(error.kind(), format!("{}: {error}", path.display()));
+        let file = file.map_err(named)?;
         write_point("events: created");
 
         let mut writer = Self { file: BufWriter::new(file), latest_s: earliest_s };
         let version = event::version(writer.now_s());
-        writer.file.write_all(&event::record(&version))?;
-        writer.flush()?;
+        writer.file.write_all(&event::record(&version)).and_then(|()| writer.flush()).map_err(named)?;
         Ok(writer)
     }
 

@@ -169,9 +169,12 @@ fn named(response: Response, name: FieldName) -> Response {
     }
 }
 
-/// A number with between `min` and `max` decimals, as many as it needs.
+/// A number with between `min` and `max` decimals, as many as it needs. If all digits are 0, it has no sign.
 fn format_number(value: f64, (min, max): (usize, usize)) -> String {
     let mut text = format!("{value:.max$}");
+    if text.starts_with('-') && text.trim_start_matches(['-', '0', '.']).is_empty() {
+        text.remove(0);
+    }
     for _ in min..max {
         match text.strip_suffix('0') {
             Some(shorter) => text.truncate(shorter.len()),
@@ -197,12 +200,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_have_no_needless_decimals() {
+    fn numbers_have_no_needless_decimals_or_signs() {
         assert_eq!(
             [0.15, 0.125, 4.0, -1.2].map(|value| format_number(value, (2, 3))),
             ["0.15", "0.125", "4.00", "-1.20"]
         );
         assert_eq!([30.0, 0.06, -85.94].map(|value| format_number(value, (0, 1))), ["30", "0.1", "-85.9"]);
         assert_eq!([100.0, 2.5, 0.0].map(|value| format_number(value, (0, 2))), ["100", "2.5", "0"]);
+        assert_eq!([-0.0, -0.004, -0.006].map(|value| format_number(value, (0, 2))), ["0", "0", "-0.01"]);
     }
 }
