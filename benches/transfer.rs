@@ -1,4 +1,4 @@
-//! Transfer: the training time in Scenario II when it starts from a policy of Scenario I, and from scratch.
+//! Transfer: the training time in Scenario II, from scratch and from a policy of Scenario I.
 //!
 //! `cargo bench --no-default-features --bench transfer -- [SEEDS]`, by default 3 seeds. All runs use the default preset. Each
 //! seed trains for 20,000 env steps in Scenario I (about enough to succeed there; they are not counted). Then it trains

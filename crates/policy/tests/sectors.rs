@@ -241,6 +241,9 @@ fn collisions_are_foreseen_with_what_stands_still_and_what_moves() {
         f32::INFINITY,
         "a bend with a radius of a third of a unit"
     );
+    let mut reset = still.clone();
+    reset.reset();
+    assert_eq!(reset.steps_to_collision(ahead, ahead), f32::INFINITY, "it has forgotten the disc");
     // The same distance, but it comes nearer by 0.3 units a step.
     let coming = observe(-0.25, 0.03);
     let steps = coming.steps_to_collision(stop, stop);
@@ -295,6 +298,17 @@ fn a_restored_observer_continues_bit_identically() {
     assert_eq!(row(&restored, (1.0, 1.0)), row(&original, (1.0, 1.0)));
     [&mut original, &mut restored].into_iter().for_each(|observer| sense(observer, 7));
     assert_eq!(row(&restored, (1.0, 1.0)), row(&original, (1.0, 1.0)));
+}
+
+#[test]
+fn a_huge_change_of_the_heading_does_not_panic() {
+    let mut observer = observer(SectorLayout { predicted_paths: false, ..LAYOUT }, 36, 0.1);
+    for (range_m, heading_rad) in [(2.0, 0.0), (0.5, -1e30)] {
+        let pose = (0.0, 0.0, heading_rad);
+        observer.sense(&Sensed { ranges_m: &[range_m; 36], pose, twist: (0.0, 0.0) });
+    }
+    let row = row(&observer, (0.0, 1.0));
+    assert!(row[36..72].iter().any(|change| *change > 0.0), "the earlier scan is not lost: {row:?}");
 }
 
 #[test]

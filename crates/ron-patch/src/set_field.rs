@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn a_field_that_is_not_there_is_added_so_that_the_reader_judges_its_name() {
+    fn a_missing_field_is_added_so_that_the_parser_accepts_or_rejects_its_name() {
         assert_eq!(set("gama", "1"), TEXT.replacen('(', "(gama: 1, ", 1));
         assert_eq!(set("new.list[0]", "1"), TEXT.replacen('(', "(new: (list: [1]), ", 1));
         assert_eq!(set("sampling.beta", "1"), TEXT.replace("(alpha", "(beta: 1, alpha"));

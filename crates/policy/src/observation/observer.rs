@@ -205,6 +205,8 @@ impl SectorObserver {
         self.memory.scans.clear();
         self.memory.tracker.reset();
         self.earlier.fill(-1.0);
+        self.near_legs.clear();
+        self.near_hits.clear();
         self.twist = (0.0, 0.0);
     }
 
@@ -392,7 +394,8 @@ impl SectorObserver {
         let rotation_rad = before.pose.2 - now.pose.2;
         for (sector, hit) in before.seen(is_seen) {
             let mut mark = |first: i32, last: i32, nearness: f32| {
-                for sector in first..=last.min(first + count - 1) {
+                // A huge rotation saturates.
+                for sector in first..=last.min(first.saturating_add(count - 1)) {
                     let value = &mut earlier[sector.rem_euclid(count) as usize];
                     *value = value.max(nearness);
                 }

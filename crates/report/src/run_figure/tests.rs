@@ -35,7 +35,7 @@ fn svg(episodes: &[EpisodePoint], evaluations: &[EvaluationPoint]) -> String {
 }
 
 #[test]
-fn every_run_has_a_figure_that_holds_all_its_points() {
+fn in_the_figure_of_any_run_nothing_is_outside_and_no_texts_overlap() {
     let odd = |total_return| EpisodePoint { env_steps: 500, total_return, goals: 1 };
     let cases: [(&str, Vec<EpisodePoint>, Vec<EvaluationPoint>); 6] = [
         ("empty", vec![], vec![]),

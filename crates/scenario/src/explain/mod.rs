@@ -39,7 +39,7 @@ struct Problem {
     pub offset: usize,
     /// The problem and its fix.
     pub message: String,
-    /// A change of the text after which reading may continue after the problem.
+    /// A change of the text with which reading can continue past the problem.
     pub repair: Option<Repair>,
 }
 
