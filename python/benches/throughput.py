@@ -6,7 +6,7 @@ All rates are per CPU second, measured in turn on one core, in several rounds; t
 batched port of Scenario I without physics: kinematics, exact ray casting of 24 beams against four circles and four walls, the
 reward, and resets. "numpy, one robot" is the same port with one robot as a gymnasium.Env. All environments with one robot are
 wrapped in Gymnasium's RecordEpisodeStatistics, which collects the same statistics as SB3's Monitor. "ir-sim, one robot" is
-Scenario I in ir-sim (irsim_env.py), if ir-sim is installed. Each ratio is one of two rates of the same round; the table has the
+Scenario I in ir-sim (irsim_env.py), if ir-sim is installed. Each ratio compares two rates of the same round; the table has the
 median over the rounds. The overhead of a call is a hundredth of the median difference between the times of 100 steps from Python
 and of the 100 native steps before them.
 """

@@ -73,6 +73,14 @@ def test_a_result_has_arrays_and_policies(run):
     assert wayfield.load_run(run.folder).summary == run.summary
 
 
+def test_a_run_over_a_set_names_the_scenario_of_each_episode(tmp_path):
+    scenarios = '(name: "Two", scenarios: [(scenario: "scenario-1"), (scenario: "empty")])'
+    result = wayfield.train(scenarios, seed=7, steps=10_000, out=tmp_path / "run", progress=False)
+    assert set(result.episodes["scenario"]) == {"scenario-1", "empty"}
+    assert np.isfinite(result.episodes["return"]).all()
+    assert len(result.evaluations["success_rate_empty"]) == len(result.evaluations["success_rate"])
+
+
 def test_frames_are_pandas_if_it_is_installed(run):
     if importlib.util.find_spec("pandas"):
         assert len(run.episodes_frame()) == run.summary["episodes"]
@@ -267,6 +275,9 @@ def test_a_callback_sees_the_progress_and_stops_the_run(tmp_path):
     result = wayfield.train(steps=10_000_000, out=tmp_path / "run", callback=callback, progress=False)
     assert not result.summary["finished"] and result.summary["env_steps"] < 1_000_000
     assert seen[-1]["env_steps"] >= 5_000 and seen[-1]["episodes"] > 0
+    for steps in (0, 10**16):
+        with pytest.raises(ValueError, match="budget"):
+            wayfield.resume(result.folder, steps=steps, progress=False)
     resumed = wayfield.resume(result.folder, steps=result.summary["env_steps"] + 1_000, progress=False)
     assert resumed.summary["finished"]
 

@@ -8,12 +8,16 @@ import numpy as np
 
 
 def read_csv(path: Path) -> dict[str, np.ndarray]:
-    """The columns of a CSV file as float64 arrays; an empty field is NaN."""
+    """The columns of a run's CSV file: strings in the column ``scenario``, otherwise float64, NaN for an empty field."""
     with open(path, newline="", encoding="utf-8") as file:
         header, *rows = csv.reader(file)
-    cells = np.array([[float(cell) if cell else np.nan for cell in row] for row in rows], np.float64)
-    cells = cells.reshape(len(rows), len(header))
-    return {name: cells[:, index] for index, name in enumerate(header)}
+
+    def column(name: str, cells: list[str]) -> np.ndarray:
+        if name == "scenario":
+            return np.array(cells, np.str_)
+        return np.array([float(cell) if cell else np.nan for cell in cells], np.float64)
+
+    return {name: column(name, [row[index] for row in rows]) for index, name in enumerate(header)}
 
 
 def columns(records: list[dict[str, Any]]) -> dict[str, np.ndarray]:

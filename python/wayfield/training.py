@@ -44,7 +44,8 @@ class TrainingResult:
 
     @cached_property
     def episodes(self) -> dict[str, np.ndarray]:
-        """The columns of ``episodes.csv``, one value per episode: float64, NaN for an empty field."""
+        """The columns of ``episodes.csv``, one value per episode: float64, NaN for an empty field. After training over a set of
+        scenarios, the column ``scenario`` has strings."""
         return read_csv(self.folder / "episodes.csv")
 
     @cached_property

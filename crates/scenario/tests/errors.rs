@@ -236,6 +236,13 @@ fn long_texts_and_large_lists_are_rejected() {
 }
 
 #[test]
+fn a_tab_in_a_name_is_rejected() {
+    let scenario = Scenario { name: "a\tb".into(), ..Scenario::default() };
+    let found: Vec<_> = diagnostics(&scenario).iter().map(ToString::to_string).collect();
+    assert_eq!(found, ["`name` contains a tab: write a space instead"]);
+}
+
+#[test]
 fn non_finite_and_huge_numbers_are_rejected_everywhere() {
     for (name, expected) in [("everything.ron", 101), ("everything-else.ron", 6)] {
         let text = std::fs::read_to_string(Path::new(FIXTURES).join(name)).expect("the fixture is there");

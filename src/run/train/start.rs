@@ -60,12 +60,13 @@ impl Run {
     ) -> Result<Self, RunError> {
         let (folder, config) = RunFolder::open(path)?;
         let folder = folder.locked()?;
-        let mut config = config.resume_with_extensions(extensions, path)?;
+        let config = config.resume_with_extensions(extensions, path)?;
+        let earlier_budget = config.preset.budget;
+        let config = config.with_length(budget, None)?;
         #[cfg(unix)]
         memory_limit::check(&config)?;
         if !checkpoint::exists(path) && !has_rows(path) {
             // The run was killed before its first checkpoint, and so before its first step.
-            config.preset.budget = budget.unwrap_or(config.preset.budget);
             let policy = config
                 .transfer
                 .as_ref()
@@ -76,7 +77,7 @@ impl Run {
             return Self::from_scratch(config, folder, learner, began, listener);
         }
         let LoadedCheckpoint { trainer_state, learner, skipped } = checkpoint::load(&folder, &config)?;
-        let budget = budget.unwrap_or(config.preset.budget);
+        let budget = config.preset.budget;
         if remaining(budget, &learner) == 0 && is_complete(path, &learner) {
             let done = match budget {
                 Budget::Episodes(_) => format!("{} episodes", learner.episodes()),
@@ -91,8 +92,7 @@ impl Run {
             ));
         }
         checkpoint::mark_damaged(&skipped)?;
-        if budget != config.preset.budget {
-            config.preset.budget = budget;
+        if budget != earlier_budget {
             folder.write_config(&config)?;
         }
         let env_steps = learner.env_steps();

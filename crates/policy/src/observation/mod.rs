@@ -84,7 +84,7 @@ impl Encoding {
     /// Whether the observation `row` [shows something that moves](SectorLayout::shows_motion); true if its encoding cannot show it.
     ///
     /// # Panics
-    /// `row` is shorter than an observation by sectors.
+    /// `row` is shorter than an observation with this encoding.
     #[must_use]
     pub fn shows_motion(self, row: &[f32]) -> bool {
         self.sectors().is_none_or(|layout| layout.shows_motion(row))

@@ -41,9 +41,11 @@ pub(crate) fn check_texts(name: &str, about: &str, diagnostics: &mut Diagnostics
 /// Checks the name in the field at `path`.
 pub(crate) fn check_name(path: &str, name: &str, diagnostics: &mut Diagnostics) {
     let is_too_long = name.chars().count() > MAX_NAME_CHARS;
-    if name.trim().is_empty() || is_too_long || name.contains(['\n', '\r', '\t']) {
+    if name.trim().is_empty() || is_too_long || name.contains(['\n', '\r']) {
         let message = format!("must have 1 to {MAX_NAME_CHARS} characters on one line");
         diagnostics.push(format_args!("{path}"), message);
+    } else if name.contains('\t') {
+        diagnostics.push(format_args!("{path}"), "contains a tab: write a space instead");
     }
     check_characters(path, name, diagnostics);
 }
