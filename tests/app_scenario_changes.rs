@@ -42,7 +42,8 @@ fn options(file: &Path) -> StartOptions {
     }
 }
 
-/// The time between two frames. The file watch measures time in frames, too: it checks a file in every tenth frame.
+/// The time between two frames, on the clock of the app. The file watch uses the same clock: it checks a file in every tenth
+/// frame.
 const FRAME: Duration = Duration::from_millis(20);
 
 /// Runs frames until `done`, for at most a minute.

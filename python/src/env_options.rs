@@ -34,7 +34,7 @@ pub fn scenario(source: &str) -> PyResult<Scenario> {
     shipped::scenario(source).map_err(|error| file_error(source, error))
 }
 
-/// The scenario `source`, as for [`scenario`], or the first scenario of the set `source`, and the set.
+/// The scenario `source`, as for [`scenario`]; or, if `source` is a set, its first scenario and the set.
 pub fn scenario_or_set(source: &str) -> PyResult<(Scenario, Option<ScenarioSet>)> {
     if !is_text(source) {
         return shipped::scenario_or_set(source).map_err(|error| file_error(source, error));
@@ -106,9 +106,15 @@ impl EnvOptions {
         let encoding = encoding.unwrap_or(preset.observation);
         let mut layout = ObservationLayout::default();
         layout.encoding = encoding;
-        preset
-            .check_env_memory(scenario, &layout)
-            .map_err(|error| PyValueError::new_err(format!("num_envs={num_envs}: {error}")))?;
+        let check_memory = |scenario: &Scenario| {
+            let checked = preset.check_env_memory(scenario, &layout);
+            checked.map_err(|error| PyValueError::new_err(format!("num_envs={num_envs}: {error}")))
+        };
+        check_memory(scenario)?;
+        for member in set.iter().flat_map(|set| &set.members) {
+            let first = member.source.first().map_err(|error| PyValueError::new_err(error.to_string()))?;
+            check_memory(&first)?;
+        }
         let bounds = ObservationBounds::of(encoding, scenario, set.as_ref());
         let config = VecEnvConfig {
             num_envs,

@@ -225,6 +225,13 @@ def test_errors_are_python_exceptions_with_the_messages_of_the_command_line(tmp_
     for num_envs in (0, 5000):
         with pytest.raises(ValueError, match="num_envs is .*; help: give a number from 1 to 4096"):
             gymnasium.make_vec(ENV, num_envs=num_envs)
+    obstacles = "(shape: Circle(radius_m: 0.1), position_m: (3.0, 3.0)), " * 250
+    enclosure = "Rectangle(width_m: 8.0, height_m: 8.0)"
+    (tmp_path / "many.ron").write_text(f'(name: "Many", enclosure: {enclosure}, obstacles: [{obstacles}])')
+    pair = tmp_path / "pair.ron"
+    pair.write_text('(name: "Pair", scenarios: [(scenario: "empty"), (scenario: "many.ron")])')
+    with pytest.raises(ValueError, match="num_envs=4096: .* bodies, more than"):
+        gymnasium.make_vec(ENV, num_envs=4096, scenario=pair)
     envs = gymnasium.make_vec(ENV, num_envs=2)
     with pytest.raises(RuntimeError, match="help: call reset"):
         envs.step([0, 0])

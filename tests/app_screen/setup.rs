@@ -186,6 +186,7 @@ fn the_seed_can_be_typed_or_drawn_at_random() {
         ("18446744073709551616", "Too large: 18446744073709551616. The seed stays 1844674407370955161"),
         ("x3", "Not a whole number: x3. The seed stays 1844674407370955161"),
         ("-5", "Negative: -5. The seed stays 1844674407370955161"),
+        ("", "No number. The seed stays 1844674407370955161"),
     ] {
         type_seed(&mut window, text);
         assert!(window.query_by_label(problem).is_some(), "{problem}");
@@ -202,6 +203,10 @@ fn type_seed(window: &mut Window, text: &str) {
     window.get_by_label("Seed").click();
     settle(window);
     window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    if text.is_empty() {
+        window.key_press(Key::Backspace);
+        window.step();
+    }
     for letter in text.chars() {
         window.get_by_label("Seed").type_text(&letter.to_string());
         window.step();

@@ -32,8 +32,8 @@ pub(super) fn check(preset: &Preset, length: RunLength, notes: &mut Vec<Note>) {
         && env_steps <= starts
     {
         let message = format!(
-            "ends at env step {env_steps}, but learning starts at {starts}, so the robot drives by an untrained network in \
-             between; help: end it later, or give a smaller `replay.learning_starts`"
+            "ends at env step {env_steps}, but learning starts at {starts}, so the robot drives by an untrained network; help: \
+             end it later, or give a smaller `replay.learning_starts`"
         );
         add("learning.exploration", message);
     }

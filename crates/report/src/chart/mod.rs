@@ -166,7 +166,8 @@ mod tests {
             ("no column", figure(&[])),
             ("an empty column", figure(&[column(&[])])),
             ("plain", figure(&[plain.clone(), plain.clone()])),
-            ("wide", figure(&[wide, plain.clone(), plain])),
+            ("wide", figure(&[wide, plain.clone(), plain.clone()])),
+            ("twenty columns", figure(&vec![plain; 20])),
         ];
         for (name, figure) in cases {
             let svg = figure.svg().expect("the figure is drawn");

@@ -128,7 +128,7 @@ fn add_orbits(draft: &mut Draft, count: u32, walker: Walker, orbit_m: f32, strea
     let direction = if uniform_01(stream) < 0.5 { 1.0 } else { -1.0 };
     let speed_rad_s = direction * walker.speed_m_s / orbit_m;
     let first = uniform(stream, -PI, PI);
-    // Even with the largest deviations, half the angle between two neighbours must not be less than that of one radius.
+    // Neighbours must not overlap, even with the largest deviations: half the angle between them is at least `half_angle`.
     let half_angle = libm::asinf((walker.radius_m / orbit_m).min(1.0));
     let count = count.min((((0.5 - JITTER) * TAU / half_angle) as u32).max(1));
     for k in 0..count {

@@ -54,6 +54,9 @@ pub(super) fn seed_ui(ui: &mut Ui, form: &mut SetupForm) {
 /// The problem, without a full stop.
 fn parse_seed(text: &str) -> Result<u64, String> {
     let text = text.trim();
+    if text.is_empty() {
+        return Err("No number".into());
+    }
     text.parse().map_err(|_| {
         let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
         let problem = match text.strip_prefix('-') {

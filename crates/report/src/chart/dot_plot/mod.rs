@@ -26,6 +26,8 @@ const ROW_HEIGHT: i32 = 72;
 /// The height of a row without a name, which separates groups.
 const GAP_HEIGHT: i32 = 32;
 const COLUMN_GAP: i32 = 48;
+/// With many columns, the figure becomes wider than [`WIDTH`] rather than its columns narrower than this.
+const MIN_COLUMN_WIDTH: i32 = 200;
 const HEADING_LINE: i32 = 40;
 const FOOT: i32 = 128;
 
@@ -43,14 +45,16 @@ impl DotPlot {
         let names = self.rows.iter().map(|row| text_width(row, TEXT)).max().unwrap_or(0).min(WIDTH / 3);
         let left = EDGE + names + 24;
         let count = columns.len().max(1) as i32;
-        let column_width = (WIDTH - EDGE - left - (count - 1) * COLUMN_GAP) / count;
+        let gaps = (count - 1) * COLUMN_GAP;
+        let column_width = ((WIDTH - EDGE - left - gaps) / count).max(MIN_COLUMN_WIDTH);
+        let figure_width = WIDTH.max(left + count * column_width + gaps + EDGE);
         let headings: Vec<_> = columns.iter().map(|c| wrapped(c.heading, HEADING, column_width)).collect();
         let heading_lines = headings.iter().map(Vec::len).max().unwrap_or(1) as i32;
         let upper = title_end + legend.height() + 24 + heading_lines * HEADING_LINE + 12;
         let (row_middles, end) = self.row_middles(upper);
         let lower = end.max(upper + 2 * ROW_HEIGHT);
 
-        draw_svg((WIDTH as u32, (lower + FOOT) as u32), |root| {
+        draw_svg((figure_width as u32, (lower + FOOT) as u32), |root| {
             draw_title(root, &self.title, (EDGE, width))?;
             legend.draw(root, (EDGE, title_end), width)?;
             for (row, &y) in self.rows.iter().zip(&row_middles) {
