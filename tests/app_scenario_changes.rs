@@ -161,6 +161,12 @@ fn questionable_settings_are_reported_until_another_training_run_starts() {
     app.frame(FRAME);
     let text = "hangar.ron: `task.max_episode_steps` is 500: ";
     assert!(has_notice(&app, text) && has_notice(&app, "% of the goals"), "{:?}", app.notices());
+    let scenario = Arc::new(Scenario::clone(&app.shown().0.scenario));
+    app.command(Command::ApplyScenario { scenario, from: "empty".into(), restart: false });
+    app.frame(FRAME);
+    assert!(!has_notice(&app, text), "the scenario is from another file now: {:?}", app.notices());
+    let text = "empty: `task.max_episode_steps` is 500: ";
+    assert!(has_notice(&app, text), "the notice names that file: {:?}", app.notices());
     let scenario = "scenario-1".to_owned();
     app.command(Command::StartTraining { scenario, preset: "fast".into(), seed: 0 });
     app.frame(FRAME);

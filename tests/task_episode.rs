@@ -277,7 +277,10 @@ fn after_a_single_goal_episode_the_arena_is_inactive_and_its_state_does_not_chan
         for (arena, then) in inactive.iter().enumerate() {
             match then {
                 Some((since, then)) if *since < step => {
-                    assert!(lab.outcomes()[arena].inactive, "arena {arena} is inactive since step {since}");
+                    assert!(
+                        lab.outcomes()[arena].inactive,
+                        "arena {arena} stays inactive after step {since}"
+                    );
                     assert_eq!(lab.outcomes()[arena].reward.total(), 0.0);
                     assert_eq!(
                         now[arena].0, then.0,

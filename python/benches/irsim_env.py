@@ -1,7 +1,8 @@
 """Scenario I in ir-sim (``pip install ir-sim``), as a gymnasium.Env: the same enclosure, obstacles, motions, LIDAR and rewards.
 
-Two differences: the robot's radius is 0.105 m here and 0.1 m in wayfield, and the first beam points backwards here and straight
-ahead in wayfield.
+The differences: the robot's radius is 0.105 m here and 0.1 m in wayfield; the first beam points backwards here and straight ahead
+in wayfield; starts and goals are at least 0.3 m from walls and obstacles here and 0.35 m in wayfield; and a goal may be
+arbitrarily close to the start here, but is at least 0.5 m away in wayfield.
 """
 
 import tempfile

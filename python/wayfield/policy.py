@@ -48,7 +48,7 @@ class Policy:
         """The Q-values: float32, (actions,) for one observation, (rows, actions) for a batch.
 
         Raises:
-            ValueError: The observations have another length.
+            ValueError: The observations have the wrong length.
         """
         observations = np.ascontiguousarray(observations, np.float32)
         if observations.ndim not in (1, 2) or observations.shape[-1] != self.num_inputs:
@@ -66,8 +66,8 @@ class Policy:
 
     def velocities(self, observations: Any) -> np.ndarray:
         """The motions of the greedy actions: float32, (2,) or (rows, 2), speed in m/s and turning rate in rad/s (left
-        positive). Those of a policy for any robot, such as ``general``, are for the robot it was trained with; use ``driver``
-        for others.
+        positive). For a policy that drives any robot, such as ``general``, they are those of the robot in its card; use
+        ``driver`` for another robot.
 
         Raises:
             ValueError: The policy has no card, which lists its motions.
@@ -107,7 +107,7 @@ class Policy:
             UserWarning: The scenario differs from the one used in training.
 
         Raises:
-            ValueError: The policy does not fit the scenario, was trained with sensors of plugins, or a setting is invalid.
+            ValueError: The policy does not fit the scenario, was trained with plugin sensors, or a setting is invalid.
             FileNotFoundError: There is no such scenario.
         """
         return Driver(self, scenario, with_map, set)

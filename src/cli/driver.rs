@@ -92,7 +92,7 @@ impl TestDriver {
     /// Checks that it can drive in `scenario`. Every classical driver can.
     ///
     /// # Errors
-    /// The policy's inputs or actions do not match `scenario`, or a policy with a map was trained with sensors of plugins.
+    /// The policy's inputs or actions do not match `scenario`, or a policy with a map was trained with plugin sensors.
     pub fn check(&self, path: &Path, scenario: &Scenario, extensions: &Extensions) -> Result<(), RunError> {
         self.policy().map_or(Ok(()), |policy| policy::check(path, policy, scenario, extensions))?;
         match self {

@@ -271,6 +271,19 @@ fn nested_poses_turn_and_move_their_shapes() {
 }
 
 #[test]
+fn booleans_are_1_or_true_in_any_case() {
+    for yes in ["1", "true", "True"] {
+        let pose = format!("<pose degrees='{yes}'>0 0 0 0 0 30</pose>");
+        let text = world(&model("m", &pose, BOX)).replace("<static>1<", &format!("<static>{yes}<"));
+        let folder = Folder::new(&[("w.world", text.as_bytes())]);
+        let imported = folder.import("w.world").expect("a world");
+        let rotation_rad = imported.scenario.obstacles[0].rotation_rad;
+        assert!((rotation_rad - 30_f32.to_radians()).abs() < 1e-5, "{yes}: {rotation_rad}");
+        assert_eq!(imported.findings, [""; 0], "{yes}");
+    }
+}
+
+#[test]
 fn included_models_are_found_and_their_pose_is_replaced() {
     let table = format!("<sdf version='1.6'>{}</sdf>", model("table", "<pose>50 50 0 0 0 0</pose>", BOX));
     let include = "<include><uri>model://table</uri><pose>1 2 0 0 0 0</pose></include>";

@@ -294,7 +294,7 @@ fn obstacle(shape: Shape, position_m: Vec2, motion: ObstacleMotion) -> Obstacle 
 }
 
 #[test]
-fn a_robot_that_never_moves_and_a_time_limit_without_goals_are_rejected() {
+fn a_robot_that_never_moves_and_a_time_limit_too_short_for_any_goal_are_rejected() {
     let top = Scenario { robot: robot(&[(0.0, 1.0), (0.0, -1.0)]), ..Scenario::default() };
     assert_eq!(
         found(&top),

@@ -1,5 +1,5 @@
-//! Property tests with random scenarios, without pedestrians, ranges, slip and odometry drift: a written scenario is read back,
-//! the checks never panic, and a scenario that passes them can be run.
+//! Property tests with random scenarios (without pedestrians, values drawn from ranges, slip or odometry drift): a written
+//! scenario is read back, the checks never panic, and a scenario that passes them can be run.
 
 mod scenario_strategies;
 

@@ -68,7 +68,7 @@ pub(super) fn compare_with_driver(
 /// Returns a confirmation.
 ///
 /// # Errors
-/// The policy was trained with sensors of plugins.
+/// The policy was trained with plugin sensors.
 pub(super) fn open_with_map(world: &mut World) -> Result<String, RunError> {
     let run = world.resource::<TrainingRun>();
     let best = world.resource::<Evaluations>().best(&run.trainer_state).is_some();

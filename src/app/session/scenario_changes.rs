@@ -45,26 +45,26 @@ pub(super) fn apply_edited(
     if restart {
         return start_training::start_in_scenario(world, (scenario.clone(), None), from);
     }
-    switch_scenario(world, scenario)?;
+    switch_scenario(world, scenario, &from)?;
     world.resource_mut::<ScenarioSource>().loaded = load_source(&from).unwrap_or_else(|| scenario.clone());
-    world.resource_mut::<TrainingRun>().config.scenario_from.clone_from(&from);
     #[cfg(not(target_arch = "wasm32"))]
     world.resource_mut::<FileWatches>().watch_known(&from);
     open::list_user_files(world);
     Ok(())
 }
 
-/// Continues training in `scenario`, with a new episode in every arena.
+/// Continues training in `scenario`, with a new episode in every arena. `from` is the scenario's file or shipped name.
 ///
 /// # Errors
 /// Training cannot continue in `scenario` ([`check_can_switch`]). The training run is then unchanged.
-fn switch_scenario(world: &mut World, scenario: &Scenario) -> Result<(), RunError> {
+fn switch_scenario(world: &mut World, scenario: &Scenario, from: &str) -> Result<(), RunError> {
     check_can_switch(&world.resource::<TrainingRun>().config, scenario)?;
     active_mode::while_training(world, |world| {
         let intervention = Intervention::Scenario(Box::new(scenario.clone()));
         interventions::apply(world, &intervention);
         world.resource_mut::<Journal>().record(intervention, false);
         on_scenario_changed(world);
+        from.clone_into(&mut world.resource_mut::<TrainingRun>().config.scenario_from);
         run_notices::show_notes(world);
         let arenas = world.resource::<TrainingRun>().config.preset.arenas;
         world.resource_mut::<Trails>().restart(arenas);
@@ -97,7 +97,7 @@ pub(super) fn check_can_switch(config: &RunConfig, scenario: &Scenario) -> Resul
 pub(super) fn apply_pending_scenario(world: &mut World) {
     let Some(scenario) = world.resource_mut::<ScenarioSource>().pending.take() else { return };
     let file = world.resource::<TrainingRun>().config.scenario_from.clone();
-    let (severity, text) = match switch_scenario(world, &scenario) {
+    let (severity, text) = match switch_scenario(world, &scenario, &file) {
         Ok(()) => {
             world.resource_mut::<ScenarioSource>().loaded = scenario;
             (Severity::Info, format!("{file}: now running the changed scenario"))

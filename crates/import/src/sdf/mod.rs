@@ -167,7 +167,7 @@ impl SdfWorld {
             return Ok(());
         };
         let is_static = at.is_static
-            || children(model, "static").next().is_some_and(|node| matches!(xml::text(node), "1" | "true"));
+            || children(model, "static").next().is_some_and(|node| xml::is_true(xml::text(node)));
         let before = self.solids.len();
         let here =
             Placement { pose: at.pose.then(own), own_pose: None, name: None, is_static, depth: at.depth + 1 };
@@ -247,8 +247,7 @@ impl SdfWorld {
         let text = read_text_with_limit(&path, MAX_WORLD_BYTES - self.bytes_read)?;
         self.bytes_read += text.len() as u64;
         let document = xml::parse(&text, &path)?;
-        let is_static =
-            children(include, "static").next().is_some_and(|node| matches!(xml::text(node), "1" | "true"));
+        let is_static = children(include, "static").next().is_some_and(|node| xml::is_true(xml::text(node)));
         let inside = XmlFile { path: &path, text: &text };
         let Some(model) = children(document.root_element(), "model").next() else {
             self.findings.add("included files without a model are left out", uri);

@@ -6,7 +6,7 @@ use glam::{DVec2, dvec2};
 use roxmltree::Node;
 use wayfield_scenario::FileError;
 
-use super::xml::{XmlFile, children, numbers};
+use super::xml::{XmlFile, children, is_true, numbers};
 
 /// Roll and pitch up to this, in rad, count as rounding errors.
 const LEVEL_RAD: f64 = 1e-3;
@@ -69,7 +69,7 @@ pub fn read(file: &XmlFile<'_>, node: Node<'_, '_>) -> Result<Option<Pose>, File
         return Ok(Some(Pose::default()));
     }
     let [x, y, height_m, roll, pitch, yaw] = numbers(file, node)?;
-    let unit = if node.attribute("degrees") == Some("true") { 1_f64.to_radians() } else { 1.0 };
+    let unit = if node.attribute("degrees").is_some_and(is_true) { 1_f64.to_radians() } else { 1.0 };
     let is_level = |angle: f64| {
         let turned = angle * unit / TAU;
         (turned - turned.round()).abs() * TAU <= LEVEL_RAD

@@ -58,6 +58,11 @@ pub fn text<'a>(node: Node<'a, '_>) -> &'a str {
     node.text().unwrap_or("").trim()
 }
 
+/// Whether a boolean is true: `1`, or `true` in any case, as in sdformat.
+pub fn is_true(text: &str) -> bool {
+    text == "1" || text.eq_ignore_ascii_case("true")
+}
+
 /// The numbers in an element. All are in the range of coordinates, and so finite.
 ///
 /// # Errors
