@@ -81,6 +81,7 @@ fn a_non_finite_number_stops_the_training_but_not_the_app() {
     for _ in 0..10 {
         app.frame(Duration::from_millis(16));
     }
+    assert!(!app.run().has_failed, "the new run has replaced the failed one: {:?}", app.error_notices());
     assert!(app.steps() > 5, "{} steps, {:?}", app.steps(), app.error_notices());
 }
 

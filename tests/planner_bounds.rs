@@ -1,5 +1,5 @@
-//! The optimal times of shipped scenarios: on the paper's benchmark route from 24 headings, with moved cylinders and at every
-//! phase of their orbit; and the gap between the planner's two bounds.
+//! The optimal times of shipped scenarios: on the paper's benchmark route from 24 headings, with a cylinder moved, and at every
+//! phase of the cylinders' orbit; and the gap between the planner's two bounds.
 //!
 //! docs/optimum.md quotes these numbers. To print them:
 //! `cargo test --release --no-default-features --test planner_bounds -- --nocapture`
@@ -184,10 +184,9 @@ fn the_number_of_threads_does_not_change_the_bounds_or_their_order() {
     let single_threaded = bounds(&scenario, &episodes, 1);
     assert_eq!(single_threaded, bounds(&scenario, &episodes, 3));
     assert_eq!(single_threaded, bounds(&scenario, &episodes, 64));
-    for (n, bounds) in episodes.iter().zip(&single_threaded) {
-        let start = (n.start.x_m, n.start.y_m, n.start.heading_rad);
-        let plan =
-            plan_path(&scenario, start, vec2(n.goal.x_m, n.goal.y_m), n.clock.0, Resolution::default());
+    for (EpisodeResult { start, goal, clock, .. }, bounds) in episodes.iter().zip(&single_threaded) {
+        let start = (start.x_m, start.y_m, start.heading_rad);
+        let plan = plan_path(&scenario, start, vec2(goal.x_m, goal.y_m), clock.0, Resolution::default());
         assert_eq!(bounds.plan_steps, plan.map(|plan| plan.steps));
     }
     assert_eq!(bounds(&scenario, &[], 0), []);

@@ -1,12 +1,23 @@
 //! Commands to robots, from numpy arrays or values that can be converted to one.
 
-use numpy::{AllowTypeChange, Element, PyArrayLikeDyn, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use numpy::{
+    AllowTypeChange, Element, PyArrayDyn, PyArrayLikeDyn, PyReadonlyArrayDyn, PyUntypedArrayMethods,
+};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use wayfield::scenario::Motion;
 
 /// The actions in `given`, which must have the shape `shape`. Indices that are too large are not rejected here.
 pub fn actions(given: &Bound<'_, PyAny>, shape: &[usize], num_actions: usize) -> PyResult<Vec<usize>> {
+    // NumPy's conversion to integers would drop fractions without an error.
+    if given.cast::<PyArrayDyn<i64>>().is_err() {
+        let converted: Vec<f64> = numbers(given, shape)?;
+        if let Some((env, action)) = converted.iter().enumerate().find(|(_, action)| action.fract() != 0.0) {
+            return Err(PyValueError::new_err(format!(
+                "action {action} of environment {env} is not a whole number; help: give the index of an action"
+            )));
+        }
+    }
     let index = |(env, action): (usize, i64)| {
         usize::try_from(action).map_err(|_| {
             let last = num_actions - 1;

@@ -26,8 +26,8 @@ pub struct SuiteOptions {
     optimum: bool,
 }
 
-/// Tests `drivers` in the same episodes of all scenarios of a suite. Returns JSON: the suite's name, and the results of each
-/// driver, by families.
+/// Tests `drivers` in the same episodes of all scenarios of a suite. Returns JSON: the suite's name, the drivers' classes, and
+/// the results of each driver by family.
 #[pyfunction]
 pub fn evaluate_suite(py: Python<'_>, drivers: Vec<Tested<'_>>, options: SuiteOptions) -> PyResult<String> {
     let drivers = drivers.iter().map(Tested::driver).collect::<PyResult<Vec<TestDriver>>>()?;

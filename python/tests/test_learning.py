@@ -131,6 +131,8 @@ def test_a_function_that_is_evaluated_gets_clear_errors():
     for action in (5, -1):
         with pytest.raises(ValueError, match=f"action {action} of environment 0 is out of range"):
             wayfield.evaluate_function(lambda rows, action=action: np.full(len(rows), action), **options)
+    with pytest.raises(ValueError, match="action 0.5 of environment 0 is not a whole number; help:"):
+        wayfield.evaluate_function(lambda rows: np.full(len(rows), 0.5), **options)
     with pytest.raises(ValueError, match="motion of environment 0 is not finite"):
         wayfield.evaluate_function(lambda rows: np.full((len(rows), 2), np.nan), actions="continuous", **options)
     with pytest.raises(ValueError, match='help: give "discrete" or "continuous"'):

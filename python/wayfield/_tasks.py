@@ -80,7 +80,7 @@ def run_tasks(tasks: Sequence[Task], pool: Pool, progress: bool) -> None:
 
 
 def replace_file(path: str | os.PathLike[str], contents: bytes) -> None:
-    """Writes a file atomically: an interruption leaves no incomplete file."""
+    """Writes a file atomically: an interruption leaves no incomplete file at ``path``."""
     temporary = f"{os.fspath(path)}.tmp"
     with open(temporary, "wb") as file:
         file.write(contents)

@@ -1,4 +1,4 @@
-//! Fonts for characters that the app's typeface lacks, such as a scenario's name in Japanese.
+//! Fonts for characters that the app's typeface lacks, such as those of a scenario's name in Japanese.
 //!
 //! In: the text that egui has drawn. Out: fonts of the system or, in the browser, of the page, which egui uses where the app's
 //! typeface lacks a character.

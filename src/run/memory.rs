@@ -71,7 +71,8 @@ impl Preset {
         ))
     }
 
-    /// Number of observations that the learner stores: in the replay buffer, and in the transitions that are not yet complete.
+    /// Number of observations that the learner stores: one per transition in the replay buffer, and those of the transitions that
+    /// are not yet complete. The replay buffer allocates 1/8 more of the first.
     pub(super) fn stored_states(&self) -> usize {
         self.learning.replay.capacity + self.arenas * (self.learning.n_step + 1)
     }

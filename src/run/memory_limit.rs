@@ -71,7 +71,8 @@ fn training_bytes(config: &RunConfig) -> u64 {
     let (preset, scenario) = (&config.preset, &config.scenario);
     let learning = &preset.learning;
     let inputs = config.observation_layout().width(scenario.lidar.beams);
-    let states = preset.stored_states();
+    // The replay buffer has room for 1/8 more states than transitions.
+    let states = preset.stored_states() + learning.replay.capacity / 8;
     // A network that is too large is refused by the learner.
     let shape = learning.network.shape(inputs, preset.actions.len(scenario.robot.motions.len()));
     let parameters = shape.map_or(0, |shape| shape.parameter_count());

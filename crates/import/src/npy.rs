@@ -2,6 +2,7 @@
 
 use glam::{DVec2, dvec2};
 
+use crate::findings::shown;
 use crate::limits::COORDINATE_M;
 
 /// The rows of an array of n x 2 numbers (int64, int32 or float64, little-endian, in C order).
@@ -10,7 +11,10 @@ use crate::limits::COORDINATE_M;
 /// The file or array is of another kind, is incomplete, or has numbers out of range.
 pub fn points(bytes: &[u8]) -> Result<Vec<DVec2>, String> {
     let (header, data) = split(bytes).ok_or("not a .npy file")?;
-    let wrong = || format!("not an array of n x 2 numbers in C order: {}", header.trim());
+    let wrong = || {
+        let header = shown(header.trim());
+        format!("not an array of n x 2 numbers (int64, int32 or float64) in C order: {header}")
+    };
     let kind = between(header, "'descr':", ",").ok_or_else(wrong)?;
     let shape = between(header, "'shape':", ")").ok_or_else(wrong)?;
     let is_in_order = between(header, "'fortran_order':", ",").is_some_and(|order| order == "False");
@@ -29,7 +33,7 @@ pub fn points(bytes: &[u8]) -> Result<Vec<DVec2>, String> {
         return Err(format!("it has {} numbers instead of {rows} x 2", values.len()));
     }
     if !values.iter().all(|value| COORDINATE_M.contains(value)) {
-        return Err("it has a number that is not finite or beyond a million".into());
+        return Err("it has a number that is not finite or is beyond a million".into());
     }
     Ok(values.chunks_exact(2).map(|pair| dvec2(pair[0], pair[1])).collect())
 }
@@ -76,12 +80,12 @@ mod tests {
         assert_eq!(points(&file(header, &[1, 2, 3, -4])), Ok(vec![dvec2(1.0, 2.0), dvec2(3.0, -4.0)]));
         for (bytes, expected) in [
             (file(header, &[1, 2, 3]), "it has 3 numbers instead of 2 x 2"),
-            (file(header, &[1, 2, 3, i64::MAX]), "it has a number that is not finite or beyond a million"),
+            (file(header, &[1, 2, 3, i64::MAX]), "it has a number that is not finite or is beyond a million"),
+            (file(&header.replace("False", "True"), &[1, 2, 3, 4]), "not an array of n x 2 numbers"),
             (
-                file(&header.replace("False", "True"), &[1, 2, 3, 4]),
-                "not an array of n x 2 numbers in C order: ",
+                file(&header.replace("<i8", "<f4\u{1b}"), &[1, 2, 3, 4]),
+                "not an array of n x 2 numbers (int64, int32 or float64) in C order: {'descr': '<f4\\u{1b}', ",
             ),
-            (file(&header.replace("<i8", "|O"), &[1, 2, 3, 4]), "not an array of n x 2 numbers in C order: "),
             (file(&header.replace("(2, 2)", "(99999999999999999999, 2)"), &[]), "not an array"),
             (b"\x93NUMPY\x01\0\xff\xff{}".to_vec(), "not a .npy file"),
             (b"PK\x03\x04".to_vec(), "not a .npy file"),
