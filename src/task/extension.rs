@@ -91,7 +91,8 @@ pub trait SimulationAppExt {
     /// term's value in [`ExtraRewards`] for each arena; the value is added to the arena's reward.
     ///
     /// # Panics
-    /// If another term has the same name (goal, collision, attraction and repulsion are those of the paper's terms), or the app is not a simulation.
+    /// If another term has the same name (the paper's terms are goal, collision, attraction and repulsion), or the app is not a
+    /// simulation.
     fn add_reward_term<M, S>(&mut self, name: &str, term: impl Fn(RewardTerm) -> S) -> &mut Self
     where
         S: IntoScheduleConfigs<ScheduleSystem, M>;

@@ -9,7 +9,6 @@ use egui::{Context, Event, Key, Modifiers, Ui};
 use super::editor::{self, confirm_exit};
 use super::input::ScreenInput;
 use super::key_bindings::{KEY_BINDINGS, KeyBinding, PACES, Shortcut};
-
 use crate::app::commands::{Command, SaveKind, SessionMode};
 use crate::app::view_state::{ThemeChoice, ViewCamera, ViewState};
 
