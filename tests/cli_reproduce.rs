@@ -491,7 +491,10 @@ fn invalid_options_and_files_are_rejected_with_a_fix() {
     rejected("--reproduce --only tabel2", &["did you mean `table2`?"]);
     rejected("--reproduce --experiment none.ron", &["none.ron", "no such file"]);
     rejected("--reproduce --seeds 0", &["--seeds", "a whole number from 1 to 1000"]);
-    rejected("--reproduce --only conditions --seeds 1000", &["--seeds", "28000 training runs", "at most 10000"]);
+    rejected(
+        "--reproduce --only conditions --seeds 1000",
+        &["--seeds", "28000 training runs", "at most 10000"],
+    );
     rejected("--reproduce --shard 3/2", &["--shard", "give K/N, such as 2/8"]);
     rejected("--reproduce --train", &["--train"]);
     rejected("--reproduce --seed 3", &["--seed"]);
