@@ -34,21 +34,12 @@ pub(super) fn take_screenshot(
     request: Res<ScreenshotRequest>,
     journal: Option<Res<Journal>>,
     pacer: Option<ResMut<Pacer>>,
-    notices: Res<Notices>,
     fonts: Res<FallbackFonts>,
     under_way: Query<(), With<Screenshot>>,
     mut frames: Local<u32>,
-    mut exit: MessageWriter<AppExit>,
 ) {
     let (Some(journal), Some(mut pacer)) = (journal, pacer) else { return };
-    if !under_way.is_empty() {
-        return;
-    }
-    if journal.steps < request.after_steps {
-        if let Some(failure) = notices.training_failure() {
-            let why = format!("the training stopped after {} control steps: {failure}", journal.steps);
-            exit.write(report_error(&request.file, &why));
-        }
+    if !under_way.is_empty() || journal.steps < request.after_steps {
         return;
     }
     pacer.hold();
@@ -81,6 +72,22 @@ pub(super) fn take_screenshot(
             });
         },
     );
+}
+
+/// Exits with an error if the training stops before the requested number of steps.
+pub(super) fn exit_if_training_stops(
+    request: Res<ScreenshotRequest>,
+    journal: Option<Res<Journal>>,
+    notices: Res<Notices>,
+    mut exit: MessageWriter<AppExit>,
+) {
+    let steps = journal.map_or(0, |journal| journal.steps);
+    if let Some(failure) = notices.training_failure()
+        && steps < request.after_steps
+    {
+        let why = format!("the training stopped after {steps} control steps: {failure}");
+        exit.write(report_error(&request.file, &why));
+    }
 }
 
 /// Prints why there is no screenshot in `file`.

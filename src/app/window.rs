@@ -20,7 +20,7 @@ use super::file_dialogs;
 use super::preferences::{self, Preferences};
 use super::screen::{self, ScreenInput, theme};
 #[cfg(not(target_arch = "wasm32"))]
-use super::screenshot::{ScreenshotRequest, take_screenshot};
+use super::screenshot::{ScreenshotRequest, exit_if_training_stops, take_screenshot};
 use super::session::{StartOptions, TrainingHistory, TrainingRun};
 #[cfg(not(target_arch = "wasm32"))]
 use super::shutdown;
@@ -120,8 +120,9 @@ impl Plugin for WindowedPlugin {
         );
         #[cfg(not(target_arch = "wasm32"))]
         if let Some(request) = &options.screenshot {
+            let has_window = any_with_component::<PrimaryWindow>;
             app.insert_resource(request.clone())
-                .add_systems(Last, take_screenshot.run_if(any_with_component::<PrimaryWindow>));
+                .add_systems(Last, (exit_if_training_stops, take_screenshot.run_if(has_window)));
             return;
         }
         if options.size.is_none() {
