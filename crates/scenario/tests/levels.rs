@@ -340,7 +340,7 @@ fn obstacles_on_orbits_drive_one_after_the_other_around_a_common_centre() {
 }
 
 #[test]
-fn a_circle_has_at_most_as_many_obstacles_as_cannot_overlap() {
+fn a_circle_has_no_more_obstacles_than_fit_without_overlap() {
     // The jitter leaves at least 0.4 of the even spacing: 0.4 x 2 pi / n >= 2 asin(0.1 / 0.3) gives n = 3 of the 20.
     for (radius_m, most) in [("0.1", 3), ("0.3", 1), ("0.5", 1)] {
         let text = format!(
