@@ -184,6 +184,14 @@ fn the_parameters_of_levels_are_uniform_over_their_ranges() {
     let mean = levels.iter().map(width).sum::<f32>() / count as f32;
     assert!((mean - 5.0).abs() < 0.1, "{mean}");
     assert!(levels.iter().all(|level| (4.0..=6.0).contains(&width(level))));
+    for low in [4.0_f32, 4.5, 5.0, 5.5] {
+        let in_quarter =
+            levels.iter().map(width).filter(|width_m| (low..low + 0.5).contains(width_m)).count();
+        assert!(
+            (60..140).contains(&in_quarter),
+            "{in_quarter} of {count} widths in the quarter from {low} m"
+        );
+    }
 }
 
 #[test]
