@@ -102,11 +102,14 @@ fn forget_contents(workspace: &Workspace, folder: &str) {
     workspace.write(&format!("{folder}/spent.json"), r#"{"wall_s": 0.0}"#);
 }
 
-/// The time at which each training run finished.
+/// The time at which each training run finished. A stopped run has a summary, too, but is not finished.
 fn finished_at(root: &Path) -> BTreeMap<PathBuf, std::time::SystemTime> {
     let runs = fs::read_dir(root.join("runs")).unwrap();
     let summaries = runs.map(|run| run.unwrap().path().join("summary.json"));
+    let is_finished =
+        |summary: &PathBuf| fs::read_to_string(summary).is_ok_and(|text| text.contains("\"finished\": true"));
     summaries
+        .filter(is_finished)
         .filter_map(|summary| Some((summary.clone(), fs::metadata(&summary).ok()?.modified().ok()?)))
         .collect()
 }
@@ -194,9 +197,10 @@ fn an_experiment_gives_a_report_and_finished_runs_are_not_repeated() {
 
     // A setting from the command line is recorded in all runs, and gives other runs.
     workspace.run_ok("--reproduce --experiment mine/own.ron --out set --only all --set learning.gamma=0.5");
-    for run in fs::read_dir(workspace.path("set/runs")).unwrap() {
-        let config = fs::read_to_string(run.unwrap().path().join("config.ron")).unwrap();
-        assert!(config.contains("gamma: 0.5,"), "{config}");
+    let others = run_names(&workspace, "one");
+    for run in run_names(&workspace, "set") {
+        let config = workspace.text(&format!("set/runs/{run}/config.ron"));
+        assert!(config.contains("gamma: 0.5,") && !others.contains(&run), "{run}: {config}");
     }
 
     // A part of the experiment must not replace all of it.
@@ -249,9 +253,16 @@ fn stopped_work_continues_where_it_stopped() {
     assert!(begun.join("checkpoint/latest.bin").exists(), "its checkpoint is kept");
     drop(lock);
 
-    // A run continues from its checkpoint; a run without a checkpoint is repeated.
+    // The stopped run continues from its checkpoint; a run without a checkpoint is repeated.
     let mut child = workspace.start(&format!("{arguments} stopped"));
-    wait_until(&mut child, "a run is finished", || !finished_at(&workspace.path("stopped")).is_empty());
+    wait_until(&mut child, "a run is finished and the next one has a checkpoint", || {
+        let finished = finished_at(&workspace.path("stopped"));
+        let mut runs = fs::read_dir(workspace.path("stopped/runs")).unwrap().map(|run| run.unwrap().path());
+        let is_next = |run: PathBuf| {
+            run.join("checkpoint/latest.bin").exists() && !finished.contains_key(&run.join("summary.json"))
+        };
+        !finished.is_empty() && runs.any(is_next)
+    });
     signal(&child, "KILL");
     wait_for_output(child);
     for run in fs::read_dir(workspace.path("stopped/runs")).unwrap() {
@@ -409,7 +420,7 @@ fn parts_trained_apart_give_the_report_of_one_machine() {
     );
     assert!(
         page.contains("a run gives the same bits only on the same kind of processor"),
-        "with what it means"
+        "the page explains why the kind matters"
     );
     let page = workspace.text("alone/report.html");
     assert!(page.contains("6 runs on ") && !page.contains("only on the same kind"), "one kind of processor");
@@ -613,12 +624,14 @@ fn arms_can_be_compared_before_their_first_step_and_right_after_a_transfer() {
         )],
     )"#;
     workspace.write("starts.ron", text);
-    workspace.run_ok("--reproduce --experiment starts.ron --out starts");
+    let done = workspace.run_ok("--reproduce --experiment starts.ron --out starts");
+    let message = "an arm that is not compared is not trained";
+    assert!(done.stdout.contains("starts/report.html (4 runs"), "{message}: {}", done.stdout);
     let page = workspace.text("starts/README.md");
     let claim = "Success in evaluations during training after 0 env steps of the last stage: transferred ";
     assert!(page.contains(claim), "{page}");
     let data = "unequal data (means over the seeds): scratch 1,600 env steps in ";
-    assert!(page.contains(data), "an arm that is not compared is not trained: {page}");
+    assert!(page.contains(data), "{page}");
     let runs = fs::read_dir(workspace.path("starts/runs")).unwrap().map(|run| run.unwrap().path());
     let initial = runs.filter(|run| run.join("policy-after-0-env-steps.safetensors").exists());
     assert_eq!(initial.count(), 4, "of two seeds, from scratch and after the transfer");
@@ -831,6 +844,20 @@ fn runs_from_elsewhere_that_do_not_fit_are_rejected_with_a_fix() {
     let done = workspace.run("--reproduce --experiment mine/steps.ron --quick --out no");
     assert_eq!(done.status, Some(2));
     assert!(done.stderr.contains("arm \"elsewhere\" has finished runs"), "{}", done.stderr);
+
+    workspace.write(
+        "mine/late.ron",
+        r#"(
+            title: "Late",
+            arms: [(name: "elsewhere", runs: ["runs/a"])],
+            tables: [(name: "ends", title: "Ends", show: Seeds(measure: Success, after: EnvSteps(2500)))],
+        )"#,
+    );
+    let done = workspace.run("--reproduce --experiment mine/late.ron --out no");
+    assert_eq!(done.status, Some(2), "{}", done.stderr);
+    let message =
+        "arm \"elsewhere\" after 2,500 env steps, but one of its runs is shorter; help: leave `after` out";
+    assert!(done.stderr.contains(message), "{}", done.stderr);
 
     // A run that is not finished.
     let summary = workspace.text("mine/runs/b/summary.json");

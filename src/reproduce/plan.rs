@@ -201,18 +201,7 @@ impl RunPlan {
     ) -> Result<(), RunError> {
         for (&point, &needs_policy) in points {
             let Some((index, policy)) = arm_run.policy(&self.training_runs, arm.policy, point) else {
-                return Err(RunError::InvalidInput(format!(
-                    "{}: a figure or table needs arm \"{}\" after {}, but its stages are shorter or not counted in the \
-                     same unit; help: give them `budget: {}`, or the arm `policy: Best`",
-                    source.from,
-                    arm.name,
-                    point.words(),
-                    if matches!(point.after, Some(Budget::EnvSteps(_))) {
-                        "EnvSteps(...)"
-                    } else {
-                        "Episodes(...)"
-                    },
-                )));
+                return Err(too_short(arm, point, source));
             };
             if !needs_policy {
                 continue;
@@ -229,4 +218,21 @@ impl RunPlan {
         }
         Ok(())
     }
+}
+
+/// The error for an arm whose training does not reach `point`.
+fn too_short(arm: &Arm, point: TestPoint, source: &ExperimentSource) -> RunError {
+    let (why, help) = if !arm.runs.is_empty() {
+        ("one of its runs is shorter", "leave `after` out, to test the last policy")
+    } else if matches!(point.after, Some(Budget::EnvSteps(_))) {
+        ("its stages are shorter or not counted in the same unit", "give them `budget: EnvSteps(...)`")
+    } else {
+        ("its stages are shorter or not counted in the same unit", "give them `budget: Episodes(...)`")
+    };
+    RunError::InvalidInput(format!(
+        "{}: a figure or table needs arm \"{}\" after {}, but {why}; help: {help}, or give the arm `policy: Best`",
+        source.from,
+        arm.name,
+        point.words()
+    ))
 }

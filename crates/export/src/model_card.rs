@@ -245,7 +245,7 @@ fn write_results(page: &mut String, results: &[EvalResults], has_relative_action
     if has_relative_actions {
         writeln!(
             page,
-            "Unlike this file, `wayfield --eval` also prevents foreseeable collisions, and keeps the robot from staying in \
+            "Unlike the ONNX file, `wayfield --eval` also prevents foreseeable collisions, and keeps the robot from staying in \
              one place."
         )?;
     }

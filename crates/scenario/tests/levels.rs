@@ -184,6 +184,14 @@ fn the_parameters_of_levels_are_uniform_over_their_ranges() {
     let mean = levels.iter().map(width).sum::<f32>() / count as f32;
     assert!((mean - 5.0).abs() < 0.1, "{mean}");
     assert!(levels.iter().all(|level| (4.0..=6.0).contains(&width(level))));
+    for low in [4.0_f32, 4.5, 5.0, 5.5] {
+        let in_quarter =
+            levels.iter().map(width).filter(|width_m| (low..low + 0.5).contains(width_m)).count();
+        assert!(
+            (60..140).contains(&in_quarter),
+            "{in_quarter} of {count} widths in the quarter from {low} m"
+        );
+    }
 }
 
 #[test]
@@ -340,7 +348,7 @@ fn obstacles_on_orbits_drive_one_after_the_other_around_a_common_centre() {
 }
 
 #[test]
-fn a_circle_has_at_most_as_many_obstacles_as_cannot_overlap() {
+fn a_circle_has_no_more_obstacles_than_fit_without_overlap() {
     // The jitter leaves at least 0.4 of the even spacing: 0.4 x 2 pi / n >= 2 asin(0.1 / 0.3) gives n = 3 of the 20.
     for (radius_m, most) in [("0.1", 3), ("0.3", 1), ("0.5", 1)] {
         let text = format!(
