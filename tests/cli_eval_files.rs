@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use cli_support::{Workspace, messages::rejection, quick_fast, signal, wait_for_output, wait_until};
 use serde_json::Value;
 
-/// The shipped policies in Scenario II, where the first one collides now and then.
+/// Two shipped policies in Scenario II, where the first one collides now and then.
 const EVAL: &str = "--eval scenario-1 scenario-2 --scenario scenario-2 --rounds 2 --episodes 60 --seed 3";
 
 type Row = BTreeMap<String, String>;
@@ -134,7 +134,9 @@ fn with_optimum_the_rows_have_the_planners_times() {
     let command = "--eval scenario-1 --rounds 1 --episodes 20 --optimum";
     let report = workspace.run_ok(&format!("{command} --csv episodes.csv --json")).json();
     assert_eq!(workspace.run_ok(&format!("{command} --json")).json(), report, "the file changes no result");
-    for row in rows(&workspace.text("episodes.csv")) {
+    let rows = rows(&workspace.text("episodes.csv"));
+    assert_eq!(rows.len(), 20);
+    for row in rows {
         let (optimal, bound) = (number(&row, "optimal_time_s"), number(&row, "lower_bound_time_s"));
         assert!(bound <= optimal + 1e-9, "{row:?}");
         assert!(row["outcome"] != "success" || number(&row, "time_s") >= bound - 1e-9, "{row:?}");
@@ -151,7 +153,9 @@ fn a_trace_has_every_step_of_every_episode() {
     assert_eq!(workspace.text("episodes.csv"), workspace.text("again.csv"));
 
     let mut steps = lines(&workspace.text("steps.jsonl")).into_iter();
-    for row in rows(&workspace.text("episodes.csv")) {
+    let rows = rows(&workspace.text("episodes.csv"));
+    assert_eq!(rows.len(), 40);
+    for row in rows {
         let mut length = 0.0;
         let mut clearance = f64::INFINITY;
         let mut before: Option<(f64, f64)> = None;
@@ -199,7 +203,9 @@ fn scenarios_with_generators_walls_and_polygons_have_rows_too() {
         workspace.run_ok(&format!(
             "--eval scenario-2 --scenario {scenario} --rounds 1 --episodes 40 --csv {scenario}.csv"
         ));
-        for row in rows(&workspace.text(&format!("{scenario}.csv"))) {
+        let rows = rows(&workspace.text(&format!("{scenario}.csv")));
+        assert_eq!(rows.len(), 40, "{scenario}");
+        for row in rows {
             assert_eq!(row["layout_seed"].is_empty(), !has_layouts, "{row:?}");
             let straight = (number(&row, "goal_x_m") - number(&row, "start_x_m"))
                 .hypot(number(&row, "goal_y_m") - number(&row, "start_y_m"))

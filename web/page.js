@@ -42,7 +42,7 @@ byId('reset').addEventListener('click', (event) => {
 
 // Keys that the app handles. The browser must not handle them too: it would scroll, move the focus or save the page.
 const KEYS = new Set([' ', 'Tab', 'ArrowLeft', 'ArrowRight', 'ArrowUp', 'ArrowDown', '/', "'"]);
-const KEYS_WITH_CTRL = new Set(['s', 'o']);
+const KEYS_WITH_CTRL = new Set(['s', 'o', 'd', 'z', 'y']);
 const canvas = byId('canvas');
 canvas.addEventListener('keydown', (event) => {
     const keys = event.ctrlKey || event.metaKey ? KEYS_WITH_CTRL : KEYS;

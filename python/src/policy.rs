@@ -88,6 +88,7 @@ impl NativePolicy {
                  with policy.driver(scenario), which remembers it",
             ));
         }
+        policy_card::check_without_sensors(&self.policy).map_err(run_error)?;
         let (width, inputs) = (observation::width(ranges_m.len()), self.inputs());
         if width != inputs {
             return Err(PyValueError::new_err(format!(

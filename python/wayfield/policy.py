@@ -88,7 +88,8 @@ class Policy:
             distance_m: The distance to the goal in m.
 
         Raises:
-            ValueError: The number of ranges is wrong, or the policy observes by sectors (docs/algorithm.md).
+            ValueError: The number of ranges is wrong, or the policy observes by sectors (docs/algorithm.md) or was trained with
+                plugin sensors.
         """
         return self._native.encode(np.ravel(ranges_m).tolist(), bearing_rad, distance_m)
 

@@ -42,6 +42,17 @@ test('after a crash, the unsaved changes of the editor can be restored, and are 
     await closeWithoutErrors(page);
 });
 
+test('the browser does not handle the keys of the editor too', async () => {
+    const page = await open(app.browser, `${app.address}?scenario=empty&edit`);
+    await until(page, (now) => now.paused);
+    const unhandled = await page.evaluate(() => ['d', 'z', 'y'].filter((key) => {
+        const event = new KeyboardEvent('keydown', { key, code: `Key${key.toUpperCase()}`, ctrlKey: true, cancelable: true });
+        return document.querySelector('canvas').dispatchEvent(event);
+    }));
+    assert.deepEqual(unhandled, [], 'Ctrl+D would open the dialog for bookmarks');
+    await closeWithoutErrors(page);
+});
+
 test('what is edited in an open tab is not offered in another one', async () => {
     const page = await open(app.browser, `${app.address}?scenario=empty&edit`);
     await addCircle(page);

@@ -193,7 +193,7 @@ impl<'a> ChildrenRebuilder<'a> {
         self.out + tail
     }
 
-    /// Adds a comma after the last child if the last child of the old text had one; otherwise removes it.
+    /// Adds a comma after the last child if the last child of the old text had one; otherwise removes an optional one.
     fn fix_last_comma(&mut self) {
         let had_comma = self.node.children.last().is_none_or(|last| last.comma.is_some());
         let Some(last) = &self.last else { return };
