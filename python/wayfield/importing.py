@@ -45,7 +45,7 @@ def import_scenario(
         path: The file: .yaml, .png, .pgm, .world, .sdf or .json.
         resolution: The side of a pixel of a plain image, in m.
         tolerance: How far the walls may be from the cells of a map, in m; by default the side of a cell plus 0.01.
-        specks: Connected occupied or unknown parts of up to this many cells of a map become floor.
+        specks: Connected groups of up to this many occupied or unknown cells of a map become free.
         lidar_height: The height, in m, at which the shapes of an SDF world are cut.
         models: Folders with the models that an SDF world includes.
         world: The number of the world or stage in a .json file.

@@ -39,8 +39,8 @@ pub struct ModeArgs {
     #[arg(long, value_name = "FILE")]
     pub import: Option<PathBuf>,
 
-    /// Check scenarios, sets, level generators, suites, drivers, presets, experiments and policies (files, or folders of them)
-    /// and print every problem
+    /// Check scenarios, sets, level generators, suites, drivers, presets, experiments and policies, and print every problem. In
+    /// a folder, all .ron files are checked
     #[arg(long, value_name = "PATH", num_args = 1..)]
     pub check: Vec<PathBuf>,
 

@@ -41,8 +41,8 @@ pub enum TableKind {
         #[serde(default)]
         paper: Vec<(String, f64)>,
     },
-    /// Success in percent, with a row for each arm and seed, a column for each round of the test, and rows for the
-    /// paper's rounds.
+    /// Success in percent, with a column for each round of the test. Each arm has a row for the paper's results, if given, and
+    /// a row for each seed.
     Rounds {
         /// Episodes or env steps over all stages; without it, after training.
         #[serde(default)]

@@ -121,7 +121,7 @@ export async function centre(page, name, seconds = 30) {
 }
 
 /// Whether a control or arena object with this accessible name is displayed and enabled. Call `centre` for another control first:
-/// the app knows no names before the frame after the first request.
+/// the app knows no names until one frame after the first request.
 export const isShown = (page, name) => page.evaluate((name) => wayfieldPage.app.control(name) !== undefined, name);
 
 /// Asserts that what `page` has stored is offered by the button `name` in another tab only after `page` is closed, and can be

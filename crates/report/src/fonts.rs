@@ -93,13 +93,19 @@ fn has_outline(data: &[u8], index: u32, character: char) -> bool {
 pub(crate) fn resolver() -> FontResolver<'static> {
     let select_loaded = FontResolver::default_fallback_selector();
     let select_fallback: FallbackSelectionFn<'static> = Box::new(move |character, excluded, fonts| {
-        select_loaded(character, excluded, fonts).or_else(|| load_system_face(character, fonts))
+        select_loaded(character, excluded, fonts).or_else(|| load_system_face(character, excluded, fonts))
     });
     FontResolver { select_fallback, ..FontResolver::default() }
 }
 
-fn load_system_face(character: char, fonts: &mut Arc<Database>) -> Option<ID> {
+/// Loads the preferred system font for `character`. `None` if it is one of the `excluded` fonts, which have been tried: if they
+/// lack a combining mark, usvg asks for a font with the character before the mark, again and again until it gets `None`.
+fn load_system_face(character: char, excluded: &[ID], fonts: &mut Arc<Database>) -> Option<ID> {
     let face = system_face_with(character)?;
+    let is_face = |tried: &FaceInfo| tried.post_script_name == face.post_script_name;
+    if excluded.iter().any(|&id| fonts.face(id).is_some_and(is_face)) {
+        return None;
+    }
     let source: Source = face.source.clone();
     let loaded = Arc::make_mut(fonts).load_font_source(source);
     loaded.into_iter().find(|&id| fonts.face(id).is_some_and(|loaded| loaded.index == face.index))
@@ -122,6 +128,17 @@ mod tests {
             }
         }
         assert!(has_outline(EMBEDDED, 0, 'A') && !has_outline(EMBEDDED, 0, '迷'));
+    }
+
+    #[test]
+    fn a_character_for_which_all_fonts_have_been_tried_gets_none() {
+        let select = resolver().select_fallback;
+        let mut fonts = Arc::clone(&FONTS);
+        let mut tried: Vec<ID> = fonts.faces().map(|face| face.id).collect();
+        while let Some(id) = select('A', &tried, &mut fonts) {
+            tried.push(id);
+            assert!(tried.len() < 100, "the same system font is loaded again and again");
+        }
     }
 
     #[test]

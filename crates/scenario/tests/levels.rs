@@ -272,6 +272,14 @@ fn an_invalid_generator_is_reported_with_line_and_fix() {
             "`height_m` can be as small as 2 m, so no margin_m of route is at least twice gap_m and at most a third of \
              the height: write a minimum of more than 3.00 m, or a smaller gap_m",
         ),
+        (
+            "(name: \"a\", gap_m: 0.442, height_m: (2.0, 6.0), route: Across())",
+            "write a minimum of more than 2.66 m, or a smaller gap_m",
+        ),
+        (
+            "(name: \"a\", width_m: (9.0, 100.0), height_m: (9.0, 100.0), route: Random(clearance_m: 0.1925))",
+            "`width_m` is too large for such a small clearance_m: write a smaller enclosure, or a larger clearance_m",
+        ),
         ("(name: \"a\", clutter: [Automaton(cell_m: (0.03, 0.1))])", "more than 4000"),
         ("(name: \"a\", wall_layouts: [Rooms(door_m: (0.3, 0.5))])", "write more than gap_m, 0.35 m"),
         ("(name: \"a\", traffic: [Lanes(speed_m_s: (0.1, 4.0))])", "write a number from 0 to 2.5"),

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use super::kind::{self, FileKind, LocatedNotes};
 use crate::scenario::{FileError, is_special_file};
 
-/// A checked file, or a folder without files to check.
+/// A checked file, or a folder that can't be read or has no files to check.
 #[derive(Clone, Debug)]
 pub struct CheckedFile {
     /// The path, as the user gave it.
@@ -70,7 +70,7 @@ fn check_folder(folder: &Path, checked: &mut Vec<CheckedFile>) {
         if is_folder {
             check_folder(&path, checked);
         } else if path.extension().is_some_and(|ending| ending == "ron") {
-            // Reading a pipe in a folder could block for ever. A pipe that the user names itself is read.
+            // Reading a pipe in a folder could block for ever. A pipe that the user names explicitly is read.
             checked.push(if is_special_file(&path) {
                 CheckedFile::unreadable(
                     path,

@@ -48,7 +48,7 @@ pub fn make(results: &Results<'_>, index: usize, spec: &TableSpec) -> Result<Tab
     Ok(Table { name: spec.name.clone(), title: spec.title.clone(), columns, rows, notes })
 }
 
-/// Success round by round: a row for each seed, and rows for the paper's rounds.
+/// Success round by round: for each arm, a row for the paper's results, if given, and a row for each seed.
 fn rounds(
     results: &Results<'_>,
     index: usize,

@@ -92,9 +92,9 @@ fn check_sizes(generator: &LevelGenerator, diagnostics: &mut Diagnostics) {
             if least > most {
                 let message = format!(
                     "can be as small as {} m, so no margin_m of route is at least twice gap_m and at most a third of the \
-                     height: write a minimum of more than {:.2} m, or a smaller gap_m",
+                     height: write a minimum of more than {} m, or a smaller gap_m",
                     height_m.0,
-                    3.0 * least
+                    rounded_up(f64::from(3.0 * least), 2)
                 );
                 diagnostics.push(format_args!("height_m"), message);
             } else if !(least..=most).contains(&margin_m) {
@@ -249,16 +249,15 @@ fn check_cells(
 
 /// Checks that the floor's grid over the largest enclosure does not take too much memory.
 fn check_floor_size(generator: &LevelGenerator, diagnostics: &mut Diagnostics) {
-    let cell_m = floor::cell_m(generator.gap_m / 2.0, generator.route);
+    let half_gap_m = generator.gap_m / 2.0;
+    let cell_m = floor::cell_m(half_gap_m, generator.route);
     let cells = f64::from(generator.width_m.1) * f64::from(generator.height_m.1) / (cell_m * cell_m);
     if cells > f64::from(MAX_FLOOR_CELLS) {
-        let clearance = match generator.route {
-            Route::Random { .. } => ", or a larger clearance_m",
-            Route::Across { .. } | Route::Fixed { .. } => "",
-        };
-        let message = format!(
-            "is too large for such narrow passages: write a smaller enclosure, or a larger gap_m{clearance}"
-        );
+        // With `Across`, only the gap limits the side of a cell.
+        let gap_limits = cell_m >= floor::cell_m(half_gap_m, Route::Across { margin_m: 0.0 });
+        let cause = if gap_limits { "gap_m" } else { "clearance_m" };
+        let message =
+            format!("is too large for such a small {cause}: write a smaller enclosure, or a larger {cause}");
         diagnostics.push(format_args!("width_m"), message);
     }
 }
