@@ -129,7 +129,7 @@ impl HeadlessApp {
         errors.map(|notice| notice.text).collect()
     }
 
-    /// Replies to the editor since the last call. Call it within two frames.
+    /// Replies to the editor since the last call. Call it at least every two frames: Bevy drops older messages.
     pub fn editor_replies(&mut self) -> Vec<EditorReply> {
         let messages = self.app.world().resource::<Messages<EditorReply>>();
         self.replies.read(messages).cloned().collect()

@@ -18,7 +18,8 @@ use super::load::{parse_ron, to_ron};
 pub fn with_setting<T: Serialize + DeserializeOwned>(old: &T, path: &str, text: &str) -> Result<T, String> {
     let value = with_plain_numbers(text.trim());
     if !is_closed(&value) {
-        return Err(format!("`{value}` has brackets that do not match; help: close every open bracket"));
+        let help = "add the missing bracket, or remove the extra one";
+        return Err(format!("`{value}` has brackets that do not match; help: {help}"));
     }
     let before = to_ron(old).map_err(|error| error.to_string())?;
     // The line break ends a comment at the end of the value.

@@ -270,16 +270,24 @@ fn all_problems_of_a_text_are_listed() {
     check(
         "w.ron",
         scenario_error,
-        &[(
-            "(obstacles: [(shape: Circl(radius_m: 0.1)), (shape: Circle(radius_m: big), position_m: 3)], robot: (radius_m: 99))",
-            "1:1: the file lacks the field `name`: add `name: ...`\n\
-             w.ron:1:14: `obstacles[0]` lacks the field `position_m`: add `position_m: ...`\n\
-             w.ron:1:22: unknown choice `Circl` for `obstacles[0].shape`: did you mean `Circle`? the choices are \
-             `Circle`, `Rectangle`, `Polygon`, `Capsule`\n\
-             w.ron:1:70: `obstacles[1].shape.radius_m` must be a number\n\
-             w.ron:1:88: `obstacles[1].position_m` must be a point: (x, y)\n\
-             w.ron:1:111: `robot.radius_m` is 99: write a number from 0.01 to 10 (metres)",
-        )],
+        &[
+            (
+                "(obstacles: [(shape: Circl(radius_m: 0.1)), (shape: Circle(radius_m: big), position_m: 3)], robot: (radius_m: 99))",
+                "1:1: the file lacks the field `name`: add `name: ...`\n\
+                 w.ron:1:14: `obstacles[0]` lacks the field `position_m`: add `position_m: ...`\n\
+                 w.ron:1:22: unknown choice `Circl` for `obstacles[0].shape`: did you mean `Circle`? the choices are \
+                 `Circle`, `Rectangle`, `Polygon`, `Capsule`\n\
+                 w.ron:1:70: `obstacles[1].shape.radius_m` must be a number\n\
+                 w.ron:1:88: `obstacles[1].position_m` must be a point: (x, y)\n\
+                 w.ron:1:111: `robot.radius_m` is 99: write a number from 0.01 to 10 (metres)",
+            ),
+            // A point in another unit is not also outside the enclosure.
+            (
+                "(name: \"Mine\", obstacles: [(shape: Circle(radius_m: 0.1), position_cm: (60, -60))])",
+                "1:59: unknown field `position_cm` in `obstacles[0]`: did you mean `position_m`? the fields are `shape`, \
+                 `position_m`, `rotation_rad`, `motion`",
+            ),
+        ],
     );
 }
 

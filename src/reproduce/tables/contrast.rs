@@ -52,7 +52,7 @@ pub(super) fn contrast(
                   otherwise it is the difference of means with Welch's interval.";
     let note = format!(
         "{paired} \"held\": the 95 % interval of the difference lies entirely on the side where {better} is better; \
-         \"reversed\": on the other side; \"not shown\": the interval contains 0. If there were no real differences, \
+         \"reversed\": on the other side; \"not shown\": otherwise. If there were no real differences, \
          about one comparison in twenty would still be held or reversed."
     );
     Ok(TableParts { columns: columns(measures, (better, than), points), rows, notes: vec![note] })

@@ -7,8 +7,8 @@ use crate::run::{RunError, scenario_image};
 use crate::task::{Arena, EpisodeSetup, Pose};
 
 impl Evaluator {
-    /// Runs only episode `index`, from 0, of [`Evaluator::run`]. Returns its result, and an image of its end as the text of an
-    /// SVG file: obstacles, goal, the robot's path, and the robot with its last scan.
+    /// Runs only episode `index` (counted from 0) of [`Evaluator::run`]. Returns its result, and an image of its end as the text
+    /// of an SVG file: obstacles, goal, the robot's path, and the robot with its last scan.
     ///
     /// # Errors
     /// As for [`Evaluator::run`], or drawing fails.

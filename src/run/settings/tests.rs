@@ -108,7 +108,13 @@ fn the_error_names_the_setting_the_problem_and_the_fix() {
         ("learning.gamma=0.97, double: false", "`double` appears twice in `learning`: remove one".into()),
         (
             "learning.gamma=(0.97",
-            "`(0.97` has brackets that do not match; help: close every open bracket".into(),
+            "`(0.97` has brackets that do not match; help: add the missing bracket, or remove the extra one"
+                .into(),
+        ),
+        (
+            "learning.gamma=0.97)",
+            "`0.97)` has brackets that do not match; help: add the missing bracket, or remove the extra one"
+                .into(),
         ),
         ("learning.gamma=1.5", "`learning.gamma` is 1.5".into()),
         ("learning.optimizer=Adam", "`learning.optimizer` must be written with parentheses: Adam()".into()),

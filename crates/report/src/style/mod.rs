@@ -1,6 +1,6 @@
 //! The common style of all figures: sizes, colours, lines, text, axes and the legend.
 //!
-//! Sizes are in drawn pixels; two of them are one pixel of the displayed SVG. Figures can be read without colour:
+//! Sizes are in drawn pixels, two per pixel of the displayed SVG. Figures can be read without colour:
 //! every colour of the palette has its own marker shape, for colour-blind readers and for print in grey.
 
 mod axis;

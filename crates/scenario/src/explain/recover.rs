@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use ron::error::SpannedError;
 use serde::de::DeserializeOwned;
-use wayfield_ron_patch::SourceMap;
+use wayfield_ron_patch::{SourceMap, tokens};
 
 use super::choices::{choices, is_read, lacks_fields, replaced};
 use super::names::missing_fields;
@@ -22,7 +22,7 @@ pub struct Recovered<T> {
     pub problems: Vec<(usize, String)>,
     pub value: Option<T>,
     /// The paths of the fields in `value` whose values are not known: an arbitrary one replaces what could not be read, or the
-    /// number was given under another name.
+    /// numbers were given under another name.
     pub unknown: Vec<String>,
     /// The repaired text.
     draft: Draft,
@@ -133,8 +133,8 @@ impl Draft {
             Repair::Rename(range, name) => {
                 self.replace(range.clone(), name);
                 let map = SourceMap::new(&self.text);
-                // A number under another name may have another unit.
-                if self.text[map.value_at(range.start)].parse::<f64>().is_ok() {
+                // Numbers under another name may have another unit.
+                if has_only_numbers(&self.text[map.value_at(range.start)]) {
                     self.unknown.push(map.path_at(range.start));
                 }
                 true
@@ -173,8 +173,15 @@ impl Draft {
         simple.or_else(|| {
             let choices = choices(&self.text, range, parse);
             let plain = choices.iter().flat_map(|name| [name.to_string(), format!("{name}(0)")]).find(fits);
-            let brackets = choices.iter().copied().chain([""]).map(|name| format!("{name}()"));
-            plain.or_else(|| { brackets }.find(|brackets| lacks_fields(&self.text, range, brackets, parse)))
+            let mut brackets = choices.iter().copied().chain([""]).map(|name| format!("{name}()"));
+            plain.or_else(|| brackets.find(|brackets| lacks_fields(&self.text, range, brackets, parse)))
         })
     }
+}
+
+/// Whether a value is a number, or a point or list of numbers.
+fn has_only_numbers(value: &str) -> bool {
+    let words = tokens(value).map(|token| &value[token]);
+    let mut words = words.filter(|word| !matches!(*word, "(" | ")" | "[" | "]" | ",")).peekable();
+    words.peek().is_some() && words.all(|word| word.parse::<f64>().is_ok())
 }
