@@ -71,8 +71,8 @@ pub enum RewardSet {
     Sum,
 }
 
-/// The schedule that gives every arena with a pending reset a new start or goal, and a new observation.
-/// [`ControlStep`] runs it last, if there is such an arena.
+/// The schedule of pending resets. It draws the new starts and goals that are due, and updates bodies, scans and
+/// observations. [`ControlStep`] runs it last, if an arena has a pending reset.
 #[derive(ScheduleLabel, Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Reset;
 

@@ -98,7 +98,7 @@ fn every_setting_that_differs_from_the_card_is_listed_with_both_values() {
         ),
         ("lidar: (max_range_m: 0.5)", "LIDAR range: 3.5 m on its card, 0.5 m here"),
         ("lidar: (noise_std_m: 0.02)", "LIDAR noise: 0 m on its card, 0.02 m here"),
-        ("lidar: (dropout: 0.25)", "LIDAR dropout: 0 % on its card, 25 % here"),
+        ("lidar: (dropout: 0.013)", "LIDAR dropout: 0 % on its card, 1.3 % here"),
         ("lidar: (latency_steps: 2)", "LIDAR latency: 0 steps on its card, 2 steps here"),
         (
             "lidar: (field_of_view_rad: 4.712)",

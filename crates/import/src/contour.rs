@@ -54,7 +54,7 @@ pub fn rings(set: &Grid<bool>) -> Vec<Vec<DVec2>> {
 }
 
 /// Simplifies `ring` (Douglas and Peucker, 1973). Returns the corners that remain, at least two if `ring` has two, and an upper
-/// bound on the distance of a dropped corner from the new outline, which is at most `tolerance`.
+/// bound, at most `tolerance`, on the distance of a dropped corner from the new outline.
 pub fn simplified(ring: &[DVec2], tolerance: f64) -> (Vec<DVec2>, f64) {
     let Some(&first) = ring.first() else { return (Vec::new(), 0.0) };
     let farthest = (0..ring.len()).max_by(|&a, &b| {

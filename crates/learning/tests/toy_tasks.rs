@@ -165,13 +165,13 @@ fn chain_values_are_the_discounted_final_reward() {
 
 #[test]
 fn advantage_learning_doubles_the_gap_to_the_best_action_and_keeps_its_value() {
-    // Three actions: staying in place loses 0.1 V(s), less than moving left.
+    // Three actions: staying in place loses 0.1 V(s), and moving left loses more, except in state 0.
     let config = LearningConfig { advantage_learning: 0.5, ..config(0.9, PRIORITIZED) };
     let q = learn(&config, 5, 3, 12_000, chain);
     for (state, q) in q.iter().enumerate() {
         let (left, right) = chain_values(state);
         close(q[1], right, 0.04, &format!("right from {state}"));
-        close(q[2], right - 2.0 * (right - 0.9 * right), 0.04, &format!("waiting in {state}"));
+        close(q[2], right - 2.0 * (right - 0.9 * right), 0.04, &format!("staying in {state}"));
         close(q[0], right - 2.0 * (right - left), 0.04, &format!("left from {state}"));
     }
 }
@@ -190,8 +190,8 @@ fn quantiles_of_a_chain_have_the_known_values() {
 
 #[test]
 fn quantiles_show_the_distribution_of_a_stochastic_reward() {
-    // 2 with probability 0.3, otherwise 0: the quantiles below 0.7 are 0, the others are 2. With a small delta, the loss is that of
-    // quantiles; with a large one, they move towards the mean.
+    // 2 with probability 0.3, otherwise 0: the quantiles below 0.7 are 0, the others are 2. With a small delta, the loss is
+    // close to that of quantile regression; with a large one, the quantiles move towards the mean.
     let loss = Loss::Huber { delta: 0.02 };
     let config = LearningConfig { quantiles: 10, loss, ..config(0.9, Sampling::Uniform) };
     let mut learner = Learner::new(&config, 1, 1, 1, 3).expect("a valid config");

@@ -181,12 +181,14 @@ pub fn has_field(text: &str, path: &str) -> bool {
     map.offset_of(path).is_some_and(|at| map.path_at(at) == path)
 }
 
-/// `path` as text. Runs record the names of their files as text, so a file whose name is not UTF-8 could not be found again.
+/// `path` as text. Runs record the paths of their files as text, so a file whose path is not UTF-8 could not be found again.
 ///
 /// # Errors
 /// The path is not UTF-8.
 pub fn utf8(path: &Path) -> Result<&str, FileError> {
-    path.to_str().ok_or_else(|| FileError::for_file(path, "the file's name is not valid UTF-8: rename it"))
+    path.to_str().ok_or_else(|| {
+        FileError::for_file(path, "the path is not valid UTF-8: rename the file or its folder")
+    })
 }
 
 /// Line and column, counted from 1, of the character at a byte offset.

@@ -92,7 +92,8 @@ pub fn shape_distance(shape: &Shape, pose: (f32, f32, f32), point: Vec2) -> f32 
     shape.distance(if shape.has_orientation() { to_local(offset, pose.2) } else { offset })
 }
 
-/// Signed distance, in m, from a box to a point that is `past` its sides by this much along x and y; negative inside.
+/// Signed distance, in m, from a point to the surface of a box; negative inside. `past` is how far the point lies beyond the
+/// box's sides along x and y, in m.
 pub(super) fn box_distance(past: Vec2) -> f32 {
     length(past.x.max(0.0), past.y.max(0.0)) + past.x.max(past.y).min(0.0)
 }

@@ -184,9 +184,11 @@ fn limit(limit: Option<f32>, unit: &str) -> String {
 }
 
 fn percent(fraction: Ranged<f32>) -> String {
+    // Moves the decimal point: a product with 100 is rounded, and 0.013 would become 1.3000001.
+    let percent = |fraction: f32| format!("{fraction}e2").parse::<f32>().unwrap_or(100.0 * fraction);
     match fraction {
-        Ranged::Number(fraction) => (100.0 * fraction).to_string(),
-        Ranged::Range(low, high) => Ranged::Range(100.0 * low, 100.0 * high).to_string(),
+        Ranged::Number(fraction) => percent(fraction).to_string(),
+        Ranged::Range(low, high) => Ranged::Range(percent(low), percent(high)).to_string(),
     }
 }
 
