@@ -4,7 +4,7 @@
 //! `fast:scenario-1 fast:scenario-2 per_d3qn:scenario-1`. Every seed is a complete run as with `--train`, with 500 episodes
 //! per evaluation. Its best policy is then tested in 500 new episodes. Wall time starts with the run and includes
 //! evaluations. Env steps do not depend on the machine. CPU time is measured in a second run that stops where the first one
-//! reached 96 %; it includes the evaluations, which have a thread of their own.
+//! reached 96 %; it includes the evaluations, which have a thread of their own, and the final test of that run.
 
 #[path = "support/allocator.rs"]
 mod allocator;

@@ -52,6 +52,9 @@ fn main() -> ExitCode {
         (Some("headless"), Some(Ok(env_steps @ 1..))) => headless(env_steps),
         (Some("window"), None) => window::soak(60),
         (Some("window"), Some(Ok(minutes @ 1..))) => window::soak(minutes),
+        (Some(mode @ ("headless" | "window")), _) => {
+            Err(format!("give a whole number of at least 1 after `{mode}`, or none").into())
+        }
         _ => {
             println!(
                 "skipped, because it takes long; help: run it with `headless [ENV_STEPS]` or `window [MINUTES]`"

@@ -285,6 +285,10 @@ fn what_a_suite_does_not_take_is_refused_with_a_fix() {
         ("--eval dwa --suite mzae", "did you mean `maze`?"),
         ("--eval scenario-1 --suite suite.ron", "but scenario"),
         ("--eval dwa --suite suite.ron --episodes 1000000", "help: give at most 1000000 in total"),
+        (
+            "--eval dwa --suite suite.ron --set scenario.lidar.beams=0",
+            "one.ron: --set scenario.lidar.beams=0: `scenario.lidar.beams` is 0",
+        ),
     ] {
         let done = workspace.run(arguments);
         assert_eq!((done.status, done.stdout.as_str()), (Some(2), ""), "{arguments}: {}", done.stderr);

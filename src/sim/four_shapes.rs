@@ -18,7 +18,7 @@ pub(super) struct Beam {
     pub(super) direction: Vec2,
 }
 
-/// Up to four circles that are not rotated.
+/// Up to four circles whose bodies are not rotated. (A cast to a rotated one is rounded differently.)
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct FourCircles {
     centre: FourVectors,

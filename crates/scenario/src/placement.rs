@@ -221,7 +221,7 @@ mod tests {
             counts[usize::from(goal.y < 0.0)] += 1;
             assert_eq!(goal.x, 1.0, "0.1 m away is too near");
         }
-        assert!(counts.iter().all(|&n| (420..580).contains(&n)), "each as likely: {counts:?}");
+        assert!(counts.iter().all(|&n| (420..580).contains(&n)), "they are equally likely: {counts:?}");
         for _ in 0..100 {
             let next = draw_goal(&scenario, 0, vec2(1.0, 1.0), &mut s).expect("there are two others");
             assert_ne!(next, vec2(1.0, 1.0));

@@ -38,8 +38,8 @@ pub struct ScenarioSetFile {
 pub struct SetEntry {
     /// A scenario: its file, relative to the folder of the set's file, or the name of a shipped one.
     pub scenario: Option<String>,
-    /// A level generator instead of a scenario: its file, relative to the folder of the set's file. Each episode draws
-    /// one of its levels.
+    /// A level generator instead of a scenario: its file, relative to the folder of the set's file, or the name of a shipped
+    /// one. Each episode draws one of its levels.
     pub generator: Option<String>,
     /// Number of levels of the generator that episodes draw from, 1 to 1,000,000: those with the seeds 0, 1, and so on.
     /// Evaluations use other levels [default: 1,000].
@@ -69,7 +69,8 @@ impl ScenarioSetFile {
         for (k, entry) in self.scenarios.iter().enumerate().take(*SET_SCENARIOS.end()) {
             entry.check(k, &mut found);
             let name = column_name(&entry.name());
-            if self.scenarios[..k].iter().any(|other| column_name(&other.name()) == name) {
+            let is_taken = || self.scenarios[..k].iter().any(|other| column_name(&other.name()) == name);
+            if !name.is_empty() && is_taken() {
                 let message = format!("is the second one called `{name}`: give this entry another `name`");
                 found.push(format_args!("scenarios[{k}]"), message);
             }
@@ -297,5 +298,6 @@ mod tests {
         let found = set.diagnostics();
         let is_at = |path: &str| found.iter().any(|found| found.path == path);
         assert!(is_at("scenarios") && is_at("scenarios[63]") && !is_at("scenarios[64]"), "{found:?}");
+        assert!(!found.iter().any(|found| found.message.contains("second")), "they have no name: {found:?}");
     }
 }

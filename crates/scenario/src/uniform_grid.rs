@@ -43,7 +43,7 @@ impl UniformGrid {
             return None;
         }
         let mut grid = Self::empty(low, extent, boxes.len());
-        // A box touches one cell at least.
+        // More than `MAX_BOX_CELLS` boxes exceed it in any grid, because each touches at least one cell.
         while grid.columns * grid.rows > 1
             && boxes.iter().map(|item| grid.box_cells(item)).sum::<f64>() > MAX_BOX_CELLS
         {

@@ -19,10 +19,10 @@ pub fn exit_on_signal() {}
 pub fn stop_on_signal(announcement: &'static str) -> io::Result<()> {
     let handler = move || {
         // First, because the code that sees the stop flag set asks for the signal.
-        FIRST.store(SIGINT, Ordering::SeqCst);
-        if STOP.swap(true, Ordering::SeqCst) {
+        if FIRST.swap(SIGINT, Ordering::SeqCst) != 0 {
             std::process::exit(128 + SIGINT as i32);
         }
+        STOP.store(true, Ordering::SeqCst);
         print_stderr(announcement);
     };
     ctrlc::set_handler(handler).map_err(io::Error::other)

@@ -99,8 +99,8 @@ impl Suite {
             return Ok(());
         }
         Err(RunError::InvalidInput(format!(
-            "{drivers} times {} episodes are {count}; help: give at most {MAX_EVAL_EPISODES} in total, with fewer episodes in each \
-             scenario",
+            "{count} episodes, {} per driver, are too many; help: give at most {MAX_EVAL_EPISODES} in total, with fewer episodes \
+             in each scenario",
             self.episodes()
         )))
     }
@@ -133,7 +133,8 @@ impl SuiteScenario {
         };
         if self.rules != FamilyRules::default() {
             let scenario = Arc::make_mut(&mut scenario);
-            if let Some(problem) = self.rules.apply(scenario)?.first() {
+            let problems = self.rules.apply(scenario).map_err(|error| invalid(error.to_string()))?;
+            if let Some(problem) = problems.first() {
                 return Err(invalid(format!("{problem}; help: change the family's rules")));
             }
         }

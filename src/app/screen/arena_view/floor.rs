@@ -64,10 +64,10 @@ pub fn grid_step_m(points_per_m: f32) -> f32 {
     [1.0, 2.0, 5.0, 10.0].map(|k| k * power).into_iter().find(|&step| step >= min_m).unwrap_or(min_m)
 }
 
-/// The multiples of `step` from `low` to `high`, at most 201.
+/// The multiples of `step` from `low` to `high`, at most 1,001.
 fn lines_between(low: f32, high: f32, step: f32) -> impl Iterator<Item = f32> {
     let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
-    (first..=last.min(first + 200)).map(move |k| k as f32 * step)
+    (first..=last.min(first.saturating_add(1000))).map(move |k| k as f32 * step)
 }
 
 #[cfg(test)]
@@ -83,6 +83,8 @@ mod tests {
         }
         let lines: Vec<f32> = lines_between(-1.1, 1.0, 0.5).collect();
         assert_eq!(lines, [-1.0, -0.5, 0.0, 0.5, 1.0]);
+        // Enough for a screen of 9,000 points: the lines of the editor's grid are at least 9 points apart.
+        assert_eq!(lines_between(0.0, 1e6, 1.0).count(), 1001);
     }
 
     #[test]
