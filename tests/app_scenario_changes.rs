@@ -357,6 +357,30 @@ fn a_change_of_the_file_that_the_editor_overwrites_is_not_adopted() {
 }
 
 #[test]
+fn applying_an_edited_scenario_does_not_hide_a_change_of_its_file_by_another_program() {
+    for restart in [false, true] {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let file = folder.path().join("mine.ron");
+        write(&file, &scenario_text(0.6));
+        let mut app = HeadlessApp::new(StartOptions { paused: true, ..StartOptions::default() });
+        app.frame(FRAME);
+        app.command(Command::OpenInEditor(Some(file.clone())));
+        app.frame(FRAME);
+        write(&file, &scenario_text(1.1));
+        let scenario = Arc::new(Scenario::parse(&scenario_text(0.9), "mine.ron").expect("a scenario"));
+        let from = file.display().to_string();
+        app.command(Command::ApplyScenario { scenario: scenario.clone(), from: from.clone(), restart });
+        app.frame(FRAME);
+        assert_eq!((x_m(&app), app.error_notices()), (0.9, Vec::new()), "restart: {restart}");
+        assert!(app.scenario_modified(), "the scenario differs from its file");
+        app.command(Command::SaveScenario { scenario, based_on: from, path: Some(file.clone()) });
+        app.frame(FRAME);
+        assert!(has_notice(&app, "another program has changed this file"), "restart: {restart}");
+        assert_eq!(std::fs::read_to_string(&file).expect("the file exists"), scenario_text(1.1));
+    }
+}
+
+#[test]
 fn a_file_that_was_opened_in_the_editor_can_be_saved_again_after_another_one() {
     let folder = tempfile::tempdir().expect("temporary folder");
     let (file, copy) = (folder.path().join("mine.ron"), folder.path().join("copy.ron"));

@@ -135,7 +135,9 @@ fn read_scenario(world: &mut World, path: &Path) {
     match found {
         Err(error) => notify(world, topic, Severity::Error, error.to_string()),
         Ok(_) if is_loaded => {}
-        Ok(found) if found == config.scenario => world.resource_mut::<ScenarioSource>().loaded = found,
+        Ok(found) if found == config.scenario => {
+            world.resource_mut::<ScenarioSource>().record_loaded(name, found);
+        }
         Ok(found) => match check_can_switch(config, &found) {
             Err(error) => notify(world, topic, Severity::Error, format!("{name}: {error}")),
             Ok(()) => {
