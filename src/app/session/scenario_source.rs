@@ -12,7 +12,7 @@ use bevy::prelude::*;
 use crate::app::app_status::ScenarioFile;
 use crate::run::folder::RunConfig;
 use crate::run::{RunError, shipped};
-use crate::scenario::{Scenario, path_exists};
+use crate::scenario::{Scenario, path_exists, read_text};
 
 /// The source of the current scenario, and the last known content of files.
 #[derive(Resource)]
@@ -25,8 +25,9 @@ pub struct ScenarioSource {
     saved: Option<ScenarioFile>,
     /// The contents of files as the user last saw them: loaded, opened in the editor or saved.
     known: BTreeMap<String, Arc<Scenario>>,
-    /// A file that another program has changed, and that the user has once asked to overwrite.
-    overwrite_requested: Option<PathBuf>,
+    /// A file that another program has changed, and that the user has once asked to overwrite, with its text at that moment;
+    /// `None` if it could not be read.
+    overwrite_requested: Option<(PathBuf, Option<String>)>,
 }
 
 impl ScenarioSource {
@@ -86,10 +87,10 @@ impl ScenarioSource {
 
     /// Checks that writing `scenario` to `path` overwrites no changes made by another program. The file may be written if its
     /// content is as the user last saw it, if the app never read it (the file dialog has asked for confirmation), or if the user
-    /// asks twice.
+    /// asks twice and it has not changed in between.
     ///
     /// # Errors
-    /// Another program has changed the file, and the user asks to overwrite it for the first time.
+    /// Another program has changed the file, and the user has not yet asked to overwrite this change.
     pub(super) fn check_overwrite(
         &mut self,
         config: &RunConfig,
@@ -100,13 +101,15 @@ impl ScenarioSource {
         // The file of a resumed run may have changed since the run was saved.
         let running = (file == config.scenario_from).then_some(&config.scenario);
         let known = self.known.get(&file).map(|content| &**content).or(running);
-        let present = Scenario::load_draft(path).ok();
+        let text = read_text(path).ok();
+        let present = text.as_deref().and_then(|text| Scenario::parse_draft(text, path).ok());
         let is_unchanged = known.is_none() || [Some(scenario), known].contains(&present.as_ref());
-        let is_repeated = self.overwrite_requested.take().as_deref() == Some(path);
+        let request = (path.to_path_buf(), text);
+        let is_repeated = self.overwrite_requested.take().as_ref() == Some(&request);
         if !path_exists(path) || is_unchanged || is_repeated {
             return Ok(());
         }
-        self.overwrite_requested = Some(path.into());
+        self.overwrite_requested = Some(request);
         let why = "another program has changed this file, and its changes would be lost\n\
                    help: save again to overwrite it, or choose another name";
         Err(RunError::failed(path, why))
