@@ -153,6 +153,24 @@ fn a_broken_start_file_is_adopted_once_it_is_fixed() {
 }
 
 #[test]
+fn a_broken_scenario_starts_with_the_requested_preset_and_seed_once_it_is_fixed() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let file = folder.path().join("mine.ron");
+    write(&file, "(nam: \"Mine\")");
+    let mut app = HeadlessApp::new(StartOptions { paused: true, ..StartOptions::default() });
+    app.frame(FRAME);
+    let scenario = file.display().to_string();
+    app.command(Command::StartTraining { scenario, preset: "dqn".into(), seed: 9 });
+    app.frame(FRAME);
+    assert!(has_notice(&app, "unknown field `nam`"), "{:?}", app.notices());
+    write(&file, "(name: \"Mine\")");
+    wait(&mut app, "training starts", |app| app.shown().0.scenario.name == "Mine");
+    let config = &app.run().config;
+    assert_eq!((config.preset_from.as_str(), config.seed), ("dqn", 9), "as requested");
+    assert_eq!(app.error_notices(), Vec::<String>::new());
+}
+
+#[test]
 fn questionable_settings_are_reported_until_another_training_run_starts() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let hangar = folder.path().join("hangar.ron");
