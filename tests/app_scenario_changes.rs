@@ -377,6 +377,35 @@ fn a_change_of_the_file_that_the_editor_overwrites_is_not_adopted() {
 }
 
 #[test]
+fn a_saved_scenario_that_cannot_be_applied_is_not_unsaved_when_the_editor_opens_again() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let file = folder.path().join("mine.ron");
+    let from = file.display().to_string();
+    let mut app = HeadlessApp::new(StartOptions { paused: true, ..StartOptions::default() });
+    app.frame(FRAME);
+    // At 3.0 m, the cylinder is outside the enclosure.
+    let scenario = |x_m| {
+        let mut scenario = Scenario::parse(&scenario_text(0.6), "mine.ron").expect("a scenario");
+        scenario.obstacles[0].position_m.x = x_m;
+        Arc::new(scenario)
+    };
+    let saved = scenario(3.0);
+    app.command(Command::SaveScenario {
+        scenario: saved.clone(),
+        based_on: from.clone(),
+        path: Some(file.clone()),
+    });
+    app.frame(FRAME);
+    for (scenario, is_unsaved) in [(saved, false), (scenario(3.1), true)] {
+        app.command(Command::ApplyScenario { scenario, from: from.clone(), restart: false });
+        app.frame(FRAME);
+        assert!(has_notice(&app, "outside the enclosure"), "{:?}", app.error_notices());
+        let editor = app.view_state().editor.as_ref().expect("the editor is open");
+        assert_eq!((editor.from(), editor.has_unsaved_changes()), (from.as_str(), is_unsaved));
+    }
+}
+
+#[test]
 fn applying_an_edited_scenario_does_not_hide_a_change_of_its_file_by_another_program() {
     for restart in [false, true] {
         let folder = tempfile::tempdir().expect("temporary folder");

@@ -63,6 +63,11 @@ impl ScenarioSource {
         self.saved.as_ref()
     }
 
+    /// The content of `file` as the user last saw it; `None` if the app never read it.
+    pub(super) fn known(&self, file: &str) -> Option<&Arc<Scenario>> {
+        self.known.get(file)
+    }
+
     /// Records that the current scenario is the content of its file, `from`.
     pub(super) fn record_loaded(&mut self, from: String, scenario: Scenario) {
         self.known.insert(from, Arc::new(scenario.clone()));
