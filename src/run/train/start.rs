@@ -99,7 +99,7 @@ impl Run {
         let mut run = Self::open(config, folder, learner, trainer_state, began, listener)?;
         for (_, error) in skipped {
             run.progress
-                .warn(&format!("{error}; resuming from the previous checkpoint at {env_steps} env steps"));
+                .warn(&format!("{error}; resuming from an older checkpoint, at {env_steps} env steps"));
         }
         checkpoint::restore(run.simulation.world_mut(), &run.trainer_state);
         if let Some(best) = &run.trainer_state.best {
