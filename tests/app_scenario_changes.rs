@@ -153,6 +153,24 @@ fn a_broken_start_file_is_adopted_once_it_is_fixed() {
 }
 
 #[test]
+fn a_broken_scenario_starts_with_the_requested_preset_and_seed_once_it_is_fixed() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let file = folder.path().join("mine.ron");
+    write(&file, "(nam: \"Mine\")");
+    let mut app = HeadlessApp::new(StartOptions { paused: true, ..StartOptions::default() });
+    app.frame(FRAME);
+    let scenario = file.display().to_string();
+    app.command(Command::StartTraining { scenario, preset: "dqn".into(), seed: 9 });
+    app.frame(FRAME);
+    assert!(has_notice(&app, "unknown field `nam`"), "{:?}", app.notices());
+    write(&file, "(name: \"Mine\")");
+    wait(&mut app, "training starts", |app| app.shown().0.scenario.name == "Mine");
+    let config = &app.run().config;
+    assert_eq!((config.preset_from.as_str(), config.seed), ("dqn", 9), "as requested");
+    assert_eq!(app.error_notices(), Vec::<String>::new());
+}
+
+#[test]
 fn questionable_settings_are_reported_until_another_training_run_starts() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let hangar = folder.path().join("hangar.ron");
@@ -310,16 +328,18 @@ fn an_edited_scenario_is_saved_with_its_comments_and_can_be_opened_while_invalid
     // The saved scenario does not run until the user applies it, and its errors are shown in the editor only.
     let_files_be_checked(&mut app);
     assert_eq!((x_m(&app), app.error_notices()), (0.6, Vec::new()));
-    // Changes made by another program are overwritten only when the user asks twice.
-    write(&file, &scenario_text(1.1));
+    // Each change made by another program is overwritten only when the user asks twice.
     let based_on = file.display().to_string();
-    for k in 0..2 {
+    for (k, changed_x_m) in [Some(1.1), Some(1.2), None].into_iter().enumerate() {
+        if let Some(x_m) = changed_x_m {
+            write(&file, &scenario_text(x_m));
+        }
         let (scenario, based_on) = (scenario.clone(), based_on.clone());
         app.command(Command::SaveScenario { scenario, based_on, path: Some(file.clone()) });
         app.frame(Duration::from_millis(10));
         let there = std::fs::read_to_string(&file).expect("the file exists");
-        assert_eq!(there, scenario_text(if k == 0 { 1.1 } else { 3.0 }), "saved {} times", k + 1);
-        assert_eq!(has_notice(&app, "another program has changed this file"), k == 0);
+        assert_eq!(there, scenario_text(changed_x_m.unwrap_or(3.0)), "saved {} times", k + 1);
+        assert_eq!(has_notice(&app, "another program has changed this file"), changed_x_m.is_some());
     }
     app.command(Command::OpenInEditor(Some(file.clone())));
     app.frame(Duration::from_millis(10));
@@ -354,6 +374,59 @@ fn a_change_of_the_file_that_the_editor_overwrites_is_not_adopted() {
     assert!(!has_notice(&app, text), "{:?}", app.notices());
     app.step_to(60);
     assert_eq!((x_m(&app), app.error_notices()), (0.6, Vec::new()), "an episode has at most 40 steps");
+}
+
+#[test]
+fn a_saved_scenario_that_cannot_be_applied_is_not_unsaved_when_the_editor_opens_again() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let file = folder.path().join("mine.ron");
+    let from = file.display().to_string();
+    let mut app = HeadlessApp::new(StartOptions { paused: true, ..StartOptions::default() });
+    app.frame(FRAME);
+    // At 3.0 m, the cylinder is outside the enclosure.
+    let scenario = |x_m| {
+        let mut scenario = Scenario::parse(&scenario_text(0.6), "mine.ron").expect("a scenario");
+        scenario.obstacles[0].position_m.x = x_m;
+        Arc::new(scenario)
+    };
+    let saved = scenario(3.0);
+    app.command(Command::SaveScenario {
+        scenario: saved.clone(),
+        based_on: from.clone(),
+        path: Some(file.clone()),
+    });
+    app.frame(FRAME);
+    for (scenario, is_unsaved) in [(saved, false), (scenario(3.1), true)] {
+        app.command(Command::ApplyScenario { scenario, from: from.clone(), restart: false });
+        app.frame(FRAME);
+        assert!(has_notice(&app, "outside the enclosure"), "{:?}", app.error_notices());
+        let editor = app.view_state().editor.as_ref().expect("the editor is open");
+        assert_eq!((editor.from(), editor.has_unsaved_changes()), (from.as_str(), is_unsaved));
+    }
+}
+
+#[test]
+fn applying_an_edited_scenario_does_not_hide_a_change_of_its_file_by_another_program() {
+    for restart in [false, true] {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let file = folder.path().join("mine.ron");
+        write(&file, &scenario_text(0.6));
+        let mut app = HeadlessApp::new(StartOptions { paused: true, ..StartOptions::default() });
+        app.frame(FRAME);
+        app.command(Command::OpenInEditor(Some(file.clone())));
+        app.frame(FRAME);
+        write(&file, &scenario_text(1.1));
+        let scenario = Arc::new(Scenario::parse(&scenario_text(0.9), "mine.ron").expect("a scenario"));
+        let from = file.display().to_string();
+        app.command(Command::ApplyScenario { scenario: scenario.clone(), from: from.clone(), restart });
+        app.frame(FRAME);
+        assert_eq!((x_m(&app), app.error_notices()), (0.9, Vec::new()), "restart: {restart}");
+        assert!(app.scenario_modified(), "the scenario differs from its file");
+        app.command(Command::SaveScenario { scenario, based_on: from, path: Some(file.clone()) });
+        app.frame(FRAME);
+        assert!(has_notice(&app, "another program has changed this file"), "restart: {restart}");
+        assert_eq!(std::fs::read_to_string(&file).expect("the file exists"), scenario_text(1.1));
+    }
 }
 
 #[test]

@@ -206,6 +206,31 @@ fn a_finished_run_resumes_only_with_a_larger_budget() {
     assert!(workspace.text("run/config.ron").contains("EnvSteps(3200)"), "config.ron has the new budget");
 }
 
+#[cfg(unix)]
+#[test]
+fn an_unfinished_run_does_not_resume_with_a_budget_that_it_has_passed() {
+    let workspace = workspace();
+    let mut child =
+        workspace.start("--train --scenario one.ron --preset fast.ron --steps 90000000 --out run");
+    wait_until(&mut child, "rows in episodes.csv", || has_rows(&workspace, "run", BEYOND_HEADER));
+    signal(&child, "TERM");
+    assert_eq!(wait_for_output(child).status, Some(143));
+    let before = workspace.all_files();
+    let summary = workspace.json("run/summary.json");
+    let env_steps = summary["env_steps"].as_u64().unwrap();
+    let done = workspace.run("--resume run --steps 16");
+    assert_eq!((done.status, done.stdout.as_str()), (Some(2), ""), "{}", done.stderr);
+    let message = format!(
+        "error: run: this run already has {env_steps} env steps, more than --steps 16; help: give --steps"
+    );
+    assert!(done.stderr.starts_with(&message), "{}", done.stderr);
+    assert!(workspace.all_files() == before, "a rejected resume changes nothing");
+    // A control step of the 16 arenas is 16 env steps, so a run with this budget ends at the same number.
+    let done = workspace.run_ok(&format!("--resume run --steps {} --json", env_steps - 15));
+    assert_eq!(done.json()["env_steps"], env_steps);
+    assert_eq!(done.json()["finished"], true);
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn the_number_of_cores_does_not_change_a_run() {

@@ -73,7 +73,7 @@ pub enum EditorSource {
         from: String,
         /// The scenario.
         scenario: Arc<Scenario>,
-        /// The scenario in its file; `None` if it was never saved.
+        /// The scenario in its file; `None` if unknown.
         in_file: Option<Arc<Scenario>>,
     },
 }

@@ -21,6 +21,7 @@ use super::pacer::Pacer;
 use super::quit;
 use super::save;
 use super::scenario_changes;
+use super::scenario_source::ScenarioSource;
 use super::start_training;
 use super::trails::Trails;
 use super::training_run::TrainingRun;
@@ -35,7 +36,7 @@ use crate::run::RunError;
 
 /// Executes `command`. A failure becomes a notice.
 pub(super) fn execute(world: &mut World, command: Command) {
-    let (topic, edited) = (topic(&command), edited_scenario(&command));
+    let (topic, edited) = (topic(&command), edited_scenario(world, &command));
     if let Err(error) = try_execute(world, command) {
         notify(world, topic, Severity::Error, error.to_string());
         if edited.is_some() {
@@ -46,12 +47,13 @@ pub(super) fn execute(world: &mut World, command: Command) {
 }
 
 /// The scenario to open in the editor again if `command` cannot apply it.
-fn edited_scenario(command: &Command) -> Option<EditorSource> {
+fn edited_scenario(world: &World, command: &Command) -> Option<EditorSource> {
     match command {
         Command::ApplyScenario { scenario, from, .. } => {
-            Some(EditorSource::Draft { from: from.clone(), scenario: scenario.clone(), in_file: None })
+            let in_file = world.resource::<ScenarioSource>().known(from).cloned();
+            Some(EditorSource::Draft { from: from.clone(), scenario: scenario.clone(), in_file })
         }
-        Command::SaveFirst(then) => edited_scenario(then),
+        Command::SaveFirst(then) => edited_scenario(world, then),
         _ => None,
     }
 }

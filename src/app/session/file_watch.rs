@@ -52,10 +52,17 @@ impl FileWatches {
 }
 
 /// The action to take once a broken file is fixed.
-#[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum RetryAction {
-    /// Start training with this file. The user named it on the command line; the default training runs meanwhile.
+    /// Start training in this file with the current preset and seed. The user named it on the command line; the default training
+    /// runs meanwhile.
     StartTraining,
+    /// Start training in this file with the preset and seed that the user requested.
+    StartWith {
+        /// The preset's file or shipped name.
+        preset: String,
+        /// The seed.
+        seed: u64,
+    },
     /// Open the file, as the user requested.
     Open,
 }
@@ -135,7 +142,9 @@ fn read_scenario(world: &mut World, path: &Path) {
     match found {
         Err(error) => notify(world, topic, Severity::Error, error.to_string()),
         Ok(_) if is_loaded => {}
-        Ok(found) if found == config.scenario => world.resource_mut::<ScenarioSource>().loaded = found,
+        Ok(found) if found == config.scenario => {
+            world.resource_mut::<ScenarioSource>().record_loaded(name, found);
+        }
         Ok(found) => match check_can_switch(config, &found) {
             Err(error) => notify(world, topic, Severity::Error, format!("{name}: {error}")),
             Ok(()) => {
@@ -165,16 +174,28 @@ fn retry(world: &mut World, path: &Path) {
     let paused = world.resource::<Pacer>().is_paused();
     match action {
         RetryAction::Open => open::open_or_notify(world, path),
-        RetryAction::StartTraining => start_there(world, name),
+        RetryAction::StartTraining => {
+            let started = start_there(world, &name);
+            notify_started(world, name, started);
+        }
+        RetryAction::StartWith { preset, seed } => {
+            let started = start_training::start_training(world, &name, &preset, seed);
+            notify_started(world, name, started);
+        }
     }
     world.resource_mut::<Pacer>().set_paused(paused);
 }
 
 /// Starts training in the scenario file `name`, with the current preset and seed.
-fn start_there(world: &mut World, name: String) {
-    let started = shipped::scenario_or_set(&name)
-        .map_err(RunError::from)
-        .and_then(|scenario| start_training::start_in_scenario(world, scenario, name.clone()));
+///
+/// # Errors
+/// The scenario is invalid, or the preset does not fit it.
+fn start_there(world: &mut World, name: &str) -> Result<(), RunError> {
+    start_training::start_in_scenario(world, shipped::scenario_or_set(name)?, name.into())
+}
+
+/// Reports whether training has started in the scenario file `name`.
+fn notify_started(world: &mut World, name: String, started: Result<(), RunError>) {
     let (severity, text) = match started {
         Ok(()) => (Severity::Info, format!("{name}: training started")),
         Err(error) => (Severity::Error, error.to_string()),

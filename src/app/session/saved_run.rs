@@ -144,7 +144,7 @@ impl SavedRun {
                 .for_each(|env_steps| curves.annotate(env_steps, SCENARIO_CHANGED.into()));
         });
         for (_, error) in skipped {
-            let text = format!("{error}\nThe previous checkpoint was used instead");
+            let text = format!("{error}\nAn older checkpoint was used instead");
             notify(world, NoticeTopic::General, Severity::Error, text);
         }
     }

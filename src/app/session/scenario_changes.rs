@@ -99,7 +99,7 @@ pub(super) fn apply_pending_scenario(world: &mut World) {
     let file = world.resource::<TrainingRun>().config.scenario_from.clone();
     let (severity, text) = match switch_scenario(world, &scenario, &file) {
         Ok(()) => {
-            world.resource_mut::<ScenarioSource>().loaded = scenario;
+            world.resource_mut::<ScenarioSource>().record_loaded(file.clone(), scenario);
             (Severity::Info, format!("{file}: now running the changed scenario"))
         }
         Err(error) => (Severity::Error, error.to_string()),

@@ -3,6 +3,7 @@
 //! In: every scenario that is loaded, saved or opened in the editor. Out: whether the current scenario differs from its file,
 //! and whether a file may be overwritten.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -11,7 +12,7 @@ use bevy::prelude::*;
 use crate::app::app_status::ScenarioFile;
 use crate::run::folder::RunConfig;
 use crate::run::{RunError, shipped};
-use crate::scenario::{Scenario, path_exists};
+use crate::scenario::{Scenario, path_exists, read_text};
 
 /// The source of the current scenario, and the last known content of files.
 #[derive(Resource)]
@@ -22,28 +23,32 @@ pub struct ScenarioSource {
     pub(super) pending: Option<Scenario>,
     /// The scenario that was saved last; `None` if the current scenario has changed since.
     saved: Option<ScenarioFile>,
-    /// The file that was opened last in the editor, with the content that the app last read or wrote.
-    opened_in_editor: Option<ScenarioFile>,
-    /// A file that another program has changed, and that the user has once asked to overwrite.
-    overwrite_requested: Option<PathBuf>,
+    /// The contents of files as the user last saw them: loaded, opened in the editor or saved.
+    known: BTreeMap<String, Arc<Scenario>>,
+    /// A file that another program has changed, and that the user has once asked to overwrite, with its text at that moment;
+    /// `None` if it could not be read.
+    overwrite_requested: Option<(PathBuf, Option<String>)>,
 }
 
 impl ScenarioSource {
     /// The source of the scenario in `config`.
     pub(super) fn new(config: &RunConfig) -> Self {
-        Self {
-            loaded: load_source(&config.scenario_from).unwrap_or_else(|| config.scenario.clone()),
-            pending: None,
-            saved: None,
-            opened_in_editor: None,
-            overwrite_requested: None,
+        let in_file = load_source(&config.scenario_from);
+        let mut known = BTreeMap::new();
+        // The user has not seen the file if it differs.
+        if in_file.as_ref() == Some(&config.scenario) {
+            known.insert(config.scenario_from.clone(), Arc::new(config.scenario.clone()));
         }
+        let loaded = in_file.unwrap_or_else(|| config.scenario.clone());
+        Self { loaded, pending: None, saved: None, known, overwrite_requested: None }
     }
 
     /// Takes over the known contents of files from `old`, when a new training run replaces the current one.
     pub(super) fn keep_known_files(&mut self, old: Self) {
         self.saved = old.saved;
-        self.opened_in_editor = old.opened_in_editor;
+        for (file, content) in old.known {
+            self.known.entry(file).or_insert(content);
+        }
     }
 
     /// Whether the current scenario differs from its file: an object was moved, or an edit was not saved.
@@ -58,18 +63,25 @@ impl ScenarioSource {
         self.saved.as_ref()
     }
 
+    /// The content of `file` as the user last saw it; `None` if the app never read it.
+    pub(super) fn known(&self, file: &str) -> Option<&Arc<Scenario>> {
+        self.known.get(file)
+    }
+
+    /// Records that the current scenario is the content of its file, `from`.
+    pub(super) fn record_loaded(&mut self, from: String, scenario: Scenario) {
+        self.known.insert(from, Arc::new(scenario.clone()));
+        self.loaded = scenario;
+    }
+
     /// Records the content of a file that was opened in the editor.
     pub(crate) fn record_opened(&mut self, from: String, scenario: Arc<Scenario>) {
-        self.opened_in_editor = Some((from, scenario));
+        self.known.insert(from, scenario);
     }
 
     /// Records the content of a file to which a scenario was saved.
     pub(super) fn record_saved(&mut self, file: String, scenario: Arc<Scenario>) {
-        if let Some((opened, content)) = &mut self.opened_in_editor
-            && *opened == file
-        {
-            content.clone_from(&scenario);
-        }
+        self.known.insert(file.clone(), scenario.clone());
         self.saved = Some((file, scenario));
     }
 
@@ -79,11 +91,11 @@ impl ScenarioSource {
     }
 
     /// Checks that writing `scenario` to `path` overwrites no changes made by another program. The file may be written if its
-    /// content is as last read or written by the app, if the app never read it (the file dialog has asked for confirmation), or
-    /// if the user asks twice.
+    /// content is as the user last saw it, if the app never read it (the file dialog has asked for confirmation), or if the user
+    /// asks twice and it has not changed in between.
     ///
     /// # Errors
-    /// Another program has changed the file, and the user asks to overwrite it for the first time.
+    /// Another program has changed the file, and the user has not yet asked to overwrite this change.
     pub(super) fn check_overwrite(
         &mut self,
         config: &RunConfig,
@@ -91,19 +103,18 @@ impl ScenarioSource {
         path: &Path,
     ) -> Result<(), RunError> {
         let file = path.display().to_string();
-        let loaded = (file == config.scenario_from).then_some(&self.loaded);
-        let files = self.saved.iter().chain(&self.opened_in_editor);
-        let known = files.filter(|known| known.0 == file).map(|known| &*known.1);
-        let mut known = loaded.into_iter().chain(known).peekable();
-        let present = Scenario::load_draft(path).ok();
-        let is_unchanged = known.peek().is_none()
-            || present.as_ref() == Some(scenario)
-            || known.any(|known| present.as_ref() == Some(known));
-        let is_repeated = self.overwrite_requested.take().as_deref() == Some(path);
+        // The file of a resumed run may have changed since the run was saved.
+        let running = (file == config.scenario_from).then_some(&config.scenario);
+        let known = self.known.get(&file).map(|content| &**content).or(running);
+        let text = read_text(path).ok();
+        let present = text.as_deref().and_then(|text| Scenario::parse_draft(text, path).ok());
+        let is_unchanged = known.is_none() || [Some(scenario), known].contains(&present.as_ref());
+        let request = (path.to_path_buf(), text);
+        let is_repeated = self.overwrite_requested.take().as_ref() == Some(&request);
         if !path_exists(path) || is_unchanged || is_repeated {
             return Ok(());
         }
-        self.overwrite_requested = Some(path.into());
+        self.overwrite_requested = Some(request);
         let why = "another program has changed this file, and its changes would be lost\n\
                    help: save again to overwrite it, or choose another name";
         Err(RunError::failed(path, why))

@@ -120,7 +120,8 @@ pub(super) fn replace(world: &mut World, prepared: PreparedTraining) {
 pub(super) fn start_or_notify(world: &mut World, scenario: &str, preset: &str, seed: u64) {
     let Err(error) = start_training(world, scenario, preset, seed) else { return };
     #[cfg(not(target_arch = "wasm32"))]
-    let is_broken = file_watch::retry_when_fixed(world, scenario, RetryAction::Open);
+    let is_broken =
+        file_watch::retry_when_fixed(world, scenario, RetryAction::StartWith { preset: preset.into(), seed });
     #[cfg(target_arch = "wasm32")]
     let is_broken = false;
     notify(world, scenario_topic(scenario, is_broken), Severity::Error, error.to_string());

@@ -91,6 +91,9 @@ impl Run {
                 ),
             ));
         }
+        if budget != earlier_budget {
+            check_not_passed(path, budget, &config, &learner)?;
+        }
         checkpoint::mark_damaged(&skipped)?;
         if budget != earlier_budget {
             folder.write_config(&config)?;
@@ -99,7 +102,7 @@ impl Run {
         let mut run = Self::open(config, folder, learner, trainer_state, began, listener)?;
         for (_, error) in skipped {
             run.progress
-                .warn(&format!("{error}; resuming from the previous checkpoint at {env_steps} env steps"));
+                .warn(&format!("{error}; resuming from an older checkpoint, at {env_steps} env steps"));
         }
         checkpoint::restore(run.simulation.world_mut(), &run.trainer_state);
         if let Some(best) = &run.trainer_state.best {
@@ -144,6 +147,30 @@ impl Run {
 /// none, or that of an earlier process.
 fn is_complete(folder: &Path, learner: &Learner) -> bool {
     Summary::read(folder).is_some_and(|s| s.finished && s.env_steps == learner.env_steps())
+}
+
+/// Checks that the run in `folder` has not passed the new `budget`: its configuration would no longer describe it.
+///
+/// # Errors
+/// It has passed the budget by more than a run with this budget can, which ends after a whole control step of all arenas.
+fn check_not_passed(
+    folder: &Path,
+    budget: Budget,
+    config: &RunConfig,
+    learner: &Learner,
+) -> Result<(), RunError> {
+    let (flag, given, done, unit) = match budget {
+        Budget::Episodes(n) => ("--episodes", n, learner.episodes(), "episodes"),
+        Budget::EnvSteps(n) => ("--steps", n, learner.env_steps(), "env steps"),
+    };
+    if done.saturating_sub(given) < config.preset.arenas as u64 {
+        return Ok(());
+    }
+    let why = format!(
+        "this run already has {done} {unit}, more than {flag} {given}; help: give {flag} a larger number (counted from the start \
+         of the run), or leave it out to keep the budget"
+    );
+    Err(RunError::invalid_input(folder, why))
 }
 
 /// Whether `episodes.csv` in `folder` has a row after its header.

@@ -59,9 +59,23 @@ fn now_unix_s() -> u64 {
 pub(super) struct FoundSession {
     pub(super) path: PathBuf,
     metadata: AutosaveMetadata,
+    /// When the metadata was written, more exact than in the metadata; `None` if the file system does not tell.
+    written: Option<SystemTime>,
 }
 
 impl FoundSession {
+    /// The autosave at `path`; `None` if it has no readable metadata.
+    fn read(path: PathBuf) -> Option<Self> {
+        let file = path.join(METADATA_FILE);
+        let written = fs::metadata(&file).and_then(|data| data.modified()).ok();
+        Some(Self { metadata: read_ron(file).ok()?, path, written })
+    }
+
+    /// A key that orders sessions by the time of their autosave. No two sessions have the same.
+    fn order(&self) -> (u64, Option<SystemTime>, PathBuf) {
+        (self.metadata.saved_unix_s, self.written, self.path.clone())
+    }
+
     /// The session as plain data to show.
     pub(super) fn describe(&self) -> LastSession {
         let AutosaveMetadata { scenario, preset, seed, env_steps, saved_unix_s } = self.metadata.clone();
@@ -79,12 +93,12 @@ pub(super) fn find(root: &Path) -> Vec<FoundSession> {
     let mut found: Vec<FoundSession> = saved
         .into_iter()
         .filter(|path| path.join(RunFolder::CONFIG_FILE).exists())
-        .filter_map(|path| Some(FoundSession { metadata: read_ron(path.join(METADATA_FILE)).ok()?, path }))
+        .filter_map(FoundSession::read)
         .filter(|session| is_unused(&session.path))
         .collect();
     // One that cannot be deleted does no harm.
     let delete = |session: FoundSession| drop(fs::remove_dir_all(session.path));
-    keep_newest(&mut found, |session| session.metadata.saved_unix_s, delete);
+    keep_newest(&mut found, FoundSession::order, delete);
     found
 }
 
@@ -107,5 +121,37 @@ fn delete_abandoned(unfinished: &[PathBuf]) {
         if age(path).is_ok_and(|age| age >= ABANDONED_AFTER) {
             let _ = fs::remove_dir_all(path);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::to_ron;
+
+    #[test]
+    fn autosaves_of_the_same_second_are_ordered_by_the_time_of_their_files_and_then_by_name() {
+        let root = tempfile::tempdir().expect("a temporary folder");
+        let second = UNIX_EPOCH + Duration::from_secs(1_700_000_000);
+        for (name, after_ms) in [("a", 300), ("b", 900), ("c", 500), ("d", 500), ("e", 500)] {
+            let folder = root.path().join(name);
+            fs::create_dir_all(folder.join("checkpoint")).expect("a new folder");
+            fs::write(folder.join(RunFolder::CONFIG_FILE), "").expect("a writable file");
+            let metadata = AutosaveMetadata {
+                scenario: name.into(),
+                preset: "Fast".into(),
+                seed: 0,
+                env_steps: 16,
+                saved_unix_s: 1_700_000_000,
+            };
+            let path = folder.join(METADATA_FILE);
+            fs::write(&path, to_ron(&metadata).expect("RON")).expect("a writable file");
+            let file = fs::File::options().write(true).open(path).expect("the file exists");
+            file.set_modified(second + Duration::from_millis(after_ms)).expect("the time can be set");
+        }
+        let found: Vec<String> =
+            find(root.path()).into_iter().map(|session| session.metadata.scenario).collect();
+        assert_eq!(found, ["b", "e", "d"], "newest first");
+        assert!(!root.path().join("a").exists() && !root.path().join("c").exists(), "older ones are deleted");
     }
 }
