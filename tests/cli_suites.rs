@@ -5,8 +5,14 @@ mod cli_support;
 
 use std::collections::BTreeMap;
 
+use bevy::prelude::{App, Plugin};
 use cli_support::{SCENARIO_1, SCENARIO_2, Workspace, noisy, with_short_episodes};
 use serde_json::Value;
+use wayfield::drivers::{DriverConfig, FieldParameters};
+use wayfield::run::evaluate::Evaluated;
+use wayfield::run::settings::Settings;
+use wayfield::run::suite::{Suite, SuiteDriver, SuiteTest, TestStore};
+use wayfield::simulation::Extensions;
 
 const GENERATOR: &str = r#"(
     name: "Clutter",
@@ -388,4 +394,33 @@ fn an_interrupted_test_resumes_with_the_same_results() {
         "{}",
         done.stderr
     );
+}
+
+#[test]
+fn tests_with_plugins_are_not_stored() {
+    #[derive(Clone)]
+    struct MyPlugin;
+    impl Plugin for MyPlugin {
+        fn build(&self, _: &mut App) {}
+    }
+    let workspace = Workspace::new();
+    let suite = Suite::load("empty", &Settings::default(), Some(1)).unwrap();
+    let driver = DriverConfig::Field(FieldParameters::default());
+    let drivers = [SuiteDriver { name: "field".into(), evaluated: Evaluated::Driver(&driver) }];
+    let plugin = Extensions::default().plugin(MyPlugin);
+    for (name, extensions, stored) in [("none.ron", Extensions::default(), 1), ("plugin.ron", plugin, 0)] {
+        let store = TestStore::open(&workspace.path(name)).unwrap();
+        let test = SuiteTest {
+            suite: &suite,
+            seed: 0,
+            optimum: false,
+            extensions: &extensions,
+            threads: 1,
+            stop: None,
+            store: Some(&store),
+            progress: &|_, _| {},
+        };
+        assert_eq!(test.run(&drivers).unwrap().len(), 1);
+        assert_eq!(workspace.text(name).lines().count(), stored, "{name}");
+    }
 }
