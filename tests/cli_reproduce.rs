@@ -491,7 +491,10 @@ fn invalid_options_and_files_are_rejected_with_a_fix() {
     rejected("--reproduce --only tabel2", &["did you mean `table2`?"]);
     rejected("--reproduce --experiment none.ron", &["none.ron", "no such file"]);
     rejected("--reproduce --seeds 0", &["--seeds", "a whole number from 1 to 1000"]);
-    rejected("--reproduce --only conditions --seeds 1000", &["--seeds", "28000 training runs", "at most 10000"]);
+    rejected(
+        "--reproduce --only conditions --seeds 1000",
+        &["--seeds", "28000 training runs", "at most 10000"],
+    );
     rejected("--reproduce --shard 3/2", &["--shard", "give K/N, such as 2/8"]);
     rejected("--reproduce --train", &["--train"]);
     rejected("--reproduce --seed 3", &["--seed"]);
@@ -828,6 +831,16 @@ fn runs_from_elsewhere_that_do_not_fit_are_rejected_with_a_fix() {
     let done = workspace.run("--reproduce --experiment mine/steps.ron --quick --out no");
     assert_eq!(done.status, Some(2));
     assert!(done.stderr.contains("arm \"elsewhere\" has finished runs"), "{}", done.stderr);
+    let finished = r#"(
+        title: "Finished",
+        arms: [(name: "elsewhere", runs: ["runs/a"])],
+        tables: [(name: "seeds", title: "Seeds", show: Seeds(measure: Success))],
+    )"#;
+    workspace.write("mine/finished.ron", finished);
+    let done = workspace.run("--reproduce --experiment mine/finished.ron --seeds 2 --out no");
+    assert_eq!(done.status, Some(2));
+    let needle = "mine/finished.ron: --seeds chooses the seeds of training runs, but all arms have finished runs; help: ";
+    assert!(done.stderr.contains(needle), "{}", done.stderr);
 
     // A run that is not finished.
     let summary = workspace.text("mine/runs/b/summary.json");
