@@ -4,6 +4,7 @@ use super::*;
 use crate::learning::{Exploration, Sampling, Schedule, TargetUpdate};
 use crate::run::folder::Transfer;
 use crate::run::shipped;
+use crate::scenario::Shape;
 use crate::task::{RewardKind, RewardLengths};
 
 /// A schedule of epsilon that does not depend on env steps.
@@ -126,7 +127,11 @@ fn rewards_that_teach_nothing_or_the_wrong_thing_are_noted() {
     let mut preset = fast();
     nothing(&mut preset);
     assert_eq!(preset_notes(&preset, None, true), [], "a plugin may give the reward");
-    assert_noted(|p| p.reward.l_r_m = 0.1, "note: `reward.l_r_m` is 0.1, ", "collision range of 0.13 m");
+    assert_noted(
+        |p| p.reward.l_r_m = 0.1,
+        "note: `reward.l_r_m` is 0.1, ",
+        "collides at every heading below 0.13 m",
+    );
     assert_eq!(noted(|p| (p.reward.l_r_m, p.reward.sigma) = (0.1, 0.0)), [""; 0]);
     // With lengths relative to the robot, 0.3 m is beyond the collision range of any robot.
     let mut large = Scenario::default();
@@ -139,6 +144,11 @@ fn rewards_that_teach_nothing_or_the_wrong_thing_are_noted() {
     let notes = with_lengths(RewardLengths::Metres);
     assert!(notes.len() == 1 && notes[0].to_string().contains("such as 1.00"), "{notes:?}");
     assert_eq!(with_lengths(RewardLengths::Robot), []);
+    // A body of 1 m x 0.8 m reaches 0.4 m to the sides, beyond the collision range of 0.13 m.
+    let mut shaped = Scenario::default();
+    shaped.robot.shape = Some(Shape::Rectangle { width_m: 1.0, height_m: 0.8 });
+    let notes = preset_notes(&fast(), Some(&shaped), false);
+    assert!(notes.len() == 1 && notes[0].to_string().contains("every heading below 0.40 m,"), "{notes:?}");
 }
 
 #[test]
