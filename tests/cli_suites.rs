@@ -348,6 +348,31 @@ fn a_report_shows_every_failure_and_its_scenario_has_the_same_start_and_goal() {
 }
 
 #[test]
+fn a_new_report_deletes_the_files_of_the_earlier_one_and_no_others() {
+    let workspace = workspace();
+    workspace.write("hard.ron", HARD);
+    let names = |folder: &str| {
+        let entries = std::fs::read_dir(workspace.path(folder)).unwrap();
+        let mut names: Vec<String> =
+            entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    };
+    workspace.run_ok("--eval field dwa --suite hard.ron --report report");
+    assert_eq!(names("report/drivers"), ["1-field.ron", "2-dwa.ron"]);
+    let earlier = names("report/failures").len();
+    workspace.write("report/drivers/3-mine.ron", "mine");
+    workspace.write("report/failures/notes.txt", "mine");
+    workspace.run_ok("--eval dwa --suite hard.ron --report report");
+    assert_eq!(names("report/drivers"), ["1-dwa.ron", "3-mine.ron"]);
+    let failures = workspace.text("report/report.html").matches("To repeat it: ").count();
+    assert!(failures < earlier, "the driver `field` fails, too");
+    let kept = names("report/failures");
+    assert_eq!(kept.len(), failures + 1, "{kept:?}");
+    assert!(kept.contains(&"notes.txt".to_string()), "{kept:?}");
+}
+
+#[test]
 fn a_report_of_a_scenario_a_set_or_a_generator_is_that_of_a_suite_of_it() {
     let workspace = workspace();
     let set = "(name: \"Both\", scenarios: [(scenario: \"one.ron\"), (scenario: \"two.ron\", share: 2)])";
