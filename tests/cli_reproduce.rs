@@ -844,6 +844,16 @@ fn runs_from_elsewhere_that_do_not_fit_are_rejected_with_a_fix() {
     let done = workspace.run("--reproduce --experiment mine/steps.ron --quick --out no");
     assert_eq!(done.status, Some(2));
     assert!(done.stderr.contains("arm \"elsewhere\" has finished runs"), "{}", done.stderr);
+    let finished = r#"(
+        title: "Finished",
+        arms: [(name: "elsewhere", runs: ["runs/a"])],
+        tables: [(name: "seeds", title: "Seeds", show: Seeds(measure: Success))],
+    )"#;
+    workspace.write("mine/finished.ron", finished);
+    let done = workspace.run("--reproduce --experiment mine/finished.ron --seeds 2 --out no");
+    assert_eq!(done.status, Some(2));
+    let needle = "mine/finished.ron: --seeds chooses the seeds of training runs, but all arms have finished runs; help: ";
+    assert!(done.stderr.contains(needle), "{}", done.stderr);
 
     workspace.write(
         "mine/late.ron",

@@ -5,8 +5,14 @@ mod cli_support;
 
 use std::collections::BTreeMap;
 
+use bevy::prelude::{App, Plugin};
 use cli_support::{SCENARIO_1, SCENARIO_2, Workspace, noisy, with_short_episodes};
 use serde_json::Value;
+use wayfield::drivers::{DriverConfig, FieldParameters};
+use wayfield::run::evaluate::Evaluated;
+use wayfield::run::settings::Settings;
+use wayfield::run::suite::{Suite, SuiteDriver, SuiteTest, TestStore};
+use wayfield::simulation::Extensions;
 
 const GENERATOR: &str = r#"(
     name: "Clutter",
@@ -346,6 +352,31 @@ fn a_report_shows_every_failure_and_its_scenario_has_the_same_start_and_goal() {
 }
 
 #[test]
+fn a_new_report_deletes_the_files_of_the_earlier_one_and_no_others() {
+    let workspace = workspace();
+    workspace.write("hard.ron", HARD);
+    let names = |folder: &str| {
+        let entries = std::fs::read_dir(workspace.path(folder)).unwrap();
+        let mut names: Vec<String> =
+            entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    };
+    workspace.run_ok("--eval field dwa --suite hard.ron --report report");
+    assert_eq!(names("report/drivers"), ["1-field.ron", "2-dwa.ron"]);
+    let earlier = names("report/failures").len();
+    workspace.write("report/drivers/3-mine.ron", "mine");
+    workspace.write("report/failures/notes.txt", "mine");
+    workspace.run_ok("--eval dwa --suite hard.ron --report report");
+    assert_eq!(names("report/drivers"), ["1-dwa.ron", "3-mine.ron"]);
+    let failures = workspace.text("report/report.html").matches("To repeat it: ").count();
+    assert!(failures < earlier, "the driver `field` fails, too");
+    let kept = names("report/failures");
+    assert_eq!(kept.len(), failures + 1, "{kept:?}");
+    assert!(kept.contains(&"notes.txt".to_string()), "{kept:?}");
+}
+
+#[test]
 fn a_report_of_a_scenario_a_set_or_a_generator_is_that_of_a_suite_of_it() {
     let workspace = workspace();
     let set = "(name: \"Both\", scenarios: [(scenario: \"one.ron\"), (scenario: \"two.ron\", share: 2)])";
@@ -392,4 +423,33 @@ fn an_interrupted_test_resumes_with_the_same_results() {
         "{}",
         done.stderr
     );
+}
+
+#[test]
+fn tests_with_plugins_are_not_stored() {
+    #[derive(Clone)]
+    struct MyPlugin;
+    impl Plugin for MyPlugin {
+        fn build(&self, _: &mut App) {}
+    }
+    let workspace = Workspace::new();
+    let suite = Suite::load("empty", &Settings::default(), Some(1)).unwrap();
+    let driver = DriverConfig::Field(FieldParameters::default());
+    let drivers = [SuiteDriver { name: "field".into(), evaluated: Evaluated::Driver(&driver) }];
+    let plugin = Extensions::default().plugin(MyPlugin);
+    for (name, extensions, stored) in [("none.ron", Extensions::default(), 1), ("plugin.ron", plugin, 0)] {
+        let store = TestStore::open(&workspace.path(name)).unwrap();
+        let test = SuiteTest {
+            suite: &suite,
+            seed: 0,
+            optimum: false,
+            extensions: &extensions,
+            threads: 1,
+            stop: None,
+            store: Some(&store),
+            progress: &|_, _| {},
+        };
+        assert_eq!(test.run(&drivers).unwrap().len(), 1);
+        assert_eq!(workspace.text(name).lines().count(), stored, "{name}");
+    }
 }

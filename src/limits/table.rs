@@ -362,7 +362,7 @@ const TRAINING: &[Limit] = &[
         "numbers in the replay buffer's observations",
         count(learning::MAX_STORED_FLOATS),
         "",
-        "8 GiB; 2^28, 1 GiB, on 32-bit systems",
+        "9 GiB with the 1/8 that the buffer has in reserve; 2^28, 1.1 GiB, on 32-bit systems",
     ),
     Limit(
         "levels of all generators of a set, if levels are drawn by progress",

@@ -162,7 +162,13 @@ impl Condition {
     /// Whether the condition changes `stage` of `arm`.
     #[must_use]
     pub fn changes(&self, arm: &Arm, stage: &Stage) -> bool {
-        let is_named = |names: &[String], name: &String| names.is_empty() || names.contains(name);
-        is_named(&self.only_arms, &arm.name) && is_named(&self.only_scenarios, &stage.scenario)
+        self.includes(arm)
+            && (self.only_scenarios.is_empty() || self.only_scenarios.contains(&stage.scenario))
+    }
+
+    /// Whether `arm` is one of the arms that the condition changes.
+    #[must_use]
+    pub fn includes(&self, arm: &Arm) -> bool {
+        self.only_arms.is_empty() || self.only_arms.contains(&arm.name)
     }
 }

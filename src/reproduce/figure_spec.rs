@@ -64,7 +64,8 @@ pub enum FigureKind {
         #[serde(default)]
         after: Option<Budget>,
     },
-    /// A map of the benchmark route with the planner's path and each arm's trajectory (its first seed).
+    /// A map of the benchmark route with the planner's path and each arm's trajectory (its first seed). Arms with other
+    /// obstacles, another robot or another route than the first arm are left out.
     BenchmarkRoute {
         /// The episodes or env steps, over all stages, after which the policies drive the route. Without it, after
         /// training.

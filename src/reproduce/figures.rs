@@ -69,7 +69,9 @@ pub fn caption(results: &Results<'_>, index: usize, figure: &FigureSpec) -> Resu
                 parts.push("The claims are about the differences between the arms, which have intervals of their own.".into());
             }
         }
-        FigureKind::BenchmarkRoute { .. } => parts.push(driven_note(results, index)),
+        FigureKind::BenchmarkRoute { after } => {
+            parts.push(driven_note(results, index, TestPoint::overall(*after))?);
+        }
     }
     if !matches!(figure.draw, FigureKind::BenchmarkRoute { .. }) {
         parts.extend(small_sample_note(fewest_seeds(results, index)));
@@ -97,13 +99,55 @@ fn arrow_note(
     Ok("")
 }
 
-/// A sentence on which seeds' policies drive the benchmark route.
-fn driven_note(results: &Results<'_>, index: usize) -> String {
+/// Sentences on which seeds' policies drive the benchmark route, and on the rows that are not drawn.
+fn driven_note(results: &Results<'_>, index: usize, point: TestPoint) -> Result<String, RunError> {
+    let drawn = rows_on_map(results, index, point)?;
     let first = |row| results.arm_runs(row).next().map(|(seed, _)| seed);
-    let seeds: BTreeSet<u64> = rows(results, index).into_iter().filter_map(first).collect();
+    let seeds: BTreeSet<u64> = drawn.iter().filter_map(|&(_, row)| first(row)).collect();
     let seeds: Vec<u64> = seeds.into_iter().collect();
     let (list, s) = (seeds_text(&seeds), if seeds.len() == 1 { "" } else { "s" });
-    format!("The path of each arm is driven by the policy of its first seed (seed{s} {list}).")
+    let note = format!("The path of each arm is driven by the policy of its first seed (seed{s} {list}).");
+    let is_drawn = |row: &ArmIndex| drawn.iter().any(|(_, other)| other == row);
+    let others = rows(results, index).into_iter().filter(|row| !is_drawn(row));
+    let names: Vec<String> = others.map(|row| row_name(results, row)).collect();
+    if names.is_empty() {
+        return Ok(note);
+    }
+    let names = names.join(", ");
+    Ok(format!(
+        "{note} Not drawn, because their obstacles, robot or route differ from those of the map: {names}."
+    ))
+}
+
+/// The rows that can be drawn on one map with the first row, each with its colour.
+fn rows_on_map(
+    results: &Results<'_>,
+    index: usize,
+    point: TestPoint,
+) -> Result<Vec<(usize, ArmIndex)>, RunError> {
+    let mut drawn = Vec::new();
+    let mut first = None;
+    for (colour, row) in (1..).zip(rows(results, index)) {
+        let (training, _) = results.policy(row, results.first_run(row)?, point)?;
+        let scenario = &results.training(training).config.scenario;
+        let of_map: &Scenario = first.get_or_insert(scenario);
+        if fit_on_one_map(of_map, scenario) {
+            drawn.push((colour, row));
+        }
+    }
+    Ok(drawn)
+}
+
+/// Whether two scenarios have the same walls, obstacles, robot and route, so that the same map and planner's path are right for
+/// both.
+fn fit_on_one_map(one: &Scenario, other: &Scenario) -> bool {
+    one.enclosure == other.enclosure
+        && one.walls == other.walls
+        && one.obstacles == other.obstacles
+        && one.generators == other.generators
+        && one.robot == other.robot
+        && one.task.goal_radius_m == other.task.goal_radius_m
+        && one.benchmark_route == other.benchmark_route
 }
 
 fn dot_plot(
@@ -138,7 +182,8 @@ fn dot_plot(
     })
 }
 
-/// The map of the benchmark route: the planner's path, and for each arm the trajectory of the policy of its first seed.
+/// The map of the benchmark route in the scenario of the first row: the planner's path, and for each row that
+/// [fits](fit_on_one_map) the trajectory of the policy of its first seed.
 fn benchmark_route(
     results: &Results<'_>,
     index: usize,
@@ -147,7 +192,7 @@ fn benchmark_route(
 ) -> Result<ScenarioMap, RunError> {
     let mut trajectories = Vec::new();
     let mut first = None;
-    for (colour, row) in (1..).zip(rows(results, index)) {
+    for (colour, row) in rows_on_map(results, index, point)? {
         let (training, policy) = results.policy(row, results.first_run(row)?, point)?;
         let scenario = &results.training(training).config.scenario;
         let policy = read_policy(&results.policy_file(training, policy))?;

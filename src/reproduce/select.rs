@@ -16,7 +16,8 @@ use crate::scenario::closest_name;
 ///
 /// # Errors
 /// A file is invalid, a name is used twice, a name after `--only` does not exist, `--set` or `--quick` is given for an
-/// experiment with finished runs, or an experiment has too many training runs with the seeds of `--seeds`.
+/// experiment with finished runs, `--seeds` is given for an experiment without training runs, or an experiment has too many
+/// training runs with the seeds of `--seeds`.
 pub fn select(options: &ReproduceOptions) -> Result<Vec<SelectedExperiment>, RunError> {
     let sources = sources(options)?;
     check_wanted(&options.only, &names(&sources)?)?;
@@ -46,6 +47,13 @@ pub fn select(options: &ReproduceOptions) -> Result<Vec<SelectedExperiment>, Run
             make_quick(experiment, |name| preset(name).map(|preset| preset.budget));
         }
         if let Some(seeds) = &options.seeds {
+            if experiment.arms.iter().all(|arm| !arm.runs.is_empty()) {
+                let why = format!(
+                    "{}: --seeds chooses the seeds of training runs, but all arms have finished runs; help: leave the option out",
+                    source.from
+                );
+                return Err(RunError::InvalidInput(why));
+            }
             experiment.seeds = seeds.clone();
             let runs = training_runs(experiment);
             if runs > MAX_TRAINING_RUNS {

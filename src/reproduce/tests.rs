@@ -7,6 +7,7 @@ use super::ReproduceOptions;
 use super::arm_run::{ArmRun, PolicyId};
 use super::experiment::{Experiment, TestRule};
 use super::figure_spec::{Axis, Series};
+use super::figures::caption;
 use super::learning_curves::{StageChange, merged_markers};
 use super::measure::Measure;
 use super::measured_value::MeasuredValue;
@@ -323,6 +324,35 @@ fn measures_are_computed_from_the_records() {
     let point = TestPoint { after: Some(Budget::Episodes(0)), of_last_stage: true };
     let start = results.values(arm, Measure::SuccessRate, point, Windows::default()).expect("it is known");
     assert_eq!(start.values, [exactly(25.0)], "the first evaluation after the transfer");
+}
+
+#[test]
+fn the_caption_of_a_map_names_the_rows_in_other_scenarios() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file: PathBuf = folder.path().join("two.ron");
+    let text = TWO_STAGES.replace(
+        "    tables: [",
+        r#"    conditions: [
+            (name: "plain"),
+            (name: "noisy", overrides: {"scenario.lidar.noise_std_m": 0.02}),
+            (name: "moving", scenario: "scenario-2"),
+        ],
+        figures: [(name: "f", title: "F", draw: BenchmarkRoute(after: Episodes(300)))],
+        tables: ["#,
+    );
+    std::fs::write(&file, text).expect("written");
+    let (selected, plan) =
+        planned(&ReproduceOptions { experiments: vec![file], ..ReproduceOptions::default() });
+    for training in &plan.training_runs {
+        write_records(folder.path(), training, &[0; 200], &[]);
+    }
+    let optimal_times = OptimalTimesCache::new(folder.path().join("optimum"), ReportProgress::new(1));
+    let results =
+        Results::read(&plan, &selected, folder.path(), optimal_times).expect("the results are read");
+    let caption = caption(&results, 0, &selected[0].source.experiment.figures[0]).expect("a caption");
+    let expected = "F. The path of each arm is driven by the policy of its first seed (seed 1). Not drawn, because their \
+                    obstacles, robot or route differ from those of the map: moving.";
+    assert_eq!(caption, expected);
 }
 
 #[test]

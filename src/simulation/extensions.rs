@@ -49,6 +49,12 @@ impl Extensions {
         self
     }
 
+    /// Whether there are no plugins.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
     /// Adds all plugins to `app`, which must have the `TaskPlugin` already.
     pub(super) fn build(&self, app: &mut App) {
         self.0.iter().for_each(|add| add(app));
@@ -57,7 +63,7 @@ impl Extensions {
     /// The slices that the plugins' sensors add to the observation, and the names of the plugins' reward terms.
     #[must_use]
     pub fn describe(&self) -> (Vec<ObservationSlice>, Vec<String>) {
-        if self.0.is_empty() {
+        if self.is_empty() {
             return (Vec::new(), Vec::new());
         }
         let mut app = App::new();

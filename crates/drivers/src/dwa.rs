@@ -44,7 +44,7 @@ pub(crate) struct Dwa {
 struct Rollout {
     /// The time until a collision, in s; the horizon if there is none.
     free_s: f32,
-    /// The alignment with the direction of the goal, 0 to 1.
+    /// The alignment with the direction of the goal, 0 to 1, after `heading_time_s`; 0 if the motion collides before.
     heading: f32,
 }
 

@@ -301,14 +301,10 @@ fn beams(card: &Card) -> usize {
     card.count(Quantity::Range)
 }
 
-/// Escapes text for Markdown, and leaves out invisible characters.
+/// Escapes text for Markdown, and leaves out unprintable characters.
 fn escaped(text: &str) -> String {
-    let is_invisible = |c: char| {
-        matches!(c, '\u{61c}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}'
-            | '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e007f}')
-    };
     let mut escaped = String::with_capacity(text.len());
-    for c in text.chars().filter(|&c| !c.is_control() && !is_invisible(c)) {
+    for c in text.chars().filter(|&c| !is_unprintable(c)) {
         if "\\`*_[]<>|&~#!".contains(c) {
             escaped.push('\\');
         }
@@ -317,9 +313,26 @@ fn escaped(text: &str) -> String {
     escaped
 }
 
+/// Whether `c` should not be printed as it is. The same characters as in the function of this name in `wayfield-scenario`, on
+/// which this crate does not depend.
+fn is_unprintable(c: char) -> bool {
+    c.is_control()
+        || u32::from(c) & 0xfffe == 0xfffe
+        || matches!(c,
+            '\u{ad}' | '\u{34f}' | '\u{61c}' | '\u{115f}' | '\u{1160}' | '\u{180e}' | '\u{200b}' | '\u{200e}' | '\u{200f}'
+            | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{3164}' | '\u{fdd0}'..='\u{fdef}' | '\u{feff}'
+            | '\u{ffa0}' | '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e007f}')
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn markdown_is_escaped_without_unprintable_characters() {
+        let text = "a*\u{ad}b\u{115f}\u{180e}\u{3164}c\n\u{202e}d\u{ffff}\u{1f469}\u{200d}\u{1f680}";
+        assert_eq!(escaped(text), "a\\*bcd\u{1f469}\u{200d}\u{1f680}");
+    }
 
     #[test]
     fn front_matter_is_ascii_with_the_escapes_of_yaml() {

@@ -22,7 +22,8 @@ pub struct DivergenceError {
     pub advice: String,
 }
 
-/// A warning that Q-values exceed the largest possible return: the largest |reward| so far, divided by 1 - gamma.
+/// A warning that Q-values exceed the largest possible return: the largest |reward| so far, divided by 1 - gamma. With advantage
+/// learning of weight w, that they exceed (1 + w) / (1 - w) times this return.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error(
     "learning seems to diverge at gradient step {gradient_step} (env step {env_step}): the mean |Q-value| is {q:.4}, but no \

@@ -14,7 +14,8 @@ pub const MAX_LEARNING_RATE: f32 = 10.0;
 pub const MAX_REWARD_SCALE: f32 = 1e20;
 /// The maximum number of transitions in a replay buffer.
 pub const MAX_REPLAY_CAPACITY: usize = 1 << 24;
-/// The maximum of replay capacity times observation length: 8 GiB of f32 values, or 1 GiB on 32-bit systems.
+/// The maximum of replay capacity times observation length: 8 GiB of f32 values, or 1 GiB on 32-bit systems. The replay buffer
+/// allocates 1/8 more, because an episode of k steps has k + 1 states.
 pub const MAX_STORED_FLOATS: usize = if usize::BITS > 32 { 1 << 31 } else { 1 << 28 };
 /// The maximum number of parallel environments.
 pub const MAX_ENVS: usize = 1 << 16;

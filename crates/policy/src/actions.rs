@@ -69,17 +69,6 @@ impl ActionSet {
             None => Ok(()),
         }
     }
-
-    /// For each action, the action that is its mirror image: the same speed with the opposite turning rate. `None` if an
-    /// action has no image in the set, or if the set is the robot's.
-    #[must_use]
-    pub fn mirrored(&self) -> Option<Vec<usize>> {
-        let Self::Relative(motions) = self else { return None };
-        let image = |motion: &RelativeMotion| {
-            motions.iter().position(|other| other.speed == motion.speed && other.turn == -motion.turn)
-        };
-        motions.iter().map(image).collect()
-    }
 }
 
 impl RelativeMotion {
@@ -107,14 +96,6 @@ mod tests {
         assert_eq!(motion(0.5, 1.0).of(&limits), (0.25, 2.0));
         assert_eq!(motion(-1.0, -0.5).of(&limits), (-0.1, -0.5));
         assert_eq!(motion(0.0, 0.0).of(&limits), (0.0, 0.0));
-    }
-
-    #[test]
-    fn the_mirror_image_of_a_left_turn_is_the_right_turn() {
-        let set = ActionSet::Relative(vec![motion(1.0, 1.0), motion(1.0, 0.0), motion(1.0, -1.0)]);
-        assert_eq!(set.mirrored(), Some(vec![2, 1, 0]));
-        let lopsided = ActionSet::Relative(vec![motion(1.0, 1.0), motion(0.5, -1.0)]);
-        assert_eq!(lopsided.mirrored(), None, "no right turn at full speed");
     }
 
     #[test]

@@ -32,7 +32,8 @@ pub(crate) struct Edit {
 ///
 /// A path looks like `obstacles[2].motion.speed_rad_s`, as in [`SourceMap`]. `obstacles[*].motion.speed_rad_s` means every
 /// element of the list that has the rest of the path. A field that `text` lacks is added to its struct, so that the parser of
-/// the result accepts or rejects its name. `value` is not checked.
+/// the result accepts or rejects its name; in a list that `text` lacks, `value` is the only element, whatever the index. `value`
+/// is not checked.
 ///
 /// ```
 /// use wayfield_ron_patch::set_field;
@@ -100,19 +101,21 @@ fn edits(map: &SourceMap, entry: usize, steps: &[Step], value: &str) -> Result<V
     }
 }
 
-/// The edits in all elements of `entry` that have the rest of the path. If none has it, the edits that add it to the first
-/// element, or the error of the first element.
+/// The edits in all elements of `entry` that have the rest of the path. If none has it, the edits that add it to all elements that
+/// can have it, or the error of the first element.
 fn edits_of_all(map: &SourceMap, entry: usize, rest: &[Step], value: &str) -> Result<Vec<Edit>, PathError> {
-    let mut of_elements: Vec<_> =
+    let of_elements: Vec<_> =
         map.elements_of(entry).map(|element| edits(map, element, rest, value)).collect();
     let is_there = |edits: &Result<Vec<Edit>, PathError>| {
         edits.as_ref().is_ok_and(|edits| edits.iter().all(|edit| !edit.is_added))
     };
-    if !of_elements.iter().any(is_there) {
-        of_elements.truncate(1);
-        return of_elements.pop().unwrap_or_else(|| Err(missing_part(map, entry, "element")));
+    if of_elements.iter().any(is_there) {
+        return Ok(of_elements.into_iter().filter(is_there).flatten().flatten().collect());
     }
-    Ok(of_elements.into_iter().filter(is_there).flatten().flatten().collect())
+    if of_elements.iter().any(Result::is_ok) {
+        return Ok(of_elements.into_iter().flatten().flatten().collect());
+    }
+    of_elements.into_iter().next().unwrap_or_else(|| Err(missing_part(map, entry, "element")))
 }
 
 /// The edit that adds the field `name` to the struct or variant `entry`, with `value` at the path `rest` in it.
@@ -172,7 +175,9 @@ mod tests {
         assert_eq!(set("gama", "1"), TEXT.replacen('(', "(gama: 1, ", 1));
         assert_eq!(set("new.list[0]", "1"), TEXT.replacen('(', "(new: (list: [1]), ", 1));
         assert_eq!(set("sampling.beta", "1"), TEXT.replace("(alpha", "(beta: 1, alpha"));
-        assert_eq!(set("parts[*].mass", "1"), TEXT.replace("[(motion", "[(mass: 1, motion"));
+        assert_eq!(set("parts[*].mass", "1"), TEXT.replace("(motion", "(mass: 1, motion"));
+        let lacking = "parts[*].motion.phase";
+        assert_eq!(set(lacking, "1"), TEXT.replace("Orbit(", "Orbit(phase: 1, "), "not in `Static`");
     }
 
     #[test]

@@ -27,10 +27,14 @@ pub fn with_setting<T: Serialize + DeserializeOwned>(old: &T, path: &str, text: 
     let after = set_field(&before, path, &line).map_err(|error| error.to_string())?;
     // Only the first problem is reported; any others are its consequences.
     let set = parse_ron(&after, path).map_err(|error| error.problems()[0].message.clone())?;
-    match RawValue::from_ron(&line) {
-        Ok(_) => Ok(set),
-        Err(_) => Err(format!("`{value}` is not one value; help: give one value as in a file")),
+    if RawValue::from_ron(&line).is_err() {
+        return Err(format!("`{value}` is not one value; help: give one value as in a file"));
     }
+    // In a list that was missing, the value is now the only element. This comes last, so that an unknown name is reported first.
+    if set_field(&after, path, &line).is_err() {
+        return Err("the list is not given, so it has no such element; help: set it as a whole".into());
+    }
+    Ok(set)
 }
 
 /// Whether the RON `text` closes all brackets that it opens, and no others.
@@ -49,6 +53,8 @@ fn is_closed(text: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use serde::Deserialize;
+
     use super::*;
     use crate::Scenario;
 
@@ -56,5 +62,21 @@ mod tests {
     fn a_number_that_starts_with_a_dot_keeps_its_exponent() {
         let set = with_setting(&Scenario::default(), "lidar.max_range_m", ".25e1").expect("a number");
         assert_eq!(set.lidar.max_range_m, 2.5);
+    }
+
+    #[test]
+    fn a_missing_list_has_only_a_first_element() {
+        #[derive(Debug, Default, PartialEq, Serialize, Deserialize)]
+        #[serde(deny_unknown_fields, default)]
+        struct Route {
+            #[serde(skip_serializing_if = "Vec::is_empty")]
+            stops: Vec<u32>,
+        }
+        let set = |path: &str| with_setting(&Route::default(), path, "7");
+        assert_eq!(set("stops[0]"), Ok(Route { stops: vec![7] }));
+        let error = "the list is not given, so it has no such element; help: set it as a whole";
+        assert_eq!(set("stops[2]"), Err(error.into()));
+        let error = set("stop[2]").expect_err("an unknown name");
+        assert!(error.contains("did you mean `stops`?"), "{error}");
     }
 }

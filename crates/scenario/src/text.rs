@@ -42,14 +42,16 @@ fn escaped(text: &str, is_escaped: impl Fn(char) -> bool) -> Cow<'_, str> {
 }
 
 /// Whether `c` should not be printed as it is: a control character (terminal escapes begin with one), a mark that
-/// reverses the direction of text, an invisible character, a line break other than `\n`, or a noncharacter.
+/// reverses the direction of text, an invisible character, a line break other than `\n`, or a noncharacter. Joiners (U+200C and
+/// U+200D) may be printed, because some scripts and emoji need them. `wayfield-export` has the same list for model cards.
 #[must_use]
 pub fn is_unprintable(c: char) -> bool {
     c.is_control()
         || is_noncharacter(c)
         || matches!(c,
-            '\u{61c}' | '\u{200b}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}'
-            | '\u{feff}' | '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e007f}')
+            '\u{ad}' | '\u{34f}' | '\u{61c}' | '\u{115f}' | '\u{1160}' | '\u{180e}' | '\u{200b}' | '\u{200e}' | '\u{200f}'
+            | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{3164}' | '\u{feff}' | '\u{ffa0}'
+            | '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e007f}')
 }
 
 /// Whether Unicode reserves `c` for internal use. XML does not allow U+FFFE and U+FFFF.
@@ -110,6 +112,10 @@ mod tests {
             ("\u{1b}]0;taken\u{7}\u{9b}31m\u{7f}", r"\u{1b}]0;taken\u{7}\u{9b}31m\u{7f}"),
             ("a\u{202e}nor.b\u{2066}\u{200f}", r"a\u{202e}nor.b\u{2066}\u{200f}"),
             ("na\u{200b}me\u{feff}\u{e0041}", r"na\u{200b}me\u{feff}\u{e0041}"),
+            (
+                "\u{ad}\u{34f}\u{115f}\u{1160}\u{180e}\u{3164}\u{ffa0}",
+                r"\u{ad}\u{34f}\u{115f}\u{1160}\u{180e}\u{3164}\u{ffa0}",
+            ),
             ("\u{ffff}\u{1fffe}", r"\u{ffff}\u{1fffe}"),
         ] {
             assert_eq!(printable(text), shown);

@@ -79,7 +79,7 @@ pub struct EvalArgs {
 /// The message on the first signal if the test writes files.
 const STOPPING: &str = "stopping; no file is written";
 
-/// The message on the first signal if the test writes a report.
+/// The message on the first signal if the test writes a report, without plugins.
 const STOPPING_REPORT: &str = "stopping; finished tests are kept";
 
 /// Tests the policies and drivers `paths`, which are files or shipped names, and prints the results.
@@ -89,7 +89,8 @@ const STOPPING_REPORT: &str = "stopping; finished tests are kept";
 pub fn run(paths: &[PathBuf], args: &EvalArgs, shared: &SharedArgs) -> Result<(), RunError> {
     // Must come before the first file is created. Without files, there is nothing to clean up.
     let has_files = args.csv.is_some() || args.trace.is_some() || args.report.is_some();
-    let stopping = if args.report.is_some() { STOPPING_REPORT } else { STOPPING };
+    let keeps_tests = args.report.is_some() && shared.extensions.is_empty();
+    let stopping = if keeps_tests { STOPPING_REPORT } else { STOPPING };
     let stop = has_files.then(|| stop_on_signal(stopping));
     if stop.is_none() {
         exit_on_signal();

@@ -36,19 +36,22 @@ impl Check<'_> {
         }
     }
 
-    /// Checks the conditions. They and the overrides cannot change finished runs.
+    /// Checks the conditions. They and the overrides cannot change finished runs, which `only_arms` may leave out.
     pub(super) fn conditions(&mut self, experiment: &Experiment) {
         self.found.names("conditions", experiment.conditions.iter().map(|c| c.name.as_str()));
         for (i, condition) in experiment.conditions.iter().enumerate() {
             condition.only_arms.iter().for_each(|name| self.arm(&format!("conditions[{i}].only_arms"), name));
             self.only_scenarios(&format!("conditions[{i}].only_scenarios"), &condition.only_scenarios);
         }
-        if experiment.conditions.is_empty() && experiment.overrides.is_empty() {
-            return;
-        }
-        for (i, arm) in self.arms.iter().enumerate().filter(|(_, arm)| !arm.runs.is_empty()) {
+        let is_changed = |arm: &Arm| {
+            !experiment.overrides.is_empty()
+                || experiment.conditions.iter().any(|condition| condition.includes(arm))
+        };
+        let finished = self.arms.iter().enumerate().filter(|(_, arm)| !arm.runs.is_empty());
+        for (i, arm) in finished.filter(|(_, arm)| is_changed(arm)) {
             let message = format!(
-                "are finished, so conditions and overrides cannot change \"{}\"; help: leave them out, or give the arm stages",
+                "are finished, so conditions and overrides cannot change \"{}\"; help: leave them out, limit the conditions to \
+                 other arms with `only_arms`, or give the arm stages",
                 arm.name
             );
             self.found.add(&format!("arms[{i}].runs"), message);

@@ -239,6 +239,28 @@ mod tests {
     }
 
     #[test]
+    fn a_condition_may_leave_out_an_arm_with_finished_runs() {
+        let text = |only_arms: &str| {
+            format!(
+                r#"(
+                    title: "T",
+                    arms: [
+                        (name: "a", stages: [(scenario: "empty", preset: "dqn")]),
+                        (name: "b", runs: ["runs/b"]),
+                    ],
+                    conditions: [(name: "c", overrides: {{"learning.gamma": 0.5}}, only_arms: [{only_arms}])],
+                    tables: [(name: "t", title: "T", show: Seeds(measure: Success))],
+                )"#
+            )
+        };
+        Experiment::parse(&text("\"a\""), "t.ron").expect("only the other arm is changed");
+        for only_arms in ["", "\"b\""] {
+            let error = Experiment::parse(&text(only_arms), "t.ron").expect_err("the runs are finished");
+            assert!(error.to_string().contains("cannot change \"b\"; help: "), "{error}");
+        }
+    }
+
+    #[test]
     fn only_the_arms_that_are_compared_must_be_trained_until_they_are() {
         let text = |than: &str| {
             let arm = |name: &str, episodes: u64| {

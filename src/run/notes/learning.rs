@@ -76,8 +76,9 @@ fn no_gradient_step(learning: &LearningConfig, length: RunLength) -> Option<(&'s
         () => ("replay.learning_starts", learning.replay.learning_starts),
     };
     let problem = format!(
-        "is {value}, so nothing will be learned: the first gradient step comes after {first} env steps, and the budget is \
-         {most}; help: give a smaller number, or a larger budget"
+        "is {value}, so nothing will be learned: the first gradient step comes after {first} env steps, and {}; help: give a \
+         smaller number, or a larger budget",
+        length.text("at most", most)
     );
     Some((field, problem))
 }

@@ -42,14 +42,14 @@ pub(super) fn check(
         && is_shaped
         && sigma > 0.0
     {
-        // The collision range in the potential's units, which are scaled for `RewardLengths::Robot`.
-        let collision_range_m = reward.scale(scenario.robot_unit_m()) * scenario.task.collision_range_m;
-        if l_r_m <= collision_range_m {
+        // In the potential's units, which are scaled for `RewardLengths::Robot`.
+        let collision_m = reward.scale(scenario.robot_unit_m()) * scenario.sure_collision_m();
+        if l_r_m <= collision_m {
             let message = format!(
-                "is {l_r_m}, within the scenario's collision range of {collision_range_m:.2} m{}, so obstacles repel only when it \
+                "is {l_r_m}, but the robot collides at every heading below {collision_m:.2} m{}, so obstacles repel only when it \
                  is too late; help: give a larger distance, such as {:.2}",
                 if reward.lengths == RewardLengths::Robot { " (scaled to the paper's robot)" } else { "" },
-                2.0 * collision_range_m
+                2.0 * collision_m
             );
             add(NoteLevel::Note, "reward.l_r_m", message);
         }

@@ -19,11 +19,11 @@ fn rounded(value: f32) -> f32 {
 pub(super) fn check(preset: &Preset, length: RunLength, notes: &mut Vec<Note>) {
     let mut add = |field: &str, message: String| notes.push(Note::new(NoteLevel::Note, field, message));
     for (field, schedule) in schedules(&preset.learning) {
-        if let Some(message) = length.most.and_then(|most| too_slow(&schedule, most)) {
+        if let Some(message) = too_slow(&schedule, length) {
             add(field, message);
         }
     }
-    if let Some(message) = too_fast(&preset.learning.learning_rate, length.least) {
+    if let Some(message) = too_fast(&preset.learning.learning_rate, length) {
         add("learning.learning_rate", message);
     }
     let starts = preset.learning.replay.learning_starts;
@@ -43,8 +43,8 @@ pub(super) fn check(preset: &Preset, length: RunLength, notes: &mut Vec<Note>) {
     let every = preset.evaluation.every_env_steps;
     if let Some(most) = length.most.filter(|most| every > *most) {
         let message = format!(
-            "is {every}, but the budget is {most} env steps, so only the first and the last policy are evaluated; help: give a \
-             smaller number"
+            "is {every}, but {}, so only the first and the last policy are evaluated; help: give a smaller number",
+            length.text("at most", most)
         );
         add("evaluation.every_env_steps", message);
     }
@@ -72,13 +72,16 @@ fn ends(schedule: &Schedule) -> Option<(f32, f32, u64)> {
     }
 }
 
-/// The problem if a run of at most `most` env steps ends long before `schedule` does.
-fn too_slow(schedule: &Schedule, most: u64) -> Option<String> {
+/// The problem if the run ends long before `schedule` does.
+fn too_slow(schedule: &Schedule, length: RunLength) -> Option<String> {
+    let most = length.most?;
+    let at_most = || length.text("at most", most);
     if let Schedule::Step { factor, every_env_steps, .. } = *schedule {
         return (every_env_steps > most && factor < 1.0).then(|| {
             format!(
-                "takes its first step at env step {every_env_steps}, but the budget is {most}; help: give a smaller \
-                 `every_env_steps`, or a larger budget"
+                "takes its first step at env step {every_env_steps}, but {}; help: give a smaller `every_env_steps`, or a \
+                 larger budget",
+                at_most()
             )
         });
     }
@@ -86,28 +89,34 @@ fn too_slow(schedule: &Schedule, most: u64) -> Option<String> {
     (env_steps / 2 > most).then(|| {
         let end = rounded(schedule.at(most));
         format!(
-            "ends at env step {env_steps}, but the budget is {most}, where it has only gone from {from} to {end} instead of \
-             {to}; help: end it at {most}, or give a larger budget"
+            "ends at env step {env_steps}, but {}, after which it has only gone from {from} to {end} instead of {to}; help: \
+             end it at {most}, or give a larger budget",
+            at_most()
         )
     })
 }
 
-/// The problem if the learning rate is small for most of a run of at least `least` env steps.
-fn too_fast(learning_rate: &Schedule, least: u64) -> Option<String> {
+/// The problem if the learning rate is small for most of the run.
+fn too_fast(learning_rate: &Schedule, length: RunLength) -> Option<String> {
+    let least = length.least;
+    let at_least = || length.text("at least", least);
     if let Schedule::Step { from, .. } = *learning_rate {
-        let half = learning_rate.at(least / 2);
+        let middle = least / 2;
+        let half = learning_rate.at(middle);
         return (from >= LOW_LEARNING_RATE && half < LOW_LEARNING_RATE).then(|| {
             format!(
-                "has fallen from {from} to {half:e} halfway through the budget of {least}, so nothing more is learned; \
-                 help: give a `factor` nearer to 1, or a larger `every_env_steps`"
+                "has fallen from {from} to {half:e} at env step {middle}, but {}, so nothing more is learned; help: give a \
+                 `factor` nearer to 1, or a larger `every_env_steps`",
+                at_least()
             )
         });
     }
     let (from, to, env_steps) = ends(learning_rate)?;
     (to < from * SMALL_FRACTION && least / LONG_RUN > env_steps).then(|| {
         format!(
-            "ends at env step {env_steps}, but the budget is {least}, most of which has a learning rate of {to}; help: end \
-             it at {least}, or give a smaller budget"
+            "ends at env step {env_steps}, but {}, most of it with a learning rate of {to}; help: end it at {least}, or give \
+             a smaller budget",
+            at_least()
         )
     })
 }

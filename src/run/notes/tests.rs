@@ -4,6 +4,7 @@ use super::*;
 use crate::learning::{Exploration, Sampling, Schedule, TargetUpdate};
 use crate::run::folder::Transfer;
 use crate::run::shipped;
+use crate::scenario::Shape;
 use crate::task::{RewardKind, RewardLengths};
 
 /// A schedule of epsilon that does not depend on env steps.
@@ -66,7 +67,7 @@ fn a_run_without_a_gradient_step_gets_a_warning() {
             p.learning.replay.sampling = Sampling::Uniform;
         },
         "warning: `learning.replay.learning_starts` is 13001, ",
-        "the budget is 13000",
+        "and the run has at most 13000 env steps; help: ",
     );
     // The 60th env step has 60 transitions, too few for a batch; the next update would come at the 120th.
     let batch = noted(|p| {
@@ -126,7 +127,11 @@ fn rewards_that_teach_nothing_or_the_wrong_thing_are_noted() {
     let mut preset = fast();
     nothing(&mut preset);
     assert_eq!(preset_notes(&preset, None, true), [], "a plugin may give the reward");
-    assert_noted(|p| p.reward.l_r_m = 0.1, "note: `reward.l_r_m` is 0.1, ", "collision range of 0.13 m");
+    assert_noted(
+        |p| p.reward.l_r_m = 0.1,
+        "note: `reward.l_r_m` is 0.1, ",
+        "collides at every heading below 0.13 m",
+    );
     assert_eq!(noted(|p| (p.reward.l_r_m, p.reward.sigma) = (0.1, 0.0)), [""; 0]);
     // With lengths relative to the robot, 0.3 m is beyond the collision range of any robot.
     let mut large = Scenario::default();
@@ -139,6 +144,11 @@ fn rewards_that_teach_nothing_or_the_wrong_thing_are_noted() {
     let notes = with_lengths(RewardLengths::Metres);
     assert!(notes.len() == 1 && notes[0].to_string().contains("such as 1.00"), "{notes:?}");
     assert_eq!(with_lengths(RewardLengths::Robot), []);
+    // A body of 1 m x 0.8 m reaches 0.4 m to the sides, beyond the collision range of 0.13 m.
+    let mut shaped = Scenario::default();
+    shaped.robot.shape = Some(Shape::Rectangle { width_m: 1.0, height_m: 0.8 });
+    let notes = preset_notes(&fast(), Some(&shaped), false);
+    assert!(notes.len() == 1 && notes[0].to_string().contains("every heading below 0.40 m,"), "{notes:?}");
 }
 
 #[test]
@@ -154,8 +164,8 @@ fn schedules_that_end_long_before_or_after_the_budget_are_noted() {
     );
     assert!(
         short[0].starts_with(
-            "note: `learning.learning_rate` ends at env step 600000, but the budget is 6000, where it has only gone from \
-             0.0015 to 0.001485"
+            "note: `learning.learning_rate` ends at env step 600000, but the budget is 6000, after which it has only gone \
+             from 0.0015 to 0.001485"
         ),
         "{short:?}"
     );
@@ -167,10 +177,16 @@ fn schedules_that_end_long_before_or_after_the_budget_are_noted() {
     let long = noted(|p| p.budget = Budget::EnvSteps(5_000_000));
     assert_eq!(fields(&long), ["learning.learning_rate"]);
     assert!(
-        long[0].contains("most of which has a learning rate of 0.00001; help: end it at 5000000"),
+        long[0].contains("most of it with a learning rate of 0.00001; help: end it at 5000000"),
         "{long:?}"
     );
     assert_eq!(noted(|p| p.budget = Budget::EnvSteps(2_000_000)), [""; 0]);
+    // A budget in episodes: of at most 500 env steps each, with an unfinished one in each of the 16 arenas; of at least 1.
+    let short = noted(|p| p.budget = Budget::Episodes(10));
+    let rate = short.iter().find(|note| note.contains("`learning.learning_rate`")).expect("a note");
+    assert!(rate.contains("600000, but the run has at most 13000 env steps, after which it"), "{rate}");
+    let long = noted(|p| p.budget = Budget::Episodes(5_000_000));
+    assert!(long[0].contains("600000, but the run has at least 5000000 env steps, most of it"), "{long:?}");
 }
 
 #[test]
@@ -186,9 +202,9 @@ fn schedules_of_every_kind_are_compared_with_the_budget() {
     for schedule in [Schedule::Exponential { from, to, env_steps }, Schedule::Cosine { from, to, env_steps }]
     {
         let short = rate(schedule, 60_000);
-        assert!(short.len() == 1 && short[0].contains("the budget is 60000, where"), "{short:?}");
+        assert!(short.len() == 1 && short[0].contains("the budget is 60000, after which"), "{short:?}");
         let long = rate(schedule, 6_000_000);
-        assert!(long.len() == 1 && long[0].contains("most of which has a learning rate of"), "{long:?}");
+        assert!(long.len() == 1 && long[0].contains("most of it with a learning rate of"), "{long:?}");
         assert_eq!(rate(schedule, 600_000), [""; 0]);
     }
     let step = |factor, every_env_steps| Schedule::Step { from, factor, every_env_steps };

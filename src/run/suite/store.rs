@@ -1,8 +1,8 @@
 //! The finished tests of a suite, in a file, so that an interrupted suite continues where it stopped.
 //!
 //! Each line is one test, as RON. A line that is incomplete because the process was killed is dropped, and its test is
-//! repeated. The key of a test contains everything that its result depends on, so any later suite with the same folder can use
-//! the result.
+//! repeated. The key of a test contains everything that its result depends on except plugins, so any later suite with the same
+//! folder can use the result. Tests with plugins are not stored.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -97,9 +97,9 @@ pub fn driver_key(evaluated: Evaluated<'_>) -> Result<String, RunError> {
     })
 }
 
-/// The key of a test, from all that its result depends on: the program, the driver ([`driver_key`]), the scenario and the test's
-/// `options`. The program is identified by its version and commit, so builds of one commit with different uncommitted changes
-/// share keys.
+/// The key of a test without plugins, from all that its result depends on: the program, the driver ([`driver_key`]), the scenario
+/// and the test's `options`. The program is identified by its version and commit, so builds of one commit with different
+/// uncommitted changes share keys.
 ///
 /// # Errors
 /// None is known: the scenario can always be written as JSON.

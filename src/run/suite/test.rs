@@ -38,7 +38,8 @@ pub struct SuiteTest<'a> {
     pub threads: usize,
     /// Set from outside to stop the test.
     pub stop: Option<&'a AtomicBool>,
-    /// Where finished tests are stored and looked up.
+    /// Where finished tests are stored and looked up. Not used if there are plugins, because the key of a test does not
+    /// identify them.
     pub store: Option<&'a TestStore>,
     /// Called with the number of finished pairs of a driver and a scenario, and the number of all pairs.
     pub progress: &'a (dyn Fn(usize, usize) + Sync),
@@ -89,7 +90,8 @@ impl SuiteTest<'_> {
         let scenarios: Vec<(&Family, &SuiteScenario)> = self.suite.scenarios().collect();
         let references: Vec<OnceLock<Arc<References>>> = scenarios.iter().map(|_| OnceLock::new()).collect();
         let keys = || drivers.iter().map(|driver| store::driver_key(driver.evaluated)).collect();
-        let keys: Option<Vec<String>> = self.store.map(|_| keys()).transpose()?;
+        let store = self.used_store();
+        let keys: Option<Vec<String>> = store.map(|_| keys()).transpose()?;
         let (done, failed) = (AtomicUsize::new(0), AtomicBool::new(false));
         let count = scenarios.len() * drivers.len();
         let results = on_all_cores::map(
@@ -103,7 +105,7 @@ impl SuiteTest<'_> {
                     return Ok(None);
                 }
                 let (family, scenario) = scenarios[index];
-                let stored = self.store.zip(keys.as_ref().map(|keys| keys[driver].as_str()));
+                let stored = store.zip(keys.as_ref().map(|keys| keys[driver].as_str()));
                 let result = kept_of(kept, index, scenario)
                     .and_then(|kept| self.tested(kept, family, &drivers[driver], stored, &references[index]));
                 failed.fetch_or(result.is_err(), Ordering::Relaxed);
@@ -172,6 +174,11 @@ impl SuiteTest<'_> {
         })
     }
 
+    /// The store, unless there are plugins.
+    fn used_store(&self) -> Option<&TestStore> {
+        self.store.filter(|_| self.extensions.is_empty())
+    }
+
     fn plan(&self, scenario: &Scenario, episodes: &[EpisodeResult]) -> References {
         References {
             shortest_paths_m: evaluate::shortest_paths_m(scenario, episodes, 1),
@@ -186,7 +193,7 @@ impl SuiteTest<'_> {
     pub fn check_not_stopped(&self) -> Result<(), RunError> {
         match self.stop {
             Some(stop) if stop.load(Ordering::Relaxed) => {
-                let rest = if self.store.is_some() {
+                let rest = if self.used_store().is_some() {
                     "run the same command again to continue"
                 } else {
                     "no file was written"

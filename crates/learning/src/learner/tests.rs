@@ -49,40 +49,49 @@ fn advantage_learning_lowers_the_targets_of_all_but_the_best_actions() {
 
 #[test]
 fn q_values_above_the_largest_possible_return_are_reported_after_50_gradient_steps() {
-    let mut config = LearningConfig { gamma: 0.9, batch_size: 1, ..LearningConfig::default() };
-    (config.replay.learning_starts, config.train_freq, config.gradient_steps) = (1, 1, 1);
-    (config.reward_scale, config.learning_rate) = (0.5, Schedule::Constant(1e-6));
-    let mut learner = Learner::new(&config, 1, 2, 1, 0).expect("a valid config");
-    // All Q-values are 10.5. Rewards of up to 2, scaled to 1, give returns of up to 1 / (1 - 0.9) = 10.
-    learner.online.update(|weights| weights.fill(0.0));
-    let bias = learner.online.shape().parameters().into_iter().find(|view| view.name == "value.bias");
-    let bias = bias.expect("the paper's network is dueling").range.start;
-    learner.online.update(|weights| weights[bias] = 10.5);
-    let step = |reward| Experience {
-        env_index: 0,
-        observation: &[0.0],
-        action: 0,
-        reward,
-        next_observation: &[0.0],
-        terminated: true,
-        truncated: false,
-    };
-    let mut after = |reward, times: u64| {
-        let mut last = None;
-        for _ in 0..times {
-            learner.store(&step(reward));
-            last = learner.train().expect("no divergence").expect("a pending update").overestimate;
-        }
-        last
-    };
-    assert_eq!(after(0.0, 60), None, "before the first reward other than 0, nothing is known about returns");
-    assert_eq!(after(-2.0, 49), None, "49 gradient steps are not enough");
-    let found = after(-2.0, 1).expect("10.5 exceeds 10 for the 50th time");
-    assert_eq!((found.gradient_step, found.env_step, found.largest_reward), (110, 110, 1.0));
-    assert!((found.q - 10.5).abs() < 1e-3, "{found}");
-    assert!((found.largest_return - 10.0).abs() < 1e-5, "{found}");
-    // A reward of 2.2, scaled to 1.1, raises the bound to 11.
-    assert_eq!(after(2.2, 1), None);
+    // Rewards of up to 2, scaled to 1, give returns of up to 1 / (1 - 0.9) = 10. Advantage learning of weight 0.5 allows Q-values
+    // of up to 1.5 / 0.5 = 3 times as much.
+    for (advantage_learning, q) in [(0.0, 10.5), (0.5, 31.5)] {
+        let mut config =
+            LearningConfig { gamma: 0.9, batch_size: 1, advantage_learning, ..LearningConfig::default() };
+        (config.replay.learning_starts, config.train_freq, config.gradient_steps) = (1, 1, 1);
+        (config.reward_scale, config.learning_rate) = (0.5, Schedule::Constant(1e-6));
+        let mut learner = Learner::new(&config, 1, 2, 1, 0).expect("a valid config");
+        // All Q-values are `q`.
+        learner.online.update(|weights| weights.fill(0.0));
+        let bias = learner.online.shape().parameters().into_iter().find(|view| view.name == "value.bias");
+        let bias = bias.expect("the paper's network is dueling").range.start;
+        learner.online.update(|weights| weights[bias] = q);
+        let step = |reward| Experience {
+            env_index: 0,
+            observation: &[0.0],
+            action: 0,
+            reward,
+            next_observation: &[0.0],
+            terminated: true,
+            truncated: false,
+        };
+        let mut after = |reward, times: u64| {
+            let mut last = None;
+            for _ in 0..times {
+                learner.store(&step(reward));
+                last = learner.train().expect("no divergence").expect("a pending update").overestimate;
+            }
+            last
+        };
+        assert_eq!(
+            after(0.0, 60),
+            None,
+            "before the first reward other than 0, nothing is known about returns"
+        );
+        assert_eq!(after(-2.0, 49), None, "49 gradient steps are not enough");
+        let found = after(-2.0, 1).expect("the Q-values exceed the bound for the 50th time");
+        assert_eq!((found.gradient_step, found.env_step, found.largest_reward), (110, 110, 1.0));
+        assert!((found.q - q).abs() < 1e-3, "{found}");
+        assert!((found.largest_return - 10.0).abs() < 1e-5, "{found}");
+        // A reward of 2.2, scaled to 1.1, raises the bound by a tenth.
+        assert_eq!(after(2.2, 1), None);
+    }
 }
 
 #[test]

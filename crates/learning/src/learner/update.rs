@@ -136,13 +136,16 @@ impl Learner {
         Ok(())
     }
 
-    /// A warning if `q`, the mean |Q(s, a)| of this batch, exceeds the largest return that the rewards so far allow, and
-    /// `steps_over_bound` has reached [`MIN_OVERESTIMATE_STEPS`].
+    /// A warning if `q`, the mean |Q(s, a)| of this batch, exceeds what the largest return that the rewards so far allow can
+    /// lead to, and `steps_over_bound` has reached [`MIN_OVERESTIMATE_STEPS`].
     fn check_return_bound(&mut self, q: f32) -> Option<Overestimate> {
         let Self { config, counters, largest_reward, steps_over_bound, .. } = self;
         let largest_return = *largest_reward / (1.0 - config.gamma);
+        // The fixed point of advantage learning with weight w is (Q - w max Q) / (1 - w), with the Q-values of w = 0.
+        let w = config.advantage_learning;
+        let largest_q = largest_return * (1.0 + w) / (1.0 - w);
         // Before the first reward other than 0, nothing is known about returns.
-        let is_over_bound = *largest_reward > 0.0 && q > largest_return;
+        let is_over_bound = *largest_reward > 0.0 && q > largest_q;
         *steps_over_bound = if is_over_bound {
             steps_over_bound.saturating_add(1)
         } else {
