@@ -10,6 +10,8 @@ use crate::scenario::{PlacementRule, Scenario, quoted, to_text, vec2};
 
 /// The folder of the failures' scenarios, in the report's folder.
 pub const FOLDER: &str = "failures";
+/// What the names of the failures' files begin with, before the number.
+const PREFIX: &str = "failure-";
 
 /// A failed episode, drawn.
 pub struct Failure {
@@ -83,7 +85,7 @@ impl FailedEpisode<'_> {
         let mut evaluator = Evaluator::with_extensions(&of.scenario, 1, tested.test.extensions);
         let (episode, svg) = evaluator.episode_image(under_test.evaluated, tested.test.seed, index, setup)?;
         let time_s = f64::from(episode.steps) * period_s(of.scenario.task.control_period_s);
-        let file = format!("failure-{failure_number:04}");
+        let file = format!("{PREFIX}{failure_number:04}");
         let episode_number = index + 1;
         let title = format!("{name}, episode {episode_number}");
         let text =
@@ -104,6 +106,12 @@ fn repeatable(scenario: &Scenario, episode: &EpisodeResult, text: &str) -> Scena
         goals: fixed(goal.x_m, goal.y_m, None),
         ..scenario.with_generated_obstacles(*layout_seed)
     }
+}
+
+/// Whether `name` is that of a failure's scenario.
+pub fn is_file_name(name: &str) -> bool {
+    let number = name.strip_prefix(PREFIX).and_then(|rest| rest.strip_suffix(".ron"));
+    number.is_some_and(|number| number.parse::<usize>().is_ok())
 }
 
 /// The command, for a shell, with which the app repeats `failure`, an episode of the test with `seed`.

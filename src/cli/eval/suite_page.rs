@@ -3,7 +3,6 @@
 //! The folder also holds the finished tests, so that an interrupted test can continue; the policies and drivers; and the
 //! scenarios of the failures.
 
-use std::collections::BTreeSet;
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -55,14 +54,11 @@ impl SuiteFolder {
         Ok(Self { path: path.into(), store, _lock: lock })
     }
 
-    /// Writes the report, with the images and scenarios of all failures, and deletes the files that only an earlier report names.
-    /// Returns the path of the page.
+    /// Writes the report, with the images and scenarios of all failures, in place of an earlier one. Returns the path of the page.
     ///
     /// # Errors
     /// An episode cannot be drawn, or a file cannot be written.
     pub fn write(&self, tested: &Tested<'_>, report: &SuiteReport<'_>) -> Result<PathBuf, RunError> {
-        let path = self.path.join("report.html");
-        let earlier = fs::read_to_string(&path).unwrap_or_default();
         let drivers = self.write_drivers(tested)?;
         let failures = failures(tested)?;
         self.write_scenarios(&failures)?;
@@ -91,8 +87,6 @@ impl SuiteFolder {
                 items: std::iter::once(table).chain(shown.into_iter().map(figure)).collect(),
             }
         };
-        let file_name = |path: &PathBuf| Some(format!("{DRIVERS}/{}", path.file_name()?.to_string_lossy()));
-        let driver_files: Vec<String> = drivers.iter().filter_map(file_name).collect();
         let page = Page {
             title: report.suite.into(),
             lead: vec![LEAD.into()],
@@ -105,33 +99,16 @@ impl SuiteFolder {
                 ("commit".into(), provenance::COMMIT.unwrap_or("unknown").into()),
                 ("seed".into(), report.seed.to_string()),
                 ("physics".into(), report.physics.into()),
-                ("drivers".into(), driver_files.join(", ")),
             ],
         };
         report_files::write(&self.path, &page)?;
-        if let Ok(page) = fs::read_to_string(&path) {
-            self.remove_outdated(&earlier, &page);
-        }
-        Ok(path)
-    }
-
-    /// Deletes the drivers and the scenarios of failures that the page `earlier` names and `page` does not.
-    fn remove_outdated(&self, earlier: &str, page: &str) {
-        // In a report from an untrusted source, a link could lead to any folder of the user.
-        let is_own = |folder: &Path| fs::symlink_metadata(folder).is_ok_and(|found| found.is_dir());
-        for name in named_files(earlier).difference(&named_files(page)) {
-            let file = self.path.join(name);
-            if file.parent().is_some_and(is_own) {
-                // A file that cannot be deleted does no harm: the page does not name it.
-                let _ = fs::remove_file(file);
-            }
-        }
+        Ok(self.path.join("report.html"))
     }
 
     /// Writes the policies and drivers, so that the commands of the failures need no other files. Returns their paths, as given
     /// on the command line.
     fn write_drivers(&self, tested: &Tested<'_>) -> Result<Vec<PathBuf>, RunError> {
-        let folder = create_folder(&self.path.join(DRIVERS))?;
+        let folder = create_folder(&self.path.join(DRIVERS), is_driver)?;
         let mut paths = Vec::new();
         for (k, driver) in tested.drivers.iter().enumerate() {
             let name = driver.name.strip_suffix(WITH_MAP).unwrap_or(&driver.name);
@@ -157,7 +134,7 @@ impl SuiteFolder {
     }
 
     fn write_scenarios(&self, failures: &[Failure]) -> Result<(), RunError> {
-        let folder = create_folder(&self.path.join(suite_failures::FOLDER))?;
+        let folder = create_folder(&self.path.join(suite_failures::FOLDER), suite_failures::is_file_name)?;
         for failure in failures {
             let path = folder.join(format!("{}.ron", failure.file));
             replace(&path, |file| file.write_all(failure.scenario.as_bytes()))
@@ -172,28 +149,22 @@ const LEAD: &str = "Every policy and driver drove the same episodes. In the imag
 are its last scan. The command below an image repeats the episode in the app, with the same driver, start, goal, moving \
 obstacles and sensor noise.";
 
-/// The drivers and the scenarios of failures that the page `html` names, as paths in the report's folder. A name that HTML escapes
-/// is not found.
-fn named_files(html: &str) -> BTreeSet<String> {
-    let driver = |file: &str| {
-        let name = file.strip_prefix(DRIVERS)?.strip_prefix('/')?;
-        let name = name.strip_suffix(WITH_MAP).unwrap_or(name);
-        (!name.contains(['/', '\\'])).then(|| format!("{DRIVERS}/{name}"))
-    };
-    let failure = |rest: &str| {
-        let (number, _) = rest.split_once(".ron")?;
-        let is_number = number.bytes().all(|byte| byte.is_ascii_digit());
-        is_number.then(|| format!("{}/failure-{number}.ron", suite_failures::FOLDER))
-    };
-    let row = html.rsplit_once("drivers</th><td>").and_then(|(_, rest)| rest.split("</td>").next());
-    let drivers = row.into_iter().flat_map(|row| row.split(", ")).filter_map(driver);
-    drivers.chain(html.split("failures/failure-").skip(1).filter_map(failure)).collect()
+/// Whether `name` is that of a driver's file in a report: its number, a hyphen, and its name.
+fn is_driver(name: &str) -> bool {
+    name.split_once('-').is_some_and(|(number, _)| number.parse::<usize>().is_ok())
 }
 
-/// Creates `folder` if it is missing, and removes temporary files from it.
-fn create_folder(folder: &Path) -> Result<PathBuf, RunError> {
+/// Creates `folder` if it is missing. Removes temporary files from it, and the files of an earlier report, which have names that
+/// `is_ours`.
+fn create_folder(folder: &Path, is_ours: fn(&str) -> bool) -> Result<PathBuf, RunError> {
     fs::create_dir_all(folder).map_err(|error| RunError::not_written(folder, error))?;
     remove_temporary_files(folder);
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        if entry.file_name().to_str().is_some_and(is_ours) {
+            // A file that cannot be deleted does no harm: the page does not name it.
+            let _ = fs::remove_file(entry.path());
+        }
+    }
     Ok(folder.into())
 }
 
