@@ -115,10 +115,9 @@ impl Robots<'_, '_> {
                 let Motion { v_m_s, w_rad_s } = relative_motion(motions[action], robot, &limits);
                 (v_m_s, w_rad_s)
             };
-            let steps_to_collision = |first: usize, then: usize| {
-                memory.observer().map_or(f32::INFINITY, |observer| {
-                    observer.steps_to_collision(motion(first), motion(then))
-                })
+            let steps_to_collision = |first, then| {
+                let observer = memory.observer();
+                observer.map_or(f32::INFINITY, |observer| observer.steps_to_collision(first, then))
             };
             actions.0[arena.0] = decider.choose(row, motion, moves, steps_to_collision);
         }

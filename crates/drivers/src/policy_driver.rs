@@ -128,8 +128,8 @@ impl PolicyDriver {
         self.decider.sense((percept.twist.v_m_s, percept.twist.w_rad_s), &self.limits);
         let moves = self.encoding.shows_motion(&self.observation);
         let motion = |action: usize| (motions[action].v_m_s, motions[action].w_rad_s);
-        let steps_to_collision = |first: usize, then: usize| match &self.observer {
-            Observer::Sectors { observer, .. } => observer.steps_to_collision(motion(first), motion(then)),
+        let steps_to_collision = |first, then| match &self.observer {
+            Observer::Sectors { observer, .. } => observer.steps_to_collision(first, then),
             Observer::Paper => f32::INFINITY,
         };
         self.decider.choose(q_values, motion, moves, steps_to_collision)

@@ -2,8 +2,9 @@
 //! place for ever.
 //!
 //! The greedy action may lead to a collision that the robot could foresee from the motion of what it sees. So an action is passed
-//! over if the robot would collide within [`FORESIGHT_STEPS`](crate::observation::FORESIGHT_STEPS) whichever motion it kept to
-//! after that action, while another action avoids that.
+//! over if the robot would collide within [`FORESIGHT_STEPS`](crate::observation::FORESIGHT_STEPS) whatever it did after that
+//! action, while another action avoids that. It may keep to one of its motions; or, if it can turn on the spot, turn to one of
+//! [`HEADINGS`] and drive straight ahead.
 //!
 //! Where nothing moves, a greedy robot that stands still can stay for ever: small errors of the Q-values are enough to make
 //! waiting the best action, or turning left at one heading and right at the next. So a robot with relative actions
@@ -11,7 +12,13 @@
 //! - turns on the spot to one side only, until it drives again;
 //! - keeps waiting only if something moves.
 
+use std::f32::consts::TAU;
+
+use crate::observation::Then;
 use crate::{MotionLimits, greedy};
+
+/// The number of headings, evenly spaced, in which a robot may leave.
+const HEADINGS: u8 = 16;
 
 /// The memory of one robot's decisions. Use a new one in each episode, and call [`sense`](Self::sense) before each
 /// [`choose`](Self::choose).
@@ -45,14 +52,15 @@ impl Decider {
     ///
     /// `motion` gives the speed in m/s and the turning rate in rad/s that an action means for the robot; `moves` says whether the
     /// robot sees something that moves; `steps_to_collision` gives the number of control steps until a collision, infinite
-    /// for none, if the robot takes the first action once and then keeps to the second.
+    /// for none, if the robot has a motion for one step and then does something
+    /// ([`SectorObserver::steps_to_collision`](crate::observation::SectorObserver::steps_to_collision)).
     #[must_use]
     pub fn choose(
         &self,
         q_row: &[f32],
         motion: impl Fn(usize) -> (f32, f32),
         moves: bool,
-        steps_to_collision: impl Fn(usize, usize) -> f32,
+        steps_to_collision: impl Fn((f32, f32), Then) -> f32,
     ) -> usize {
         let holds = |action: usize| {
             let (v_m_s, w_rad_s) = motion(action);
@@ -63,14 +71,18 @@ impl Decider {
         let allowed = || (0..q_row.len()).filter(|&action| !holds(action));
         let best = allowed().reduce(|best, action| if q_row[action] > q_row[best] { action } else { best });
         let Some(best) = best else { return greedy(q_row) };
+        let turns_on_the_spot = || (0..q_row.len()).map(&motion).any(|(v, w)| v == 0.0 && w != 0.0);
+        let headings = || (0..if turns_on_the_spot() { HEADINGS } else { 0 }).map(heading);
         // Most often the best action is safe; then no other one is checked.
         let steps = |action: usize| {
-            let mut longest = steps_to_collision(action, action);
-            for then in (0..q_row.len()).filter(|&then| then != action) {
+            let first = motion(action);
+            let others = (0..q_row.len()).filter(|&then| then != action).map(&motion);
+            let mut longest = steps_to_collision(first, Then::Keep(first));
+            for then in others.map(Then::Keep).chain(headings().map(Then::TurnTo)) {
                 if longest.is_infinite() {
                     break;
                 }
-                longest = longest.max(steps_to_collision(action, then));
+                longest = longest.max(steps_to_collision(first, then));
             }
             longest
         };
@@ -87,6 +99,11 @@ impl Decider {
     }
 }
 
+/// The heading with an index, in rad relative to the present one.
+fn heading(index: u8) -> f32 {
+    TAU * f32::from(index) / f32::from(HEADINGS)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -100,7 +117,7 @@ mod tests {
     const MOTIONS: [(f32, f32); 4] = [(0.5, -1.0), (0.0, 1.0), (0.0, 0.0), (0.0, -1.0)];
 
     /// No action leads to a collision.
-    fn never(_: usize, _: usize) -> f32 {
+    fn never(_: (f32, f32), _: Then) -> f32 {
         f32::INFINITY
     }
 
@@ -147,15 +164,28 @@ mod tests {
 
     #[test]
     fn an_action_after_which_a_collision_is_inevitable_is_passed_over() {
-        let choose = |q_row: &[f32], steps: fn(usize, usize) -> f32| {
-            Decider::default().choose(q_row, |action| MOTIONS[action], true, steps)
+        fn choice(steps: impl Fn((f32, f32), Then) -> f32) -> usize {
+            Decider::default().choose(&[3.0, 2.0, 1.0, 0.0], |action| MOTIONS[action], true, steps)
+        }
+        assert_eq!(choice(|first, _| if first == MOTIONS[0] { 2.0 } else { f32::INFINITY }), 1);
+        let unless = |avoids: Then| {
+            move |first, then| if first == MOTIONS[0] && then != avoids { 2.0 } else { f32::INFINITY }
         };
-        let q_row = [3.0, 2.0, 1.0, 0.0];
-        assert_eq!(choose(&q_row, |first, _| if first == 0 { 2.0 } else { f32::INFINITY }), 1);
-        let avoidable = |first, then| if first == 0 && then != 3 { 2.0 } else { f32::INFINITY };
-        assert_eq!(choose(&q_row, avoidable), 0, "a turn to the right in the next step avoids it");
-        let later = |first, _| if first == 2 { 5.0 } else { 2.0 };
-        assert_eq!(choose(&q_row, later), 2, "none avoids it: the one with the latest collision");
-        assert_eq!(choose(&q_row, |_, _| 2.0), 0, "nothing helps: the best Q-value");
+        let turn_right = unless(Then::Keep(MOTIONS[3]));
+        assert_eq!(choice(turn_right), 0, "a turn to the right in the next step avoids it");
+        assert_eq!(choice(unless(Then::TurnTo(heading(5)))), 0, "it can leave in one direction");
+        let later = |first, _| if first == MOTIONS[2] { 5.0 } else { 2.0 };
+        assert_eq!(choice(later), 2, "none avoids it: the one with the latest collision");
+        assert_eq!(choice(|_, _| 2.0), 0, "nothing helps: the best Q-value");
+    }
+
+    #[test]
+    fn only_a_robot_that_can_turn_on_the_spot_leaves_in_any_direction() {
+        let arcs = [(0.5, 0.5), (0.5, -0.5)];
+        let steps = |first, then| {
+            assert!(matches!(then, Then::Keep(_)), "it cannot turn on the spot");
+            if first == arcs[0] { 2.0 } else { f32::INFINITY }
+        };
+        assert_eq!(Decider::default().choose(&[1.0, 0.0], |action| arcs[action], true, steps), 1);
     }
 }

@@ -3,7 +3,7 @@
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 use wayfield_policy::observation::{
-    BodyScale, Column, LidarBeams, Quantity, SectorLayout, SectorObserver, Sensed,
+    BodyScale, Column, LidarBeams, Quantity, SectorLayout, SectorObserver, Sensed, Then,
 };
 
 const LAYOUT: SectorLayout =
@@ -233,23 +233,31 @@ fn collisions_are_foreseen_with_what_stands_still_and_what_moves() {
     let (ahead, stop, bend) = ((0.1, 0.0), (0.0, 0.0), (0.05, 1.5));
     // The disc's surface is 1.5 units ahead, half a unit from the body.
     let still = observe(-0.25, 0.0);
-    assert_eq!(still.steps_to_collision(ahead, ahead), 3.0, "the half step after 0.5 / 0.2");
-    assert_eq!(still.steps_to_collision(ahead, stop), f32::INFINITY);
-    assert_eq!(still.steps_to_collision(stop, stop), f32::INFINITY);
+    assert_eq!(still.steps_to_collision(ahead, Then::Keep(ahead)), 3.0, "the half step after 0.5 / 0.2");
+    assert_eq!(still.steps_to_collision(ahead, Then::Keep(stop)), f32::INFINITY);
+    assert_eq!(still.steps_to_collision(stop, Then::Keep(stop)), f32::INFINITY);
     assert_eq!(
-        still.steps_to_collision(bend, bend),
+        still.steps_to_collision(bend, Then::Keep(bend)),
         f32::INFINITY,
         "a bend with a radius of a third of a unit"
     );
     let mut reset = still.clone();
     reset.reset();
-    assert_eq!(reset.steps_to_collision(ahead, ahead), f32::INFINITY, "it has forgotten the disc");
+    assert_eq!(
+        reset.steps_to_collision(ahead, Then::Keep(ahead)),
+        f32::INFINITY,
+        "it has forgotten the disc"
+    );
     // The same distance, but it comes nearer by 0.3 units a step.
     let coming = observe(-0.25, 0.03);
-    let steps = coming.steps_to_collision(stop, stop);
+    let steps = coming.steps_to_collision(stop, Then::Keep(stop));
     assert!((1.5..=2.0).contains(&steps), "0.5 / 0.3: {steps}");
-    let back = coming.steps_to_collision((-0.1, 0.0), (-0.1, 0.0));
+    let back = coming.steps_to_collision((-0.1, 0.0), Then::Keep((-0.1, 0.0)));
     assert!(steps < back && back <= 6.0, "0.5 / (0.3 - 0.2): {back}");
+    // A turn by a right angle takes more than five steps: too long if the disc arrives after two.
+    assert!(still.steps_to_collision(stop, Then::TurnTo(0.0)) < 5.0);
+    assert_eq!(still.steps_to_collision(stop, Then::TurnTo(PI / 2.0)), f32::INFINITY);
+    assert!(coming.steps_to_collision(stop, Then::TurnTo(PI / 2.0)).is_finite());
 }
 
 #[test]

@@ -18,7 +18,7 @@ use super::tracker::{Disc, Tracker};
 /// The factor that the change of nearness is multiplied by.
 const CHANGE_GAIN: f32 = 4.0;
 /// The number of control steps that a robot looks ahead.
-pub const FORESIGHT_STEPS: u32 = 10;
+pub const FORESIGHT_STEPS: u32 = 15;
 /// The number of positions in each of these steps that are checked for a collision.
 const PARTS_OF_STEP: u32 = 2;
 /// The largest distance between a moving disc and a hit that belongs to it, in units of the robot.
@@ -35,6 +35,16 @@ pub struct Sensed<'a> {
     pub pose: (f32, f32, f32),
     /// The robot's speed in m/s and turning rate in rad/s.
     pub twist: (f32, f32),
+}
+
+/// What a robot may do after its next control step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Then {
+    /// It keeps to a motion: its speed in m/s, at most its highest, and its turning rate in rad/s.
+    Keep((f32, f32)),
+    /// It turns on the spot as fast as it can until it has this heading, in rad relative to the present one, and then drives straight
+    /// ahead at its highest speed.
+    TurnTo(f32),
 }
 
 /// The nearest point of a sector in a scan, in the robot's frame at that moment.
@@ -418,14 +428,14 @@ impl SectorObserver {
         }
     }
 
-    /// The number of control steps until the robot collides if it drives with the motion `first` in the next step and with `then`
-    /// in those after it (each a speed in m/s, at most its highest, and a turning rate in rad/s), and what moves keeps its speed and
-    /// turning rate; infinite if it does not collide within [`FORESIGHT_STEPS`]. Only what it comes nearer to counts: it may leave
-    /// what it touches.
+    /// The number of control steps until the robot collides if it drives with the motion `first` (its speed in m/s, at most its
+    /// highest, and its turning rate in rad/s) in the next step, and does `then` in those after it, and what moves keeps its speed
+    /// and turning rate; infinite if it does not collide within [`FORESIGHT_STEPS`]. Only what it comes nearer to counts: it may
+    /// leave what it touches.
     ///
     /// Without predicted paths, nothing is known to move.
     #[must_use]
-    pub fn steps_to_collision(&self, first: (f32, f32), then: (f32, f32)) -> f32 {
+    pub fn steps_to_collision(&self, first: (f32, f32), then: Then) -> f32 {
         let Self { body, near_legs, near_hits, .. } = self;
         if near_legs.is_empty() && near_hits.is_empty() {
             return f32::INFINITY;
@@ -438,7 +448,19 @@ impl SectorObserver {
         };
         let (mut x, mut y, mut heading) = (0.0, 0.0, 0.0);
         for part in 1..=FORESIGHT_STEPS * PARTS_OF_STEP {
-            let (v, w) = if part <= PARTS_OF_STEP { first } else { then };
+            let (v, w) = match then {
+                _ if part <= PARTS_OF_STEP => first,
+                Then::Keep(motion) => motion,
+                Then::TurnTo(end) => {
+                    let left = end - heading;
+                    let left = left - TAU * (left / TAU).round();
+                    if left.abs() > 1e-3 {
+                        (0.0, (left / angle).clamp(-body.max_turn_rad_s, body.max_turn_rad_s))
+                    } else {
+                        (body.max_speed_m_s, 0.0)
+                    }
+                }
+            };
             let turn = w * angle;
             let (sin, cos) = libm::sincosf(heading + 0.5 * turn);
             (x, y, heading) = (x + v * length * cos, y + v * length * sin, heading + turn);

@@ -40,7 +40,7 @@ const TURN_CHANGE_SD: f32 = 0.005;
 /// The largest turn in a control step, in rad.
 const MAX_TURN: f32 = 0.3;
 /// The smallest squared turn of a thing that is not taken to drive straight on, in variances.
-const MIN_TURN_SIGNIFICANCE: f32 = 2.0;
+const MIN_TURN_SIGNIFICANCE: f32 = 1.0;
 /// If the misfit is larger than this, the thing may have changed its motion, or be no disc.
 const MANOEUVRE_MISFIT: f32 = 0.5;
 /// How much the variance of the acceleration grows for each unit of misfit above that, relative to the usual variance.
