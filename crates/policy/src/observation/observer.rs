@@ -13,7 +13,7 @@ use super::moving::{Frame, Leg, MARGIN, Motion};
 use super::sectors::{
     BodyScale, LidarBeams, OTHER_COLUMNS, SectorLayout, distance_at, nearness, sectors_of_beams,
 };
-use super::tracker::{Disc, Tracker};
+use super::tracker::{Disc, FORESEEN_TURN_SIGNIFICANCE, OBSERVED_TURN_SIGNIFICANCE, Tracker};
 
 /// The factor that the change of nearness is multiplied by.
 const CHANGE_GAIN: f32 = 4.0;
@@ -75,6 +75,20 @@ impl ObserverMemory {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.scans.is_empty()
+    }
+
+    /// The discs that move, in the frame of the newest scan, and how; see [`Tracker::moving`].
+    fn moving(&self, min_turn_significance: f32, unit_m: f32) -> impl Iterator<Item = (Disc, Motion)> {
+        self.scans.back().into_iter().flat_map(move |EarlierScan { pose, .. }| {
+            let (sin, cos) = libm::sincosf(pose.2);
+            let to_present = move |(x, y): (f32, f32)| (x * cos + y * sin, y * cos - x * sin);
+            let (x, y) = (pose.0 / unit_m, pose.1 / unit_m);
+            self.tracker.moving(min_turn_significance).map(move |(disc, motion)| {
+                let centre = to_present((disc.x - x, disc.y - y));
+                let velocity = to_present(motion.velocity);
+                (Disc { x: centre.0, y: centre.1, ..disc }, Motion { velocity, ..motion })
+            })
+        })
     }
 
     /// Whether it can be the memory of an observer with this layout that has taken in at least one scan.
@@ -289,14 +303,16 @@ impl SectorObserver {
 
     /// Finds what the robot can collide with in the next [`FORESIGHT_STEPS`], at up to its highest speed.
     fn find_near(&mut self) {
-        let Self { body, legs, static_hits, near_legs, near_hits, .. } = self;
+        let Self { body, memory, static_hits, near_legs, near_hits, .. } = self;
         let steps = FORESIGHT_STEPS as f32;
         let reach = steps * body.step_length() + 1.0 + MARGIN;
         near_hits.clear();
         let is_near = |(x, y): &(f32, f32)| x * x + y * y < reach * reach;
         near_hits.extend(static_hits.iter().map(|hit| (hit.x, hit.y)).filter(is_near));
         near_legs.clear();
-        near_legs.extend(legs.iter().filter(|leg| leg.comes_within(reach, steps)));
+        let moving = memory.moving(FORESEEN_TURN_SIGNIFICANCE, body.unit_m);
+        let paths = moving.flat_map(|(disc, motion)| Leg::path(disc, motion));
+        near_legs.extend(paths.filter(|leg| leg.comes_within(reach, steps)));
     }
 
     /// Finds the nearest hit in each sector.
@@ -346,15 +362,9 @@ impl SectorObserver {
         let Self { memory, discs, legs, body, .. } = self;
         discs.clear();
         legs.clear();
-        let Some(EarlierScan { pose, .. }) = memory.scans.back() else { return };
-        let (sin, cos) = libm::sincosf(pose.2);
-        let to_present = |(x, y): (f32, f32)| (x * cos + y * sin, y * cos - x * sin);
-        let (x, y) = (pose.0 / body.unit_m, pose.1 / body.unit_m);
-        for (disc, motion) in memory.tracker.moving() {
-            let centre = to_present((disc.x - x, disc.y - y));
-            let disc = Disc { x: centre.0, y: centre.1, ..disc };
+        for (disc, motion) in memory.moving(OBSERVED_TURN_SIGNIFICANCE, body.unit_m) {
             discs.push(disc);
-            legs.extend(Leg::path(disc, Motion { velocity: to_present(motion.velocity), ..motion }));
+            legs.extend(Leg::path(disc, motion));
         }
     }
 

@@ -39,8 +39,11 @@ const TURN_SD: f32 = 0.05;
 const TURN_CHANGE_SD: f32 = 0.005;
 /// The largest turn in a control step, in rad.
 const MAX_TURN: f32 = 0.3;
-/// The smallest squared turn of a thing that is not taken to drive straight on, in variances.
-const MIN_TURN_SIGNIFICANCE: f32 = 1.0;
+/// The smallest squared turn of a thing that is not taken to drive straight on, in variances: in observations. A policy that is
+/// trained with cautious predictions does not rely on them.
+pub(super) const OBSERVED_TURN_SIGNIFICANCE: f32 = 2.0;
+/// The same in foresight.
+pub(super) const FORESEEN_TURN_SIGNIFICANCE: f32 = 1.0;
 /// If the misfit is larger than this, the thing may have changed its motion, or be no disc.
 const MANOEUVRE_MISFIT: f32 = 0.5;
 /// How much the variance of the acceleration grows for each unit of misfit above that, relative to the usual variance.
@@ -493,10 +496,11 @@ impl Track {
             && yy * x * x - 2.0 * xy * x * y + xx * y * y > MIN_SIGNIFICANCE * determinant
     }
 
-    /// The motion to expect of it: an uncertain turn is taken to be smaller than the estimate, or 0.
-    fn motion(&self) -> Motion {
+    /// The motion to expect of it: an uncertain turn is taken to be smaller than the estimate, or 0 if its square is less than
+    /// `min_significance` variances.
+    fn motion(&self, min_significance: f32) -> Motion {
         let significance = self.turn * self.turn / self.covariance[5][5];
-        let part = 1.0 - MIN_TURN_SIGNIFICANCE / significance.max(MIN_TURN_SIGNIFICANCE);
+        let part = 1.0 - min_significance / significance.max(min_significance);
         Motion { velocity: self.velocity, turn: part * self.turn }
     }
 
@@ -566,8 +570,8 @@ impl Tracker {
         self.dropout = Dropout { fraction, state: seed };
     }
 
-    /// The discs that move, and how.
-    pub(super) fn moving(&self) -> impl Iterator<Item = (Disc, Motion)> {
+    /// The discs that move, and how. For `min_turn_significance` see [`OBSERVED_TURN_SIGNIFICANCE`].
+    pub(super) fn moving(&self, min_turn_significance: f32) -> impl Iterator<Item = (Disc, Motion)> {
         let moves = |track: &&Track| {
             !track.is_hidden
                 && track.evidence >= MIN_EVIDENCE
@@ -575,7 +579,8 @@ impl Tracker {
                 && track.misfit < MAX_MISFIT.0
                 && track.is_fast(self.max_speed)
         };
-        self.tracks.iter().filter(moves).map(|track| (track.disc, track.motion()))
+        let motion = move |track: &Track| (track.disc, track.motion(min_turn_significance));
+        self.tracks.iter().filter(moves).map(motion)
     }
 
     /// Takes in the scan after a control step. Each of `beams` is its direction in the robot's frame (cosine and sine) and its
@@ -706,7 +711,7 @@ impl Tracker {
             }
             // Mostly surfaces and nothing free: it stands still, and the hits of earlier scans need not be looked at.
             if sights.free > 0.0 || 2.0 * sights.surfaces <= sights.places {
-                let motion = track.motion();
+                let motion = track.motion(OBSERVED_TURN_SIGNIFICANCE);
                 for (age, earlier) in earlier_scans() {
                     let (dx, dy) = motion.displacement(-(age as f32));
                     let hits = earlier.hits_near((x + dx, y + dy), radius + EARLIER_HIT_MARGIN);
@@ -803,7 +808,7 @@ mod tests {
     fn the_position_velocity_and_radius_of_a_disc_are_estimated_from_a_few_beams() {
         let disc = |step: f32| Disc { x: 6.0 - 0.3 * step, y: 2.0 + 0.2 * step, radius: 0.9 };
         let tracker = track(12, |step| vec![disc(step)]);
-        let moving: Vec<_> = tracker.moving().collect();
+        let moving: Vec<_> = tracker.moving(OBSERVED_TURN_SIGNIFICANCE).collect();
         let [(found, Motion { velocity, turn })] = moving[..] else { panic!("one disc moves: {moving:?}") };
         let truth = disc(11.0);
         assert!((found.x - truth.x).abs() < 0.2 && (found.y - truth.y).abs() < 0.2, "{found:?}, {truth:?}");
@@ -837,7 +842,7 @@ mod tests {
             let mut tracker = Tracker::new(0.5);
             for step in 0..130_u8 {
                 lidar.scan(&mut tracker, in_a_circle(step.into()), &discs);
-                let moving: Vec<_> = tracker.moving().collect();
+                let moving: Vec<_> = tracker.moving(OBSERVED_TURN_SIGNIFICANCE).collect();
                 assert!(moving.is_empty(), "{} beams, step {step}: {moving:?}", lidar.0);
             }
         }
@@ -851,7 +856,7 @@ mod tests {
                 let disc = Disc { x: x + speed * f32::from(step), y: 0.3, radius: 0.9 };
                 FEW_BEAMS.scan(&mut tracker, ((0.0, 0.0), 0.0), &[disc]);
             }
-            let moving: Vec<_> = tracker.moving().collect();
+            let moving: Vec<_> = tracker.moving(OBSERVED_TURN_SIGNIFICANCE).collect();
             let [(_, Motion { velocity, .. })] = moving[..] else { panic!("one disc moves: {moving:?}") };
             assert!((velocity.0 - speed).abs() < 0.05, "{velocity:?}");
         }
@@ -876,7 +881,7 @@ mod tests {
             Disc { x: 2.0 + 6.0 * cos, y: 6.0 * sin - 2.0, radius: 0.9 }
         };
         let tracker = track(30, |step| vec![disc(step)]);
-        let moving: Vec<_> = tracker.moving().collect();
+        let moving: Vec<_> = tracker.moving(OBSERVED_TURN_SIGNIFICANCE).collect();
         let [(found, Motion { velocity, .. })] = moving[..] else { panic!("one disc moves: {moving:?}") };
         let (truth, next) = (disc(29.0), disc(30.0));
         assert!((found.x - truth.x).hypot(found.y - truth.y) < 0.4, "{found:?}, {truth:?}");
@@ -897,7 +902,7 @@ mod tests {
                 for step in 0..steps {
                     FEW_BEAMS.scan(&mut tracker, ((-4.0, 5.0), 0.0), &[disc(f32::from(step))]);
                 }
-                let moving: Vec<_> = tracker.moving().collect();
+                let moving: Vec<_> = tracker.moving(OBSERVED_TURN_SIGNIFICANCE).collect();
                 let [(found, motion)] = moving[..] else { panic!("one disc moves: {moving:?}") };
                 let (truth, later) = (disc(f32::from(steps) - 1.0), disc(f32::from(steps) + 9.0));
                 assert!((found.x - truth.x).hypot(found.y - truth.y) < 0.3, "{found:?}, {truth:?}");
