@@ -47,7 +47,7 @@ pub struct Truth<'a> {
 pub struct Odometry {
     /// Displacement, in m. For a robot's own motion: ahead and to the left, in its frame before the motion.
     pub translation_m: Vec2,
-    /// Rotation, counterclockwise positive, in rad. It is not wrapped: it may differ from the actual turn by 2 pi.
+    /// Rotation, counterclockwise positive, in rad. It is not wrapped: it may differ from the actual turn by a multiple of 2 pi.
     pub rotation_rad: f32,
 }
 

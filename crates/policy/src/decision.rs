@@ -3,8 +3,8 @@
 //!
 //! The greedy action may lead to a collision that the robot could foresee from the motion of what it sees. So an action is passed
 //! over if the robot would collide within [`FORESIGHT_STEPS`](crate::observation::FORESIGHT_STEPS) whatever it did after that
-//! action, while another action avoids that. It may keep to one of its motions; or, if it can turn on the spot, turn to one of
-//! [`HEADINGS`] and drive straight ahead.
+//! action, while another action avoids that. It may keep to one of its motions, or turn on the spot to one of [`HEADINGS`] and drive
+//! straight ahead, if its motions allow it.
 //!
 //! Where nothing moves, a greedy robot that stands still can stay for ever: small errors of the Q-values are enough to make
 //! waiting the best action, or turning left at one heading and right at the next. So a robot with relative actions
@@ -71,14 +71,13 @@ impl Decider {
         let allowed = || (0..q_row.len()).filter(|&action| !holds(action));
         let best = allowed().reduce(|best, action| if q_row[action] > q_row[best] { action } else { best });
         let Some(best) = best else { return greedy(q_row) };
-        let turns_on_the_spot = || (0..q_row.len()).map(&motion).any(|(v, w)| v == 0.0 && w != 0.0);
-        let headings = || (0..if turns_on_the_spot() { HEADINGS } else { 0 }).map(heading);
+        let escapes = || escapes((0..q_row.len()).map(&motion));
         // Most often the best action is safe; then no other one is checked.
         let steps = |action: usize| {
             let first = motion(action);
             let others = (0..q_row.len()).filter(|&then| then != action).map(&motion);
             let mut longest = steps_to_collision(first, Then::Keep(first));
-            for then in others.map(Then::Keep).chain(headings().map(Then::TurnTo)) {
+            for then in others.map(Then::Keep).chain(escapes()) {
                 if longest.is_infinite() {
                     break;
                 }
@@ -99,9 +98,22 @@ impl Decider {
     }
 }
 
-/// The heading with an index, in rad relative to the present one.
-fn heading(index: u8) -> f32 {
-    TAU * f32::from(index) / f32::from(HEADINGS)
+/// The ways to leave in any direction for a robot with these motions (speeds in m/s, turning rates in rad/s): none unless it can
+/// turn on the spot to both sides and drive straight ahead.
+fn escapes(motions: impl Iterator<Item = (f32, f32)>) -> impl Iterator<Item = Then> {
+    let (mut left, mut right, mut ahead_m_s) = (0.0_f32, 0.0_f32, 0.0_f32);
+    for (v_m_s, w_rad_s) in motions {
+        if v_m_s == 0.0 {
+            (left, right) = (left.max(w_rad_s), right.min(w_rad_s));
+        } else if w_rad_s == 0.0 {
+            ahead_m_s = ahead_m_s.max(v_m_s);
+        }
+    }
+    let is_possible = left > 0.0 && right < 0.0 && ahead_m_s > 0.0;
+    (0..if is_possible { HEADINGS } else { 0 }).map(move |index| {
+        let heading_rad = TAU * f32::from(index) / f32::from(HEADINGS);
+        Then::TurnTo { heading_rad, turns_rad_s: (left, right), ahead_m_s }
+    })
 }
 
 #[cfg(test)]
@@ -164,8 +176,9 @@ mod tests {
 
     #[test]
     fn an_action_after_which_a_collision_is_inevitable_is_passed_over() {
+        const FIVE: [(f32, f32); 5] = [MOTIONS[0], MOTIONS[1], MOTIONS[2], MOTIONS[3], AHEAD];
         fn choice(steps: impl Fn((f32, f32), Then) -> f32) -> usize {
-            Decider::default().choose(&[3.0, 2.0, 1.0, 0.0], |action| MOTIONS[action], true, steps)
+            Decider::default().choose(&[3.0, 2.0, 1.0, 0.0, -1.0], |action| FIVE[action], true, steps)
         }
         assert_eq!(choice(|first, _| if first == MOTIONS[0] { 2.0 } else { f32::INFINITY }), 1);
         let unless = |avoids: Then| {
@@ -173,19 +186,24 @@ mod tests {
         };
         let turn_right = unless(Then::Keep(MOTIONS[3]));
         assert_eq!(choice(turn_right), 0, "a turn to the right in the next step avoids it");
-        assert_eq!(choice(unless(Then::TurnTo(heading(5)))), 0, "it can leave in one direction");
+        let leave = escapes(FIVE.into_iter()).nth(5).expect("it can turn and drive");
+        assert_eq!(choice(unless(leave)), 0, "it can leave in one direction");
         let later = |first, _| if first == MOTIONS[2] { 5.0 } else { 2.0 };
         assert_eq!(choice(later), 2, "none avoids it: the one with the latest collision");
         assert_eq!(choice(|_, _| 2.0), 0, "nothing helps: the best Q-value");
     }
 
     #[test]
-    fn only_a_robot_that_can_turn_on_the_spot_leaves_in_any_direction() {
-        let arcs = [(0.5, 0.5), (0.5, -0.5)];
-        let steps = |first, then| {
-            assert!(matches!(then, Then::Keep(_)), "it cannot turn on the spot");
-            if first == arcs[0] { 2.0 } else { f32::INFINITY }
-        };
-        assert_eq!(Decider::default().choose(&[1.0, 0.0], |action| arcs[action], true, steps), 1);
+    fn a_robot_leaves_in_any_direction_only_with_its_own_motions() {
+        let motions = [(0.5, 0.5), (0.3, 0.0), (-0.5, 0.0), (0.0, 1.0), (0.0, -0.2), (0.0, 0.5)];
+        let found: Vec<Then> = escapes(motions.into_iter()).collect();
+        assert_eq!(found.len(), usize::from(HEADINGS));
+        let east_north_east = TAU / f32::from(HEADINGS);
+        let expected =
+            Then::TurnTo { heading_rad: east_north_east, turns_rad_s: (1.0, -0.2), ahead_m_s: 0.3 };
+        assert_eq!(found[1], expected);
+        for unable in [&motions[..4], &motions[2..], &[(0.5, 0.5), (0.5, -0.5)]] {
+            assert_eq!(escapes(unable.iter().copied()).count(), 0, "{unable:?}");
+        }
     }
 }

@@ -254,10 +254,11 @@ fn collisions_are_foreseen_with_what_stands_still_and_what_moves() {
     assert!((1.5..=2.0).contains(&steps), "0.5 / 0.3: {steps}");
     let back = coming.steps_to_collision((-0.1, 0.0), Then::Keep((-0.1, 0.0)));
     assert!(steps < back && back <= 6.0, "0.5 / (0.3 - 0.2): {back}");
+    let turn_to = |heading_rad| Then::TurnTo { heading_rad, turns_rad_s: (1.5, -1.5), ahead_m_s: 0.1 };
     // A turn by a right angle takes more than five steps: too long if the disc arrives after two.
-    assert!(still.steps_to_collision(stop, Then::TurnTo(0.0)) < 5.0);
-    assert_eq!(still.steps_to_collision(stop, Then::TurnTo(PI / 2.0)), f32::INFINITY);
-    assert!(coming.steps_to_collision(stop, Then::TurnTo(PI / 2.0)).is_finite());
+    assert!(still.steps_to_collision(stop, turn_to(0.0)) < 5.0);
+    assert_eq!(still.steps_to_collision(stop, turn_to(PI / 2.0)), f32::INFINITY);
+    assert!(coming.steps_to_collision(stop, turn_to(PI / 2.0)).is_finite());
 }
 
 #[test]

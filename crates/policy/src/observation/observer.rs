@@ -42,9 +42,15 @@ pub struct Sensed<'a> {
 pub enum Then {
     /// It keeps to a motion: its speed in m/s, at most its highest, and its turning rate in rad/s.
     Keep((f32, f32)),
-    /// It turns on the spot as fast as it can until it has this heading, in rad relative to the present one, and then drives straight
-    /// ahead at its highest speed.
-    TurnTo(f32),
+    /// It turns on the spot to a heading, and then drives straight ahead.
+    TurnTo {
+        /// The heading, in rad relative to the present one.
+        heading_rad: f32,
+        /// The turning rates on the spot to the left, positive, and to the right, negative.
+        turns_rad_s: (f32, f32),
+        /// The speed ahead, at most the robot's highest.
+        ahead_m_s: f32,
+    },
 }
 
 /// The nearest point of a sector in a scan, in the robot's frame at that moment.
@@ -461,13 +467,13 @@ impl SectorObserver {
             let (v, w) = match then {
                 _ if part <= PARTS_OF_STEP => first,
                 Then::Keep(motion) => motion,
-                Then::TurnTo(end) => {
-                    let left = end - heading;
-                    let left = left - TAU * (left / TAU).round();
-                    if left.abs() > 1e-3 {
-                        (0.0, (left / angle).clamp(-body.max_turn_rad_s, body.max_turn_rad_s))
+                Then::TurnTo { heading_rad, turns_rad_s: (left, right), ahead_m_s } => {
+                    let rest = heading_rad - heading;
+                    let rest = rest - TAU * (rest / TAU).round();
+                    if rest.abs() > 1e-3 {
+                        (0.0, (rest / angle).clamp(right, left))
                     } else {
-                        (body.max_speed_m_s, 0.0)
+                        (ahead_m_s, 0.0)
                     }
                 }
             };
