@@ -3,7 +3,7 @@
 //!
 //! The greedy action may lead to a collision that the robot could foresee from the motion of what it sees. So an action is passed
 //! over if the robot would collide within [`FORESIGHT_STEPS`](crate::observation::FORESIGHT_STEPS) whatever it did after that
-//! action, while another action avoids that. It may keep to one of its motions, or turn on the spot to one of [`HEADINGS`] and drive
+//! action, while another action avoids that. It may keep to one of its motions, or turn on the spot to one of 16 headings and drive
 //! straight ahead, if its motions allow it.
 //!
 //! Where nothing moves, a greedy robot that stands still can stay for ever: small errors of the Q-values are enough to make
