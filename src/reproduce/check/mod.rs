@@ -45,8 +45,7 @@ pub(super) fn diagnostics(experiment: &Experiment, unknown: &[String]) -> Vec<Di
 pub(super) fn is_small(experiment: &Experiment) -> bool {
     let mut found = Collector::default();
     sizes::check(&mut found, experiment);
-    let stages: usize = experiment.arms.iter().map(|arm| arm.stages.len()).sum();
-    !found.is_too_large && (stages * experiment.conditions.len().max(1)) as u64 <= MAX_TRAINING_RUNS
+    !found.is_too_large && sizes::training_runs_per_seed(experiment) <= MAX_TRAINING_RUNS
 }
 
 /// The check of a file within the size limits.

@@ -116,9 +116,13 @@ fn check_claims(found: &mut Collector, at: &str, claims: &[Claim]) {
 
 /// The number of training runs: one for each seed, stage of an arm, and condition.
 pub fn training_runs(experiment: &Experiment) -> u64 {
+    experiment.seeds.count().saturating_mul(training_runs_per_seed(experiment))
+}
+
+/// The number of training runs with one seed.
+pub fn training_runs_per_seed(experiment: &Experiment) -> u64 {
     let stages: u64 = experiment.arms.iter().map(|arm| arm.stages.len() as u64).sum();
-    let conditions = experiment.conditions.len().max(1) as u64;
-    experiment.seeds.count().saturating_mul(stages).saturating_mul(conditions)
+    stages.saturating_mul(experiment.conditions.len().max(1) as u64)
 }
 
 fn check_training_runs(found: &mut Collector, experiment: &Experiment) {
