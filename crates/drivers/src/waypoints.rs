@@ -108,6 +108,11 @@ impl Waypoints {
         }
         let found = self.map.cheapest_path(at_m, self.goal_m);
         self.path.drain(..nearest(&self.path, at_m));
+        // A path ends at the edge of the window of its time if the goal was outside.
+        if let Some(end) = self.path.last() {
+            let rest = self.map.cheapest_path(*end, self.goal_m);
+            self.path.extend(&rest[1..]);
+        }
         let [cost, kept] = [&found, &self.path].map(|path| self.map.path_cost(at_m, path, self.goal_m));
         if self.path.is_empty() || (cost as f32) < BETTER * kept as f32 {
             self.path = found;
@@ -167,11 +172,13 @@ mod tests {
         Robot::of(&Scenario { lidar: Lidar { beams: 360, ..Lidar::default() }, ..Scenario::default() })
     }
 
-    /// A robot at `at_m` that always faces along x, and its goal at (2, 0). A wall, if any, is on the line x = 1.
+    /// A robot at `at_m` that always faces along x, and its goal, at (2, 0) unless a test moves it. A wall, if any, is on the line
+    /// x = 1.
     struct Scene {
         robot: Robot,
         waypoints: Waypoints,
         at_m: Vec2,
+        goal_m: Vec2,
         /// The length of the path through the last waypoint.
         path_length_m: f32,
     }
@@ -179,7 +186,7 @@ mod tests {
     impl Scene {
         fn new(at_m: Vec2) -> Self {
             let robot = robot();
-            Self { waypoints: Waypoints::new(&robot), robot, at_m, path_length_m: 0.0 }
+            Self { waypoints: Waypoints::new(&robot), robot, at_m, goal_m: vec2(2.0, 0.0), path_length_m: 0.0 }
         }
 
         /// The waypoint in the world frame after the robot has moved to `to_m` and seen the wall, if any.
@@ -191,7 +198,7 @@ mod tests {
                 if is_hit && range_m > 0.0 { range_m.min(3.5) } else { 3.5 }
             };
             let ranges_m: Vec<f32> = self.robot.beams.iter().map(range).collect();
-            let goal_m = vec2(2.0, 0.0) - to_m;
+            let goal_m = self.goal_m - to_m;
             let percept = Percept {
                 ranges_m: &ranges_m,
                 goal_distance_m: goal_m.length(),
@@ -257,6 +264,19 @@ mod tests {
         let longer = Some(if side > 0.0 { (-0.6, 3.0) } else { (-3.0, 0.6) });
         let point = scene.planned(Vec2::ZERO, longer).expect("out of sight");
         assert_eq!(point.y.signum(), -side, "{point}");
+    }
+
+    #[test]
+    fn a_kept_path_to_a_far_goal_grows_with_the_map() {
+        let wall = Some((-0.9, 0.3));
+        let mut scene = Scene::new(Vec2::ZERO);
+        scene.goal_m = vec2(12.0, 0.0);
+        // The map reaches 1.5 times the range of the LIDAR, 5.25 m, and moves with the robot.
+        for x in [0.0, 0.3, 0.6] {
+            assert!(scene.planned(vec2(x, 0.6 * x), wall).is_some(), "the wall is in the way");
+            let end = scene.waypoints.path.last().expect("a path around the wall");
+            assert!((end.x - x - 5.25).abs() < 0.1, "{end} at {x}");
+        }
     }
 
     #[test]
