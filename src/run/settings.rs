@@ -66,11 +66,22 @@ impl Settings {
     /// Changes the scenarios of `set` as [`apply`](Self::apply) changes a scenario; `preset` stays as it is.
     ///
     /// # Errors
-    /// As [`Settings::apply`]; also a setting of the scenario where the set has a level generator.
+    /// As [`Settings::apply`], with the name of the scenario; also a setting of the scenario where the set has a level generator.
     pub fn apply_to_set(&self, set: &mut ScenarioSet, preset: &Preset) -> Result<(), Vec<SettingError>> {
         for member in &mut set.members {
             match &mut member.source {
-                SetSource::Scenario(scenario) => self.apply(scenario, &mut preset.clone())?,
+                SetSource::Scenario(scenario) => {
+                    let applied = self.apply(scenario, &mut preset.clone());
+                    applied.map_err(|errors| {
+                        let named = |mut error: SettingError| {
+                            if error.setting.starts_with("scenario.") {
+                                error.problem = format!("in `{}`: {}", member.name, error.problem);
+                            }
+                            error
+                        };
+                        errors.into_iter().map(named).collect::<Vec<_>>()
+                    })?;
+                }
                 SetSource::Levels { .. } => {
                     let of_scenario = self.0.iter().filter(|setting| setting.path.starts_with("scenario."));
                     let why = || {

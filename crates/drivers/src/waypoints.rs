@@ -186,7 +186,13 @@ mod tests {
     impl Scene {
         fn new(at_m: Vec2) -> Self {
             let robot = robot();
-            Self { waypoints: Waypoints::new(&robot), robot, at_m, goal_m: vec2(2.0, 0.0), path_length_m: 0.0 }
+            Self {
+                waypoints: Waypoints::new(&robot),
+                robot,
+                at_m,
+                goal_m: vec2(2.0, 0.0),
+                path_length_m: 0.0,
+            }
         }
 
         /// The waypoint in the world frame after the robot has moved to `to_m` and seen the wall, if any.

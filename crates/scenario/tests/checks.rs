@@ -141,6 +141,14 @@ fn named_positions_must_be_far_enough_apart() {
              them, or write a smaller task.min_goal_distance_m"
         ]
     );
+    // In a square, starts near a corner have goals near the opposite one, though nothing is that far from the middle.
+    let square = |min_goal_distance_m| {
+        let enclosure = Enclosure::Rectangle { width_m: 1.5, height_m: 1.5 };
+        let task = TaskRules { min_goal_distance_m, ..TaskRules::default() };
+        found(&Scenario { enclosure, task, benchmark_route: None, ..Scenario::default() })
+    };
+    assert_eq!(square(0.6), [""; 0]);
+    assert_eq!(square(1.0).len(), 1, "only starts near a corner have such goals");
     assert_eq!(
         with(within(vec2(1.8, -1.0), vec2(2.0, 1.0)), within(vec2(1.0, 0.5), vec2(0.5, 1.0))),
         [
@@ -195,7 +203,7 @@ fn generators_that_may_fill_the_enclosure_are_reported() {
     };
     let route = hall.benchmark_route.get_or_insert_default();
     (route.start_m, route.goal_m) = (vec2(-2.5, 0.0), vec2(-2.0, 0.0));
-    hall.task.min_goal_distance_m = 1.0;
+    hall.task.min_goal_distance_m = 1.3;
     assert_eq!(found(&hall), messages("for a goal that is task.min_goal_distance_m away"));
 }
 

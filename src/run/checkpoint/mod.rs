@@ -107,7 +107,10 @@ pub fn load(folder: &RunFolder, config: &RunConfig) -> Result<LoadedCheckpoint, 
         || RunError::invalid_input(&folder.path().join(NAMES[1]), "there is no checkpoint to resume from"),
         |(_, error)| error,
     );
-    Err(RunError::InvalidInput(format!("{newest}; help: restore the file from a copy, or start a new run")))
+    let newest = newest.to_string();
+    let has_help = newest.contains("; help: ");
+    let help = if has_help { "" } else { "; help: restore the file from a copy, or start a new run" };
+    Err(RunError::InvalidInput(newest + help))
 }
 
 /// Renames unreadable checkpoints to `*.damaged`, so that they do not replace readable ones.
@@ -155,7 +158,10 @@ fn header_error(error: HeaderError) -> String {
         HeaderError::Io(error) => error.to_string(),
         HeaderError::WrongMagic => "is not a checkpoint of a run".into(),
         HeaderError::Version { found } => {
-            format!("has checkpoint version {found}, but this wayfield reads version {VERSION}")
+            format!(
+                "has checkpoint version {found}, but this wayfield reads version {VERSION}; help: resume with the wayfield that \
+                 wrote it, or start a new run"
+            )
         }
         HeaderError::Corrupt(what) => format!("is damaged: {what}"),
     }

@@ -186,28 +186,19 @@ fn check_free_space(valid: &ValidPart, diagnostics: &mut Diagnostics) {
     } else {
         1
     };
-    let (mut starts, mut goals, mut too_narrow) = (None, None, false);
+    let (mut starts, mut goals) = (None, None);
     for step in (0..moments).map(|k| k * u64::from(scenario.task.max_episode_steps) / moments) {
         let found = FreeSpace::new(&frozen(scenario, step));
         starts = starts.or((!found.starts).then_some(step));
         goals = goals.or((!found.goals).then_some(step));
-        too_narrow |= found.goals && !found.wide;
     }
     let (has_starts, has_goals) = (valid.has("starts"), valid.has("goals"));
     report_no_free_space("starts", starts.filter(|_| has_starts), &scenario.starts, diagnostics);
     report_no_free_space("goals", goals.filter(|_| has_goals), &scenario.goals, diagnostics);
-    too_narrow &= has_goals;
-    if too_narrow {
-        let message = format!(
-            "is {}, but the free space for goals extends over less than twice that, so that no goal is far enough from some \
-             robot positions: write a smaller distance, or free more space",
-            scenario.task.min_goal_distance_m
-        );
-        diagnostics.push(format_args!("task.min_goal_distance_m"), message);
-    }
     if has_starts && has_goals && starts.is_none() && goals.is_none() {
+        let before = diagnostics.found.len();
         check_goal_distance(scenario, diagnostics);
-        if !too_narrow {
+        if diagnostics.found.len() == before {
             check_layouts(scenario, diagnostics);
         }
     }
@@ -219,31 +210,15 @@ struct FreeSpace {
     starts: bool,
     /// Whether there is a free goal.
     goals: bool,
-    /// Whether the free positions of random goals extend over twice the minimum goal distance, so that one of them is far
-    /// enough from any position. True for other goal rules.
-    wide: bool,
 }
 
 impl FreeSpace {
     /// The free space of a scenario in which nothing moves.
     fn new(frozen: &Scenario) -> Self {
-        let far = 2.0 * frozen.task.min_goal_distance_m;
         let any = |rule: &PlacementRule| {
             !rule.positions_m().is_empty() || free_points(frozen, rule, 0).next().is_some()
         };
-        let starts = any(&frozen.starts);
-        let PlacementRule::Random { .. } = frozen.goals else {
-            return Self { starts, goals: any(&frozen.goals), wide: true };
-        };
-        let (mut low, mut high) = (Vec2::MAX, Vec2::MIN);
-        for Vec2 { x, y } in free_points(frozen, &frozen.goals, 0) {
-            low = vec2(low.x.min(x), low.y.min(y));
-            high = vec2(high.x.max(x), high.y.max(y));
-            if high.x - low.x >= far || high.y - low.y >= far {
-                return Self { starts, goals: true, wide: true };
-            }
-        }
-        Self { starts, goals: low.x <= high.x, wide: false }
+        Self { starts: any(&frozen.starts), goals: any(&frozen.goals) }
     }
 }
 
@@ -261,11 +236,11 @@ fn check_layouts(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     for layout_seed in 0..(GENERATION_WORK_BUDGET / work).clamp(1, MAX_SAMPLED_LAYOUTS) as u64 {
         let generated = scenario.with_generated_obstacles(layout_seed);
         placed += generated.obstacles.len() - scenario.obstacles.len();
-        let found = FreeSpace::new(&frozen(&generated, 0));
-        let what = match found {
+        let frozen = frozen(&generated, 0);
+        let what = match FreeSpace::new(&frozen) {
             FreeSpace { starts: false, .. } => "for a start",
             FreeSpace { goals: false, .. } => "for a goal",
-            FreeSpace { wide: false, .. } => "for a goal that is task.min_goal_distance_m away",
+            _ if !has_far_goals(&frozen) => "for a goal that is task.min_goal_distance_m away",
             _ => continue,
         };
         let message = format!(
@@ -296,16 +271,10 @@ fn report_no_free_space(name: &str, step: Option<u64>, rule: &PlacementRule, dia
     }
 }
 
-/// Checks that a goal is far enough from the starts. [`check_free_space`] does this for random goals.
+/// Checks that a goal is far enough from the starts.
 fn check_goal_distance(scenario: &Scenario, diagnostics: &mut Diagnostics) {
-    if matches!(scenario.goals, PlacementRule::Random { .. }) {
-        return;
-    }
     let least = scenario.task.min_goal_distance_m;
     let frozen = frozen(scenario, 0);
-    let goals = possible_positions(&frozen, &scenario.goals);
-    let has_far_goal =
-        |start: Vec2| goals.iter().any(|goal| length(goal.x - start.x, goal.y - start.y) >= least);
     if let (PlacementRule::Fixed { position_m: start, .. }, PlacementRule::Fixed { position_m: goal, .. }) =
         (&scenario.starts, &scenario.goals)
     {
@@ -319,25 +288,41 @@ fn check_goal_distance(scenario: &Scenario, diagnostics: &mut Diagnostics) {
         }
         return;
     }
+    let goals = possible_positions(&frozen, &scenario.goals);
     for (path, start) in named_positions(&scenario.starts) {
-        if !has_far_goal(start) {
+        if !is_any_far(&goals, start, least) {
             let message = format!(
                 "has no goal at least {least} m away: move it, or write a smaller task.min_goal_distance_m"
             );
             diagnostics.push(format_args!("starts.{path}"), message);
         }
     }
-    if scenario.starts.positions_m().is_empty() {
-        let starts = possible_positions(&frozen, &scenario.starts);
-        let far = starts.iter().filter(|&&start| has_far_goal(start)).count();
-        if far * FAR_START_DIVISOR < starts.len() {
+    if scenario.starts.positions_m().is_empty() && !has_far_goals(&frozen) {
+        let few = format!("fewer than one start in {FAR_START_DIVISOR} has a goal");
+        if matches!(scenario.goals, PlacementRule::Random { .. }) {
+            let message =
+                format!("is {least}, but {few} that far away: write a smaller distance, or free more space");
+            diagnostics.push(format_args!("task.min_goal_distance_m"), message);
+        } else {
             let message = format!(
-                "are too close to the starts: fewer than one start in {FAR_START_DIVISOR} has a goal at least {least} m away; \
-                 move them, or write a smaller task.min_goal_distance_m"
+                "are too close to the starts: {few} at least {least} m away; move them, or write a smaller \
+                 task.min_goal_distance_m"
             );
             diagnostics.push(format_args!("goals"), message);
         }
     }
+}
+
+/// Whether enough of the possible starts have a goal that is far enough away.
+fn has_far_goals(frozen: &Scenario) -> bool {
+    let starts = possible_positions(frozen, &frozen.starts);
+    let goals = possible_positions(frozen, &frozen.goals);
+    let far = starts.iter().filter(|start| is_any_far(&goals, **start, frozen.task.min_goal_distance_m));
+    far.count() * FAR_START_DIVISOR >= starts.len()
+}
+
+fn is_any_far(goals: &[Vec2], start: Vec2, least_m: f32) -> bool {
+    goals.iter().any(|goal| length(goal.x - start.x, goal.y - start.y) >= least_m)
 }
 
 /// The positions that `rule` names, or else those on a grid that it allows at step 0.
