@@ -118,7 +118,9 @@ impl Waypoints {
             self.path = found;
         }
         let point_m = self.farthest_in_sight(at_m);
-        self.rest_m = length(&self.path[nearest(&self.path, point_m)..]);
+        let rest = &self.path[nearest(&self.path, point_m)..];
+        let beyond = rest.last().filter(|_| point_m != self.goal_m);
+        self.rest_m = length(rest) + beyond.map_or(0.0, |end| end.distance(self.goal_m));
         self.waypoint_m = Some(point_m);
     }
 
@@ -282,6 +284,8 @@ mod tests {
             assert!(scene.planned(vec2(x, 0.6 * x), wall).is_some(), "the wall is in the way");
             let end = scene.waypoints.path.last().expect("a path around the wall");
             assert!((end.x - x - 5.25).abs() < 0.1, "{end} at {x}");
+            // The straight line to the goal is 12 - x long.
+            assert!((12.0 - x..12.6 - x).contains(&scene.path_length_m), "{} at {x}", scene.path_length_m);
         }
     }
 
