@@ -281,6 +281,8 @@ impl VecEnv {
     ) -> Result<&[f32], VecEnvError> {
         let world = self.simulation.world_mut();
         world.insert_resource(TaskFault::default());
+        // A step that failed has left its messages.
+        world.resource_mut::<Messages<EpisodeEnded>>().clear();
         if let Some(seed) = seed {
             sim::seed_scenarios(world, seed, &selected);
         }

@@ -63,8 +63,8 @@ fn train_to(app: &mut HeadlessApp, folder: &Path, steps: u64) {
     wait(app, "the autosave", |_| autosaves(folder).iter().any(is_saved));
 }
 
-/// Whether an app holds the lock of the autosave at `path`. On Linux, the kernel says so, because trying the lock could keep the
-/// app from taking it.
+/// Whether an app holds the lock of the autosave at `path`. On Linux, the kernel's list of locks is read, because trying to take
+/// the lock could keep the app from taking it.
 fn is_locked(path: &Path) -> bool {
     let lock = path.join("checkpoint/lock");
     #[cfg(target_os = "linux")]
@@ -78,8 +78,13 @@ fn is_locked(path: &Path) -> bool {
 /// Ends `app` as if its process were killed, after its last autosave.
 fn kill(app: HeadlessApp, folder: &Path) {
     drop(app);
+    autosaves(folder).iter().for_each(|path| wait_until_unlocked(path));
+}
+
+/// Waits until the autosave at `path` is unlocked. The task that has written it may still hold the lock after its app has ended.
+fn wait_until_unlocked(path: &Path) {
     let started = Instant::now();
-    while autosaves(folder).iter().any(|path| is_locked(path)) && started.elapsed().as_secs() < 60 {
+    while is_locked(path) && started.elapsed().as_secs() < 60 {
         std::thread::sleep(FRAME);
     }
 }
@@ -169,6 +174,7 @@ fn two_windows_save_into_folders_of_their_own_and_do_not_offer_each_others_sessi
     assert_eq!(names, ["scenario-1-fast-3", "scenario-1-fast-3-2"]);
     assert_eq!(app(folder.path(), 4).shown().1.last_session, None, "both sessions are running");
     drop(first);
+    wait_until_unlocked(&folder.path().join("scenario-1-fast-3"));
     let mut third = app(folder.path(), 4);
     assert_eq!(third.shown().1.last_session.as_ref().map(|offer| offer.env_steps), Some(320));
     third.command(Command::DismissLastSession);

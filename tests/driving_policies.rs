@@ -83,8 +83,7 @@ fn a_policy_by_percepts_chooses_what_it_chooses_in_the_simulation() {
 }
 
 #[test]
-fn relative_actions_are_those_of_the_robot_with_a_map_too() {
-    // Where nothing is in the way, the map changes nothing: the same path, step by step.
+fn a_map_does_not_change_how_a_policy_with_relative_actions_drives_where_nothing_is_in_the_way() {
     let sectors = policy_by_sectors();
     let scenario = Arc::new(shipped::scenario("empty").expect("shipped"));
     let with_map = policy_card::driving(sectors.clone(), true).expect("known");

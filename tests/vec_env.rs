@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use wayfield::env::{Autoreset, VecEnv, VecEnvConfig, VecEnvError};
 use wayfield::random::{stream, uniform_index};
 use wayfield::run::shipped;
-use wayfield::scenario::{Motion, Scenario};
+use wayfield::scenario::{Motion, Obstacle, ObstacleMotion, PlacementRule, Scenario, Shape, vec2};
 use wayfield::simulation::{Extensions, SimulationBuilder};
 use wayfield::task::{
     Arena, EpisodeEnd, ExtraRewards, ObservationLayout, RewardTerm, SensorReadings, SensorSlice,
@@ -98,6 +98,30 @@ fn the_mode_decides_whether_an_episode_ends_at_the_goal() {
         assert!(reached > 5, "{mode:?}: the goal was reached only {reached} times");
         assert_eq!(episodes, reached * ends, "{mode:?}");
     }
+}
+
+#[test]
+fn an_episode_that_ended_in_a_failed_step_is_not_reported_after_the_reset() {
+    // The episode ends after two steps, when the obstacle covers all starts.
+    let obstacle = Obstacle {
+        shape: Shape::Circle { radius_m: 0.3 },
+        position_m: vec2(-1.0, 1.5),
+        rotation_rad: 0.0,
+        motion: ObstacleMotion::Patrol { waypoints_m: vec![vec2(-1.0, 0.0)], speed_m_s: 3.75.into() },
+    };
+    let (min_m, max_m) = (vec2(-1.05, -0.05), vec2(-0.95, 0.05));
+    let mut scenario = Scenario {
+        obstacles: vec![obstacle],
+        starts: PlacementRule::Within { min_m, max_m, clearance_m: 0.2 },
+        ..Scenario::default()
+    };
+    scenario.task.max_episode_steps = 2;
+    let mut env = VecEnv::new(&scenario, VecEnvConfig::default()).expect("free space");
+    env.step(&[2]).expect("a valid step");
+    let error = env.step(&[2]).expect_err("no start is free").to_string();
+    assert!(error.contains("no free space for a start"), "{error}");
+    env.reset(7).expect("free space");
+    assert!(env.step(&[2]).expect("a valid step").ended.is_empty(), "no episode has ended since the reset");
 }
 
 /// One environment of Scenario I with a time limit of 40 steps.

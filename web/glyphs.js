@@ -51,9 +51,10 @@ export function trace(character) {
 }
 
 /// The closed outlines between inside and outside, found by marching squares, as points [x, y] in pixels. The border of the
-/// image must be outside.
+/// image counts as outside, so that the outline of a glyph that is cut off there is closed, too.
 function outlines({ width, height, data }) {
-    const alpha = (x, y) => data[4 * (y * width + x) + 3];
+    const isBorder = (x, y) => x === 0 || y === 0 || x === width - 1 || y === height - 1;
+    const alpha = (x, y) => (isBorder(x, y) ? 0 : data[4 * (y * width + x) + 3]);
     // From each side that an outline crosses to the side that it crosses next. The id of a side is 2 * the index of the pixel
     // at its left or upper end, + 1 if it is vertical.
     const next = new Map();

@@ -164,6 +164,6 @@ fn call(py: Python<'_>, callback: &Py<PyAny>, progress: &Progress) -> PyResult<b
     fields.set_item("success_rate", progress.success_rate)?;
     fields.set_item("epsilon", progress.epsilon)?;
     let answer = callback.call1(py, (fields,))?;
-    // As in Stable-Baselines3: only False stops, not None.
+    // Only False stops: a callback without `return` returns None.
     Ok(!answer.bind(py).is(&*PyBool::new(py, false)))
 }

@@ -161,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn seeds_are_given_by_their_number_or_as_a_list_without_duplicates() {
+    fn seeds_are_given_as_a_count_or_as_a_list_without_duplicates() {
         assert_eq!(seeds("5"), Ok(Seeds::First(5)));
         assert_eq!(seeds("3,17, 42"), Ok(Seeds::List(vec![3, 17, 42])));
         assert_eq!(seeds("17,"), Ok(Seeds::List(vec![17])), "a single one");

@@ -10,7 +10,7 @@ use glam::Vec2;
 use crate::percept::{Odometry, Percept};
 use crate::robot::Robot;
 
-/// How long a scan is remembered, in s: a driver of class A (docs/drivers.md) may know no more.
+/// How long a scan is remembered, in s: a driver of class A (docs/drivers.md) may use nothing older.
 const MEMORY_S: f32 = 1.0;
 
 /// The scans of the last second.

@@ -208,7 +208,9 @@ fn entries(text: &str) -> Vec<Entry> {
             entry.text.push_str(content.trim());
         } else if let Some((key, value)) = content.split_once(':').filter(|_| indent == 0) {
             let start = offset + key.len() + 1 + (value.len() - value.trim_start().len());
-            entries.push(Entry { key: unquoted(key).into(), text: unquoted(value).into(), at: start });
+            // Some editors begin a file with a byte order mark.
+            let key = unquoted(key.trim_start_matches('\u{feff}'));
+            entries.push(Entry { key: key.into(), text: unquoted(value).into(), at: start });
         }
     }
     entries
@@ -264,6 +266,7 @@ mod tests {
         assert_eq!((map.reading.negate, map.reading.mode), (true, MapMode::Scale));
         let lines = MAP.replace("[-10, 2.5, 0.1]", "[-10,\n  2.5,\n  0.1]");
         assert_eq!(parse(&lines).expect("a valid map").origin, [-10.0, 2.5, 0.1]);
+        assert_eq!(parse(&format!("\u{feff}{MAP}")).expect("a valid map").image, "map.pgm");
     }
 
     #[test]

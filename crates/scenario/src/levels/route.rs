@@ -44,8 +44,8 @@ pub(super) fn add(draft: Draft, stream: &mut Stream) -> Result<Scenario, &'stati
     let mut longest: Option<((f32, f32, f32), Vec2)> = None;
     let distance = |((x, y, _), goal): ((f32, f32, f32), Vec2)| length(goal.x - x, goal.y - y);
     for _ in 0..ROUTES {
-        let route =
-            draw_start_and_goal(&level, 0, stream).map_err(|_| "no goal is far enough from a start")?;
+        let route = draw_start_and_goal(&level, 0, stream)
+            .map_err(|_| "there is no free space for a start, or no goal far enough from it")?;
         longest = longest.filter(|&other| distance(other) >= distance(route)).or(Some(route));
     }
     level.benchmark_route = longest.map(|((x, y, heading_rad), goal_m)| BenchmarkRoute {

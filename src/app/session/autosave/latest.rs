@@ -7,6 +7,8 @@ use std::sync::{Mutex, PoisonError};
 
 use bevy::platform::time::Instant;
 
+use crate::scenario::quoted;
+
 /// The folder of the last autosave of the current training run, and when it was up to date.
 static LATEST: Mutex<Option<(PathBuf, Instant)>> = Mutex::new(None);
 
@@ -30,8 +32,9 @@ pub fn describe() -> Option<String> {
         0..=1 => String::new(),
         seconds => format!(", as it was {seconds} s ago"),
     };
-    let path = path.display();
     Some(format!(
-        "the training run is in {path}{age}; help: start wayfield again, or continue it with `wayfield --resume '{path}'`"
+        "the training run is in {}{age}; help: start wayfield again, or continue it with `wayfield --resume {}`",
+        path.display(),
+        quoted(path)
     ))
 }
