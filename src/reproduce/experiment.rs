@@ -153,7 +153,7 @@ pub struct Condition {
     /// The names of the arms that are changed; empty for all.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub only_arms: Vec<String>,
-    /// The scenarios, as the stages name them, whose stages are changed; empty for all.
+    /// The scenarios whose stages are changed, by the names that the stages use; empty for all.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub only_scenarios: Vec<String>,
 }

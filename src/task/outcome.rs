@@ -1,7 +1,7 @@
 //! The outcome of a control step: reward, termination and truncation.
 //!
-//! In: poses, scans and goals after the step. Out: one [`StepOutcome`] per arena; in its [`Episode`] the pending reset, or
-//! that the arena is now inactive; and an [`EpisodeEnded`] message for every episode that has ended.
+//! In: poses, scans and goals after the step. Out: one [`StepOutcome`] per arena; the pending reset, or `inactive`, in its
+//! [`Episode`]; and an [`EpisodeEnded`] message for every episode that has ended.
 
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};

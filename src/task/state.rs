@@ -269,7 +269,7 @@ pub struct Episode {
 pub struct Streams {
     /// Layout seeds, starts and goals.
     pub placement: Stream,
-    /// LIDAR noise and dropout. Which predictions are dropped depends on its state too, but draws nothing from it.
+    /// LIDAR noise and dropout. The choice of the predictions to drop also depends on its state, but draws nothing from it.
     pub sensor: Stream,
 }
 

@@ -200,7 +200,7 @@ impl Evaluation {
             collision_interval: interval(EpisodeEnd::Collided),
             timeout_rate: rate(episodes, EpisodeEnd::TimedOut),
             timeout_interval: interval(EpisodeEnd::TimedOut),
-            mean_time_s: mean_time_s(episodes, rules.control_period_s),
+            mean_time_s: mean_time_s(times_s(episodes, rules.control_period_s)),
             mean_cost_s: mean_cost_s(episodes, rules),
             episodes: episodes.len(),
             seed,
@@ -212,8 +212,9 @@ impl Evaluation {
     /// [`ScenarioPool::in_fixed_shares`].
     #[must_use]
     pub fn over_pool(episodes: &[EpisodeResult], round: usize, pool: &ScenarioPool, seed: u64) -> Self {
+        let member_of = pool.in_fixed_shares(episodes.len());
         let mut groups = vec![Vec::new(); pool.members()];
-        for (episode, member) in episodes.iter().zip(pool.in_fixed_shares(episodes.len())) {
+        for (episode, &member) in episodes.iter().zip(&member_of) {
             groups[member].push(*episode);
         }
         let of_member = |(member, group): (usize, &Vec<EpisodeResult>)| {
@@ -222,10 +223,17 @@ impl Evaluation {
         };
         let groups = groups.iter().enumerate().filter(|(_, group)| !group.is_empty());
         let members: Vec<(String, Self)> = groups.map(of_member).collect();
-        // The cost of a failure is the time limit of its own scenario.
+        // Control periods and time limits may differ between the scenarios.
         let cost_s: f64 = members.iter().map(|(_, of)| of.mean_cost_s * of.episodes as f64).sum();
-        let all = Self::from_episodes(episodes, round, &pool.rules(0), seed);
         let mean_cost_s = round_to_millionth(cost_s / episodes.len() as f64);
+        let periods_s: Vec<f32> =
+            (0..pool.members()).map(|member| pool.rules(member).control_period_s).collect();
+        let times = episodes
+            .iter()
+            .zip(&member_of)
+            .flat_map(|(episode, &member)| times_s(std::slice::from_ref(episode), periods_s[member]));
+        let mean_time_s = mean_time_s(times);
+        let all = Self::from_episodes(episodes, round, &pool.rules(0), seed);
         let scenarios = members.into_iter().map(|(name, of)| ScenarioResult {
             name,
             success_rate: of.success_rate,
@@ -235,7 +243,7 @@ impl Evaluation {
             mean_time_s: of.mean_time_s,
             episodes: of.episodes,
         });
-        Self { scenarios: scenarios.collect(), mean_cost_s, ..all }
+        Self { scenarios: scenarios.collect(), mean_time_s, mean_cost_s, ..all }
     }
 }
 
@@ -247,8 +255,8 @@ pub fn times_s(episodes: &[EpisodeResult], control_period_s: f32) -> impl Iterat
         .map(move |episode| round_to_millionth(f64::from(episode.steps) * period_s(control_period_s)))
 }
 
-fn mean_time_s(episodes: &[EpisodeResult], control_period_s: f32) -> Option<f64> {
-    let (count, sum) = times_s(episodes, control_period_s).fold((0_u32, 0.0), |(n, sum), t| (n + 1, sum + t));
+fn mean_time_s(times_s: impl Iterator<Item = f64>) -> Option<f64> {
+    let (count, sum) = times_s.fold((0_u32, 0.0), |(n, sum), t| (n + 1, sum + t));
     (count > 0).then(|| round_to_millionth(sum / f64::from(count)))
 }
 
@@ -270,4 +278,34 @@ pub fn period_s(control_period_s: f32) -> f64 {
 #[must_use]
 pub fn round_to_millionth(value: f64) -> f64 {
     (value * 1e6).round() / 1e6
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::{Scenario, ScenarioSet, SetMember, SetSource};
+
+    #[test]
+    fn each_episode_over_a_set_is_timed_with_the_control_period_of_its_scenario() {
+        let member = |(name, control_period_s): (&str, f32)| {
+            let task = TaskRules { control_period_s, ..TaskRules::default() };
+            let scenario = Scenario { task, ..Scenario::default() };
+            SetMember { name: name.into(), share: 1.0, source: SetSource::Scenario(Box::new(scenario)) }
+        };
+        let members = [("slow", 0.5), ("fast", 0.2)].map(member).into();
+        let pool = ScenarioPool::new(&ScenarioSet { name: "set".into(), members });
+        let episode = EpisodeResult {
+            end: EpisodeEnd::Reached,
+            steps: 10,
+            start: Pose::default(),
+            goal: Goal::default(),
+            clock: Clock::default(),
+            layout_seed: 0,
+            path: None,
+        };
+        let evaluation = Evaluation::over_pool(&[episode; 2], 2, &pool, 0);
+        assert_eq!((evaluation.mean_time_s, evaluation.mean_cost_s), (Some(3.5), 3.5));
+        let times: Vec<Option<f64>> = evaluation.scenarios.iter().map(|of| of.mean_time_s).collect();
+        assert_eq!(times, [Some(5.0), Some(2.0)]);
+    }
 }

@@ -7,7 +7,7 @@
 //! where it is hit now, or the newest one sees through those where it was hit then. The hits on walls and rocks move, too, as the
 //! robot drives, but other scans show a surface there.
 //!
-//! Positions are in the frame of odometry. Lengths are in units of the robot, which `sectors.rs` defines; times are in control
+//! Positions are in the odometry frame. Lengths are in units of the robot, which `sectors.rs` defines; times are in control
 //! steps.
 
 use std::collections::VecDeque;
@@ -39,10 +39,10 @@ const TURN_SD: f32 = 0.05;
 const TURN_CHANGE_SD: f32 = 0.005;
 /// The largest turn in a control step, in rad.
 const MAX_TURN: f32 = 0.3;
-/// The smallest squared turn of a thing that is not taken to drive straight on, in variances: in observations. A policy that is
-/// trained with cautious predictions does not rely on them.
+/// In observations, a thing is taken to drive straight on unless its squared turn, in variances, exceeds this. The value is
+/// cautious, so that a policy does not learn to rely on predicted turns.
 pub(super) const OBSERVED_TURN_SIGNIFICANCE: f32 = 2.0;
-/// The same in foresight.
+/// The same in foresight, the check whether actions lead to a collision (`decision.rs`).
 pub(super) const FORESEEN_TURN_SIGNIFICANCE: f32 = 1.0;
 /// If the misfit is larger than this, the thing may have changed its motion, or be no disc.
 const MANOEUVRE_MISFIT: f32 = 0.5;
@@ -558,7 +558,7 @@ impl Tracker {
         Self { max_speed, ..Self::default() }
     }
 
-    /// Forgets all tracks.
+    /// Forgets all tracks and scans, and no longer hides the motion of new tracks.
     pub(super) fn reset(&mut self) {
         self.tracks.clear();
         self.scans.clear();
@@ -849,7 +849,7 @@ mod tests {
     }
 
     #[test]
-    fn a_disc_that_comes_or_goes_moves_for_a_robot_at_rest() {
+    fn a_robot_at_rest_sees_that_an_approaching_or_receding_disc_moves() {
         for (x, speed) in [(4.0, 0.3), (9.0, -0.2)] {
             let mut tracker = Tracker::new(0.5);
             for step in 0..14_u8 {
