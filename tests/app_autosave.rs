@@ -15,7 +15,7 @@ use bevy::ecs::message::Messages;
 use bevy::render::error_handler::{ErrorType, RenderError, RenderErrorPolicy};
 use tempfile::TempDir;
 use wayfield::agent::ActiveLearner;
-use wayfield::app::commands::{Command, SessionMode};
+use wayfield::app::commands::{Command, SaveKind, SessionMode};
 use wayfield::app::session::journal::{ReplayResult, verify};
 use wayfield::app::session::{AutosaveOptions, StartOptions};
 use wayfield::app::shutdown::save_after_render_error;
@@ -274,6 +274,33 @@ fn closing_asks_before_a_long_training_run_is_lost() {
     app.frame(FRAME);
     assert_eq!(exits(&mut app), [AppExit::Success]);
     assert_eq!(autosaves(folder.path()), Vec::<PathBuf>::new(), "not saved, as requested");
+}
+
+#[test]
+fn opening_a_file_asks_before_long_training_is_lost_and_again_after_a_save() {
+    let folder = temporary();
+    let (file, no_run) = (folder.path().join("mine.ron"), folder.path().join("no-run"));
+    fs::write(&file, "(name: \"Mine\")").expect("a writable folder");
+    fs::create_dir(&no_run).expect("a writable folder");
+    let mut app = HeadlessApp::new(StartOptions { paused: true, ..StartOptions::default() });
+    let open = |app: &mut HeadlessApp, path: &Path| {
+        app.command(Command::Open(path.into()));
+        app.frame(FRAME);
+        let error = app.error_notices().pop().unwrap_or_default();
+        (app.run().config.scenario.name.clone(), error)
+    };
+    app.step_to(1_260);
+    let (_, error) = open(&mut app, &no_run);
+    assert!(!error.is_empty() && !error.contains("would be lost"), "there is no run to open: {error}");
+    let (name, error) = open(&mut app, &file);
+    assert!(name == "Scenario I" && error.contains("would be lost"), "{name}: {error}");
+    app.command(Command::Save(SaveKind::Run, folder.path().join("run")));
+    app.frame(FRAME);
+    app.step_to(2_520);
+    let (name, _) = open(&mut app, &file);
+    assert_eq!(name, "Scenario I", "the training since the save would be lost");
+    let (name, _) = open(&mut app, &file);
+    assert_eq!(name, "Mine", "the user has opened the file twice");
 }
 
 #[test]

@@ -24,7 +24,7 @@ use wayfield::run::write_points::WRITE_POINTS;
 const RUN: &str = "--train --scenario one.ron --preset fast.ron --seed 9 --steps 6400";
 /// The arguments that make a run write checkpoints all the time.
 const OFTEN: &str = "--checkpoint-every 0.01";
-/// The number of runs that are killed, each at another moment.
+/// The number of runs that are killed, each at a different moment.
 const MOMENTS: u32 = 12;
 
 /// A workspace with the uninterrupted run.

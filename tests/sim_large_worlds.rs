@@ -14,12 +14,12 @@ use wayfield::scenario::{
 use wayfield::sim::{Bodies, lidar};
 use wayfield::task::{ArenaLayout, Pose};
 
-/// `lab`, but every query tests every shape.
+/// `lab`, which must have an index, but every query tests every shape.
 fn without_index(mut lab: Lab) -> Lab {
     let world = lab.simulation.world_mut();
     for (mut bodies, mut layout) in world.query::<(&mut Bodies, &mut ArenaLayout)>().iter_mut(world) {
         bodies.remove_grid();
-        layout.index = None;
+        assert!(layout.index.take().is_some(), "the scenario is large enough for an index");
     }
     lab
 }
@@ -204,5 +204,5 @@ fn many_generated_obstacles_are_indexed_in_every_episode() {
         lab.edit(0, |state| state.layout_seed += 1);
     }
     layouts.dedup();
-    assert_eq!(layouts.len(), 5, "each time another layout");
+    assert_eq!(layouts.len(), 5, "each episode has a different layout");
 }

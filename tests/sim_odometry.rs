@@ -97,7 +97,7 @@ fn the_goal_is_observed_from_where_odometry_says_that_the_robot_is() {
     scenario.robot.odometry_drift = drift(0.1, 0.2, 0.5);
     let mut lab = facing(&scenario, 10.0, TaskMode::Continuing);
     assert_eq!(observed_goal(&mut lab), (10.0, 0.0), "an episode begins with the true pose");
-    // Ahead for 0.03 m, of which odometry reports 0.033 m and a turn of 0.015 rad.
+    // Ahead for 0.03 m, which odometry reports as 0.033 m and a turn of 0.015 rad.
     lab.step(&[2]);
     let estimate = lab.state(0).estimated_pose;
     assert!((estimate.heading_rad - 0.015).abs() < 1e-6, "{estimate:?}");
@@ -106,7 +106,7 @@ fn the_goal_is_observed_from_where_odometry_says_that_the_robot_is() {
     let (_, bearing_rad) = observed_goal(&mut lab);
     assert!(bearing_rad < -0.014, "the goal seems to lie to the right: {bearing_rad} rad");
     assert_eq!(lab.state(0).pose.heading_rad, 0.0, "the robot has not turned");
-    // 0.3 rad to the left, of which odometry reports 0.36 rad, and again 0.015 rad.
+    // 0.3 rad to the left, which odometry reports as 0.36 rad, and 0.015 rad more for another 0.03 m.
     lab.step(&[0]);
     let turned = lab.state(0).estimated_pose.heading_rad;
     assert!((turned - 0.39).abs() < 1e-5, "{turned} rad");

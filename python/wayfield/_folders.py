@@ -6,7 +6,7 @@ import shutil
 import zipfile
 from pathlib import Path
 
-#: The time of all files in an archive, so that equal folders have equal archives.
+#: The modification time of every file in an archive: a constant, so that equal folders have equal archives.
 _TIME = (1980, 1, 1, 0, 0, 0)
 
 

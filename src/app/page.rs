@@ -34,7 +34,7 @@ extern "C" {
     /// Passes a file of the next autosave to the page.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn autosave_file(name: &str, bytes: &[u8]);
-    /// Replaces the training run's autosave by the files passed since the last call. `note` describes it, as JSON.
+    /// Replaces the training run's autosave with the files passed since the last call. `note` describes it, as JSON.
     /// The page reports the result together with `number`.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn autosave(number: u32, note: &str);

@@ -60,6 +60,12 @@ impl FinishedRun {
         Ok((config, Self { folder, name, episodes, env_steps }))
     }
 
+    /// A finished run for tests; its folder does not exist.
+    #[cfg(test)]
+    pub fn example(name: &str) -> Self {
+        Self { folder: name.into(), name: name.into(), episodes: 0, env_steps: 0 }
+    }
+
     /// The policy after a number of episodes or env steps, or at the end; `None` if the run is shorter.
     #[must_use]
     pub fn policy_at(&self, after: Option<Budget>) -> Option<PolicyId> {

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::str::FromStr;
 
-use super::plan::RunPlan;
+use super::plan::{PlannedRun, RunPlan};
 use super::progress::gradient_steps;
 
 /// The largest number of shards.
@@ -71,8 +71,7 @@ impl Shard {
     fn chains(self, plan: &RunPlan) -> Vec<usize> {
         let mut costs: BTreeMap<usize, f64> = BTreeMap::new();
         for (index, training) in plan.training_runs.iter().enumerate() {
-            *costs.entry(root(plan, index)).or_default() +=
-                gradient_steps(training, training.config.preset.budget);
+            *costs.entry(root(plan, index)).or_default() += cost(training);
         }
         let mut chains: Vec<(usize, f64)> = costs.into_iter().collect();
         let name = |index: usize| &plan.training_runs[index].name;
@@ -88,6 +87,11 @@ impl Shard {
         }
         mine
     }
+}
+
+/// The cost of a run in gradient steps. A run that was trained elsewhere is only tested.
+fn cost(training: &PlannedRun) -> f64 {
+    if training.elsewhere.is_some() { 1.0 } else { gradient_steps(training, training.config.preset.budget) }
 }
 
 /// The index of the first training run in the chain of run `index`.

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::ReproduceOptions;
 use super::arm_run::{ArmRun, PolicyId};
+use super::elsewhere::FinishedRun;
 use super::experiment::{Experiment, TestRule};
 use super::figure_spec::{Axis, Series};
 use super::figures::caption;
@@ -159,6 +160,19 @@ fn shards_split_a_plan_equally_and_keep_transfers_together() {
     assert!(part.training_runs.len() <= 2, "ten training runs in nine parts");
     for wrong in ["0/2", "3/2", "2", "1/0", "a/b", "1/2/3", "-1/2", "1/200000"] {
         assert!(wrong.parse::<Shard>().is_err_and(|why| why.starts_with("give K/N")), "{wrong}");
+    }
+}
+
+#[test]
+fn shards_do_not_count_training_that_was_done_elsewhere() {
+    let (_, mut plan) = planned(&only(&["fig8"]));
+    let finished = &mut plan.training_runs[0];
+    finished.config.preset.budget = Budget::Episodes(1_000_000);
+    finished.elsewhere = Some(FinishedRun::example(&finished.name));
+    for shard in ["1/2", "2/2"] {
+        let part = shard.parse::<Shard>().expect("a shard").of(&plan);
+        let trained = part.training_runs.iter().filter(|training| training.elsewhere.is_none()).count();
+        assert!((4..=5).contains(&trained), "{shard} trains {trained} of nine runs");
     }
 }
 

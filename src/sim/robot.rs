@@ -5,7 +5,7 @@
 //!
 //! A robot that drives with constant v and w for a time t follows an arc. The arc's chord has the length v t sinc(w t / 2)
 //! and the direction of the heading at t / 2. So one physics step with the chord's velocity takes the robot exactly to the
-//! end of the arc, unless it touches something before (`contact.rs`) and stops there.
+//! end of the arc, unless it touches something first (`contact.rs`) and stops there.
 //!
 //! Usually, (v, w) is the commanded motion. With an actuator lag or limited accelerations
 //! ([`Drive`](crate::scenario::Drive)), it is the mean of the actual motion over the step, and slip reduces it. That is a

@@ -15,7 +15,7 @@ use super::editor_files;
 use super::interventions::{self, Intervention};
 use super::journal::Journal;
 use super::notices::{NoticeTopic, Notices, notify};
-use super::open;
+use super::open::{self, OpenedFiles};
 use super::pacer::Pacer;
 #[cfg(not(target_arch = "wasm32"))]
 use super::quit;
@@ -146,6 +146,7 @@ fn save_to(world: &mut World, what: SaveKind, path: &Path) -> Result<(), RunErro
     if matches!(what, SaveKind::Policy | SaveKind::BestPolicy | SaveKind::Run) {
         let env_steps = world.resource::<ActiveLearner>().0.env_steps();
         world.resource_mut::<TrainingRun>().mark_saved(env_steps);
+        world.resource_mut::<OpenedFiles>().requested_once = None;
     }
     notify_saved(world, path);
     Ok(())

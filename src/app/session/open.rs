@@ -9,6 +9,7 @@ use bevy::prelude::*;
 
 use super::comparison::{compare_with, compare_with_driver, compare_with_map, open_driver};
 use super::notices::{NoticeTopic, notify};
+use super::saved_run::SavedRun;
 use super::start_training;
 use super::training_run::TrainingRun;
 use crate::agent::{ActiveLearner, DriverKind};
@@ -35,7 +36,8 @@ pub struct OpenedFiles {
     pub scenarios: Vec<Choice>,
     /// The user's own presets.
     pub presets: Vec<Choice>,
-    /// A path that the user has tried to open once; a second attempt opens it, although unsaved training is lost.
+    /// A path that the user has tried to open once; a second attempt opens it, although unsaved training is lost. `None` again
+    /// after a save.
     pub(super) requested_once: Option<PathBuf>,
 }
 
@@ -134,8 +136,10 @@ pub(super) fn is_set(text: &str) -> bool {
 
 /// Resumes the run in `folder`, which the user opened by `path`.
 fn resume(world: &mut World, path: &Path, folder: &Path) -> Result<String, RunError> {
+    let extensions = world.resource::<TrainingRun>().config.extensions.clone();
+    let saved = SavedRun::from_folder(folder, &extensions)?;
     confirm_by_repeating(world, path)?;
-    start_training::resume(world, folder)?;
+    saved.start(world);
     let name = folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy();
     Ok(format!("Resumed the run {name}"))
 }

@@ -1,9 +1,8 @@
-//! Starts training runs in the app: from random weights, from a policy, or from a checkpoint.
+//! Starts training runs in the app: from random weights or from a policy. `saved_run.rs` resumes saved ones.
 //!
 //! In: names or files. Out: a new [`TrainingRun`] in place of the previous one, with its arenas reset. After an error,
 //! nothing has changed.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use bevy::prelude::*;
@@ -19,7 +18,6 @@ use super::notices::{NoticeTopic, Notices, notify};
 use super::open::{self, OpenedFiles};
 use super::pacer::Pacer;
 use super::run_notices;
-use super::saved_run::SavedRun;
 use super::scenario_source::ScenarioSource;
 use super::session_policy;
 use super::trails::Trails;
@@ -213,15 +211,5 @@ pub(super) fn start_from_policy(
     if let Some(text) = warning {
         notify(world, NoticeTopic::TrainingWarning, Severity::Warning, text);
     }
-    Ok(())
-}
-
-/// Resumes the training run in the folder at `path`.
-///
-/// # Errors
-/// The folder has no run, or an invalid one.
-pub(super) fn resume(world: &mut World, path: &Path) -> Result<(), RunError> {
-    let extensions = world.resource::<TrainingRun>().config.extensions.clone();
-    SavedRun::from_folder(path, &extensions)?.start(world);
     Ok(())
 }

@@ -37,7 +37,7 @@ impl Place<'_> {
         })
     }
 
-    /// The repair that replaces the name `found` at `start` by the `expected` name that was probably meant, if there is one.
+    /// The repair that replaces the name `found` at `start` with the `expected` name that was probably meant, if there is one.
     fn renaming(&self, found: &str, expected: &'static [&'static str]) -> Option<Repair> {
         let near = match synonym(found, expected) {
             Some(path) => expected.iter().copied().find(|name| *name == path)?,
