@@ -91,8 +91,9 @@ pub fn evaluate(py: Python<'_>, drivers: Vec<Tested<'_>>, options: EvaluateOptio
     })
 }
 
-/// Tests the function `act`, which gets observations in `observation` (`scaled` or `raw`; rows x width). It returns an array of
-/// `actions`: `discrete` (rows), or `continuous` (rows x 2: m/s, rad/s). Returns a list of one report as JSON.
+/// Tests the function `act`. Its argument is an array of observations (rows x width), encoded as `observation` says: `scaled` or
+/// `raw`. Its result is an array of actions, of the kind `actions`: `discrete` (rows), or `continuous` (rows x 2: m/s, rad/s).
+/// Returns a list of one report as JSON.
 #[pyfunction]
 pub fn evaluate_function(
     py: Python<'_>,

@@ -73,9 +73,9 @@ fn a_transfer_is_confirmed_and_shows_where_its_policy_comes_from() {
     window.state_mut().status.restart_loses_training = true;
     click(&mut window, "Scenario");
     click(&mut window, "Scenario II");
-    assert_eq!(click(&mut window, "Continue training in Scenario II"), []);
-    assert!(window.query_by_label_contains("Its policy continues").is_some());
     for policy in ["best", "current"] {
+        assert_eq!(click(&mut window, "Continue training in Scenario II"), []);
+        assert!(window.query_by_label_contains("Its policy continues").is_some());
         click(&mut window, &format!("Continue with the {policy} policy"));
         assert!(window.query_by_label("Cancel").is_none(), "the question was about the other policy");
     }
@@ -178,10 +178,10 @@ fn the_seed_can_be_typed_or_drawn_at_random() {
         _ => panic!("{commands:?}"),
     };
     assert_eq!(seed(click(&mut window, "Train from scratch with seed 1")), 1);
-    // Exact beyond the integers of an f64, and refused with a message if it is not a seed.
+    // A seed is exact even where an f64 would round it. Text that is not a seed is refused with a message.
     type_seed(&mut window, "18446744073709551615");
     assert_eq!(seed(click(&mut window, "Train from scratch with seed 18446744073709551615")), u64::MAX);
-    // The seed follows the text while that is a seed: here, up to the last digit but one.
+    // The seed follows each letter until the text is no longer a seed: here, up to the second-to-last digit.
     for (text, problem) in [
         ("18446744073709551616", "Too large: 18446744073709551616. The seed stays 1844674407370955161"),
         ("x3", "Not a whole number: x3. The seed stays 1844674407370955161"),

@@ -72,7 +72,7 @@ impl Workspace {
         command
     }
 
-    /// Runs the binary with `words`, which may contain spaces or be no text.
+    /// Runs the binary with `words`, which may contain spaces or bytes that are not UTF-8.
     pub fn run_words(&self, words: impl IntoIterator<Item = impl AsRef<OsStr>>) -> CommandOutput {
         CommandOutput::new(self.command_of_words(words).output().unwrap())
     }

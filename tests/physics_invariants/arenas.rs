@@ -12,7 +12,7 @@ use crate::random_scenarios::{at_max_speed, free_pose, scenarios};
 
 const ARENAS: usize = 5;
 
-/// An arena after a step, as bytes: the state without the parts that serde skips, the outcome and the observation.
+/// An arena after a step, as bytes: the state (without the parts that serde skips), the outcome and the observation.
 fn arena_bytes(lab: &mut Lab, arena: usize, state: &ArenaState) -> Vec<u8> {
     let outcome = lab.outcomes()[arena];
     let rewards = bits(&[outcome.reward.total()]);

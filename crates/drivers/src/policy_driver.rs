@@ -1,4 +1,5 @@
-//! A policy as a driver: converts a percept to the network's inputs and takes the greedy action. Optionally with a map.
+//! A policy as a driver: converts a percept to the network's inputs and takes the greedy action, or with relative actions the
+//! one that the `Decider` chooses. Optionally with a map.
 
 use std::sync::Arc;
 

@@ -30,7 +30,10 @@ pub fn within<T: PartialOrd + Display>(
         (Bound::Included(low), Bound::Excluded(high)) => format!("at least {low} and less than {high}"),
         (Bound::Included(low), Bound::Unbounded) => format!("at least {low}"),
         (Bound::Excluded(low), Bound::Included(high)) => format!("a number above {low}, at most {high}"),
-        (Bound::Excluded(low), _) => format!("a number above {low}"),
+        (Bound::Excluded(low), Bound::Excluded(high)) => {
+            format!("a number above {low} and less than {high}")
+        }
+        (Bound::Excluded(low), Bound::Unbounded) => format!("a number above {low}"),
         (Bound::Unbounded, Bound::Included(high)) => format!("at most {high}"),
         (Bound::Unbounded, Bound::Excluded(high)) => format!("less than {high}"),
         (Bound::Unbounded, Bound::Unbounded) => "a number".into(),
@@ -43,7 +46,11 @@ pub fn within<T: PartialOrd + Display>(
 /// # Errors
 /// `value` is out of range. The error names `field`.
 pub fn above_zero(field: &str, value: f32) -> Result<(), ConfigError> {
-    within(field, value, (Bound::Excluded(0.0), Bound::Excluded(f32::INFINITY)))
+    if value > 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    let problem = format!("is {value}; help: give a finite number above 0");
+    Err(ConfigError { field: field.into(), problem })
 }
 
 /// Checks that `value` is above 0 and at most `max`. NaN is not.
@@ -72,7 +79,7 @@ mod tests {
         for value in [0.0, -1.0, f32::NAN, f32::INFINITY] {
             assert_eq!(
                 problem(above_zero("tau", value)),
-                format!("`tau` is {value}; help: give a number above 0")
+                format!("`tau` is {value}; help: give a finite number above 0")
             );
         }
         for value in [0.0, 1.5, f32::NAN] {

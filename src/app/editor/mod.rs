@@ -12,7 +12,7 @@
 //! | `handle.rs`, `drag.rs`, `dragging.rs` | handles; one drag; dragging and nudging the selected item |
 //! | `tool.rs`, `drawing_tools.rs` | drawing walls, paths and positions click by click |
 //! | `new_items.rs`, `free_space.rs`, `clipboard.rs` | add, copy, paste, delete; free space for new items |
-//! | `kinds.rs`, `set_kind.rs`, `new_motion.rs` | kinds of rule and enclosure; changing these and the kind of a motion |
+//! | `kinds.rs`, `set_kind.rs`, `new_motion.rs` | kinds of placement and enclosure; changing these and the kind of a motion |
 //! | `undo.rs` | undo and redo |
 //! | `saving.rs` | the file, and whether the scenario is saved |
 //! | `interaction.rs` | the user's unfinished actions: a pressed item, open questions |

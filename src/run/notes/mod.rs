@@ -28,8 +28,8 @@ struct RunLength {
     least: u64,
     /// `None` for a budget in episodes without a scenario.
     most: Option<u64>,
-    /// Whether the budget is in env steps, so that both numbers are the budget.
-    is_budget: bool,
+    /// The budget if it is in env steps. `least` and `most` are then both this number, rounded up to whole control steps.
+    budget: Option<u64>,
 }
 
 impl RunLength {
@@ -38,13 +38,13 @@ impl RunLength {
         match preset.budget {
             Budget::EnvSteps(n) => {
                 let whole = n.div_ceil(arenas.max(1)).saturating_mul(arenas);
-                Self { least: whole, most: Some(whole), is_budget: true }
+                Self { least: whole, most: Some(whole), budget: Some(n) }
             }
             Budget::Episodes(n) => {
                 let limit = scenario.map(|scenario| u64::from(scenario.task.max_episode_steps));
                 // When the last episode ends, those of the other arenas are still running.
                 let most = limit.map(|limit| n.saturating_add(arenas).saturating_mul(limit));
-                Self { least: n, most, is_budget: false }
+                Self { least: n, most, budget: None }
             }
         }
     }
@@ -52,10 +52,9 @@ impl RunLength {
     /// The length as part of a note: "the budget is 6000"; for a budget in episodes, "the run has at most 13000 env steps", with
     /// `bound` "at most" or "at least".
     fn text(self, bound: &str, env_steps: u64) -> String {
-        if self.is_budget {
-            format!("the budget is {env_steps}")
-        } else {
-            format!("the run has {bound} {env_steps} env steps")
+        match self.budget {
+            Some(budget) => format!("the budget is {budget}"),
+            None => format!("the run has {bound} {env_steps} env steps"),
         }
     }
 }

@@ -169,6 +169,11 @@ fn schedules_that_end_long_before_or_after_the_budget_are_noted() {
         ),
         "{short:?}"
     );
+    let uneven = noted(|p| p.budget = Budget::EnvSteps(5_990));
+    assert!(
+        uneven[0].contains("the budget is 5990, after which"),
+        "not rounded up to a whole control step: {uneven:?}"
+    );
     assert_eq!(
         noted(|p| p.budget = Budget::EnvSteps(300_000)),
         [""; 0],

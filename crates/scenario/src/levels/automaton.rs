@@ -19,7 +19,7 @@ struct Cells {
     filled: Vec<bool>,
 }
 
-/// Adds a circle for every filled cell, and fills every region with starts except the largest.
+/// Adds a circle for every filled cell. Of the regions that contain starts, all but the largest are filled with circles too.
 pub(super) fn add(
     draft: &mut Draft,
     fill: (f32, f32),
