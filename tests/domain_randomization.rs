@@ -63,8 +63,10 @@ fn the_drawn_numbers_are_those_of_the_simulation() {
             "lag {lag_s} s: {:?}",
             state.twist
         );
-        let delayed = layout.lidar.latency_steps.value() as usize;
-        assert_eq!(state.scan.delayed.len(), if delayed == 0 { 0 } else { 2 }, "latency {delayed}");
+        // With a latency, the scans at the start and after the step are remembered.
+        let latency_steps = layout.lidar.latency_steps.value();
+        let remembered = if latency_steps == 0 { 0 } else { 2 };
+        assert_eq!(state.scan.delayed.len(), remembered, "latency of {latency_steps} steps");
     }
 }
 

@@ -178,7 +178,7 @@ fn default_plugins((width, height): (f32, f32)) -> impl PluginGroup {
         // In a browser: the canvas of the page, as large as the page.
         canvas: Some("#canvas".into()),
         fit_canvas_to_parent: true,
-        // The page decides which keys the browser handles, such as reloading and copying.
+        // The page decides which keys the browser handles, such as those for reloading and copying.
         prevent_default_event_handling: false,
         ..Default::default()
     };

@@ -124,7 +124,10 @@ fn difference(earlier: &(RunConfig, FinishedRun), run: &(RunConfig, FinishedRun)
     }
     let transfer_epsilon = |config: &RunConfig| config.transfer.as_ref().map(|transfer| transfer.epsilon);
     if earlier.scenario != config.scenario
+        || earlier.scenario_set != config.scenario_set
         || earlier.preset != config.preset
+        || earlier.sensors != config.sensors
+        || earlier.reward_terms != config.reward_terms
         || transfer_epsilon(earlier) != transfer_epsilon(config)
     {
         return Some(format!(
@@ -159,4 +162,40 @@ pub fn check_scenarios(plan: &RunPlan, index: usize, source: &ExperimentSource) 
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::folder::Transfer;
+    use crate::scenario::{ScenarioSet, SetMember, SetSource};
+
+    #[test]
+    fn the_runs_of_an_arm_may_differ_only_in_the_seed() {
+        let run = |seed: u64, change: fn(&mut RunConfig)| {
+            let mut config = RunConfig::resolve("empty", "fast", seed).expect("shipped");
+            change(&mut config);
+            let name = format!("run-{seed}");
+            (config, FinishedRun { folder: PathBuf::from(&name), name, episodes: 1, env_steps: 1 })
+        };
+        let earlier = run(1, |_| {});
+        assert_eq!(difference(&earlier, &run(2, |_| {})), None);
+        let changes: [fn(&mut RunConfig); 5] = [
+            |config| config.scenario.robot.radius_m = 0.11,
+            |config| {
+                let source = SetSource::Scenario(Box::new(config.scenario.clone()));
+                let members = vec![SetMember { name: "member".into(), share: 1.0, source }];
+                config.scenario_set = Some(ScenarioSet { name: "set".into(), members });
+            },
+            |config| config.preset.arenas = 3,
+            |config| config.reward_terms = vec!["term".into()],
+            |config| config.transfer = Some(Transfer { policy: "a".into(), epsilon: None }),
+        ];
+        for (number, change) in changes.into_iter().enumerate() {
+            let problem = difference(&earlier, &run(2, change)).expect("a difference");
+            assert!(problem.contains("has different settings from run-1"), "change {number}: {problem}");
+        }
+        let problem = difference(&earlier, &run(1, |_| {})).expect("the same seed");
+        assert!(problem.contains("has the same seed as run-1: 1"), "{problem}");
+    }
 }

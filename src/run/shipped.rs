@@ -324,7 +324,7 @@ mod tests {
     }
 
     #[test]
-    fn the_shipped_policies_succeed_in_at_least_98_percent_of_episodes() {
+    fn the_shipped_policies_of_one_scenario_succeed_in_at_least_98_percent_of_episodes() {
         assert_eq!(policies().len(), POLICIES.len(), "every policy can be read");
         let of_one_scenario = policies().iter().filter(|policy| !policy.is_general());
         for ShippedPolicy { scenario_from: name, policy, .. } in of_one_scenario {

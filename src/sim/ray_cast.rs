@@ -115,7 +115,7 @@ pub(super) fn cast_ray(shape: &TypedShape, ray: &Ray, max_m: f32) -> Option<f32>
 }
 
 /// The distance along `ray` to `cuboid`, if it is at most `max_m`: the same bits as parry's cast, without its branches, which
-/// are often predicted wrong.
+/// are often mispredicted.
 #[inline(always)]
 fn cast_to_cuboid(cuboid: &Cuboid, ray: &Ray, max_m: f32) -> Option<f32> {
     if ray.dir.x == 0.0 || ray.dir.y == 0.0 {

@@ -245,11 +245,11 @@ fn all_problems_of_a_text_are_listed() {
                  p.ron:2:2: a comment starts with `//`, not with `#`\n\
                  p.ron:3:2: unknown field `colour` in the file: the fields are `arenas`, `budget`, `learning`",
             ),
-            ("()", "1:1: the file lacks the fields `arenas`, `budget`: add all 2"),
+            ("()", "1:1: the file lacks the fields `arenas`, `budget`: add them"),
             (
                 "(learning: (double: True, gamma: 0,99, loss: 'mse', learning_rate: 3e-4), colour: 1)",
                 &format!(
-                    "1:1: the file lacks the fields `arenas`, `budget`: add all 2\n\
+                    "1:1: the file lacks the fields `arenas`, `budget`: add them\n\
                      p.ron:1:21: `learning.double` must be true or false\n\
                      p.ron:1:34: a decimal comma: write 0.99\n\
                      p.ron:1:46: `learning.loss` must be one of {loss}, without quotes: write `Mse`\n\

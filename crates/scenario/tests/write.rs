@@ -560,7 +560,7 @@ fn a_list_of_ten_thousand_obstacles_changes_in_one_line() {
     let text = to_text(&scenario, None);
     let line = "        (shape: Circle(radius_m: 0.15), position_m: (7000.0, 0.5)),\n";
     assert_eq!(edited(&text, |scenario| drop(scenario.obstacles.remove(7000))), text.replace(line, ""));
-    // So many changes that elements are matched by their order only.
+    // After this many changes, elements are matched by their order only.
     edited(&text, |scenario| {
         scenario.obstacles.retain(|obstacle| obstacle.position_m.x % 3.0 != 0.0);
         scenario.obstacles.iter_mut().for_each(|obstacle| obstacle.position_m.y = 0.75);

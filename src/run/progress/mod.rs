@@ -80,7 +80,7 @@ impl ProgressReporter {
     /// Passes the progress to `listener`; stderr gets only [warnings](Self::warn).
     #[must_use]
     pub fn with_listener(listener: ProgressListener) -> Self {
-        // The total is for bars only.
+        // A listener does not use the total.
         Self::with(ProgressTotal::Episodes(0), Display::Listener(listener))
     }
 

@@ -60,7 +60,7 @@ pub(super) fn missing_fields(owner: &str, fields: &[&str]) -> String {
     let names: Vec<_> = fields.iter().map(|name| format!("`{name}`")).collect();
     match fields {
         [field] => format!("{owner} lacks the field `{field}`: add `{field}: ...`"),
-        fields => format!("{owner} lacks the fields {}: add all {}", names.join(", "), fields.len()),
+        _ => format!("{owner} lacks the fields {}: add them", names.join(", ")),
     }
 }
 

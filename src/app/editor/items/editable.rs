@@ -98,8 +98,8 @@ pub(in super::super) trait Editable {
         handle.map(|handle| handle.position_m)
     }
 
-    /// The handle that moves when `kind` is dragged from `position_m`. It is another one only for start and goal
-    /// rules, whose middle stands for the nearest of their positions.
+    /// The handle that moves when `kind` is dragged from `position_m`: `kind` itself, except that the middle of a start or
+    /// goal rule stands for the nearest of its positions.
     fn dragged_handle(&self, _scenario: &Scenario, kind: HandleKind, _position_m: Vec2) -> HandleKind {
         kind
     }
