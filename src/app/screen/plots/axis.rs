@@ -32,7 +32,7 @@ impl AxisScale {
         }
     }
 
-    /// Values that the axis must include: the reference line and, depending on the scale, 0, 1, or the enclosing powers of ten.
+    /// Values that the axis must include: the reference line and, depending on the scale, 0 and 1, or the enclosing powers of ten.
     pub(super) fn included_values<'a>(
         self,
         series: impl Iterator<Item = &'a DownsampledSeries>,
