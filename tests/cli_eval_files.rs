@@ -232,6 +232,7 @@ fn a_dash_writes_a_file_to_standard_output_and_the_summary_to_standard_error() {
         (format!("{command} --json --csv -"), "both go to standard output"),
         (format!("{command} --csv - --trace -"), "name the same file"),
         (format!("{command} --csv same --trace same"), "name the same file"),
+        (format!("{command} --csv same --trace ./same"), "name the same file"),
         (format!("{command} --csv absent/episodes.csv"), "the folder absent does not exist"),
         ("--eval scenario-3".into(), "no such file, shipped policy or driver"),
     ] {

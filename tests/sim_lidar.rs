@@ -110,7 +110,7 @@ proptest! {
     }
 
     #[test]
-    fn a_beam_aimed_at_a_corner_ends_at_the_corner(turn in -PI..PI, from in -PI..PI, corner in 0_usize..4) {
+    fn beams_aimed_at_a_corner_match_the_closed_form(turn in -PI..PI, from in -PI..PI, corner in 0_usize..4) {
         // A box of 0.6 m x 0.4 m at the origin. Beam 0 points at one of its corners from a distance of 1.5 m.
         let scenario = one_obstacle(Shape::Rectangle { width_m: 0.6, height_m: 0.4 }, vec2(0.0, 0.0), turn);
         let (x, y) = [(0.3, 0.2), (-0.3, 0.2), (-0.3, -0.2), (0.3, -0.2)][corner];

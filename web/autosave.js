@@ -126,13 +126,14 @@ export function adopt() {
 
 /// Begins the autosave of another training run. The previous autosave is kept.
 export function begin() {
-    if (own.storedAt !== undefined) own = newSession();
+    // Even if nothing is stored yet: the first autosave of the previous training run may still be on its way to the database.
+    own = newSession();
     pending = {};
 }
 
 /// Deletes the autosave of this tab's training.
 export function remove() {
-    if (own.storedAt !== undefined) removeAll([own.key]).catch(() => {});
+    removeAll([own.key]).catch(() => {});
     own = newSession();
 }
 
@@ -176,7 +177,7 @@ export function describe() {
     return `The training run was saved ${seconds} s ago.`;
 }
 
-/// The policy in the autosave.
+/// The policy that the app passed last, even if it could not be stored.
 export const lastPolicy = () => own.policy ?? new Uint8Array();
 
 /// Makes the page continue this tab's training after it is reloaded.

@@ -71,8 +71,8 @@ class NavigationEnv(gymnasium.Env):
         self._is_reset = False
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
-        """Starts an episode. With a seed, its random numbers are those after Rust's ``VecEnv::reset(seed)``; without one, they
-        continue the sequence of the previous episodes, and the first reset draws a seed.
+        """Starts an episode. With a seed, its random numbers are the same as after ``VecEnv::reset(seed)`` in Rust; without one,
+        they continue the sequence of the previous episodes, and the first reset draws a seed.
 
         Returns:
             The observation and an empty dict.

@@ -231,7 +231,7 @@ pub enum ObstacleMotion {
         #[serde(default)]
         seed: u32,
     },
-    /// A pedestrian, who walks to goals one after another and avoids the other pedestrians, walls and static obstacles by
+    /// A pedestrian that walks to goals one after another and avoids the other pedestrians, walls and static obstacles by
     /// ORCA (van den Berg et al. 2011), without rotation. It ignores all other moving obstacles, and does not find its way
     /// around walls. At the start of every episode it stands at its position. At most 200 obstacles may be pedestrians.
     Pedestrian {
@@ -503,7 +503,7 @@ pub struct TaskRules {
 }
 
 impl Default for TaskRules {
-    /// l_a = 0.2 m and the control period of 0.2 s are the paper's. The paper does not specify l_c and the smallest goal
+    /// l_a = 0.2 m and the control period of 0.2 s are the paper's. The paper does not specify l_c or the smallest goal
     /// distance, and its time limit of 6000 steps does not fit its returns (detail 15 of docs/algorithm.md); the values here are
     /// this project's.
     fn default() -> Self {

@@ -34,7 +34,7 @@ pub struct SuiteFile {
     pub families: Vec<SuiteFamily>,
 }
 
-/// A family of a suite: scenarios, or the levels of a generator, of which results are given together.
+/// A family of a suite: scenarios, or the levels of a generator, whose results are given together.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SuiteFamily {

@@ -70,6 +70,8 @@ impl Editor {
     /// Removes the corner, waypoint or position of a handle of the selected item. Returns false if the handle belongs
     /// to none of these or too few would remain.
     pub fn remove_handle(&mut self, kind: HandleKind) -> bool {
+        // The end of a drag changes the revision too.
+        self.end_drag();
         let before = self.revision();
         self.step(|scenario, selection| {
             items::selected(*selection).and_then(|item| item.remove(scenario, kind));

@@ -11,7 +11,7 @@ use bevy::prelude::*;
 use crate::app::app_status::{Notice, Severity};
 use crate::scenario::printable_lines;
 
-/// Maximum number of notices; beyond it, the oldest is removed.
+/// Maximum number of notices; beyond it, the oldest confirmation is removed, or the oldest notice if there is none.
 const MAX_NOTICES: usize = 4;
 
 /// Time after which a confirmation disappears.

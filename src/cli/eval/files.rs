@@ -49,7 +49,8 @@ impl TestFiles {
     pub fn new(csv: Option<&Path>, trace: Option<&Path>, json: bool) -> Result<Self, RunError> {
         let target = |path: &Path| if path == Path::new("-") { STDOUT.into() } else { path.to_owned() };
         let files = Self { csv: csv.map(target), trace: trace.map(target) };
-        if files.csv.is_some() && files.csv == files.trace {
+        let absolute = |path: &PathBuf| std::path::absolute(path).unwrap_or_else(|_| path.clone());
+        if files.csv.is_some() && files.csv.as_ref().map(absolute) == files.trace.as_ref().map(absolute) {
             return Err(RunError::InvalidInput(
                 "--csv and --trace name the same file; help: give each a file of its own".into(),
             ));

@@ -185,7 +185,7 @@ mod tests {
 
     #[test]
     fn what_was_hit_is_named_by_its_kind_its_index_and_its_shape() {
-        let generated = shipped::scenario("random-field").expect("shipped").obstacles.len();
+        let first_generated = shipped::scenario("random-field").expect("shipped").obstacles.len();
         for (scenario, solid, expected) in [
             ("scenario-1", Solid::Enclosure, ("enclosure", None, None)),
             ("maze", Solid::Wall(2), ("wall", Some(2), None)),
@@ -199,7 +199,8 @@ mod tests {
             );
             assert_eq!(record.layout_seed, None);
         }
-        let record = record(&result(EpisodeEnd::Collided, Some(Solid::Obstacle(generated))), "random-field");
+        let record =
+            record(&result(EpisodeEnd::Collided, Some(Solid::Obstacle(first_generated))), "random-field");
         assert_eq!((record.hit, record.layout_seed), (Some("static obstacle"), Some(9)));
         assert!(record.hit_shape.is_some(), "{record:?}");
     }

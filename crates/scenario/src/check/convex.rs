@@ -14,7 +14,7 @@ pub(crate) struct RoundedArea {
 }
 
 impl RoundedArea {
-    /// The area of `obstacle` at step 0, without a rim of about `rim_m`.
+    /// The area of `obstacle` at step 0, without a rim of `rim_m`; the long sides of a thin polygon lose less.
     pub(crate) fn within(obstacle: &Obstacle, rim_m: f32) -> Self {
         let (points, radius_m) = obstacle.shape.support_points(obstacle.rotation_rad);
         let mut corners_m = convex_hull(points.iter().map(|&point| obstacle.position_m + point).collect());

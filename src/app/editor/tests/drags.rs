@@ -242,6 +242,11 @@ fn a_wall_is_dragged_by_its_corners_or_as_a_whole() {
     }
     assert!(editor.remove_handle(Corner(0)) && editor.remove_handle(Corner(0)));
     assert!(!editor.remove_handle(Corner(0)), "a wall keeps two corners");
+    let corner = corners(&editor)[0];
+    assert!(editor.begin_drag(Corner(0), corner));
+    editor.drag_to(corner + vec2(0.4, 0.0), false);
+    assert!(!editor.remove_handle(Corner(0)), "the end of a drag removes no corner");
+    assert_ne!(corners(&editor)[0], corner, "the drag has moved it");
 }
 
 #[test]

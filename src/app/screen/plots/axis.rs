@@ -32,7 +32,7 @@ impl AxisScale {
         }
     }
 
-    /// Values that the axis must include: the reference line and, depending on the scale, 0, 1, or the enclosing powers of ten.
+    /// Values that the axis must include: the reference line and, depending on the scale, 0 and 1, or the enclosing powers of ten.
     pub(super) fn included_values<'a>(
         self,
         series: impl Iterator<Item = &'a DownsampledSeries>,
@@ -158,9 +158,10 @@ pub fn env_steps_label(value: f64, step: f64) -> String {
     let (unit, suffix) = match value.abs() {
         v if v >= MILLIONS_FROM && step < 10_000.0 => (1e6, "M"),
         v if (THOUSANDS_FROM..MILLIONS_FROM).contains(&v) && step < 100.0 => (1e3, "k"),
+        v if v < THOUSANDS_FROM && step < 1.0 => (1.0, ""),
         _ => return format_env_steps(value),
     };
-    let decimals = (unit / step).log10().ceil().clamp(0.0, 6.0) as usize;
+    let decimals = (unit / step).log10().ceil().clamp(0.0, 9.0) as usize;
     format!("{}{suffix}", number(value / unit, decimals))
 }
 
@@ -181,6 +182,8 @@ mod tests {
             ([50_000.0, 100_000.0], 50_000.0, ["50k", "100k"]),
             ([50_000.0, 50_020.0], 20.0, ["50.00k", "50.02k"]),
             ([1_000_000.0, 1_001_000.0], 1000.0, ["1.000M", "1.001M"]),
+            ([3.0, 3.2], 0.2, ["3.0", "3.2"]),
+            ([1_000_000.0, 1_000_000.2], 0.2, ["1.0000000M", "1.0000002M"]),
         ] {
             assert_eq!(lines.map(|value| env_steps_label(value, step)), labels);
         }
