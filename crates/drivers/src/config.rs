@@ -117,7 +117,7 @@ impl Default for DwaParameters {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct TrackingParameters {
-    /// The dynamic window approach. It remembers still points only.
+    /// The dynamic window approach. It remembers only points that do not move.
     pub dwa: DwaParameters,
     /// Largest extent of an obstacle that may move, 0.1 to 100 keep-out distances. Larger things are taken for walls.
     pub max_extent: f32,

@@ -133,7 +133,7 @@ impl RollingMap {
     }
 
     /// The cost of `path`, plus those of the straight lines from `at_m` to its first point and from its last point to `to_m` as
-    /// if nothing were there. A path ends at the edge of the window of its time if `to_m` was outside.
+    /// if nothing were there. A path to a point outside the window ends at the edge of the window in which it was planned.
     pub(crate) fn path_cost(&self, at_m: Vec2, path: &[Vec2], to_m: Vec2) -> u32 {
         let columns = self.window.columns;
         let cells = path.iter().map(|point| self.window.cell(*point));

@@ -60,7 +60,7 @@ impl RunFolder {
             let mut file = OpenOptions::new().create(true).truncate(false).write(true).open(&path)?;
             if file.metadata()?.len() < bytes {
                 return Err(io::Error::other(
-                    "rows are missing: the file is shorter than the checkpoint records",
+                    "rows are missing: the file is shorter than the checkpoint says",
                 ));
             }
             file.set_len(bytes)?;

@@ -320,8 +320,8 @@ mod tests {
         let grid = grid(9.0, 5.0);
         let mut cells = BlockedCells::empty(&grid);
         cells.set_near(&[dvec2(2.5, 2.5)], 2.1);
-        cells.set_near(&[dvec2(7.5, 0.0), dvec2(7.5, 5.0)], 0.6);
-        assert_eq!(drawn(&cells), ["..#....#.", ".###...#.", "#####..#.", ".###...#.", "..#....#."]);
+        cells.set_near(&[dvec2(7.5, 1.5), dvec2(7.5, 3.5)], 1.1);
+        assert_eq!(drawn(&cells), ["..#....#.", ".###..###", "#####.###", ".###..###", "..#....#."]);
     }
 
     #[test]
