@@ -12,15 +12,18 @@ use std::time::{Duration, Instant};
 
 use bevy::app::AppExit;
 use bevy::ecs::message::Messages;
+use bevy::math::vec2;
 use bevy::render::error_handler::{ErrorType, RenderError, RenderErrorPolicy};
 use tempfile::TempDir;
 use wayfield::agent::ActiveLearner;
 use wayfield::app::commands::{Command, SaveKind, SessionMode};
-use wayfield::app::session::journal::{ReplayResult, verify};
-use wayfield::app::session::{AutosaveOptions, StartOptions};
+use wayfield::app::moves::{Movable, MoveRequest};
+use wayfield::app::session::journal::{JOURNAL, ReplayResult, verify};
+use wayfield::app::session::{AutosaveOptions, Journal, StartOptions};
 use wayfield::app::shutdown::save_after_render_error;
 use wayfield::run::preset::Budget;
 use wayfield::run::train::{CHECKPOINT_INTERVAL, Job, train};
+use wayfield::scenario::read_ron;
 use wayfield::simulation::Extensions;
 
 use headless_app::HeadlessApp;
@@ -196,6 +199,26 @@ fn training_is_also_saved_during_a_demo() {
     let saved = &autosaves(folder.path())[0];
     assert!(verify(saved).expect("a run folder").bit_identical);
     assert_eq!(app.shown().1.mode, SessionMode::Test, "the demo goes on");
+}
+
+#[test]
+fn a_second_move_of_a_robot_is_saved_although_it_replaces_the_first_in_the_journal() {
+    let folder = temporary();
+    let mut app = app(folder.path(), 6);
+    train_to(&mut app, folder.path(), 10);
+    let mut before = app.journal().entries.clone();
+    for x_m in [0.05, 0.1] {
+        let to_m = vec2(x_m, 0.0);
+        app.command(Command::Move(MoveRequest { arena: 0, object: Movable::Robot, to_m }));
+        app.frame(FRAME);
+        let entries = app.journal().entries.clone();
+        assert!(entries.len() == 1 && entries != before, "{entries:?}");
+        wait(&mut app, "the autosave", |_| {
+            let saved = |path: &PathBuf| read_ron::<Journal>(path.join(JOURNAL));
+            autosaves(folder.path()).iter().any(|path| saved(path).is_ok_and(|it| it.entries == entries))
+        });
+        before = entries;
+    }
 }
 
 #[test]

@@ -292,6 +292,11 @@ fn files_in_other_encodings_are_named() {
             "is encoded as UTF-16: save the file as UTF-8",
         );
     }
+    workspace.write("invalid.ron", b"\xef\xbb\xbf(name: \"M\xff\")");
+    assert_refused(
+        &workspace.run("--check invalid.ron"),
+        "invalid.ron:1:10: the text is not valid UTF-8 from here on",
+    );
     workspace.write("nul.ron", "(name: \"Mi\0ne\")");
     assert_refused(
         &workspace.run("--check nul.ron"),

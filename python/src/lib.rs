@@ -1,8 +1,8 @@
 //! The native module of the Python package `wayfield`: environments, training, evaluation and policies.
 //!
 //! In: numbers, text and numpy arrays from the Python layer (`python/wayfield/`), which documents them for users. Out:
-//! results, as JSON or as new arrays, and Python exceptions with the texts of the command line. Every long call releases
-//! the GIL and checks for Ctrl-C. A panic becomes a `RuntimeError`.
+//! results, as JSON or as new arrays, and Python exceptions with the command line's messages. Every long call releases the
+//! GIL and checks for Ctrl-C. A panic becomes a `RuntimeError`.
 //!
 //! | file | purpose |
 //! |---|---|

@@ -11,7 +11,7 @@ usage: cargo xtask <command>
   docs        regenerate the file formats in docs/ (from the types), the flags in docs/command-line.md
               (from clap) and the limits in docs/trust.md (from the constants)
   policies    regenerate the cards of the shipped policies in assets/policies/; the weights do not change
-  messages    regenerate the command line's error messages in tests/snapshots/messages/
+  messages    regenerate the error messages in tests/snapshots/messages/ and crates/scenario/tests/fixtures/
   snapshots   regenerate the app's screenshots in tests/snapshots/; look at each before you commit it
   images      redraw the shipped scenarios in docs/worlds/ and the level generators in docs/generators/
   ci          run all CI checks, .ci/run";

@@ -331,6 +331,17 @@ fn a_model_in_the_folder_of_the_world_may_include_another_one_there() {
     assert!(error.contains("included files without a model are left out: model://set"), "{error}");
 }
 
+#[test]
+fn models_that_are_too_large_together_are_refused_at_the_include() {
+    let include = "<include><uri>model://table</uri></include>";
+    let spaces = " ".repeat(17 << 20);
+    let table = format!("<sdf version='1.6'>{}</sdf>{spaces}", model("table", "", BOX));
+    let twice = world(&format!("{include}\n{include}"));
+    let folder = Folder::new(&[("w.world", twice.as_bytes()), ("models/table/model.sdf", table.as_bytes())]);
+    let error = folder.import("w.world").expect_err("34 MiB");
+    assert_eq!(error, "w.world:4:1: the included models are larger than 32 MiB together; help: remove some");
+}
+
 /// An included model counts as one level, like a model in the same file.
 #[test]
 fn models_may_be_nested_8_deep_whether_or_not_they_are_included() {

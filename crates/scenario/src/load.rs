@@ -170,8 +170,8 @@ fn unchecked<T>(_: &T) -> Vec<Diagnostic> {
     Vec::new()
 }
 
-/// The number of top-level fields in a RON text that are fields of the struct `T`, to guess what kind of file an invalid one
-/// is. [`usize::MAX`] if the text begins with `name` and a bracket.
+/// The number of top-level fields in a RON text that are fields of the struct `T`, to guess the kind of the file.
+/// [`usize::MAX`] if the text begins with `name` and a bracket.
 #[must_use]
 pub fn resemblance<T: DeserializeOwned>(text: &str, name: &str) -> usize {
     let text = without_mark(text);
@@ -248,9 +248,10 @@ fn decoded(bytes: Vec<u8>, path: &Path) -> Result<String, FileError> {
     }
     String::from_utf8(bytes).map_err(|error| {
         let good = error.utf8_error().valid_up_to();
-        let text = String::from_utf8_lossy(&error.as_bytes()[..good]).into_owned();
+        let text = String::from_utf8_lossy(&error.as_bytes()[..good]);
+        let text = without_mark(&text);
         let message = "the text is not valid UTF-8 from here on: save the file as UTF-8";
-        FileError::at_offset(path, &text, good, message)
+        FileError::at_offset(path, text, text.len(), message)
     })
 }
 

@@ -206,6 +206,7 @@ fn record(world: &mut World, intervention: &Intervention) {
         let only_last_counts = config.has_exact_lidars() && intervention.overrides_earlier(&config.scenario);
         world.resource_mut::<ActiveMode>().record_for_training(intervention, only_last_counts);
         world.resource_mut::<Journal>().record(intervention.clone(), only_last_counts);
+        world.resource_mut::<Autosave>().mark_changed();
     }
     if changes_scenario {
         scenario_changes::on_scenario_changed(world);

@@ -42,7 +42,7 @@ pub struct Test<'a> {
 /// What the planner knows about the episodes of a test.
 struct References {
     shortest_paths_m: Vec<f64>,
-    /// Bounds of all episodes, if the CSV file needs them.
+    /// Bounds of all episodes, if they are needed and the test writes files.
     bounds: Option<Vec<StepBounds>>,
 }
 
@@ -71,7 +71,7 @@ impl Test<'_> {
             // The references are the same for every policy.
             let references = match &mut references {
                 Some(references) => references,
-                none => none.insert(self.references(&episodes, csv.is_some())?),
+                none => none.insert(self.references(&episodes)?),
             };
             if let Some(csv) = &mut csv {
                 csv.rows(self.records(&named.0, &episodes, references), reports.is_empty())?;
@@ -110,8 +110,9 @@ impl Test<'_> {
         }
     }
 
-    fn references(&self, episodes: &[EpisodeResult], has_csv: bool) -> Result<References, RunError> {
-        let has_bounds = has_csv && self.args.optimum;
+    fn references(&self, episodes: &[EpisodeResult]) -> Result<References, RunError> {
+        // A test with files computes them here, where a signal can stop it.
+        let has_bounds = self.args.optimum && self.stop.is_some();
         let mut references = References { shortest_paths_m: Vec::new(), bounds: has_bounds.then(Vec::new) };
         // Some plans take seconds, so the stop flag is checked between chunks.
         for chunk in episodes.chunks(PLANNED_AT_ONCE) {
@@ -121,6 +122,7 @@ impl Test<'_> {
                 bounds.extend(evaluate::bounds(&self.scenario, chunk, 0));
             }
         }
+        self.check_not_stopped()?;
         Ok(references)
     }
 

@@ -1,4 +1,4 @@
-//! The notes of presets and runs: which settings are questionable, and that no shipped file has any.
+//! Questionable settings of presets and runs get a note; shipped files have none.
 
 use super::*;
 use crate::learning::{Exploration, Sampling, Schedule, TargetUpdate};
@@ -186,7 +186,7 @@ fn schedules_that_end_long_before_or_after_the_budget_are_noted() {
         "{long:?}"
     );
     assert_eq!(noted(|p| p.budget = Budget::EnvSteps(2_000_000)), [""; 0]);
-    // A budget in episodes: of at most 500 env steps each, with an unfinished one in each of the 16 arenas; of at least 1.
+    // With a budget in episodes, each has 1 to 500 env steps, and each of the 16 arenas may have an unfinished one.
     let short = noted(|p| p.budget = Budget::Episodes(10));
     let rate = short.iter().find(|note| note.contains("`learning.learning_rate`")).expect("a note");
     assert!(rate.contains("600000, but the run has at most 13000 env steps, after which it"), "{rate}");

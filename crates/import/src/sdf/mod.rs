@@ -244,8 +244,14 @@ impl SdfWorld {
             return Err(file.error(include, message));
         }
         check_nesting(file, include, at.depth)?;
-        let text = read_text_with_limit(&path, MAX_WORLD_BYTES - self.bytes_read)?;
+        let text = read_text_with_limit(&path, MAX_WORLD_BYTES)?;
         self.bytes_read += text.len() as u64;
+        if self.bytes_read > MAX_WORLD_BYTES {
+            let most = MAX_WORLD_BYTES >> 20;
+            let message =
+                format!("the included models are larger than {most} MiB together; help: remove some");
+            return Err(file.error(include, message));
+        }
         let document = xml::parse(&text, &path)?;
         let is_static = children(include, "static").next().is_some_and(|node| xml::is_true(xml::text(node)));
         let inside = XmlFile { path: &path, text: &text };

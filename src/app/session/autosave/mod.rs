@@ -94,7 +94,7 @@ pub struct Autosave {
     /// The autosave of this training run; `None` while it is being written, or if nothing is saved.
     slot: Option<Slot>,
     writing: Option<Writing>,
-    /// The training at the last autosave; `None` before the first and after a failure.
+    /// The training at the last autosave; `None` before the first, after a failure and after an intervention.
     saved: Option<Progress>,
     /// Time of the last autosave, successful or not, or the start of the training.
     since: Instant,
@@ -143,6 +143,11 @@ impl Autosave {
     /// Withdraws the offer.
     pub(super) fn dismiss_last_session(&mut self) {
         self.last_session = None;
+    }
+
+    /// Marks the training as changed by an intervention, which may have replaced the last one in the journal.
+    pub(super) fn mark_changed(&mut self) {
+        self.saved = None;
     }
 
     /// Begins to save another training run.

@@ -59,7 +59,7 @@ fn now_unix_s() -> u64 {
 pub(super) struct FoundSession {
     pub(super) path: PathBuf,
     metadata: AutosaveMetadata,
-    /// When the metadata was written, more exact than in the metadata; `None` if the file system does not tell.
+    /// Modification time of the metadata file, more precise than `saved_unix_s`; `None` if the file system has none.
     written: Option<SystemTime>,
 }
 
