@@ -46,7 +46,7 @@ fn values_that_would_overflow_in_sums_are_rejected() {
         (
             "mu: 100.0",
             "mu: 1e38",
-            "too_large.ron:11:13: `reward.mu` is 1e38; help: give a number from -1e9 to 1e9",
+            "too_large.ron:11:13: `reward.mu` is 1e38; help: give a number from 0 to 1e9",
         ),
         ("reached: 250.0", "reached: -2e9", "`reward.reached` is -2e9; help: give a number from -1e9 to 1e9"),
         (

@@ -30,7 +30,7 @@ pub struct Trail {
 }
 
 /// The outcomes of the goals that a driver attempted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Score {
     /// Goals reached.
     pub reached: u32,
@@ -38,8 +38,8 @@ pub struct Score {
     pub collided: u32,
     /// Goals missed at the time limit.
     pub timed_out: u32,
-    /// Total control steps to the goals reached.
-    pub reached_steps: u64,
+    /// Total simulated time to the goals reached, in s.
+    pub reached_time_s: f64,
 }
 
 impl Score {
@@ -55,10 +55,10 @@ impl Score {
         (self.attempts() > 0).then(|| f64::from(self.reached) / f64::from(self.attempts()))
     }
 
-    /// Mean simulated time to a goal that was reached, in s, for control steps of `period_s`.
+    /// Mean simulated time to a goal that was reached, in s; `None` before the first.
     #[must_use]
-    pub fn mean_time_s(&self, period_s: f32) -> Option<f64> {
-        (self.reached > 0).then(|| self.reached_steps as f64 * f64::from(period_s) / f64::from(self.reached))
+    pub fn mean_time_s(&self) -> Option<f64> {
+        (self.reached > 0).then(|| self.reached_time_s / f64::from(self.reached))
     }
 }
 

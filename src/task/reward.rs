@@ -203,7 +203,9 @@ impl RewardConfig {
         let gains = [("mu", self.mu), ("sigma", self.sigma)];
         for (field, value) in rewards.into_iter().chain(gains) {
             if !value.is_finite() || value.abs() > MAX_REWARD_PARAMETER {
-                let range = format!("-{MAX_REWARD_PARAMETER:e} to {MAX_REWARD_PARAMETER:e}");
+                let is_gain = gains.iter().any(|gain| gain.0 == field);
+                let lowest = if is_gain { "0".into() } else { format!("-{MAX_REWARD_PARAMETER:e}") };
+                let range = format!("{lowest} to {MAX_REWARD_PARAMETER:e}");
                 problems.push((field, format!("is {value:e}; help: give a number from {range}")));
             } else if value < 0.0 && gains.iter().any(|gain| gain.0 == field) {
                 problems.push((field, format!("is {value}; help: give 0 or more (the paper uses 100)")));

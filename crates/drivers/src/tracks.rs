@@ -124,7 +124,9 @@ impl Tracks {
                 continue;
             }
             let hits = &points[start..end];
-            let extent_m = (hits[hits.len() - 1].at_m - hits[0].at_m).length();
+            // The last hit on the walls of a round room is next to the first one, so the others count, too.
+            let from_first_m = hits.iter().map(|hit| (hit.at_m - hits[0].at_m).length());
+            let extent_m = from_first_m.fold(0.0, f32::max);
             if extent_m <= self.parameters.max_extent * robot.keep_out_m {
                 let mean = hits.iter().map(|hit| hit.at_m).sum::<Vec2>() / hits.len() as f32;
                 // The scan shows only the near side. The centre of a disc lies about half its width behind it.
@@ -233,6 +235,17 @@ mod tests {
         for (_, velocity) in moving {
             assert!((velocity - vec2(0.0, -0.2)).length() < 0.07, "{velocity}");
         }
+    }
+
+    #[test]
+    fn the_walls_of_a_round_room_are_no_compact_thing() {
+        let scenario = Scenario { lidar: Lidar { beams: 180, ..Lidar::default() }, ..Scenario::default() };
+        let robot = Robot::of(&scenario);
+        let hit = |beam: &Vec2| MovingPoint { at_m: *beam * 1.5, velocity_m_s: Vec2::ZERO };
+        let points: Vec<MovingPoint> = robot.beams.iter().map(hit).collect();
+        let tracks = Tracks::new(TrackingParameters::default());
+        assert_eq!(tracks.clusters(&robot, &points).len(), 0);
+        assert_eq!(tracks.clusters(&robot, &points[..8]).len(), 1, "a few of the hits are one");
     }
 
     #[test]

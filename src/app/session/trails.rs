@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 use bevy::prelude::*;
 
 use crate::app::scene::{Score, Trail, TrailEnd};
-use crate::task::{Arena, Pose, StepOutcomes};
+use crate::task::{Arena, ArenaLayout, Pose, StepOutcomes};
 
 /// Number of finished paths kept for each arena.
 const MAX_TRAILS: usize = 24;
@@ -24,6 +24,8 @@ pub struct ArenaTrails {
     pub score: Score,
     /// Pose before the last step; `None` if the robot has been moved since, or has a new start.
     pub previous_pose: Option<Pose>,
+    /// The control period of the last step, in s. Scenarios of a set may have different ones.
+    period_s: f32,
 }
 
 /// The paths of all arenas, by arena index.
@@ -45,11 +47,12 @@ impl Trails {
         }
     }
 
-    /// Records where each robot is before a step.
-    pub fn record_before_step(&mut self, arenas: &[(usize, Pose)]) {
-        for (arena, pose) in arenas {
+    /// Records where each robot is before a step, and its control period, in s.
+    pub fn record_before_step(&mut self, arenas: &[(usize, Pose, f32)]) {
+        for (arena, pose, period_s) in arenas {
             if let Some(paths) = self.0.get_mut(*arena) {
                 paths.previous_pose = Some(*pose);
+                paths.period_s = *period_s;
                 if paths.path_m.is_empty() {
                     paths.path_m.push([pose.x_m, pose.y_m]);
                 }
@@ -58,8 +61,8 @@ impl Trails {
     }
 
     /// Records where each robot is after a step, and how the step ended.
-    pub fn record_after_step(&mut self, arenas: &[(usize, Pose)], outcomes: &StepOutcomes) {
-        for (arena, pose) in arenas {
+    pub fn record_after_step(&mut self, arenas: &[(usize, Pose, f32)], outcomes: &StepOutcomes) {
+        for (arena, pose, _) in arenas {
             let (Some(paths), Some(outcome)) = (self.0.get_mut(*arena), outcomes.0.get(*arena)) else {
                 continue;
             };
@@ -72,7 +75,7 @@ impl Trails {
             } else if outcome.reached {
                 paths.score.reached += 1;
                 // The path has a point for the start and for each step but this one.
-                paths.score.reached_steps += paths.path_m.len() as u64;
+                paths.score.reached_time_s += paths.path_m.len() as f64 * f64::from(paths.period_s);
                 Some(TrailEnd::Reached)
             } else if outcome.timed_out {
                 paths.score.timed_out += 1;
@@ -98,10 +101,13 @@ impl Trails {
     }
 }
 
-/// Every robot's pose, with the index of its arena.
-pub fn poses(world: &mut World) -> Vec<(usize, Pose)> {
-    let mut arenas = world.query::<(&Arena, &Pose)>();
-    arenas.iter(world).map(|(arena, pose)| (arena.0, *pose)).collect()
+/// Every robot's pose, with the index of its arena before it and the control period of its scenario, in s, after it.
+pub fn poses(world: &mut World) -> Vec<(usize, Pose, f32)> {
+    let mut arenas = world.query::<(&Arena, &Pose, &ArenaLayout)>();
+    let entry = |(arena, pose, layout): (&Arena, &Pose, &ArenaLayout)| {
+        (arena.0, *pose, layout.written.task.control_period_s)
+    };
+    arenas.iter(world).map(entry).collect()
 }
 
 #[cfg(test)]
@@ -114,8 +120,13 @@ mod tests {
     }
 
     fn drive(trails: &mut Trails, from: f32, to: f32, outcome: StepOutcome) {
-        trails.record_before_step(&[(0, pose(from))]);
-        trails.record_after_step(&[(0, pose(to))], &StepOutcomes(vec![outcome]));
+        drive_for(trails, 0.25, from, to, outcome);
+    }
+
+    fn drive_for(trails: &mut Trails, period_s: f32, from: f32, to: f32, outcome: StepOutcome) {
+        trails.record_before_step(&[(0, pose(from), period_s)]);
+        // The next episode may be in another scenario.
+        trails.record_after_step(&[(0, pose(to), 9.0)], &StepOutcomes(vec![outcome]));
     }
 
     #[test]
@@ -127,15 +138,14 @@ mod tests {
         drive(&mut trails, 0.2, 0.3, StepOutcome::default());
         let paths = &trails.0[0];
         assert_eq!(paths.finished[0].points_m, [[0.0, 0.0], [0.1, 0.0], [0.2, 0.0]]);
-        let score = Score { reached: 1, reached_steps: 2, ..Score::default() };
+        let score = Score { reached: 1, reached_time_s: 0.5, ..Score::default() };
         assert_eq!((paths.finished[0].end, paths.score), (TrailEnd::Reached, score));
         assert_eq!(paths.path_m, [[0.2, 0.0], [0.3, 0.0]]);
         drive(&mut trails, 0.3, 0.4, StepOutcome { timed_out: true, ..StepOutcome::default() });
         let score = trails.0[0].score;
-        assert_eq!(
-            (score.attempts(), score.success_rate(), score.mean_time_s(0.25)),
-            (2, Some(0.5), Some(0.5))
-        );
+        assert_eq!((score.attempts(), score.success_rate(), score.mean_time_s()), (2, Some(0.5), Some(0.5)));
+        drive_for(&mut trails, 0.5, 0.0, 0.1, StepOutcome { reached: true, ..StepOutcome::default() });
+        assert_eq!(trails.0[0].score.mean_time_s(), Some(0.5), "0.5 s in two steps, and 0.5 s in one");
     }
 
     #[test]

@@ -61,7 +61,7 @@ fn columns(arena: &ArenaScene, palette: Palette) -> Vec<Column> {
         attempts => format!("of {attempts} goals"),
     };
     let rate = score.success_rate().map_or("–".into(), format_percent);
-    let seconds = score.mean_time_s(arena.scenario.task.control_period_s);
+    let seconds = score.mean_time_s();
     vec![
         column(rate, &attempts, palette.success),
         column(collided.to_string(), "collided", palette.error),
