@@ -286,6 +286,29 @@ fn an_edited_scenario_continues_or_restarts_the_training() {
 }
 
 #[test]
+fn a_restarted_run_records_the_version_that_restarted_it() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let run = folder.path().join("run");
+    let mut app = HeadlessApp::new(StartOptions::default());
+    app.command(Command::Pause(true));
+    app.step_to(60);
+    app.command(Command::Save(SaveKind::Run, run.clone()));
+    app.frame(FRAME);
+    let config = run.join("config.ron");
+    let text = std::fs::read_to_string(&config).expect("the run was saved");
+    let field = |version: &str| format!("version: \"{version}\"");
+    let older = text.replacen(&field(env!("CARGO_PKG_VERSION")), &field("0.0.1"), 1);
+    std::fs::write(&config, older).expect("the file can be written");
+    app.command(Command::Open(run));
+    app.frame(FRAME);
+    assert_eq!(app.run().config.version, "0.0.1", "the run was opened: {:?}", app.error_notices());
+    let scenario = app.shown().0.scenario.clone();
+    app.command(Command::ApplyScenario { scenario, from: "scenario-1".into(), restart: true });
+    app.frame(FRAME);
+    assert_eq!(app.run().config.version, env!("CARGO_PKG_VERSION"));
+}
+
+#[test]
 fn training_continues_in_an_edited_scenario_in_which_the_compared_policy_cannot_drive() {
     let mut app = HeadlessApp::new(StartOptions { paused: true, ..StartOptions::default() });
     app.frame(Duration::from_millis(10));

@@ -230,7 +230,7 @@ fn obstacles_keep_moving_when_the_next_episode_begins_in_another_scenario() {
     let simulation = SimulationBuilder::new(&scenario).seed(5).extensions(&extensions).build();
     let mut lab = Lab { simulation, scenario };
     let mut streams = common::action_streams(1);
-    let (mut changes, mut before) = (0, None);
+    let (mut changes, mut checked, mut before) = (0, 0, None);
     for step in 0..200 {
         lab.step(&common::random_actions(&mut streams));
         let world = lab.simulation.world_mut();
@@ -243,9 +243,11 @@ fn obstacles_keep_moving_when_the_next_episode_begins_in_another_scenario() {
                 let (x, y, _) = pose_at(obstacle, clock, written.task.control_period_s);
                 let at = body.translation();
                 assert!((at.x - x).hypot(at.y - y) < 1e-5, "step {step}: {at:?}, not ({x}, {y})");
+                checked += 1;
             }
         });
         before = Some(written);
     }
     assert!(changes > 10, "{changes}");
+    assert_eq!(checked, 200 * 4, "four obstacles move");
 }

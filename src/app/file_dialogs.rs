@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use bevy::ecs::system::NonSendMarker;
 use bevy::prelude::*;
 use bevy::tasks::{IoTaskPool, Task, block_on, poll_once};
-use rfd::AsyncFileDialog;
+use rfd::{AsyncFileDialog, FileHandle};
 
 use super::app_status::Severity;
 use super::commands::{Command, FigureFormat, SaveKind};
@@ -34,10 +34,12 @@ pub struct FileDialogs {
 }
 
 struct Dialog {
-    answer: Task<Option<PathBuf>>,
+    answer: Task<Answer>,
     purpose: Purpose,
-    since: Instant,
 }
+
+/// The chosen path, if any, and how long the dialog was open. (An idle app polls the answer only once a second.)
+type Answer = (Option<PathBuf>, Duration);
 
 /// The purpose of a dialog.
 enum Purpose {
@@ -100,10 +102,10 @@ pub(super) fn run_file_dialogs(
     if let Some(mut dialog) = dialogs.open.take() {
         match block_on(poll_once(&mut dialog.answer)) {
             None => dialogs.open = Some(dialog),
-            Some(Some(path)) => {
+            Some((Some(path), _)) => {
                 messages.write(dialog.purpose.command(path));
             }
-            Some(None) if dialog.since.elapsed() < MIN_DURATION => {
+            Some((None, duration)) if duration < MIN_DURATION => {
                 match dialog.purpose.suggested_file_name(&run) {
                     // This system has no dialogs: save to the folder of the runs.
                     Some(name) => {
@@ -113,7 +115,7 @@ pub(super) fn run_file_dialogs(
                     None => notices.add(NoticeTopic::General, Severity::Error, NO_DIALOG),
                 }
             }
-            Some(None) => {}
+            Some((None, _)) => {}
         }
     }
     let requested = seen.read(&messages).find_map(Purpose::of);
@@ -127,18 +129,18 @@ pub(super) fn run_file_dialogs(
                 &["safetensors", "bin", "ron", "yaml", "yml", "sdf", "world"],
             ),
         };
-        dialogs.open = Some(Dialog { answer, purpose, since: Instant::now() });
+        dialogs.open = Some(Dialog { answer, purpose });
     }
 }
 
 /// Opens a dialog for a file to open.
-fn open_dialog(title: &str, extensions: &[&str]) -> Task<Option<PathBuf>> {
-    let answer = AsyncFileDialog::new().set_title(title).add_filter("wayfield files", extensions).pick_file();
-    IoTaskPool::get().spawn(async move { answer.await.map(|file| file.path().into()) })
+fn open_dialog(title: &str, extensions: &[&str]) -> Task<Answer> {
+    let dialog = AsyncFileDialog::new().set_title(title).add_filter("wayfield files", extensions);
+    in_background(dialog.pick_file())
 }
 
 /// Opens a dialog for a path to save `what` to, with `name` as the suggestion.
-fn save_dialog(what: SaveKind, name: &str) -> Task<Option<PathBuf>> {
+fn save_dialog(what: SaveKind, name: &str) -> Task<Answer> {
     let (title, kind, extensions): (_, _, &[&str]) = match what {
         SaveKind::BestPolicy => ("Save the best policy so far", "Policy", &["safetensors"]),
         SaveKind::Policy => ("Save the current policy", "Policy", &["safetensors"]),
@@ -152,6 +154,14 @@ fn save_dialog(what: SaveKind, name: &str) -> Task<Option<PathBuf>> {
     if !extensions.is_empty() {
         dialog = dialog.add_filter(kind, extensions);
     }
-    let answer = dialog.save_file();
-    IoTaskPool::get().spawn(async move { answer.await.map(|file| file.path().into()) })
+    in_background(dialog.save_file())
+}
+
+/// Runs a dialog in the background.
+fn in_background(dialog: impl Future<Output = Option<FileHandle>> + Send + 'static) -> Task<Answer> {
+    let since = Instant::now();
+    IoTaskPool::get().spawn(async move {
+        let path = dialog.await.map(|file| file.path().into());
+        (path, since.elapsed())
+    })
 }

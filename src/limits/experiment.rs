@@ -8,7 +8,7 @@ pub const MAX_ENTRIES: usize = 200;
 pub const MAX_SERIES: usize = 10;
 /// Maximum number of columns in a figure or table.
 pub const MAX_MEASURES: usize = 20;
-/// Maximum number of rounds: of a test, and of the paper's values in a table.
+/// Maximum number of rounds of a test, and of the paper's values for an arm in a table, one per round.
 pub const MAX_ROUNDS: usize = 1000;
 /// Maximum number of episodes per round of a test.
 pub const MAX_TEST_EPISODES: u64 = 10_000;

@@ -13,7 +13,7 @@ import {
 
 const app = pageUnderTest();
 
-// High enough for the whole setup panel.
+// Tall enough for the whole setup panel.
 const TALL = { viewport: { width: 1280, height: 900 } };
 
 test('the compressed module is at most 6.6 MB', async (t) => {
@@ -163,7 +163,7 @@ test('a classical driver is compared with the current policy in the levels of a 
     await closeWithoutErrors(page);
 });
 
-test('a map is opened together with its image, driven in by the general policy, and shared by link', async () => {
+test('a map is opened together with its image, the general policy drives in it, and it is shared by link', async () => {
     // A room of 4 m x 4 m with walls of 0.1 m, and a pillar in the middle.
     const size = 40;
     const isWall = (x, y) => Math.min(x, y, size - 1 - x, size - 1 - y) === 0 || (Math.abs(x - 20) < 3 && Math.abs(y - 20) < 3);

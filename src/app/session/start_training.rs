@@ -30,6 +30,7 @@ use crate::learning::Learner;
 use crate::policy::Policy;
 use crate::run::checkpoint::TrainerState;
 use crate::run::folder::{RunConfig, Transfer};
+use crate::run::provenance::{COMMIT, VERSION};
 use crate::run::settings::Settings;
 use crate::run::{RunError, policy_card, shipped, training_setup};
 use crate::scenario::{Scenario, ScenarioSet};
@@ -49,7 +50,10 @@ pub(super) fn scenario_topic(scenario: &str, is_broken: bool) -> NoticeTopic {
     if is_broken { NoticeTopic::File(scenario.into()) } else { NoticeTopic::General }
 }
 
-fn prepare(config: RunConfig, initial_policy: Option<Policy>) -> Result<PreparedTraining, RunError> {
+/// Prepares the training run of `config`, which may come from a saved run of another version of wayfield.
+fn prepare(mut config: RunConfig, initial_policy: Option<Policy>) -> Result<PreparedTraining, RunError> {
+    config.version = VERSION.into();
+    config.commit = COMMIT.map(String::from);
     let learner = training_setup::create_learner(&config, initial_policy.as_ref())?;
     Ok(PreparedTraining { config, initial_policy, learner, trainer_state: TrainerState::default() })
 }
