@@ -1,18 +1,22 @@
 //! Every example runs and prints the expected results.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Runs an example in a temporary folder, with the path of `argument` in it. Returns the example's stdout.
 fn run(name: &str, argument: &str) -> String {
-    let folder = tempfile::tempdir().expect("a temporary folder");
+    run_in(tempfile::tempdir().expect("a temporary folder").path(), name, argument)
+}
+
+/// Like [`run`], in `folder`.
+fn run_in(folder: &Path, name: &str, argument: &str) -> String {
     let test = std::env::current_exe().expect("the path of the test binary");
     // The test is target/release/deps/examples-<hash>, the example target/release/examples/<name>.
     let target: PathBuf = test.ancestors().nth(2).expect("the test is in target/<profile>/deps").into();
     let example = target.join("examples").join(format!("{name}{}", std::env::consts::EXE_SUFFIX));
     let output = Command::new(&example)
-        .arg(folder.path().join(argument))
-        .current_dir(folder.path())
+        .arg(folder.join(argument))
+        .current_dir(folder)
         .output()
         .unwrap_or_else(|error| panic!("{}: {error}", example.display()));
     let (stdout, stderr) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
@@ -64,7 +68,10 @@ fn custom_sensor_trains_a_policy_that_fails_without_the_sensor() {
 }
 
 #[test]
-fn draw_scenario_draws_the_obstacles() {
-    let printed = run("draw_scenario", "scenario.svg");
+fn draw_scenario_writes_the_drawing() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let printed = run_in(folder.path(), "draw_scenario", "scenario.svg");
     assert!(printed.contains("A box and a patrol with 2 obstacles"), "{printed}");
+    let svg = std::fs::read_to_string(folder.path().join("scenario.svg")).expect("the drawing is there");
+    assert!(svg.starts_with("<svg"), "{svg}");
 }

@@ -29,12 +29,12 @@ const EXTENSIONS: [&str; 4] = ["svg", "png", "csv", "md"];
 pub fn prepare(folder: &Path) -> Result<(), RunError> {
     remove_temporary_files(folder);
     for sub in [folder.join(FIGURES), folder.join(TABLES)] {
-        remove_temporary_files(&sub);
         // A link is refused, because outdated files in its target would be deleted.
         if fs::symlink_metadata(&sub).is_ok_and(|found| !found.is_dir()) {
             let why = "is not a folder, but must be one; help: move it, or choose another folder";
             return Err(RunError::invalid_input(&sub, why));
         }
+        remove_temporary_files(&sub);
     }
     for path in PAGES.iter().map(|name| folder.join(name)).chain(figures_and_tables(folder)) {
         check_entry(&path).map_err(|error| RunError::not_writable(&path, error))?;
