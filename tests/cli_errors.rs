@@ -323,7 +323,7 @@ fn help_describes_the_flags_and_version_prints_the_crate_version() {
 }
 
 #[test]
-fn without_a_display_or_window_one_line_names_the_other_modes() {
+fn without_a_display_or_without_the_app_one_line_names_the_other_modes() {
     let needles: &[&str] = if cfg!(feature = "gui") {
         &["no display", "wayfield --train"]
     } else {

@@ -284,6 +284,17 @@ fn booleans_are_1_or_true_in_any_case() {
 }
 
 #[test]
+fn comments_in_front_of_values_are_skipped() {
+    let pose = "<pose>\n<!-- x y z roll pitch yaw -->\n1 2 0 0 0 0.5\n</pose>";
+    let text = world(&model("m", pose, BOX)).replace("<static>1<", "<static><!-- fixed -->1<");
+    let folder = Folder::new(&[("w.world", text.as_bytes())]);
+    let imported = folder.import("w.world").expect("a world");
+    assert!((distance(&imported, 1.0, 2.0) + 0.25).abs() < 1e-3);
+    assert!((imported.scenario.obstacles[0].rotation_rad - 0.5).abs() < 1e-5);
+    assert_eq!(imported.findings, [""; 0]);
+}
+
+#[test]
 fn included_models_are_found_and_their_pose_is_replaced() {
     let table = format!("<sdf version='1.6'>{}</sdf>", model("table", "<pose>50 50 0 0 0 0</pose>", BOX));
     let include = "<include><uri>model://table</uri><pose>1 2 0 0 0 0</pose></include>";

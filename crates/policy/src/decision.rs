@@ -3,11 +3,12 @@
 //!
 //! The greedy action may lead to a collision that the robot could foresee from the motion of what it sees. So an action is passed
 //! over if the robot would collide within [`FORESIGHT_STEPS`](crate::observation::FORESIGHT_STEPS) whatever it did after that
-//! action, while another action avoids that. It may keep to one of its motions, or turn on the spot to one of 16 headings and drive
-//! straight ahead, if its motions allow it.
+//! action, while another action avoids that. What it may do after an action: keep to one of its motions or, if its motions allow
+//! it, turn on the spot to one of 16 headings and drive straight ahead.
 //!
 //! Where nothing moves, a greedy robot that stands still can stay for ever: small errors of the Q-values are enough to make
-//! waiting the best action, or turning left at one heading and right at the next. So a robot with relative actions
+//! waiting the best action, or turning left at one heading and right at the next. So a robot with
+//! [relative actions](crate::ActionSet::Relative)
 //!
 //! - turns on the spot to one side only, until it drives again;
 //! - keeps waiting only if something moves.

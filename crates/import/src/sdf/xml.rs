@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use roxmltree::{Document, Node, ParsingOptions};
+use roxmltree::{Document, Error, Node, ParsingOptions};
 use wayfield_scenario::FileError;
 
 use crate::findings::shown;
@@ -35,7 +35,14 @@ pub fn parse<'a>(text: &'a str, path: &Path) -> Result<Document<'a>, FileError> 
         let start: usize = text.split_inclusive('\n').take(place.row.max(1) as usize - 1).map(str::len).sum();
         let line = text.get(start..).unwrap_or_default();
         let inside: usize = line.chars().take(place.col.max(1) as usize - 1).map(char::len_utf8).sum();
-        let message = format!("not readable XML: {error}; help: give a Gazebo world or model");
+        let help = match error {
+            Error::DtdDetected => "remove the DTD".to_owned(),
+            Error::NodesLimitReached => {
+                format!("give a file with at most {MAX_XML_NODES} elements, texts and comments")
+            }
+            _ => "give a Gazebo world or model".to_owned(),
+        };
+        let message = format!("not readable XML: {error}; help: {help}");
         FileError::at_offset(path, text, start + inside, message)
     })
 }
@@ -53,9 +60,10 @@ pub fn name<'a>(node: Node<'a, '_>) -> &'a str {
     node.attribute("name").unwrap_or("unnamed")
 }
 
-/// The text in an element, without spaces around it.
+/// The first text in an element, without spaces around it. Comments are skipped.
 pub fn text<'a>(node: Node<'a, '_>) -> &'a str {
-    node.text().unwrap_or("").trim()
+    let texts = node.children().filter(Node::is_text).filter_map(|child| child.text());
+    texts.map(str::trim).find(|text| !text.is_empty()).unwrap_or("")
 }
 
 /// Whether a boolean is true: `1`, or `true` in any case, as in sdformat.

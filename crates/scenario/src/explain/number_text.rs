@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn the_number_to_write_instead_of_one_with_commas_is_a_number() {
+    fn the_suggested_number_for_one_with_commas_is_valid() {
         let found = |text: &str| {
             let end = text.rfind(',').map(|comma| comma + 1)?;
             comma_problem(text, end).map(|(_, message)| message)

@@ -74,7 +74,7 @@ fn draw_paths(canvas: &Canvas, scenario: &Scenario, selected: Selection) {
 
 /// Draws later positions of a moving obstacle, fainter and fainter. A pedestrian has none: its motion depends on others.
 fn draw_ghosts(canvas: &Canvas, scenario: &Scenario, obstacle: &Obstacle) {
-    // Far enough apart that the ghosts do not overlap.
+    // Far enough apart that the ghosts can be distinguished.
     let spacing_m = 1.3 * Silhouette::from_obstacle(obstacle).reach_m();
     let period_s = scenario.task.control_period_s;
     let steps = spacing_m / (obstacle.origin_speed_m_s() * period_s);
