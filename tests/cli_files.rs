@@ -166,6 +166,9 @@ mod unix {
                 &format!("the value 'w\u{fffd}.ron' for '{flag} <FILE>' is not valid UTF-8"),
             );
         }
+        let joined = OsString::from_vec(b"--scenario=w\xff.ron".to_vec());
+        let done = run(&["--train", "--steps", "16"], &joined);
+        assert_refused(&done, "the value 'w\u{fffd}.ron' for '--scenario <FILE>' is not valid UTF-8");
         let done = run(&["--train", "--seed"], &file);
         assert_refused(&done, "for '--seed <N>' is not valid UTF-8");
         let out = OsString::from_vec(b"o\xff".to_vec());

@@ -1,6 +1,6 @@
 //! Screenshots of the window.
 //!
-//! In: a [`ScreenshotRequest`]. Out: a PNG file, after which the app exits; it exits with an error if the training stops before.
+//! In: a [`ScreenshotRequest`]. Out: a PNG file, after which the app exits; it exits with an error if the training stops first.
 
 use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};

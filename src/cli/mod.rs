@@ -130,12 +130,18 @@ fn not_utf8(command: &mut Command, words: &[OsString]) -> Option<clap::Error> {
     let mut message = None;
     for word in words.iter().skip(1) {
         let text = word.to_string_lossy();
-        let name = text.strip_prefix("--").and_then(|rest| rest.split('=').next());
+        let rest = text.strip_prefix("--");
+        let (name, value) = match rest.and_then(|rest| rest.split_once('=')) {
+            Some((name, value)) => (Some(name), value),
+            None => (rest, &*text),
+        };
         let named = command.get_arguments().find(|arg| arg.get_long() == name && name.is_some());
         flag = named.or(flag);
         if let (None, Some(flag)) = (word.to_str(), flag.filter(|flag| takes_text(flag))) {
-            message =
-                Some(format!("the value '{text}' for '{flag}' is not valid UTF-8; help: rename the file"));
+            message = Some(format!(
+                "the value '{value}' for '{flag}' is not valid UTF-8; help: write text in UTF-8, and \
+                 rename a file whose name is not"
+            ));
             break;
         }
     }

@@ -185,7 +185,7 @@ fn actions_to(nodes: &[Node], last: usize) -> Vec<u8> {
 ///
 /// No states are merged, so every trajectory to the goal passes through an open node. Therefore the lowest cost among the
 /// open nodes is a lower bound, and so is the largest such value during the search. The search stops early once the bound
-/// reaches `stop_at` steps. `u32::MAX` if no trajectory reaches the goal.
+/// reaches `stop_at` steps. Returns `u32::MAX` if no trajectory reaches the goal.
 pub(super) fn search_lower_bound(
     scenario: &Scenario,
     start: (f32, f32, f32),

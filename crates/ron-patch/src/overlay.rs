@@ -61,6 +61,7 @@ mod tests {
         for (text, expected) in [
             ("()", base.to_owned()),
             ("(a: 9 /* why */)", base.replace("a: 1", "a: 9 /* why */\n")),
+            ("(a /* why */: 9)", base.replace("a: 1", "a: 9\n")),
             (
                 "Named(b: Inner(d: (f: 9)), a: 8 // last\n)",
                 base.replace("f: 4", "f: 9\n").replace("a: 1", "a: 8 // last\n"),

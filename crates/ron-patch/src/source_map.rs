@@ -70,13 +70,14 @@ impl<'a> SourceMap<'a> {
         let mut open = vec![Open { entry: 0, count: 0, child: Some(0) }];
         let mut at = 0;
         while let Some((start, end)) = token(text, at) {
+            map.add_token(&mut open, at, (start, end));
             at = end;
-            map.add_token(&mut open, start, end);
         }
         map
     }
 
-    fn add_token(&mut self, open: &mut Vec<Open>, start: usize, end: usize) {
+    /// Adds the token from `start` to `end`; the previous token ends at `previous_end`.
+    fn add_token(&mut self, open: &mut Vec<Open>, previous_end: usize, (start, end): (usize, usize)) {
         let depth = open.len();
         let Some(inner) = open.last_mut() else { return };
         match self.text.as_bytes()[start] {
@@ -84,7 +85,7 @@ impl<'a> SourceMap<'a> {
                 self.end_child(inner, start);
                 inner.count += 1;
             }
-            b':' if depth > 1 => self.turn_child_into_key(inner, start),
+            b':' if depth > 1 => self.turn_child_into_key(inner, previous_end),
             b')' | b']' | b'}' if depth > 1 => {
                 self.end_child(inner, start);
                 self.entries[inner.entry].end = end;
@@ -111,10 +112,10 @@ impl<'a> SourceMap<'a> {
         child
     }
 
-    /// Turns the open child, which ends at the offset `colon`, into a key. Its value follows.
-    fn turn_child_into_key(&mut self, inner: &Open, colon: usize) {
+    /// Turns the open child, whose last token ends at the offset `end`, into a key. Its value follows.
+    fn turn_child_into_key(&mut self, inner: &Open, end: usize) {
         if let Some(entry) = inner.child.map(|child| &mut self.entries[child]) {
-            let key = self.text[entry.start..colon].trim_end();
+            let key = &self.text[entry.start..end];
             let unquoted = key.trim_start_matches('"');
             let from = entry.start + key.len() - unquoted.len();
             entry.step = Step::Field((from, from + unquoted.trim_end_matches('"').len()));
@@ -317,6 +318,8 @@ World(
         assert_eq!(&TEXT[map.value_at(at)], "Box(width_m: 1.0)");
         let open = "(a: (b: 1 ";
         assert_eq!(SourceMap::new(open).value_at(8), 8..9, "an open value ends with the text");
+        let commented = SourceMap::new("(a /* b */: 1)");
+        assert_eq!(commented.field_names().collect::<Vec<_>>(), ["a"], "a comment is not part of the name");
     }
 
     #[test]

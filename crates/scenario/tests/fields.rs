@@ -110,7 +110,7 @@ fn every_number_above_its_range_is_reported_with_its_field() {
             count += 1;
         }
     }
-    assert_eq!(count, 5 + 7 + 6, "the shapes, the balls that move, and their motions");
+    assert_eq!(count, 5 + 7 + 6, "the numbers of the shapes, of the seven balls and of their motions");
 }
 
 #[test]

@@ -159,13 +159,13 @@ pub(super) fn set_mode(world: &mut World, mode: SessionMode) -> Result<(), RunEr
 /// Sets the policy that Test, Drive and Compare use.
 ///
 /// # Errors
-/// There is no such policy. The tested policy is then the one before, and a demo that is shown continues with its policies.
+/// There is no such policy. The tested policy then stays the same, and a demo that is shown continues with its policies.
 pub(super) fn set_tested(world: &mut World, source: PolicySource) -> Result<(), RunError> {
     let before = std::mem::replace(&mut world.resource_mut::<TrainingRun>().tested, source);
     restart_demo(world).inspect_err(|_| world.resource_mut::<TrainingRun>().tested = before)
 }
 
-/// Starts the demo that is shown, if any, from its first round: its policies have changed.
+/// Restarts the demo that is shown, if any, from its first round: its policies have changed.
 ///
 /// # Errors
 /// A policy is missing, or cannot drive here.

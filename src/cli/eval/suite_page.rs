@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use super::suite::{SuiteReport, Tested};
 use super::suite_failures::{self, Failure, command, failures};
 use crate::policy::Policy;
+use crate::report::format::counted;
 use crate::report::page::{Item, Page, Section};
 use crate::report::table::{Cell, Column, ColumnKind, Table};
 use crate::reproduce::report_files;
@@ -154,8 +155,8 @@ fn is_driver(name: &str) -> bool {
     name.split_once('-').is_some_and(|(number, _)| number.parse::<usize>().is_ok())
 }
 
-/// Creates `folder` if it is missing. Removes temporary files from it, and the files of an earlier report, which have names that
-/// `is_ours`.
+/// Creates `folder` if it is missing. Removes temporary files from it, and the files of an earlier report: those whose names
+/// `is_ours` accepts.
 fn create_folder(folder: &Path, is_ours: fn(&str) -> bool) -> Result<PathBuf, RunError> {
     fs::create_dir_all(folder).map_err(|error| RunError::not_written(folder, error))?;
     remove_temporary_files(folder);
@@ -200,7 +201,7 @@ fn table(report: &SuiteReport<'_>, family: usize) -> Table {
     let counts = results().next().map_or((0, 0), |(_, result)| (result.scenarios, result.episodes));
     Table {
         name: format!("family-{}", family + 1),
-        title: format!("{} scenarios, {} episodes", counts.0, counts.1),
+        title: format!("{}, {}", counted(counts.0 as f64, "scenario"), counted(counts.1 as f64, "episode")),
         columns: vec![
             text("Policy"),
             text("Class"),

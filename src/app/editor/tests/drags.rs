@@ -28,7 +28,7 @@ fn near(a: Vec2, b: Vec2, within: f32) -> bool {
 }
 
 #[test]
-fn a_drag_is_one_step_or_none_without_a_change() {
+fn a_drag_is_one_undo_step_and_none_if_nothing_changed() {
     let mut editor = with(circle(1.0, -1.0));
     one_step(&mut editor, |editor| drag(editor, HandleKind::Middle, vec2(-0.3, 0.1), false));
     let revision = editor.revision();
@@ -37,10 +37,11 @@ fn a_drag_is_one_step_or_none_without_a_change() {
     editor.drag_to(vec2(0.7, -0.9), false);
     editor.end_drag();
     editor.undo();
-    assert!(!editor.can_undo(), "a drag back to its origin is no step");
+    assert!(!editor.can_undo(), "a drag back to its origin adds no undo step");
     assert_ne!(editor.revision(), revision);
-    editor.begin_drag(HandleKind::Middle, vec2(1.0, -1.0));
+    assert!(editor.begin_drag(HandleKind::Middle, vec2(1.0, -1.0)));
     editor.drag_to(vec2(0.0, 0.5), false);
+    assert_ne!(editor.scenario().obstacles[0], circle(1.0, -1.0));
     editor.undo();
     assert_eq!(editor.scenario().obstacles[0], circle(1.0, -1.0), "undo during a drag cancels it");
     assert_eq!(editor.dragged(), None);
@@ -158,7 +159,7 @@ fn resizing_a_rotated_box_keeps_the_opposite_corner() {
     assert!(near(corner(&editor, 1.0), fixed, 6e-4));
     let after = Arc::clone(editor.scenario());
     // Errors do not add up while the pointer moves back and forth.
-    editor.begin_drag(HandleKind::Side(-1, 0), vec2(0.0, 0.0));
+    assert!(editor.begin_drag(HandleKind::Side(-1, 0), vec2(0.0, 0.0)));
     for k in 0..200 {
         editor.drag_to(vec2(0.01 * (k % 7) as f32, 0.02), true);
     }
@@ -245,7 +246,7 @@ fn a_wall_is_dragged_by_its_corners_or_as_a_whole() {
     let corner = corners(&editor)[0];
     assert!(editor.begin_drag(Corner(0), corner));
     editor.drag_to(corner + vec2(0.4, 0.0), false);
-    assert!(!editor.remove_handle(Corner(0)), "the end of a drag removes no corner");
+    assert!(!editor.remove_handle(Corner(0)), "two corners remain: only the drag ends");
     assert_ne!(corners(&editor)[0], corner, "the drag has moved it");
 }
 

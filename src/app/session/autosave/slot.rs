@@ -91,7 +91,7 @@ impl Slot {
         if let Some(folder) = self.folder.take() {
             let path = folder.path().to_path_buf();
             drop(folder);
-            // If it cannot be deleted, a later session deletes it.
+            // If it cannot be deleted, later sessions offer it until newer autosaves displace it.
             let _ = fs::remove_dir_all(path);
         }
         self.known_bytes = 0;
@@ -115,7 +115,7 @@ fn swap(written: &Path, path: &Path) -> io::Result<()> {
     };
     let swapped = fs::rename(written, path);
     if has_earlier {
-        // If the previous one cannot be deleted, a later session deletes it.
+        // If the previous one cannot be deleted, later sessions offer it until newer autosaves displace it.
         let _ = if swapped.is_ok() { fs::remove_dir_all(&previous) } else { fs::rename(&previous, path) };
     }
     swapped
