@@ -22,7 +22,7 @@ fn workspace() -> Workspace {
     workspace
 }
 
-/// Asserts that the command failed with one line of error that contains `needle`, and without a panic.
+/// Asserts that the command failed without a panic, and that its last line is an error that contains `needle`.
 fn assert_failed(done: &CommandOutput, needle: &str) {
     assert_eq!(done.status, Some(1), "{}", done.stderr);
     let last = done.stderr.lines().last().unwrap_or_default();

@@ -107,7 +107,7 @@ fn every_episode_has_a_new_layout_that_the_lidar_measures() {
 }
 
 #[test]
-fn a_restored_layout_continues_to_the_bit() {
+fn a_restored_layout_continues_bit_for_bit() {
     let scenario = generated_obstacles();
     let mut lab = Lab::new(&scenario, 3, 5);
     for _ in 0..40 {

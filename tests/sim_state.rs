@@ -128,7 +128,7 @@ fn rollout(
         .collect()
 }
 
-fn assert_restored_continues_to_the_bit(mut scenario: Scenario) {
+fn assert_restored_continues_bit_for_bit(mut scenario: Scenario) {
     scenario.task.max_episode_steps = 90;
     let arenas = 8;
     let mut lab = Lab::new(&scenario, arenas, 31);
@@ -165,51 +165,51 @@ fn assert_restored_continues_to_the_bit(mut scenario: Scenario) {
 }
 
 #[test]
-fn a_restored_simulation_continues_to_the_bit_with_static_obstacles() {
-    assert_restored_continues_to_the_bit(common::four_cylinders());
+fn a_restored_simulation_continues_bit_for_bit_with_static_obstacles() {
+    assert_restored_continues_bit_for_bit(common::four_cylinders());
 }
 
 #[test]
-fn a_restored_simulation_continues_to_the_bit_with_moving_obstacles() {
-    assert_restored_continues_to_the_bit(common::moving_obstacles());
+fn a_restored_simulation_continues_bit_for_bit_with_moving_obstacles() {
+    assert_restored_continues_bit_for_bit(common::moving_obstacles());
 }
 
 #[test]
-fn a_restored_simulation_continues_to_the_bit_with_pedestrians() {
-    assert_restored_continues_to_the_bit(common::pedestrians());
+fn a_restored_simulation_continues_bit_for_bit_with_pedestrians() {
+    assert_restored_continues_bit_for_bit(common::pedestrians());
 }
 
 #[test]
-fn a_restored_simulation_continues_to_the_bit_with_a_noisy_lidar() {
+fn a_restored_simulation_continues_bit_for_bit_with_a_noisy_lidar() {
     let mut scenario = common::moving_obstacles();
     (scenario.lidar.noise_std_m, scenario.lidar.dropout) = (0.05.into(), 0.05.into());
-    assert_restored_continues_to_the_bit(scenario);
+    assert_restored_continues_bit_for_bit(scenario);
 }
 
 #[test]
-fn a_restored_simulation_continues_to_the_bit_with_an_actuator_lag() {
+fn a_restored_simulation_continues_bit_for_bit_with_an_actuator_lag() {
     let mut scenario = common::moving_obstacles();
     scenario.robot.actuator_lag_s = 0.5.into();
-    assert_restored_continues_to_the_bit(scenario);
+    assert_restored_continues_bit_for_bit(scenario);
 }
 
 #[test]
-fn a_restored_simulation_continues_to_the_bit_with_numbers_drawn_from_ranges() {
+fn a_restored_simulation_continues_bit_for_bit_with_numbers_drawn_from_ranges() {
     let mut scenario = common::moving_obstacles();
     let speeds = with_setting(&scenario, "obstacles[*].motion.speed_rad_s", "(-0.2, 0.2)");
     scenario = speeds.expect("a range");
     scenario.robot.actuator_lag_s = Ranged::Range(0.0, 0.5);
     (scenario.lidar.noise_std_m, scenario.lidar.dropout) = (Ranged::Range(0.0, 0.1), Ranged::Range(0.0, 0.1));
     scenario.lidar.latency_steps = Ranged::Range(0, 4);
-    assert_restored_continues_to_the_bit(scenario);
+    assert_restored_continues_bit_for_bit(scenario);
 }
 
 #[test]
-fn a_restored_simulation_continues_to_the_bit_when_episodes_end_in_contact() {
+fn a_restored_simulation_continues_bit_for_bit_when_episodes_end_in_contact() {
     // The collision range hardly exceeds the radius, so robots collide by contact rather than by a short range.
     let mut scenario = common::moving_obstacles();
     (scenario.task.collision_range_m, scenario.robot.radius_m) = (0.1005, 0.1);
-    assert_restored_continues_to_the_bit(scenario);
+    assert_restored_continues_bit_for_bit(scenario);
 }
 
 #[test]

@@ -88,7 +88,7 @@ fn only_the_attraction_differs() {
 }
 
 #[test]
-fn a_restored_simulation_continues_to_the_bit() {
+fn a_restored_simulation_continues_bit_for_bit() {
     let scenario = random_obstacles();
     let mut lab = Lab::with(&scenario, 8, 6, geodesic(), TaskMode::Continuing);
     let mut actions = common::action_streams(8);

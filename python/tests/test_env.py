@@ -64,7 +64,7 @@ def test_a_scenario_is_a_name_a_path_or_a_text(tmp_path):
     assert all((a == b).all() for a, b in zip(by_copy, by_text, strict=True)), "a path may have parentheses"
 
 
-def test_each_episode_draws_a_scenario_of_a_set(tmp_path):
+def test_each_environment_draws_a_scenario_of_a_set(tmp_path):
     path = tmp_path / "set.ron"
     path.write_text('(name: "Two", scenarios: [(scenario: "scenario-1"), (scenario: "empty")])')
     once, again, one = (
@@ -82,8 +82,13 @@ def test_each_episode_draws_a_scenario_of_a_set(tmp_path):
 
 
 def test_environment_k_is_the_same_for_any_number_of_environments():
-    many, few = (rollout(gymnasium.make_vec(ENV, num_envs=n, scenario="crossing"), 0)[0] for n in (9, 3))
-    assert (many[0, :3] == few[0]).all()
+    def drive(count):
+        envs = gymnasium.make_vec(ENV, num_envs=count, scenario="crossing")
+        first, _ = envs.reset(seed=7)
+        return np.array([first, *(envs.step(np.full(count, 2))[0] for _ in range(60))])
+
+    many, few = drive(9), drive(3)
+    assert (many[:, :3] == few).all()
     one, _ = gymnasium.make(ENV, scenario="crossing").reset(seed=7)
     assert (one == many[0, 0]).all()
 

@@ -145,7 +145,8 @@ fn arena_scenes(session: &SessionView, world: &WorldView, view_state: &CurrentVi
                 action: world.actions.0.get(k).copied().unwrap_or(0),
                 explored: world.decisions.explored.get(k).copied().unwrap_or(false),
                 q_values: if q_values.iter().all(|q| q.is_finite()) { q_values.to_vec() } else { Vec::new() },
-                plan: driver.and_then(DriverSource::plan),
+                // Before its first step, an episode still has the driver of the previous one.
+                plan: driver.filter(|_| episode.steps > 0).and_then(DriverSource::plan),
                 path_m: trails.path_m.clone(),
                 trails: if is_large && view_state.0.overlays.trails {
                     trails.finished.iter().cloned().collect()

@@ -57,7 +57,7 @@ fn save_or_warn(world: &mut World) {
             path.display()
         )),
         Ok(None) => {}
-        Err(error) => print_stderr(&format!("warning: the unsaved scenario is lost: {error}")),
+        Err(error) => print_stderr(&format!("warning: backing up the unsaved scenario failed: {error}")),
     }
 }
 
