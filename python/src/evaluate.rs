@@ -170,7 +170,7 @@ impl Test<'_> {
         check_writable(path).map_err(run_error)?;
         let mut done = None;
         let written = write_atomic(path, |sink| {
-            let result = done.insert(self.run(Some(sink)));
+            let result = done.insert(self.run(Some((path, sink))));
             // The error that matters is in `done`; this one keeps the old file.
             if result.is_ok() { Ok(()) } else { Err(io::Error::other("the test has failed")) }
         });
@@ -182,7 +182,7 @@ impl Test<'_> {
         }
     }
 
-    fn run(&self, mut trace: Option<&mut Sink<'_>>) -> PyResult<Vec<Report>> {
+    fn run(&self, mut trace: Option<(&Path, &mut Sink<'_>)>) -> PyResult<Vec<Report>> {
         // A trace lists one episode after the other. The number of parallel episodes changes no result.
         let parallel = if trace.is_some() { 1 } else { self.count };
         let mut evaluator = Evaluator::new(&self.scenario, parallel).measuring_paths();
@@ -190,7 +190,7 @@ impl Test<'_> {
         let mut reports = Vec::new();
         for (name, driver) in self.drivers {
             let episodes = match &mut trace {
-                Some(trace) => self.traced_episodes(&mut evaluator, name, driver, trace)?,
+                Some((path, sink)) => self.traced_episodes(&mut evaluator, name, driver, (path, sink))?,
                 None => self.episodes(&mut evaluator, driver)?,
             };
             // The references are the same for every driver.
@@ -221,20 +221,18 @@ impl Test<'_> {
         evaluator: &mut Evaluator,
         name: &str,
         driver: &TestDriver,
-        trace: &mut Sink<'_>,
+        (path, sink): (&Path, &mut Sink<'_>),
     ) -> PyResult<Vec<EpisodeResult>> {
         let result = evaluator.run_traced(driver.evaluated(), self.seed, self.count, self.setup, |step| {
             if step.step % STEPS_BETWEEN_CHECKS == 0 {
                 check_ctrl_c().map_err(TraceError::Raised)?;
             }
-            step.write_line(name, &mut *trace).map_err(TraceError::Unwritable)
+            step.write_line(name, &mut *sink).map_err(TraceError::Unwritable)
         });
         result.map_err(|error| match error {
             TraceError::Run(error) => run_error(error),
             TraceError::Raised(error) => error,
-            TraceError::Unwritable(error) => {
-                PyRuntimeError::new_err(format!("the trace can't be written: {error}"))
-            }
+            TraceError::Unwritable(error) => run_error(RunError::not_written(path, error)),
         })
     }
 

@@ -68,8 +68,8 @@ fn title_and_lead(
     options: &ReproduceOptions,
 ) -> (String, String) {
     let made = format!(
-        "made by wayfield {} from {}. All policies are tested on starts and goals that they were not trained \
-         on. All numbers below come from these runs, except those marked as the paper's, and every claim result is \
+        "made by wayfield {} from {}. All policies are tested in episodes that were not used for training. \
+         All numbers below come from these runs, except those marked as the paper's, and every claim result is \
          computed from them.",
         env!("CARGO_PKG_VERSION"),
         counted(plan.training_runs.len() as f64, "training run")

@@ -11,6 +11,7 @@ use bevy::prelude::*;
 use super::fault::detect_faults;
 use super::{Arena, Episode, ObservationLayout, SensorSlice, StepOutcomes};
 use crate::control_step::{ControlStep, Reset, ResetSet, RewardSet, SenseSet};
+use crate::scenario::column_name;
 
 /// The names of the terms of the paper's reward, which are logged in the same way.
 const BUILT_IN_TERMS: [&str; 4] = ["goal", "collision", "attraction", "repulsion"];
@@ -58,8 +59,8 @@ impl ExtraRewards {
             "a plugin adds a reward term named `{name}`, which is the name of a built-in term; rename it"
         );
         assert!(
-            self.names.iter().all(|other| other != name),
-            "two plugins add a reward term named `{name}`; rename one of them"
+            self.names.iter().all(|other| column_name(other) != column_name(name)),
+            "two plugins add a reward term named `{name}`, or one with the same column in episodes.csv; rename one of them"
         );
         self.names.push(name.into());
         RewardTerm(self.names.len() - 1)

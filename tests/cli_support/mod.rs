@@ -282,8 +282,13 @@ pub fn wait_for_output(child: Child) -> CommandOutput {
 /// exits first.
 pub fn wait_until(child: &mut Child, what: &str, holds: impl Fn() -> bool) {
     let began = Instant::now();
-    while !holds() {
-        if began.elapsed() > Duration::from_secs(60) || child.try_wait().unwrap().is_some() {
+    loop {
+        // First whether it has exited: its last act may be what this waits for.
+        let is_over = began.elapsed() > Duration::from_secs(60) || child.try_wait().unwrap().is_some();
+        if holds() {
+            return;
+        }
+        if is_over {
             let _ = child.kill();
             panic!("did not happen: {what}");
         }

@@ -176,8 +176,9 @@ impl<'a> IndexedScenario<'a> {
         let mut radius_m = index.grid.cell_m();
         loop {
             best = index.near(self.scenario, point_m, radius_m).fold(best, nearer);
-            // There are no parts beyond the farthest cell.
-            if best.1 <= radius_m || radius_m > index.grid.reach_m(point_m) {
+            // There are no parts beyond the farthest cell. The reach of a point that is not a number is not one either.
+            let has_more = radius_m <= index.grid.reach_m(point_m);
+            if best.1 <= radius_m || !has_more {
                 return best;
             }
             radius_m *= 2.0;

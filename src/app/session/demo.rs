@@ -52,7 +52,8 @@ impl Rounds {
     /// Counts a control step after which every driver has finished. Returns the index of the next round if it begins now.
     fn next(&mut self) -> Option<u64> {
         self.waited += 1;
-        if self.waited < PAUSE_BETWEEN_ROUNDS {
+        // The step in which the last driver finished counts, too.
+        if self.waited <= PAUSE_BETWEEN_ROUNDS {
             return None;
         }
         *self = Self { round: self.round + 1, waited: 0 };
@@ -215,8 +216,11 @@ pub(super) fn watchable_pace(pace: Pace, mode: SessionMode) -> Pace {
     }
 }
 
-/// Index of the motion with the smallest absolute turning rate.
+/// Index of the motion with the smallest absolute turning rate, the fastest of them.
 fn straightest_motion(motions: &[Motion]) -> usize {
     let turning_rate = |k: &usize| motions[*k].w_rad_s.abs();
-    (0..motions.len()).min_by(|a, b| turning_rate(a).total_cmp(&turning_rate(b))).unwrap_or(0)
+    let speed = |k: &usize| motions[*k].v_m_s;
+    (0..motions.len())
+        .min_by(|a, b| turning_rate(a).total_cmp(&turning_rate(b)).then(speed(b).total_cmp(&speed(a))))
+        .unwrap_or(0)
 }

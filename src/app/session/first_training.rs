@@ -31,8 +31,9 @@ pub(super) fn start_first(world: &mut World, start: &StartOptions) {
     let requested = prepare(&start.scenario, &start.preset, &start.settings);
     let problem = requested.as_ref().err().map(ToString::to_string);
     let in_default_scenario = |_| prepare(&default.scenario, &start.preset, &start.settings);
+    let with_default_preset = |_| prepare(&start.scenario, &default.preset, &default.settings);
     let by_default = |_| prepare(&default.scenario, &default.preset, &default.settings);
-    match requested.or_else(in_default_scenario).or_else(by_default) {
+    match requested.or_else(in_default_scenario).or_else(with_default_preset).or_else(by_default) {
         Ok(prepared) => {
             world.insert_resource(Pacer::new(start.pace, start.paused));
             world.insert_resource(Autosave::new(start.autosave.clone(), start.open.is_none()));

@@ -1,6 +1,6 @@
 //! Tables with the value of every seed, their mean, the paper's value and, for times, the ratio to the optimal time.
 
-use super::parts::{TableParts, estimate_cell, number_column, text_column, value_cell};
+use super::parts::{TableParts, mean_cell, number_column, text_column, value_cell};
 use crate::planner::StepBounds;
 use crate::report::format::number;
 use crate::report::statistics::Estimate;
@@ -27,11 +27,12 @@ pub(super) fn seeds(
     let mut parts = TableParts { columns, ..TableParts::default() };
     for arm in rows(results, index) {
         let values = results.values(arm, measure, point, Windows::default())?;
-        let mean = Estimate::from_values(&values.raw());
+        // With lower bounds among the values, their mean is one, too, and is not compared.
+        let mean = Estimate::from_values(&values.raw()).filter(|_| values.bounds() == 0);
         let mut row = vec![Cell::Text(row_name(results, arm))];
         let cell = |&seed: &u64| values.of_seed(seed).map_or(Cell::Empty, |value| value_cell(value, digits));
         row.extend(seeds.iter().map(cell));
-        row.push(estimate_cell(mean, measure));
+        row.push(mean_cell(&values, measure));
         let of_paper = paper.iter().find(|(name, _)| *name == experiment.arms[arm.arm].name).map(|p| p.1);
         if !paper.is_empty() {
             row.extend(paper_cells(of_paper, mean, measure));

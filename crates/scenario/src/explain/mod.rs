@@ -87,6 +87,11 @@ impl Place<'_> {
         &self.text[self.end..]
     }
 
+    /// The text from `offset` to the end of its line.
+    fn line_from(&self, offset: usize) -> &str {
+        self.text[offset..].lines().next().unwrap_or_default()
+    }
+
     /// The name of the field around `offset`, for a message. The only value of a choice, as in `EnvSteps(1)`, has the name
     /// of the choice's field.
     fn field(&self, offset: usize) -> String {

@@ -56,8 +56,8 @@ impl Place<'_> {
                 self.problem(end, "the file's value ends before this: remove what follows")
             }
             E::UnclosedBlockComment => self.problem(start, "this comment has no end: close it with `*/`"),
-            E::ExpectedStringEnd if self.text[start..].contains(['“', '”']) => {
-                let quote = self.text[start..].find(['“', '”']).map_or(start, |at| start + at);
+            E::ExpectedStringEnd if self.line_from(start).contains(['“', '”']) => {
+                let quote = self.line_from(start).find(['“', '”']).map_or(start, |at| start + at);
                 self.problem(quote, self.text[quote..].chars().next().map(quote_problem).unwrap_or_default())
             }
             E::ExpectedStringEnd => self.problem(start, "this text has no closing quote: add one"),
