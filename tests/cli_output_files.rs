@@ -235,7 +235,7 @@ fn links_in_a_circle_and_names_that_are_too_long_are_reported() {
 }
 
 #[test]
-fn a_name_that_ends_like_a_folder_s_is_refused_before_any_work() {
+fn a_name_with_a_trailing_slash_is_refused_before_any_work() {
     let workspace = Workspace::new();
     let message = cli_support::messages::rejection(&workspace, "--draw new.svg/");
     let expected = "new.svg/: can't be written: this is the name of a folder; help: give the name of a file";

@@ -94,7 +94,8 @@ def draw(
         seed: The seed of the first of them; None for 0.
         over: A map from which the scenario was imported, whose occupied cells are marked.
         resolution: The side of a pixel in m, if that map is a plain image.
-        size: Width and height in pixels (96 per inch in PDF); None for the figure's.
+        size: Width and height in pixels (96 per inch in PDF); None for the figure's own
+            (in PNG four times that, unless ``plain``).
 
     Raises:
         FileNotFoundError: There is no such scenario.

@@ -109,7 +109,7 @@ pub enum TaskMode {
 /// Computes observations and rewards, ends episodes, and draws new starts and goals.
 #[derive(Default)]
 pub(crate) struct TaskPlugin {
-    /// The encoding of the paper's observation.
+    /// The encoding of the observations.
     pub observation: Encoding,
     /// The parameters of the reward.
     pub reward: RewardConfig,

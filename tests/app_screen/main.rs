@@ -124,6 +124,8 @@ fn buttons_and_keys_control_the_pace() {
     assert_eq!(press(&mut window, Key::Space), [Command::Pause(false)]);
     assert_eq!(click(&mut window, "Step"), [Command::Step]);
     assert_eq!(press(&mut window, Key::Period), [Command::Step]);
+    window.key_press_modifiers(Modifiers::SHIFT, Key::Period);
+    assert_eq!(sent_commands(&mut window), [Command::Step], "a full stop needs Shift on French keyboards");
     assert_eq!(click(&mut window, "100×"), [Command::SetPace(Pace::Times(100.0))]);
     assert_eq!(click(&mut window, "Full"), [Command::SetPace(Pace::Full)]);
     assert_eq!(press(&mut window, Key::Num2), [Command::SetPace(Pace::Times(5.0))]);

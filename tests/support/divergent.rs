@@ -1,4 +1,4 @@
-//! A preset that diverges, because it lacks everything that stabilizes deep Q-learning.
+//! A preset that diverges, because it lacks most of what stabilizes deep Q-learning.
 
 /// Replacements in `fast.ron`: no target network, no double Q-learning, squared loss, a high learning rate,
 /// and many gradient steps on little data.

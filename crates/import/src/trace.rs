@@ -102,7 +102,7 @@ pub fn surroundings(
         }
         found.add(&ring, scale, tolerance_m, &mut blocked, bounds);
     }
-    // Only cells farther from the floor than a wall may be are filled.
+    // Fills only cells that are farther from the floor than any part of a wall can be.
     let margin = (tolerance_m + THICKNESS_M) / scale.cell_m + 0.5;
     let squared_distances = floor.squared_distances(false);
     let deep = |cell: Cell| f64::from(squared_distances.at(cell)) > margin * margin;

@@ -11,7 +11,8 @@ use crate::svg_tree::svg_tree;
 /// The PNG file of an SVG figure on a white background, with `scale` pixels per SVG pixel.
 ///
 /// # Errors
-/// `svg` is not valid SVG, or the image would have no pixels or be too large for memory.
+/// `svg` is not valid SVG, or the image would have no pixels or more than can be addressed. An image that does not fit into
+/// memory aborts the program, so the caller must limit the size.
 pub fn png(svg: &str, scale: f32) -> Result<Vec<u8>, DrawError> {
     render(svg, scale)?.encode_png().map_err(DrawError::new)
 }

@@ -52,9 +52,10 @@ fn is_pressed(ctx: &Context, row: &KeyBinding) -> bool {
         return false;
     }
     let modifiers = if row.ctrl { Modifiers::COMMAND } else { Modifiers::NONE };
-    // A question mark needs Shift on most keyboards.
-    let fits = |held: Modifiers, key: Key| {
-        if key == Key::Questionmark { !held.command && !held.alt } else { held.matches_exact(modifiers) }
+    // A question mark needs Shift on most keyboards, a full stop on French ones.
+    let fits = |held: Modifiers, key: Key| match key {
+        Key::Questionmark | Key::Period => !held.command && !held.alt,
+        _ => held.matches_exact(modifiers),
     };
     ctx.input(|i| {
         i.events.iter().any(|event| match *event {

@@ -28,7 +28,8 @@ pub enum Encoding {
     Scaled,
     /// Eq. (8) of the paper without scaling: lengths are in m, the bearing in rad, and n is the index of the nearest beam.
     Raw,
-    /// Sectors around the robot, in units of the robot, with motion since an earlier scan: for any LIDAR and any robot.
+    /// Sectors around the robot, with lengths in units of the distance at which it collides, and with motion since an earlier
+    /// scan: for any LIDAR and any robot.
     Sectors {
         /// Number of sectors of a full turn, 4 to 360.
         #[serde(default = "default_count")]

@@ -94,7 +94,8 @@ impl<'a> SweptPath<'a> {
         }
     }
 
-    /// A point near the deepest point of the overlap with `solid`, in m; for a moving obstacle, a point of its track.
+    /// A point near the deepest point of the overlap with `solid`, in m; for an obstacle on a path or an orbit, a point of its
+    /// track.
     pub(super) fn position_m(&self, solid: &StaticSolid) -> Vec2 {
         let samples = || (0..=SAMPLES).map(|k| f32::from(k) / f32::from(SAMPLES));
         let at = self.obstacle.position_m;
