@@ -250,7 +250,7 @@ fn the_users_robot_keeps_its_motion_when_its_demo_starts_again() {
         app.command(restart);
         step(&mut app, 2);
         assert_eq!(app.shown().1.mode, SessionMode::Drive);
-        assert_eq!(app.shown().0.arenas[0].action, 0, "the screen does not send the motion again");
+        assert_eq!(app.shown().0.arenas[0].action, 0, "the motion is kept without being sent again");
     }
 }
 

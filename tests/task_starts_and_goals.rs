@@ -71,7 +71,7 @@ fn a_thousand_starts_and_goals_are_clear_of_moving_obstacles() {
 }
 
 #[test]
-fn the_benchmark_route_always_has_the_same_start_and_goal() {
+fn every_arena_begins_on_the_benchmark_route() {
     let scenario = common::four_cylinders();
     let route = BenchmarkRoute::default();
     let mut lab = Lab::with(&scenario, 2, 1, RewardConfig::default(), TaskMode::SingleGoal);

@@ -205,6 +205,16 @@ def test_continuous_actions_command_speed_and_turning_rate():
         continuous.step(np.array([np.nan, 0.0], np.float32))
 
 
+def test_motions_are_read_row_by_row_in_any_memory_layout():
+    motions = np.array([[0.1, 0.0], [0.05, 1.0], [0.15, -1.0]], np.float32)
+    observations = []
+    for given in (motions, np.asfortranarray(motions), np.repeat(motions, 2, axis=1)[:, ::2]):
+        envs = gymnasium.make_vec(ENV, num_envs=3, scenario="empty", actions="continuous")
+        envs.reset(seed=1)
+        observations.append(envs.step(given)[0])
+    assert all((observed == observations[0]).all() for observed in observations)
+
+
 def test_rendered_images_show_the_robot():
     env = gymnasium.make(ENV, scenario="scenario-1", render_mode="rgb_array")
     env.reset(seed=1)

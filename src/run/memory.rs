@@ -72,7 +72,7 @@ impl Preset {
     }
 
     /// Number of observations that the learner stores: one per transition in the replay buffer, and those of the transitions that
-    /// are not yet complete. The replay buffer allocates 1/8 more of the first.
+    /// are not yet complete. The 1/8 that the replay buffer allocates in addition is not counted.
     pub(super) fn stored_states(&self) -> usize {
         self.learning.replay.capacity + self.arenas * (self.learning.n_step + 1)
     }

@@ -1,5 +1,7 @@
 //! New motions that fit the scenario, for an obstacle whose kind of motion is changed.
 
+use std::collections::BTreeSet;
+
 use bevy::math::{Vec2, vec2};
 
 use super::limits::{MAX_POINTS, MAX_SPEED_M_S, NEW_ORBIT_SPEED_RAD_S, NEW_SPEED_M_S};
@@ -52,12 +54,21 @@ pub(super) fn of_kind(scenario: &Scenario, index: usize, kind: MotionKind) -> Ob
         MotionKind::RandomWalk => {
             let free_m = enclosure_distance(&scenario.enclosure, obstacle.position_m);
             let radius_m = to_mm((free_m - obstacle.shape.bounding_radius_m()).min(0.5));
-            // The index is the seed, so that no two obstacles have the same walk.
-            let seed = u32::try_from(index).unwrap_or_default();
+            let seed = unused_seed(scenario, u32::try_from(index).unwrap_or_default());
             let radius_m = radius_m.max(*Quantity::Reach.range().start());
             ObstacleMotion::RandomWalk { radius_m, speed_m_s: NEW_SPEED_M_S.into(), seed }
         }
     }
+}
+
+/// The first seed from `from` on that no random walk of the scenario has, so that no two obstacles walk alike.
+pub(super) fn unused_seed(scenario: &Scenario, from: u32) -> u32 {
+    let seed_of = |obstacle: &Obstacle| match obstacle.motion {
+        ObstacleMotion::RandomWalk { seed, .. } => Some(seed),
+        _ => None,
+    };
+    let used: BTreeSet<u32> = scenario.obstacles.iter().filter_map(seed_of).collect();
+    (0..=u32::MAX).map(|k| from.wrapping_add(k)).find(|seed| !used.contains(seed)).unwrap_or(from)
 }
 
 /// An orbit around the centre of the scenario if it stays inside the enclosure, else a small one around a point nearby.

@@ -4,10 +4,11 @@ use bevy::math::{Vec2, vec2};
 
 use super::super::free_space;
 use super::super::handle::{Handle, HandleKind};
+use super::super::new_motion::unused_seed;
 use super::super::snap::Snap;
 use super::editable::{Body, DragTarget, Editable, ListItem, numbered, remove_at};
 use super::{obstacle_body, obstacle_path};
-use crate::scenario::{FieldValue, Scenario, shape_distance};
+use crate::scenario::{ObstacleMotion, Scenario, shape_distance};
 
 pub(super) struct ObstacleItem(pub usize);
 
@@ -74,11 +75,11 @@ impl Editable for ObstacleItem {
 
     /// Gives a random walk another seed.
     fn vary(&self, scenario: &mut Scenario) {
-        let Some(obstacle) = scenario.obstacles.get_mut(self.0) else { return };
-        for field in obstacle.motion.fields_mut() {
-            if let FieldValue::Seed(seed) = field.value {
-                *seed = seed.wrapping_add(1);
-            }
+        let Some(obstacle) = scenario.obstacles.get(self.0) else { return };
+        let ObstacleMotion::RandomWalk { seed, .. } = obstacle.motion else { return };
+        let unused = unused_seed(scenario, seed);
+        if let ObstacleMotion::RandomWalk { seed, .. } = &mut scenario.obstacles[self.0].motion {
+            *seed = unused;
         }
     }
 

@@ -64,7 +64,7 @@ fn a_copy_is_placed_next_to_the_original() {
 }
 
 #[test]
-fn copies_of_a_random_walk_have_different_seeds() {
+fn no_two_random_walks_have_the_same_seed() {
     let mut editor = editor(Scenario::default());
     editor.add_obstacle(new_shape("Circle"), vec2(1.0, -1.0));
     editor.set_motion(MotionKind::RandomWalk);
@@ -73,12 +73,18 @@ fn copies_of_a_random_walk_have_different_seeds() {
     editor.paste(None);
     editor.paste(Some(vec2(-1.0, 1.0)));
     editor.paste(None);
+    editor.select(Selection::Obstacle(0));
+    editor.duplicate();
+    editor.select(Selection::Obstacle(0));
+    editor.delete();
+    editor.add_obstacle(new_shape("Circle"), vec2(1.0, 1.0));
+    editor.set_motion(MotionKind::RandomWalk);
     let seed = |obstacle: &Obstacle| match obstacle.motion {
         ObstacleMotion::RandomWalk { seed, .. } => seed,
         _ => panic!("a random walk"),
     };
     let seeds: Vec<_> = editor.scenario().obstacles.iter().map(seed).collect();
-    assert_eq!(seeds, [0, 1, 2, 3, 4]);
+    assert_eq!(seeds, [1, 2, 3, 4, 5, 6]);
 }
 
 #[test]
