@@ -21,7 +21,7 @@ struct App {
 }
 
 impl App {
-    /// A window that trains as fast as it can, after its first autosave. It saves every `seconds`.
+    /// A window that trains at full pace and saves every `seconds` s. Returns after the first autosave.
     fn training(display: &Display, seconds: &str) -> Self {
         let app = Self::start(display, tempfile::tempdir().expect("temporary folder"), seconds);
         assert!(wait_until(60, || app.autosave().is_some()), "the training is saved");

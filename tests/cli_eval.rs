@@ -419,6 +419,7 @@ fn classical_drivers_are_tested_in_the_same_episodes_as_a_policy() {
     }
     let mut reader = csv::Reader::from_path(workspace.path("episodes.csv")).expect("written");
     let rows: Vec<BTreeMap<String, String>> = reader.deserialize().map(Result::unwrap).collect();
+    assert_eq!(rows.len(), 8 * 10, "one row per driver and episode");
     for (index, row) in rows.iter().enumerate() {
         let same = &rows[index % 10];
         for column in ["start_x_m", "start_heading_rad", "goal_x_m", "clock_steps"] {

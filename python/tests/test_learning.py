@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 import wayfield
-from wayfield import _native
+from wayfield import _frames, _native
 
 STEPS = 20_000
 
@@ -104,6 +104,14 @@ def test_an_evaluation_has_the_results_of_the_command_line(run, scenario):
     header, first = csv.read_text().splitlines()[:2]
     assert header.split(",")[1:] == list(ours.episodes)
     assert float(first.split(",")[header.split(",").index("goal_x_m")]) == pytest.approx(ours.episodes["goal_x_m"][0])
+
+
+def test_the_columns_of_an_evaluation_keep_layout_seeds_exact_and_missing_strings_empty():
+    seeds = [5, 2**64 - 1]
+    columns = _frames.columns([{"layout_seed": seed, "hit": None, "hit_index": None} for seed in seeds])
+    assert columns["layout_seed"].tolist() == seeds
+    assert columns["hit"].tolist() == ["", ""]
+    assert np.isnan(columns["hit_index"]).all()
 
 
 @pytest.mark.parametrize("actions", ["discrete", "continuous"])

@@ -21,13 +21,16 @@ def read_csv(path: Path) -> dict[str, np.ndarray]:
 
 
 def columns(records: list[dict[str, Any]]) -> dict[str, np.ndarray]:
-    """The columns of records with the same keys; a missing number is NaN, a missing string is empty."""
+    """The columns of the records of an evaluation; a missing number is NaN, a missing string is empty."""
 
-    def column(values: list[Any]) -> np.ndarray:
-        missing = "" if any(isinstance(value, str) for value in values) else np.nan
+    def column(key: str, values: list[Any]) -> np.ndarray:
+        if key == "layout_seed" and None not in values:
+            # Some seeds do not fit into int64. Without a type, numpy would round them all to float64.
+            return np.array(values, np.uint64)
+        missing = "" if key in ("hit", "hit_shape") else np.nan
         return np.array([missing if value is None else value for value in values])
 
-    return {key: column([record[key] for record in records]) for key in records[0]}
+    return {key: column(key, [record[key] for record in records]) for key in records[0]}
 
 
 def to_frame(columns: dict[str, np.ndarray]) -> Any:

@@ -35,7 +35,8 @@ class Evaluation:
             over the successful episodes in which the planner found a path; None without one.
         seed: The seed of starts and goals.
         rounds: The success rate of each round.
-        episodes: The columns of ``wayfield --eval --csv`` (docs/command-line.md), one value per episode; NaN if unknown.
+        episodes: The columns of ``wayfield --eval --csv`` (docs/command-line.md), one value per episode. A missing number is
+            NaN, a missing string is empty.
     """
 
     driver_class: str

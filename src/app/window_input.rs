@@ -48,8 +48,8 @@ pub(super) fn draw_less_when_idle(
     }
 }
 
-/// Once the monitors are known, shrinks a window whose stored size is wider or taller than every monitor, and its minimum size if
-/// even that is.
+/// Once the monitors are known, shrinks a window whose stored size is wider or taller than every monitor, and also reduces its
+/// minimum size if necessary.
 pub(super) fn fit_to_monitor(
     mut windows: Query<&mut Window, With<PrimaryWindow>>,
     monitors: Query<&Monitor>,

@@ -69,7 +69,7 @@ fn default_evaluation() -> EvaluationConfig {
 }
 
 /// The experiment's own evaluation, the same number of times in the shorter training, with at most
-/// [`MAX_EVALUATION_EPISODES`] episodes each time. The final test stays the same.
+/// [`MAX_EVALUATION_EPISODES`] episodes each time. `final_episodes` stays the same.
 fn quick_evaluation(own: EvaluationConfig) -> EvaluationConfig {
     let every_env_steps = (own.every_env_steps / DIVISOR).max(1);
     EvaluationConfig { every_env_steps, episodes: own.episodes.min(MAX_EVALUATION_EPISODES), ..own }

@@ -102,7 +102,7 @@ pub fn scenario(bytes: &[u8]) -> bool {
             let layout_seed = bytes.len() as u64;
             let generated = scenario.with_generated_obstacles(layout_seed);
             assert!(generated.obstacles.len() <= scenario.max_obstacles());
-            // There may be no free space for them; then it returns an error.
+            // There may be no free space for a start and a goal; then it returns an error.
             let _ = draw_start_and_goal(&generated, layout_seed, &mut stream(layout_seed, "places", 0));
             true
         }
@@ -118,7 +118,7 @@ pub fn scenario(bytes: &[u8]) -> bool {
 
 fn check_round_trip(scenario: &Scenario, like: &str) {
     for text in [to_text(scenario, Some(like)), to_text(scenario, None)] {
-        // Thousands of obstacles without any spaces between them need more bytes when they are formatted.
+        // Formatting adds white space, so the text of thousands of obstacles may exceed the limit.
         let too_long = text.len() as u64 > MAX_FILE_BYTES;
         let again = parse_ron::<Scenario>(&text, NAME);
         assert!(too_long || again.as_ref() == Ok(scenario), "writing and reading changes nothing: {text}");

@@ -48,7 +48,7 @@ test('a name in Japanese is drawn with the fonts of the browser', async () => {
     assert.notEqual(drawn['迷路'], drawn['路迷'], 'missing glyphs would all look the same');
 });
 
-test('a browser that hides from the page what it draws shows boxes, and the page works', async () => {
+test('in a browser that adds noise to canvas pixels, missing glyphs are boxes, and the page works', async () => {
     const noise = () => {
         const read = CanvasRenderingContext2D.prototype.getImageData;
         CanvasRenderingContext2D.prototype.getImageData = function (...area) {

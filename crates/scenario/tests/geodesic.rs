@@ -87,7 +87,7 @@ fn a_path_out_of_a_u_leads_around_its_end() {
 }
 
 #[test]
-fn a_gap_narrower_than_the_robot_is_no_passage_and_a_closed_room_is_reached_through_its_wall() {
+fn a_gap_too_narrow_for_the_robot_is_no_passage_and_a_closed_room_is_reached_through_its_wall() {
     let with_gap = |gap_m: f32| {
         let (left, right) = (-gap_m / 2.0 - 0.05, gap_m / 2.0 + 0.05);
         let walls: &[&[Vec2]] = &[&[vec2(-2.0, 0.0), vec2(left, 0.0)], &[vec2(right, 0.0), vec2(1.0, 0.0)]];

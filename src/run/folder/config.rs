@@ -52,7 +52,7 @@ pub struct RunConfig {
     /// The set from which each episode draws its scenario; `None` if all episodes have the same one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scenario_set: Option<ScenarioSet>,
-    /// The scenario, including overrides from the command line; of a set, the first.
+    /// The scenario, or the first scenario of the set, including overrides from the command line.
     pub scenario: Scenario,
     /// The preset, including overrides from the command line.
     pub preset: Preset,

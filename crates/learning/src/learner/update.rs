@@ -136,8 +136,8 @@ impl Learner {
         Ok(())
     }
 
-    /// A warning if `q`, the mean |Q(s, a)| of this batch, exceeds what the largest return that the rewards so far allow can
-    /// lead to, and `steps_over_bound` has reached [`MIN_OVERESTIMATE_STEPS`].
+    /// A warning if `q`, the mean |Q(s, a)| of this batch, exceeds the largest Q-value that the rewards so far allow, and
+    /// `steps_over_bound` has reached [`MIN_OVERESTIMATE_STEPS`].
     fn check_return_bound(&mut self, q: f32) -> Option<Overestimate> {
         let Self { config, counters, largest_reward, steps_over_bound, .. } = self;
         let largest_return = *largest_reward / (1.0 - config.gamma);
