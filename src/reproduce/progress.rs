@@ -163,7 +163,7 @@ pub fn gradient_steps(training: &PlannedRun, budget: Budget) -> f64 {
         Budget::EnvSteps(n) => n as f64,
     };
     let per_step = f64::from(learning.gradient_steps) / learning.train_freq as f64;
-    // An env step without learning costs a tenth of a gradient step with one arena, a thirtieth with sixteen.
+    // An env step without learning costs at most a tenth of a gradient step: a tenth with one arena, a thirtieth with sixteen.
     env_steps * (per_step + 0.1) + 1.0
 }
 

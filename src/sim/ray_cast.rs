@@ -114,8 +114,8 @@ pub(super) fn cast_ray(shape: &TypedShape, ray: &Ray, max_m: f32) -> Option<f32>
     }
 }
 
-/// The distance along `ray` to `cuboid`, if it is at most `max_m`: the same bits as parry's cast, without its branches, which
-/// are often mispredicted.
+/// The distance along `ray` to `cuboid`, if it is at most `max_m`: the same result as parry's cast, without its branches,
+/// which are often mispredicted.
 #[inline(always)]
 fn cast_to_cuboid(cuboid: &Cuboid, ray: &Ray, max_m: f32) -> Option<f32> {
     if ray.dir.x == 0.0 || ray.dir.y == 0.0 {
@@ -213,7 +213,7 @@ mod tests {
         #![proptest_config(ProptestConfig::with_cases(10_000))]
 
         #[test]
-        fn a_cast_to_a_cuboid_is_parrys(
+        fn a_cast_to_a_cuboid_equals_that_of_parry(
             half in (0.001_f32..2.0, prop_oneof![Just(0.5_f32), 0.001_f32..2.0]),
             origin in (number(), number()),
             direction in (number(), number()),

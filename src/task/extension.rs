@@ -92,8 +92,8 @@ pub trait SimulationAppExt {
     /// term's value in [`ExtraRewards`] for each arena; the value is added to the arena's reward.
     ///
     /// # Panics
-    /// If another term has the same name (the paper's terms are goal, collision, attraction and repulsion), or the app is not a
-    /// simulation.
+    /// If another term has the same name (the paper's terms are goal, collision, attraction and repulsion) or the same column in
+    /// `episodes.csv`, where characters other than letters and digits become underscores; or if the app is not a simulation.
     fn add_reward_term<M, S>(&mut self, name: &str, term: impl Fn(RewardTerm) -> S) -> &mut Self
     where
         S: IntoScheduleConfigs<ScheduleSystem, M>;
@@ -152,7 +152,15 @@ mod tests {
 
     #[test]
     #[should_panic(expected = "the name of a built-in term")]
-    fn a_term_of_a_plugin_does_not_have_the_name_of_a_built_in_one() {
+    fn a_term_of_a_plugin_cannot_have_the_name_of_a_built_in_one() {
         ExtraRewards::default().add("attraction");
+    }
+
+    #[test]
+    #[should_panic(expected = "two plugins add a reward term named `near_wall`, or one with the same column")]
+    fn two_terms_of_plugins_cannot_have_the_same_column() {
+        let mut extra = ExtraRewards::default();
+        extra.add("near-wall");
+        extra.add("near_wall");
     }
 }

@@ -23,7 +23,7 @@ pub struct ScenarioFigure<'a> {
     pub is_plain: bool,
     /// The number of levels on the contact sheet of a level generator.
     pub levels: Option<u64>,
-    /// The seed of the first level.
+    /// The seed of the first level on the contact sheet, or of the only level; 0 if `None`.
     pub seed: Option<u64>,
     /// The map from which the scenario was imported; its occupied cells are marked.
     pub over: Option<&'a Path>,
@@ -90,7 +90,7 @@ impl ScenarioFigure<'_> {
         sheet.map_err(|error| RunError::failed(Path::new(self.name), error))
     }
 
-    /// Level `k` after the one with the seed that the user has given, or else after the first one.
+    /// The level whose seed is `k` more than the user's `--seed`, which is 0 by default.
     fn level(&self, generator: &LevelGenerator, k: u64) -> Result<Scenario, RunError> {
         let level = generator.level(self.seed.unwrap_or(0).saturating_add(k));
         level.map_err(|error| RunError::invalid_input(Path::new(self.name), error))
