@@ -202,6 +202,7 @@ mod tests {
             ("the potential", |s| s.episode.potential.repulsion = f32::INFINITY),
             ("the pending reset", |s| s.episode.pending_reset = PendingReset::Full),
             ("the inactive flag", |s| s.episode.inactive = true),
+            ("a random stream", |s| s.streams.sensor = postcard::from_bytes(&[0]).expect("a state")),
         ];
         for (what, corrupt) in corruptions {
             let mut state = valid.clone();

@@ -15,7 +15,8 @@ use wayfield::task::{Pose, RewardConfig, TaskMode, Twist};
 use crate::common::Lab;
 use crate::random_scenarios::{Point, arc, centre, distance};
 
-/// A scenario without obstacles, and a robot with 64 motions over all allowed speeds, the extremes included.
+/// A scenario without obstacles, and a robot with 64 motions: speeds up to `max_m_s` and all allowed turning rates, the extremes
+/// included.
 fn empty(period_s: f32, lag_s: f32, max_m_s: f32, stream: &mut Stream) -> Scenario {
     let mut scenario = Scenario {
         enclosure: Enclosure::Rectangle { width_m: 1000.0, height_m: 1000.0 },

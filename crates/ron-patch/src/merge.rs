@@ -44,6 +44,7 @@ impl Merge<'_> {
         let (indent, column) = line_start(self.text, node.value.start);
         let cursor = Cursor { indent, column };
         let canonical = || self.formatter.value(new, cursor);
+        // With only defaults, the canonical form writes all fields. A change field by field then changes less of the text.
         let has_only_defaults =
             |value: &Value| value.record().is_some_and(|record| self.formatter.style.is_all_default(record));
         if !has_only_defaults(old) && !has_only_defaults(new) && text == self.formatter.value(old, cursor) {

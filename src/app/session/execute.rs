@@ -40,7 +40,7 @@ pub(super) fn execute(world: &mut World, command: Command) {
     if let Err(error) = try_execute(world, command) {
         notify(world, topic, Severity::Error, error.to_string());
         if edited.is_some() {
-            // The editor has closed, and its changes may not be saved.
+            // The editor has closed, perhaps with unsaved changes.
             world.resource_mut::<CurrentViewState>().0.open_editor = edited;
         }
     }
@@ -183,7 +183,7 @@ fn move_object(world: &mut World, request: &MoveRequest) {
     record(world, &intervention);
 }
 
-/// Sets the goal of all robots while a policy is tested, raced or compared, if it may be at the requested position.
+/// Sets the goal of all robots in a demo, if it may be at the requested position.
 fn set_goal(world: &mut World, request: &MoveRequest) {
     if world.resource::<ActiveMode>().is_training() {
         return;

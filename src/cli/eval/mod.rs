@@ -79,7 +79,7 @@ pub struct EvalArgs {
 /// The message on the first signal if the test writes files.
 const STOPPING: &str = "stopping; no file is written";
 
-/// The message on the first signal if the test writes a report, without plugins.
+/// The message on the first signal if the test writes a report, without plugins: tests with plugins are not stored.
 const STOPPING_REPORT: &str = "stopping; finished tests are kept";
 
 /// Tests the policies and drivers `paths`, which are files or shipped names, and prints the results.
