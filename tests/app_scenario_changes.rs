@@ -361,7 +361,7 @@ fn an_edited_scenario_is_saved_with_its_comments_and_can_be_opened_while_invalid
         app.command(Command::SaveScenario { scenario, based_on, path: Some(file.clone()) });
         app.frame(Duration::from_millis(10));
         let there = std::fs::read_to_string(&file).expect("the file exists");
-        assert_eq!(there, scenario_text(changed_x_m.unwrap_or(3.0)), "saved {} times", k + 1);
+        assert_eq!(there, scenario_text(changed_x_m.unwrap_or(3.0)), "request {}", k + 1);
         assert_eq!(has_notice(&app, "another program has changed this file"), changed_x_m.is_some());
     }
     app.command(Command::OpenInEditor(Some(file.clone())));

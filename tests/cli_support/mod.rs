@@ -283,7 +283,7 @@ pub fn wait_for_output(child: Child) -> CommandOutput {
 pub fn wait_until(child: &mut Child, what: &str, holds: impl Fn() -> bool) {
     let began = Instant::now();
     loop {
-        // First whether it has exited: its last act may be what this waits for.
+        // Check for the exit before `holds`: the last thing that the child does may be what this waits for.
         let is_over = began.elapsed() > Duration::from_secs(60) || child.try_wait().unwrap().is_some();
         if holds() {
             return;

@@ -82,7 +82,8 @@ impl ScreenFixture {
         screen_fixture
     }
 
-    /// The training run in another scenario, each arena with its own generated obstacles. The beams hit nothing.
+    /// The training run in another scenario, each arena with its own generated obstacles. All beams have the same
+    /// range, whatever is in their way.
     pub fn with_scenario(mut self, scenario: Scenario) -> Self {
         for (layout_seed, arena) in (0..).zip(&mut self.scene.arenas) {
             let layout = scenario.with_generated_obstacles(layout_seed);

@@ -41,7 +41,7 @@ pub enum ExportError {
         "has no card (wayfield 0.1.0 wrote none), so its inputs and actions are unknown; help: train the policy again"
     )]
     NoCard,
-    /// The scenario on the card lacks a field that is needed.
+    /// The scenario on the card cannot be read.
     #[error("the policy's card has an unreadable scenario: {0}; help: use the file as wayfield wrote it")]
     Scenario(String),
     /// A text is not the results of a test.
@@ -75,7 +75,7 @@ struct TrainedLidar {
     max_range_m: f32,
 }
 
-/// The card of `policy`, and the scenario on it, with the name of the set of scenarios if it was trained in one.
+/// The card of `policy`, and the scenario on it. If the policy was trained on a set of scenarios, the scenario has the set's name.
 fn described(policy: &Policy) -> Result<(&Card, TrainedScenario), ExportError> {
     let card = policy.card.as_deref().ok_or(ExportError::NoCard)?;
     let mut scenario: TrainedScenario = serde_json::from_str(card.scenario.text())
