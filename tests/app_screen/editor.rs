@@ -423,7 +423,13 @@ fn scenarios_are_saved_and_opened() {
     );
 
     assert_eq!(click(&mut window, "Open…"), [Command::OpenInEditor(None)]);
+    let scenarios = &mut window.state_mut().status.scenarios;
+    let mut map = scenarios[0].clone();
+    (map.from, map.title) = ("office.yaml".into(), "Office".into());
+    scenarios.insert(0, map);
+    settle(&mut window);
     assert_eq!(click(&mut window, "New from…"), []);
+    assert!(window.query_by_label("Office").is_none(), "an imported map is not built-in");
     assert_eq!(click(&mut window, "Scenario II"), [Command::OpenInEditor(Some("scenario-2".into()))]);
     let opened = Scenario { name: "Two".into(), ..Scenario::default() };
     let reply = EditorReply::Opened { from: "scenario-2".into(), scenario: Arc::new(opened.clone()) };

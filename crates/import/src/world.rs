@@ -27,7 +27,7 @@ struct Raster {
     low_m: DVec2,
     /// Side of a cell in m.
     cell_m: f64,
-    /// The cells that no solid touches.
+    /// The cells whose centre is at least half a cell from every solid.
     free: Grid<bool>,
 }
 

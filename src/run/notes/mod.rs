@@ -88,8 +88,8 @@ impl fmt::Display for RunNote {
     }
 }
 
-/// The questionable settings of a run: of its scenario, then of its preset, with the initial epsilon of the transfer if it
-/// sets one.
+/// The questionable settings of a run: of its scenario (the first one of a set), then of its preset, with the longest time
+/// limit of a set and the initial epsilon of the transfer, if it sets one.
 #[must_use]
 pub fn run_notes(config: &RunConfig) -> Vec<RunNote> {
     let of = |file: &String, notes: Vec<Note>| {
@@ -103,6 +103,10 @@ pub fn run_notes(config: &RunConfig) -> Vec<RunNote> {
             &mut preset.learning.exploration;
         *start = epsilon;
     }
-    let of_preset = preset_notes(&preset, Some(&config.scenario), has_reward_terms);
+    let mut scenario = config.scenario.clone();
+    let members = config.scenario_set.iter().flat_map(|set| &set.members);
+    let limits = members.map(|member| member.source.task().2.max_episode_steps);
+    scenario.task.max_episode_steps = limits.fold(scenario.task.max_episode_steps, u32::max);
+    let of_preset = preset_notes(&preset, Some(&scenario), has_reward_terms);
     of(&config.scenario_from, notes(&config.scenario)).chain(of(&config.preset_from, of_preset)).collect()
 }

@@ -292,6 +292,20 @@ fn a_run_names_the_file_of_each_note() {
 }
 
 #[test]
+fn the_notes_of_a_run_in_a_set_use_its_longest_time_limit() {
+    let mut config = RunConfig::resolve("general", "general", 0).expect("shipped");
+    assert_eq!(config.scenario.task.max_episode_steps, 500, "others in the set have 1000");
+    config.preset.budget = Budget::Episodes(2_000);
+    let most = (2_000 + config.preset.arenas as u64) * 1_000;
+    for (every, is_noted) in [(most, false), (most + 1, true)] {
+        config.preset.evaluation.every_env_steps = every;
+        let notes = run_notes(&config);
+        let found = notes.iter().any(|found| found.to_string().contains("`evaluation.every_env_steps`"));
+        assert_eq!(found, is_noted, "{notes:?}");
+    }
+}
+
+#[test]
 fn the_notes_of_a_run_with_transfer_use_its_own_epsilon() {
     let mut config = RunConfig::resolve("scenario-1", "fast", 0).expect("shipped");
     config.preset.budget = Budget::EnvSteps(3_000);

@@ -30,8 +30,8 @@ pub(super) fn paths_ending_with(
     (!listed.is_empty()).then(|| listed.join(" or "))
 }
 
-/// Adds the paths of the fields in `value`, which is at `path`. The name of a choice is not part of them; fields of a list's
-/// elements are left out.
+/// Adds the paths of the fields in `value`, which is at `path`. The name of an enum's variant is not part of them; fields of a
+/// list's elements are left out.
 fn collect(path: &str, value: &Value, paths: &mut Vec<String>) {
     let Value::Object(fields) = value else { return };
     for (name, value) in fields {

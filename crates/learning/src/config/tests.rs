@@ -51,17 +51,20 @@ fn every_value_out_of_range_is_reported_with_its_field() {
         ("gamma", |c| c.gamma = 1.01),
         ("gamma", |c| c.gamma = f32::NAN),
         ("n_step", |c| c.n_step = 0),
+        ("n_step", |c| c.n_step = 101),
         ("advantage_learning", |c| c.advantage_learning = 1.0),
         ("quantiles", |c| c.quantiles = 0),
         ("quantiles", |c| c.quantiles = 201),
         ("loss", |c| c.quantiles = 8),
         ("reward_scale", |c| c.reward_scale = 0.0),
+        ("reward_scale", |c| c.reward_scale = 1e21),
         ("loss.delta", |c| c.loss = Loss::Huber { delta: -1.0 }),
         ("optimizer.smoothing", |c| c.optimizer = Optimizer::RmsProp { smoothing: 1.0, epsilon: 1e-8 }),
         ("optimizer.epsilon", |c| c.optimizer = Optimizer::RmsProp { smoothing: 0.9, epsilon: 0.0 }),
         ("optimizer.beta1", |c| c.optimizer = Optimizer::Adam { beta1: 1.0, beta2: 0.999, epsilon: 1e-8 }),
         ("optimizer.beta2", |c| c.optimizer = Optimizer::Adam { beta1: 0.9, beta2: 2.0, epsilon: 1e-8 }),
         ("learning_rate", |c| c.learning_rate = Schedule::Constant(-1e-3)),
+        ("learning_rate", |c| c.learning_rate = Schedule::Constant(11.0)),
         ("learning_rate.from", |c| {
             c.learning_rate = Schedule::Linear { from: -1e-3, to: 1e-4, env_steps: 1 };
         }),
@@ -88,6 +91,7 @@ fn every_value_out_of_range_is_reported_with_its_field() {
         ("weight_decay", |c| c.weight_decay = -0.1),
         ("weight_decay", |c| c.weight_decay = 1.5),
         ("batch_size", |c| c.batch_size = 0),
+        ("batch_size", |c| c.batch_size = 65_537),
         ("replay.capacity", |c| c.replay.capacity = 63),
         ("replay.capacity", |c| c.replay.capacity = usize::MAX),
         ("replay.sampling.alpha", |c| {
@@ -116,6 +120,7 @@ fn every_value_out_of_range_is_reported_with_its_field() {
         }),
         ("train_freq", |c| c.train_freq = 0),
         ("gradient_steps", |c| c.gradient_steps = 0),
+        ("gradient_steps", |c| c.gradient_steps = 10_001),
         ("target_update.every", |c| c.target_update = TargetUpdate::Hard { every: 0 }),
         ("target_update.tau", |c| c.target_update = TargetUpdate::Soft { tau: 0.0 }),
         ("exploration.decay", |c| {

@@ -90,9 +90,9 @@ pub fn open_ui(ui: &mut Ui, input: &ScreenInput<'_>, commands: &mut Vec<Command>
     });
 }
 
-/// The built-in scenarios.
+/// The built-in scenarios: those without a file extension. The editor cannot open the user's maps and Gazebo worlds.
 fn templates_ui(ui: &mut Ui, input: &ScreenInput<'_>, commands: &mut Vec<Command>) {
-    let is_file = |from: &str| Path::new(from).extension() == Some("ron".as_ref());
+    let is_file = |from: &str| Path::new(from).extension().is_some();
     ScrollArea::vertical().max_height(320.0).show(ui, |ui| {
         for choice in input.status.scenarios.iter().filter(|choice| !is_file(&choice.from)) {
             if ui.button(&choice.title).on_hover_text(&choice.about).clicked() {
