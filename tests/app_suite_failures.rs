@@ -1,4 +1,4 @@
-//! A failed episode in an evaluation's report can be repeated exactly in the window, even with moving obstacles and noise.
+//! A failed episode in an evaluation's report can be repeated exactly in the app, even with moving obstacles and noise.
 #![cfg(feature = "gui")]
 
 mod cli_support;
@@ -14,7 +14,7 @@ use wayfield::app::commands::{Command, SessionMode};
 use wayfield::app::session::StartOptions;
 use wayfield::task::{Arena, Clock, Episode, StepOutcomes};
 
-/// The window's start options in `command`, whose paths are relative to the workspace.
+/// The app's start options in `command`, whose paths are relative to the workspace.
 fn start(workspace: &Workspace, command: &str) -> StartOptions {
     let words: Vec<&str> = command.split_whitespace().collect();
     let value = |flag: &str| {
@@ -64,7 +64,7 @@ fn replayed(start: StartOptions) -> (u32, &'static str, u64) {
 }
 
 #[test]
-fn the_command_of_a_failure_repeats_it_exactly_in_the_window() {
+fn the_command_of_a_failure_repeats_it_exactly_in_the_app() {
     let workspace = Workspace::new();
     workspace.write("moving.ron", noisy(SCENARIO_2).replace("speed_rad_s: 0.15", "speed_rad_s: 0.4"));
     workspace.run_ok(

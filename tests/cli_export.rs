@@ -134,9 +134,11 @@ fn what_cannot_be_exported_is_refused_in_one_line() {
     workspace.write("text.json", "{\"policy\": 1}");
     let eval = "--eval policy.safetensors --rounds 1 --episodes 5 --json";
     let results: serde_json::Value = serde_json::from_str(&workspace.run_ok(eval).stdout).expect("JSON");
-    for (file, key, value) in
-        [("rate.json", "success_rate", 1.5.into()), ("other.json", "weights_crc32c", "00000000".into())]
-    {
+    for (file, key, value) in [
+        ("rate.json", "success_rate", 1.5.into()),
+        ("other.json", "weights_crc32c", "00000000".into()),
+        ("map.json", "class", "B".into()),
+    ] {
         let mut results = results.clone();
         results[key] = value;
         workspace.write(file, results.to_string());
@@ -156,6 +158,10 @@ fn what_cannot_be_exported_is_refused_in_one_line() {
         (
             "results of another policy",
             "--export policy.safetensors --onnx policy.onnx --eval-results other.json",
+        ),
+        (
+            "results of the policy with a map",
+            "--export policy.safetensors --onnx policy.onnx --eval-results map.json",
         ),
     ] {
         messages.case(comment);

@@ -153,6 +153,9 @@ def test_a_model_card_lists_evaluations(run, tmp_path):
     assert f'"value":{evaluation.success_rate!r},"verified":false' in page and "over 10 episodes, seed 0" in page
     with pytest.raises(ValueError, match="results are those of another policy: .*; help:"):
         wayfield.Policy.load("scenario-1").export_onnx(tmp_path / "other.onnx", [evaluation])
+    with_map = wayfield.evaluate(f"{run.folder / 'policy.safetensors'}+map", episodes=5, rounds=1)
+    with pytest.raises(ValueError, match="results are those of the policy with a map, .*; help:"):
+        run.policy.export_onnx(tmp_path / "map.onnx", [with_map])
 
 
 def test_several_policies_drive_the_same_episodes(run):

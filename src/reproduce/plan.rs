@@ -130,8 +130,8 @@ impl RunPlan {
         Ok(arm_run)
     }
 
-    /// Adds a run that was trained elsewhere. A copy of a run in another folder is the same run: their test results would have
-    /// the same folder.
+    /// Adds a run that was trained elsewhere. A copy of it in another folder counts as the same run, because the test results of
+    /// both would be in the same folder.
     fn add_finished(&mut self, config: RunConfig, run: FinishedRun) -> ArmRun {
         let length = config.preset.budget;
         let known =

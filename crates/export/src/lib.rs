@@ -58,6 +58,11 @@ pub enum ExportError {
         /// The checksum of the weights of the policy that is exported.
         exported: String,
     },
+    /// The results are those of the policy with a map.
+    #[error(
+        "the results are those of the policy with a map, which is not exported; help: test the policy without +map"
+    )]
+    WithMap,
     /// The policy contradicts its card.
     #[error(transparent)]
     Policy(#[from] PolicyError),

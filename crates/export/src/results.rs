@@ -10,6 +10,9 @@ use crate::ExportError;
 pub struct EvalResults {
     /// The checksum of the weights of the policy ([`Policy::weights_crc32c`]).
     pub weights_crc32c: String,
+    /// What was tested: `A` for the policy alone, `B` for the policy with a map; `None` if not recorded.
+    #[serde(alias = "driver_class")]
+    pub class: Option<String>,
     /// The name of the scenario.
     pub scenario: String,
     /// Fraction of the episodes that succeeded, 0 to 1.
@@ -32,7 +35,8 @@ impl EvalResults {
     /// Parses the results of a test in `json` (UTF-8), which must be those of `policy`.
     ///
     /// # Errors
-    /// `json` is not such an object, a number is out of range, or the results are those of another policy.
+    /// `json` is not such an object, a number is out of range, or the results are those of another policy or of the policy with a
+    /// map.
     pub fn parse(json: &[u8], policy: &Policy) -> Result<Self, ExportError> {
         let results: Self =
             serde_json::from_slice(json).map_err(|error| ExportError::Results(error.to_string()))?;
@@ -40,6 +44,9 @@ impl EvalResults {
         let weights = policy.weights_crc32c();
         if results.weights_crc32c != weights {
             return Err(ExportError::OtherPolicy { tested: results.weights_crc32c, exported: weights });
+        }
+        if results.class.as_ref().is_some_and(|class| class != "A") {
+            return Err(ExportError::WithMap);
         }
         Ok(results)
     }

@@ -135,7 +135,12 @@ fn missing_part(map: &SourceMap, entry: usize, part: &str) -> PathError {
     let text = map.text_of(entry).split_whitespace().collect::<Vec<_>>().join(" ");
     let long = text.char_indices().nth(40).map(|(end, _)| &text[..end]);
     let (start, dots) = long.map_or((text.as_str(), ""), |start| (start, "..."));
-    PathError(format!("`{path}` is `{start}{dots}`, which has no {part}; help: set `{path}` as a whole"))
+    let (value, help) = if path.is_empty() {
+        ("the text".to_owned(), "give the text of a struct".to_owned())
+    } else {
+        (format!("`{path}`"), format!("set `{path}` as a whole"))
+    };
+    PathError(format!("{value} is `{start}{dots}`, which has no {part}; help: {help}"))
 }
 
 #[cfg(test)]
@@ -193,6 +198,8 @@ mod tests {
         ] {
             assert_eq!(set_field(TEXT, path, "1").expect_err(path).to_string(), message);
         }
+        let error = set_field("0.5", "gamma", "1").expect_err("a number has no fields").to_string();
+        assert_eq!(error, "the text is `0.5`, which has no `gamma`; help: give the text of a struct");
         for path in ["", ".", "a..b", "a[", "a[x]", "a[0", "a]", "[0]", "a b", "a[-1]", "a.[0]"] {
             let error = set_field(TEXT, path, "1").expect_err(path).to_string();
             assert!(error.starts_with(&format!("`{path}` is not the path of a field; help: ")), "{error}");

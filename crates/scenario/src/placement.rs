@@ -188,15 +188,17 @@ mod tests {
     fn scarce_free_space_is_found() {
         // Two slabs leave a corridor in which only a strip of 20 um along a grid row is clear: random attempts miss it, the
         // grid finds it.
-        let mut scenario = with_central_square(1.0);
         let slab = |height_m, y| Obstacle {
             shape: Shape::Rectangle { width_m: 4.0, height_m },
             position_m: vec2(0.0, y),
             rotation_rad: 0.0,
             motion: ObstacleMotion::Static,
         };
-        scenario.obstacles = vec![slab(1.6875, -1.15625), slab(1.625, 1.1875)];
-        scenario.goals = PlacementRule::Random { clearance_m: 0.34374 };
+        let scenario = Scenario {
+            obstacles: vec![slab(1.6875, -1.15625), slab(1.625, 1.1875)],
+            goals: PlacementRule::Random { clearance_m: 0.34374 },
+            ..Scenario::default()
+        };
         let mut s = stream(1, "goals", 0);
         for _ in 0..100 {
             let goal = draw_goal(&scenario, 0, vec2(-1.65, 0.0), &mut s).expect("there is room");

@@ -8,9 +8,10 @@ use crate::app::screen::arena_view::transform::ViewTransform;
 
 /// Distance from the outline of the item to its rotation handle, in points.
 pub const ROTATION_HANDLE: f32 = 26.0;
-/// Minimum distance of a visible handle from the item's middle, in points, so that small items can be dragged.
+/// Minimum distance of a visible handle from the item's middle, and of a side's handle from a corner's, in points, so that small
+/// items can be dragged.
 const MIN_DISTANCE: f32 = 11.0;
-/// Minimum distance of a visible insert handle from other handles, in points.
+/// Minimum distance of a visible insert handle from handles that are not insert handles, in points.
 const MIN_SPACING: f32 = 17.0;
 /// Extra distance of insert handles in a hit test, in points, so that existing points take precedence.
 const INSERT_PENALTY: f32 = 3.0;
