@@ -112,7 +112,10 @@ fn check_no_pipe(experiment: &str, name: &str) -> Result<(), RunError> {
     let (file, _) = shipped::split_seed(&path);
     let path = Path::new(file);
     if path.exists() && !path.is_file() && !path.is_dir() {
-        return Err(RunError::invalid_input(path, format!("{experiment} names it, but it is not a file")));
+        return Err(RunError::invalid_input(
+            path,
+            format!("{experiment} names it, but it is not a file; help: name a file"),
+        ));
     }
     Ok(())
 }
