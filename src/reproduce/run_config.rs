@@ -86,9 +86,14 @@ pub fn save_policy_after(config: &mut RunConfig, after: Budget) {
     }
 }
 
-/// The path of a file relative to the experiment's folder if it exists there, else `name` itself.
+/// The path of a file relative to the experiment's folder if it exists there, else `name` itself. `name` may end with the seed
+/// of a level, such as `:17`.
 pub fn resolve(experiment: &str, name: &str) -> String {
-    resolve_as(experiment, name, Path::is_file)
+    let path = resolve_as(experiment, name, Path::is_file);
+    match shipped::split_seed(&path) {
+        (file, Some(seed)) => format!("{}:{seed}", resolve_as(experiment, file, Path::is_file)),
+        (_, None) => path,
+    }
 }
 
 /// [`resolve`] for a folder.
@@ -104,9 +109,39 @@ fn resolve_as(experiment: &str, name: &str, exists: fn(&Path) -> bool) -> String
 /// Checks that a file is not a pipe or device: an untrusted experiment might name one, and reading it might never end.
 fn check_no_pipe(experiment: &str, name: &str) -> Result<(), RunError> {
     let path = resolve(experiment, name);
-    let path = Path::new(&path);
+    let (file, _) = shipped::split_seed(&path);
+    let path = Path::new(file);
     if path.exists() && !path.is_file() && !path.is_dir() {
-        return Err(RunError::invalid_input(path, format!("{experiment} names it, but it is not a file")));
+        return Err(RunError::invalid_input(
+            path,
+            format!("{experiment} names it, but it is not a file; help: name a file"),
+        ));
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_and_a_level_of_a_file_are_relative_to_the_experiment() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mine = folder.path().join("mine.ron");
+        std::fs::write(&mine, "()").expect("written");
+        let experiment = folder.path().join("experiment.ron").display().to_string();
+        let resolved = |name: &str| resolve(&experiment, name);
+        assert_eq!(resolved("mine.ron"), mine.display().to_string());
+        assert_eq!(resolved("mine.ron:17"), format!("{}:17", mine.display()));
+        assert_eq!(resolved("other.ron:17"), "other.ron:17");
+        assert_eq!(resolved("clutter:17"), "clutter:17");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_device_is_refused_with_and_without_a_seed() {
+        for name in ["/dev/null", "/dev/null:17"] {
+            assert!(check_no_pipe("experiment.ron", name).is_err(), "{name}");
+        }
+    }
 }

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 pub use self::source::Source;
-pub(in crate::run) use self::source::split_seed;
+pub(crate) use self::source::split_seed;
 use super::folder::RunConfig;
 use super::policy_card;
 use super::preset::Preset;

@@ -1,4 +1,4 @@
-//! Values of another type than the field's.
+//! Values of the wrong type.
 
 use ron::error::{Error, SpannedError};
 
@@ -32,7 +32,7 @@ impl Place<'_> {
         // If there is a bracket or comma instead of a value, the message is about the value before it.
         let at_value = if self.rest().starts_with(value_start) { end } else { last_of(&text[..end]) };
         let must = |what: &str| {
-            // A text that is wrong as a whole has no other problems.
+            // If the whole text is one value of the wrong type, a repair would leave nothing to read.
             let is_part = !self.map.path_at(at_value).is_empty();
             let repair = is_part.then(|| Repair::Value(self.map.value_at(at_value)));
             Problem { offset: end, message: format!("{} must be {what}", self.field(at_value)), repair }
