@@ -33,7 +33,7 @@ const SETS: [ControlSet; 8] = [
     ControlSet::Reset,
 ];
 const ARENAS: [usize; 6] = [1, 16, 64, 256, 512, 1024];
-/// Control steps before the measurement: more than the longest episode of Scenario I and of BARN has.
+/// Control steps before the measurement: more than the longest episode in Scenario I or BARN.
 const WARM_UP: usize = 600;
 /// Measured env steps without gradient steps.
 const ENV_STEPS: usize = 200_000;

@@ -85,9 +85,17 @@ fn every_setting_that_differs_from_the_card_is_listed_with_both_values() {
         ("task: (goal_radius_m: 0.3)", "goal radius: 0.2 m on its card, 0.3 m here"),
         ("task: (collision_range_m: 0.12)", "collision range: 0.13 m on its card, 0.12 m here"),
         ("robot: (radius_m: 0.05)", "robot radius: 0.1 m on its card, 0.05 m here"),
+        (
+            "robot: (shape: Rectangle(width_m: 0.2, height_m: 0.1))",
+            "robot shape: a disc on its card, Rectangle(width_m:0.2,height_m:0.1) here",
+        ),
         ("robot: (actuator_lag_s: 0.3)", "actuator lag: 0 s on its card, 0.3 s here"),
         ("robot: (actuator_lag_s: (0.0, 0.3))", "actuator lag: 0 s on its card, (0, 0.3) s here"),
         ("robot: (max_acceleration_m_s2: 0.5)", "acceleration limit: none on its card, 0.5 m/s^2 here"),
+        (
+            "robot: (max_angular_acceleration_rad_s2: 5.0)",
+            "angular acceleration limit: none on its card, 5 rad/s^2 here",
+        ),
         (
             "robot: (odometry_drift: (distance_error: 0.02, rotation_error: 0, heading_drift_rad_m: 0))",
             "odometry: exact on its card, errors 0.02 m/m, 0 rad/rad, 0 rad/m here",

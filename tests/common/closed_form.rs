@@ -8,7 +8,7 @@ pub fn range(scenario: &Scenario, step: u64, origin: (f64, f64), angle_rad: f64,
     range_to_grown(scenario, step, origin, angle_rad, max_m, Growth::NONE)
 }
 
-/// By how much the rounding of f32 may let shapes appear larger or smaller to a beam.
+/// By how much the rounding of f32 may make shapes appear larger or smaller to a beam.
 #[derive(Clone, Copy)]
 struct Growth {
     /// How far the sides of polygons reach past their corners, as a fraction of their length. The simulator extends them

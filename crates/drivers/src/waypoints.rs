@@ -108,7 +108,7 @@ impl Waypoints {
         }
         let found = self.map.cheapest_path(at_m, self.goal_m);
         self.path.drain(..nearest(&self.path, at_m));
-        // A path ends at the edge of the window of its time if the goal was outside.
+        // If the goal was outside the window when the path was planned, the path ends at the edge of that window.
         if let Some(end) = self.path.last() {
             let rest = self.map.cheapest_path(*end, self.goal_m);
             self.path.extend(&rest[1..]);

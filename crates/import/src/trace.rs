@@ -17,7 +17,7 @@ use crate::round::point;
 /// Thickness of the walls that replace outlines, in m.
 pub const THICKNESS_M: f64 = 0.02;
 
-/// What surrounds a floor, relative to the centre of its bounding box.
+/// What surrounds a floor, in the scenario's frame.
 #[derive(Clone, Debug, Default)]
 pub struct Surroundings {
     /// Walls along outlines.

@@ -44,7 +44,7 @@ const MAX_TURN: f32 = 0.3;
 pub(super) const OBSERVED_TURN_SIGNIFICANCE: f32 = 2.0;
 /// The same in foresight, the check whether actions lead to a collision (`decision.rs`).
 pub(super) const FORESEEN_TURN_SIGNIFICANCE: f32 = 1.0;
-/// If the misfit is larger than this, the thing may have changed its motion, or be no disc.
+/// If the misfit is larger than this, the thing may have changed its motion, or may not be a disc.
 const MANOEUVRE_MISFIT: f32 = 0.5;
 /// How much the variance of the acceleration grows for each unit of misfit above that, relative to the usual variance.
 const MANOEUVRE_GAIN: f32 = 4.0;
@@ -368,7 +368,7 @@ struct Track {
 }
 
 impl Track {
-    /// The track of a new thing at this position, before its first hit is taken in.
+    /// The track of a new thing at this position, before its first hit.
     fn new((x, y): (f32, f32), max_speed: f32, is_hidden: bool) -> Self {
         let speed_sd = SPEED_SD * max_speed;
         let mut covariance = [[0.0; 6]; 6];
@@ -462,7 +462,7 @@ impl Track {
         distance * distance / (variance + HIT_SD * HIT_SD)
     }
 
-    /// Takes in that a beam has hit it.
+    /// Updates the estimate with the hit of a beam.
     fn add_hit(&mut self, hit: (f32, f32)) {
         let (distance, normal) = self.edge_distance(hit);
         let mismatch = self.correct(distance, (-normal.0, -normal.1, -1.0), HIT_SD);
@@ -473,7 +473,7 @@ impl Track {
         }
     }
 
-    /// Takes in that a beam has not hit it.
+    /// Updates the estimate with a beam that has not hit it.
     fn add_pass(&mut self, rays: &Rays, ray: usize) {
         let (along, across) = rays.along_and_across(ray, (self.disc.x, self.disc.y));
         let overlap = self.disc.radius - across.abs();
@@ -583,7 +583,7 @@ impl Tracker {
         self.tracks.iter().filter(moves).map(motion)
     }
 
-    /// Takes in the scan after a control step. Each of `beams` is its direction in the robot's frame (cosine and sine) and its
+    /// Adds the scan after a control step. Each of `beams` is its direction in the robot's frame (cosine and sine) and its
     /// length, `max_range` if it has hit nothing; `pose` is the robot's position and heading.
     pub(super) fn add_scan(
         &mut self,
@@ -779,7 +779,7 @@ mod tests {
             self.1 / f32::from(self.0)
         }
 
-        /// Lets `tracker` take in the scan from a position and heading.
+        /// Adds the scan from a position and heading to `tracker`.
         fn scan(self, tracker: &mut Tracker, (origin, heading): ((f32, f32), f32), discs: &[Disc]) {
             let beams: Vec<(f32, f32, f32)> = (0..self.0)
                 .map(|beam| {
@@ -919,7 +919,7 @@ mod tests {
         let scan = |lidar: Lidar| {
             let mut tracker = Tracker::new(0.5);
             lidar.scan(&mut tracker, ((0.0, 0.0), 0.0), &[]);
-            tracker.scans.pop_back().expect("it has taken in a scan")
+            tracker.scans.pop_back().expect("a scan was added")
         };
         let rays = scan(FEW_BEAMS);
         let sight = |x: f32, y: f32, radius: f32| rays.sight((0, (x, y)), FEW_BEAMS.spacing_rad(), radius);
