@@ -200,7 +200,7 @@ fn beams_from_inside_an_obstacle_or_a_wall_report_0() {
 /// Drives straight ahead until the robot touches something. Returns the smallest gap between the robot and anything, in m.
 fn drive_until_contact(scenario: &Scenario, from: Pose, max_steps: usize) -> f64 {
     let mut scenario = scenario.clone();
-    let l_c = scenario.task.collision_range_m;
+    let collision_range_m = scenario.task.collision_range_m;
     // Only contact ends the episode.
     scenario.task.collision_range_m = 0.0;
     let mut lab = Lab::with(&scenario, 1, 1, RewardConfig::default(), TaskMode::SingleGoal);
@@ -208,18 +208,21 @@ fn drive_until_contact(scenario: &Scenario, from: Pose, max_steps: usize) -> f64
         state.pose = from;
         (state.goal.x_m, state.goal.y_m) = (-9.0, -9.0);
     });
-    let (mut was_below_l_c, mut gap) = (false, f64::INFINITY);
+    let (mut was_in_range, mut gap) = (false, f64::INFINITY);
     for _ in 0..max_steps {
         lab.step(&[2]);
         let state = lab.state(0);
         let at = (f64::from(state.pose.x_m), f64::from(state.pose.y_m));
         let clear = closed_form::clearance(&scenario, state.clock.0, at);
         gap = gap.min(clear - f64::from(scenario.robot.radius_m));
-        was_below_l_c |= state.scan.nearest_m < l_c;
+        was_in_range |= state.scan.nearest_m < collision_range_m;
         if state.scan.touching {
             assert!(lab.outcomes()[0].collided, "contact is a collision");
-            // l_c minus the radius is one step of 0.03 m, so at worst both happen in the same step.
-            assert!(was_below_l_c, "d_o falls below l_c no later than the contact");
+            // The collision range minus the radius is one step of 0.03 m, so at worst both happen in the same step.
+            assert!(
+                was_in_range,
+                "the smallest range falls below the collision range no later than the contact"
+            );
             return gap;
         }
     }
@@ -227,7 +230,7 @@ fn drive_until_contact(scenario: &Scenario, from: Pose, max_steps: usize) -> f64
 }
 
 #[test]
-fn the_smallest_range_is_below_l_c_at_contact_and_the_robot_penetrates_nothing() {
+fn the_smallest_range_is_below_the_collision_range_at_contact_and_the_robot_penetrates_nothing() {
     let cylinder = one_obstacle(Shape::Circle { radius_m: 0.15 }, vec2(0.6, 0.0), 0.0);
     let slab = one_obstacle(Shape::Rectangle { width_m: 0.1, height_m: 1.0 }, vec2(0.6, 0.0), 0.0);
     let mut worst = f64::INFINITY;
@@ -247,7 +250,7 @@ fn the_smallest_range_is_below_l_c_at_contact_and_the_robot_penetrates_nothing()
 }
 
 #[test]
-fn no_episode_continues_with_a_range_below_l_c_or_in_contact() {
+fn no_episode_continues_with_a_range_below_the_collision_range_or_in_contact() {
     let scenario = common::moving_obstacles();
     let mut lab = Lab::new(&scenario, 32, 2);
     let mut action_streams = common::action_streams(32);
@@ -260,7 +263,7 @@ fn no_episode_continues_with_a_range_below_l_c_or_in_contact() {
             collisions += usize::from(outcome.collided);
             assert!(
                 before[arena].scan.nearest_m >= scenario.task.collision_range_m,
-                "arena {arena}: no episode continues with d_o < l_c"
+                "arena {arena}: no episode continues with a range below the collision range"
             );
         }
         for state in lab.states() {

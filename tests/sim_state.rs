@@ -25,7 +25,7 @@ fn assert_current(lab: &mut Lab, when: &str) {
         assert_eq!(
             state.scan.nearest_m,
             cast.iter().copied().fold(3.5, f32::min),
-            "{when}: d_o is the smallest range of the scan"
+            "{when}: `nearest_m` is the smallest range of the scan"
         );
         let origin = (f64::from(state.pose.x_m), f64::from(state.pose.y_m));
         for (i, &range) in cast.iter().enumerate() {

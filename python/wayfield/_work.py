@@ -29,8 +29,8 @@ def train(build: str, cpus: int, text: str, inputs: dict[str, bytes]) -> bytes:
 
 
 def evaluate(build: str, cpus: int, policy: tuple[bytes, bool] | str, options: dict[str, Any]) -> str:
-    """Tests ``policy``: the bytes of a policy and whether it has a map, or the RON text of a classical driver. Returns a list of
-    one report, as JSON."""
+    """Tests ``policy``: the bytes of a policy and whether it drives with a map, or the RON text of a classical driver. Returns a
+    list of one report, as JSON."""
     _check_build(build)
     os.environ.setdefault("RAYON_NUM_THREADS", str(cpus))
     tested = policy if isinstance(policy, str) else _native.NativePolicy.from_bytes(*policy)

@@ -1,6 +1,6 @@
 //! The limits of an experiment's file: numbers of entries, lengths of texts, and the number of training runs.
 
-/// Maximum number of seeds.
+/// Maximum number of seeds, and of finished runs that an arm names, one for each seed.
 pub const MAX_SEEDS: u64 = 1000;
 /// Maximum number of arms, conditions, figures, tables or claims, and of entries in one of their lists.
 pub const MAX_ENTRIES: usize = 200;

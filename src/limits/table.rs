@@ -410,7 +410,7 @@ const COMMAND_LINE: &[Limit] = &[
 
 const EXPERIMENTS: &[Limit] = &[
     Limit("training runs", Max(experiment::MAX_TRAINING_RUNS), "", "a larger plan would not finish"),
-    Limit("seeds", Max(experiment::MAX_SEEDS), "", "time of the plan"),
+    Limit("seeds, and finished runs of an arm", Max(experiment::MAX_SEEDS), "", "time of the plan"),
     Limit(
         "arms, conditions, figures, tables, claims; entries of their lists",
         count(experiment::MAX_ENTRIES),

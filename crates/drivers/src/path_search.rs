@@ -94,7 +94,7 @@ fn estimate(columns: usize, from: usize, to: usize) -> u32 {
     free_cost(dx, dy)
 }
 
-/// The same for cells of an unbounded grid.
+/// Like [`estimate`], for cells of an unbounded grid.
 pub(crate) fn straight_cost(from: IVec2, to: IVec2) -> u32 {
     let limit = u32::MAX / DIAGONAL;
     free_cost(from.x.abs_diff(to.x).min(limit), from.y.abs_diff(to.y).min(limit))

@@ -153,6 +153,42 @@ proptest! {
     }
 }
 
+/// The state of an environment that has paused is the oldest in the buffer. When it is overwritten, the transition from it
+/// is removed, with all older ones.
+#[test]
+fn no_gradient_step_is_taken_after_a_paused_environment_has_emptied_the_buffer() {
+    let config = LearningConfig {
+        network: NetworkConfig { hidden: vec![], dueling: false, ..NetworkConfig::default() },
+        n_step: 2,
+        batch_size: 4,
+        replay: ReplayConfig { capacity: 8, learning_starts: 0, sampling: Sampling::Uniform },
+        train_freq: 1,
+        gradient_steps: 1,
+        ..LearningConfig::default()
+    };
+    let mut was_emptied = false;
+    for pause in 8..60 {
+        let mut learner = Learner::new(&config, 1, 2, 3, 0).expect("a valid config");
+        let others = std::iter::repeat_n(1, pause);
+        for env_index in [0].into_iter().chain(others).chain([0, 2]) {
+            learner.store(&Experience {
+                env_index,
+                observation: &[0.0],
+                action: 0,
+                reward: 1.0,
+                next_observation: &[0.0],
+                terminated: false,
+                truncated: false,
+            });
+        }
+        assert!(learner.pending_updates() > 0, "after a pause of {pause} steps");
+        let is_empty = learner.replay().is_empty();
+        was_emptied |= is_empty;
+        assert_eq!(learner.train().expect("no divergence").is_none(), is_empty);
+    }
+    assert!(was_emptied, "the buffer is emptied after a pause of some length");
+}
+
 #[test]
 fn a_buffer_of_long_episodes_fills_its_whole_capacity() {
     let mut replay = buffer(80, Sampling::Uniform);

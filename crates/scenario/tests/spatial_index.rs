@@ -72,7 +72,7 @@ proptest! {
 }
 
 #[test]
-fn a_scenario_with_few_parts_or_without_finite_numbers_has_no_index() {
+fn a_scenario_with_few_parts_or_a_non_finite_number_has_no_index() {
     assert!(SpatialIndex::new(&Scenario::default()).is_none());
     let circle = |x: f32| Obstacle {
         shape: Shape::Circle { radius_m: 0.1 },

@@ -43,7 +43,8 @@ pub(super) struct Scratch {
 }
 
 impl Learner {
-    /// Takes the pending gradient steps, and returns their statistics; `None` if no step is pending.
+    /// Takes the pending gradient steps, and returns their statistics; `None` if no step is pending, or if the replay buffer has
+    /// been emptied since.
     ///
     /// # Errors
     /// The loss, a weight or the square of a gradient is not finite. The learner can no longer be used.
@@ -52,7 +53,7 @@ impl Learner {
     /// If the config has `mirror`, and no mirror was set ([`Learner::set_mirror`]).
     pub fn train(&mut self) -> Result<Option<UpdateStats>, DivergenceError> {
         let pending_updates = std::mem::take(&mut self.counters.pending_updates);
-        if pending_updates == 0 {
+        if pending_updates == 0 || self.replay.is_empty() {
             return Ok(None);
         }
         let mut sum = UpdateStats { gradient_steps: pending_updates, ..UpdateStats::default() };
