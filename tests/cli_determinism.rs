@@ -97,6 +97,7 @@ fn a_run_with_values_drawn_from_ranges_resumes_bit_identically() {
                   odometry_drift: (distance_error: (-0.05, 0.05), rotation_error: (-0.05, 0.05), heading_drift_rad_m: 0.1)),\n    lidar: (latency_steps: (0, 3), ";
     let text =
         edited(&noisy(SCENARIO_2), &[("    lidar: (", ranges), ("dropout: 0.05", "dropout: (0.0, 0.1)")]);
+    assert!(text.contains("speed_rad_s: 0.15"), "{text}");
     workspace.write("ranges.ron", text.replace("speed_rad_s: 0.15", "speed_rad_s: (0.0, 0.2)"));
     workspace.run_ok("--train --scenario ranges.ron --preset fast.ron --seed 5 --steps 6000 --out straight");
     workspace.run_ok("--train --scenario ranges.ron --preset fast.ron --seed 5 --steps 3100 --out halves");

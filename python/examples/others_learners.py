@@ -11,6 +11,7 @@ CPU seconds are those of the whole training run, with all threads. Then its last
 
 import argparse
 import json
+import shutil
 import sys
 import time
 from collections.abc import Callable
@@ -49,7 +50,10 @@ def wayfield_learner(name: str, env_steps: int) -> Learner:
     """wayfield's learner with the preset ``fast``."""
 
     def train(scenario: str, steps: int, path: Path) -> None:
-        result = wayfield.train(scenario, seed=SEED, steps=steps, out=path.with_suffix(".run"), progress=False)
+        folder = path.with_suffix(".run")
+        # An interrupted training run may have left its folder, and a run needs a new one.
+        shutil.rmtree(folder, ignore_errors=True)
+        result = wayfield.train(scenario, seed=SEED, steps=steps, out=folder, progress=False)
         result.last_policy.save(path)
 
     return Learner(name, env_steps, train, lambda path: wayfield.Policy.load(path).act)

@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 import wayfield
-from wayfield import _frames, _native
+from wayfield import _frames, _native, _settings
 
 STEPS = 20_000
 
@@ -337,6 +337,11 @@ def test_settings_are_those_of_the_command_line(tmp_path):
         wayfield.train(set={"learning.gama": 0.9}, out=tmp_path / "no")
     with pytest.raises(ValueError, match="help:"):
         wayfield.evaluate("scenario-1", set={"learning.gamma": 0.9})
+
+
+def test_settings_may_be_numpy_values():
+    settings = {"a": np.True_, "b": np.int64(3), "c": (np.float64(0.5), False)}
+    assert _settings.pairs(settings) == [("a", "true"), ("b", "3"), ("c", "(0.5, false)")]
 
 
 def test_training_starts_from_a_policy(run, tmp_path):

@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 
 def pairs(settings: Mapping[str, Any] | None) -> list[tuple[str, str]]:
     """The paths and the values as RON text, for the native module."""
@@ -12,7 +14,7 @@ def pairs(settings: Mapping[str, Any] | None) -> list[tuple[str, str]]:
 def _ron(value: Any) -> str:
     if isinstance(value, str):
         return value
-    if isinstance(value, bool):
+    if isinstance(value, (bool, np.bool_)):
         return "true" if value else "false"
     if isinstance(value, tuple):
         return "(" + ", ".join(map(_ron, value)) + ")"

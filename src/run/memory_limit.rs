@@ -66,7 +66,7 @@ fn too_small(limit: u64, flag: &str, needed: u64, or: &str) -> RunError {
 }
 
 /// Memory of the learner and of all bodies, in training and in evaluations, in bytes. For a set, it is enough for the scenario
-/// with the most bodies.
+/// with the most bodies. Of a level generator, only the first level is counted.
 fn training_bytes(config: &RunConfig) -> u64 {
     let (preset, scenario) = (&config.preset, &config.scenario);
     let learning = &preset.learning;

@@ -2,7 +2,7 @@
 //!
 //! In: a [`Percept`] per control step. Out: an action, an index into the robot's motions or the driver's own. A driver knows its
 //! [`Robot`] and what it has perceived since its episode began, nothing else, so that its results can be compared with a
-//! policy's. What it may perceive is its [`DriverClass`].
+//! policy's. Its [`DriverClass`] states what it may perceive.
 //!
 //! ```
 //! use wayfield_drivers::{Driver, DriverConfig, Odometry, Percept, Robot};
