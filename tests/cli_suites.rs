@@ -269,7 +269,7 @@ fn an_invalid_suite_is_rejected_with_line_and_fix() {
 #[test]
 fn what_a_suite_does_not_take_is_refused_with_a_fix() {
     let workspace = workspace();
-    std::fs::create_dir(workspace.path("empty")).unwrap();
+    std::fs::create_dir(workspace.path("nothing")).unwrap();
     for (arguments, part) in [
         ("--eval dwa --suite suite.ron --trace t.jsonl", "--trace is for a test in one scenario"),
         ("--eval dwa --suite suite.ron --rounds 2", "--rounds is for a test in one scenario"),
@@ -287,7 +287,7 @@ fn what_a_suite_does_not_take_is_refused_with_a_fix() {
             "--report needs scenarios to test in; help: give --suite NAME, or --scenario",
         ),
         ("--eval dwa --scenario maze --report report --course", "--course is for a test in one scenario"),
-        ("--eval dwa --suite empty", "empty: this folder has no .ron file; help: "),
+        ("--eval dwa --suite nothing", "nothing: this folder has no .ron file; help: "),
         ("--eval dwa --suite mzae", "did you mean `maze`?"),
         ("--eval scenario-1 --suite suite.ron", "but scenario"),
         ("--eval dwa --suite suite.ron --episodes 1000000", "help: give at most 1000000 in total"),
@@ -300,6 +300,17 @@ fn what_a_suite_does_not_take_is_refused_with_a_fix() {
         assert_eq!((done.status, done.stdout.as_str()), (Some(2), ""), "{arguments}: {}", done.stderr);
         assert!(done.stderr.contains(part), "{arguments}: no `{part}` in {}", done.stderr);
     }
+}
+
+#[test]
+fn a_folder_does_not_hide_the_shipped_scenario_of_its_name() {
+    let workspace = workspace();
+    let eval = "--eval field --episodes 1 --json --suite";
+    let shipped = workspace.run_ok(&format!("{eval} empty")).json();
+    std::fs::create_dir(workspace.path("empty")).unwrap();
+    assert_eq!(workspace.run_ok(&format!("{eval} empty")).json(), shipped);
+    let done = workspace.run(&format!("{eval} empty/"));
+    assert!(done.stderr.contains("this folder has no .ron file"), "{}", done.stderr);
 }
 
 /// A suite of scenarios without moving obstacles, in which the driver `field` often fails.
@@ -366,9 +377,10 @@ fn a_new_report_deletes_the_files_of_the_earlier_one_and_no_others() {
     assert_eq!(names("report/drivers"), ["1-field.ron", "2-dwa.ron"]);
     let earlier = names("report/failures").len();
     workspace.write("report/drivers/mine.ron", "mine");
+    workspace.write("report/drivers/2-notes.txt", "mine");
     workspace.write("report/failures/notes.txt", "mine");
     workspace.run_ok("--eval dwa --suite hard.ron --report report");
-    assert_eq!(names("report/drivers"), ["1-dwa.ron", "mine.ron"]);
+    assert_eq!(names("report/drivers"), ["1-dwa.ron", "2-notes.txt", "mine.ron"]);
     let failures = workspace.text("report/report.html").matches("To repeat it: ").count();
     assert!(failures < earlier, "the driver `field` fails, too");
     let kept = names("report/failures");

@@ -133,7 +133,7 @@ struct Canvas {
     width: usize,
     height: usize,
     pixels: Vec<Color32>,
-    /// First and last column, first and last row; the last ones are exclusive.
+    /// First column, end of the columns, first row, end of the rows; the ends are exclusive.
     clip: [i64; 4],
 }
 

@@ -247,7 +247,7 @@ mod tests {
             }
         }
         assert!(apart > 0.3, "another seed gives another walk");
-        assert!(corners.len() >= 200, "each leg has another end: {}", corners.len());
+        assert!(corners.len() >= 200, "each leg ends at a different point: {}", corners.len());
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! A saved run, read and checked completely before it replaces the current training run.
 //!
 //! In: a run folder, or in a browser the files of an autosave. Both may come from anywhere, so every value is checked. Out: the
-//! training, continued where it was saved.
+//! training run, continued where it was saved.
 
 #[cfg(target_arch = "wasm32")]
 use std::collections::BTreeMap;

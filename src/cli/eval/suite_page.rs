@@ -150,9 +150,10 @@ const LEAD: &str = "Every policy and driver drove the same episodes. In the imag
 are its last scan. The command below an image repeats the episode in the app, with the same driver, start, goal, moving \
 obstacles and sensor noise.";
 
-/// Whether `name` is that of a driver's file in a report: its number, a hyphen, and its name.
+/// Whether `name` is that of a driver's file in a report: its number, a hyphen, its name, and `.safetensors` or `.ron`.
 fn is_driver(name: &str) -> bool {
-    name.split_once('-').is_some_and(|(number, _)| number.parse::<usize>().is_ok())
+    let is_numbered = name.split_once('-').is_some_and(|(number, _)| number.parse::<usize>().is_ok());
+    is_numbered && Path::new(name).extension().is_some_and(|end| end == "safetensors" || end == "ron")
 }
 
 /// Creates `folder` if it is missing. Removes temporary files from it, and the files of an earlier report: those whose names

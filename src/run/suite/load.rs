@@ -37,7 +37,10 @@ impl Suite {
             return Ok(parse(text, Path::new(path))?);
         }
         let path = Path::new(wanted);
-        if path.is_dir() {
+        // A folder that happens to be called `hall` does not hide the shipped scenario.
+        let is_shipped =
+            shipped::is_scenario(wanted) || shipped::is_level_generator(wanted) || shipped::is_set(wanted);
+        if path.is_dir() && !is_shipped {
             let scenarios = in_folder(path)?;
             let name = path.canonicalize().unwrap_or_else(|_| path.into());
             let name =
