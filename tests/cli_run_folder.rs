@@ -252,6 +252,18 @@ fn a_folder_that_holds_a_run_is_not_overwritten() {
 }
 
 #[test]
+fn a_run_whose_rows_are_missing_is_not_resumed() {
+    let workspace = workspace();
+    workspace.run_ok(&format!("{TRAIN} --out run"));
+    let rows = workspace.path("run/episodes.csv");
+    std::fs::remove_file(&rows).expect("the run has this file");
+    let done = workspace.run("--train --resume run --steps 4800");
+    assert_eq!(done.status, Some(2), "{}", done.stderr);
+    assert!(done.stderr.contains("error: run/episodes.csv: "), "{}", done.stderr);
+    assert!(!rows.exists(), "an empty file is no replacement for the rows");
+}
+
+#[test]
 fn missing_parent_folders_of_out_are_created() {
     let workspace = workspace();
     workspace.run_ok(&format!("{TRAIN} --out a/b/c"));

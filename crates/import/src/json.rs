@@ -18,7 +18,7 @@ struct Probe {
     stages: Option<IgnoredAny>,
 }
 
-/// The scenarios of the worlds in the file at `path`, with their names: of the world `options.world` only, or of all.
+/// The names and scenarios of the worlds in the file at `path`: only of the world `options.world` if that is set, else of all.
 ///
 /// # Errors
 /// The file is missing or invalid, has no such world, or a scenario would be invalid.

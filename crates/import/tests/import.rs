@@ -533,6 +533,9 @@ fn barn_worlds_have_their_start_goal_and_path_length() {
         error.starts_with("barn.json:1:") && error.contains("not a file of BARN worlds or stages: "),
         "{error}"
     );
+    folder.write("barn.json", "{\"stages\": \"\\u12é\"}".as_bytes());
+    let error = one(7).expect_err("an invalid escape, found in the middle of a character");
+    assert!(error.starts_with("barn.json:1:17: "), "{error}");
 }
 
 /// A room of 4 m x 3 m with a pillar and two discs that move.

@@ -49,7 +49,7 @@ impl Drive {
         Self { seconds, mean: -libm::expm1f(-lags) / lags, end: libm::expf(-lags), ..self }
     }
 
-    /// An upper bound on the time, in s, in which v changes by `change_m_s`; if there is a lag, without the last 5 %.
+    /// An upper bound on the time, in s, that v takes to change by `change_m_s`; if there is a lag, by 95 % of it.
     #[must_use]
     pub fn settling_time_s(&self, change_m_s: f32) -> f32 {
         3.0 * self.lag_s + change_m_s.abs() / self.max_acceleration_m_s2

@@ -193,7 +193,7 @@ pub fn utf8(path: &Path) -> Result<&str, FileError> {
 
 /// Line and column, counted from 1, of the character at a byte offset.
 fn line_column(text: &str, offset: usize) -> (usize, usize) {
-    let before = text.get(..offset).unwrap_or(text);
+    let before = &text[..text.floor_char_boundary(offset)];
     let line = 1 + before.bytes().filter(|&byte| byte == b'\n').count();
     let column = 1 + before.chars().rev().take_while(|&c| c != '\n').count();
     (line, column)

@@ -245,6 +245,10 @@ fn all_problems_of_a_text_are_listed() {
                  p.ron:2:2: a comment starts with `//`, not with `#`\n\
                  p.ron:3:2: unknown field `colour` in the file: the fields are `arenas`, `budget`, `learning`",
             ),
+            (
+                "(arenas: 1, colour: 1 , budget: EnvSteps(1))",
+                "1:13: unknown field `colour` in the file: the fields are `arenas`, `budget`, `learning`",
+            ),
             ("()", "1:1: the file lacks the fields `arenas`, `budget`: add them"),
             (
                 "(learning: (double: True, gamma: 0,99, loss: 'mse', learning_rate: 3e-4), colour: 1)",

@@ -48,7 +48,7 @@ impl RunFolder {
     /// starts with the header of `Row`, followed by `extra_columns`.
     ///
     /// # Errors
-    /// The file cannot be opened, or is shorter than `bytes`.
+    /// The file cannot be opened, or is missing or shorter than `bytes`.
     pub fn csv<Row: Serialize + Default>(
         &self,
         name: &str,
@@ -57,7 +57,7 @@ impl RunFolder {
     ) -> Result<csv::Writer<File>, RunError> {
         let path = self.path.join(name);
         let open = || -> io::Result<File> {
-            let mut file = OpenOptions::new().create(true).truncate(false).write(true).open(&path)?;
+            let mut file = OpenOptions::new().create(bytes == 0).truncate(false).write(true).open(&path)?;
             if file.metadata()?.len() < bytes {
                 return Err(io::Error::other(
                     "rows are missing: the file is shorter than the checkpoint says",

@@ -50,8 +50,9 @@ impl Place<'_> {
     /// The removal of the field at `start`, with the comma after it.
     fn removal(&self) -> Repair {
         let field = self.map.field_at(self.start);
-        let comma = usize::from(self.text[field.end..].starts_with(','));
-        Repair::Replace(field.start..field.end + comma, "")
+        let after = &self.text[field.end..];
+        let kept = after.trim_start().strip_prefix(',').unwrap_or(after);
+        Repair::Replace(field.start..self.text.len() - kept.len(), "")
     }
 }
 
