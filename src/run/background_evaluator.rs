@@ -33,7 +33,7 @@ pub enum BackgroundEvaluator {
 }
 
 impl BackgroundEvaluator {
-    /// An evaluator that tests each policy in the same `episodes` of `scenario`.
+    /// An evaluator that evaluates each policy in the same `episodes` of `scenario`, unless the candidate has its own.
     #[must_use]
     pub fn new(scenario: &Arc<Scenario>, episodes: EpisodeSet, extensions: &Extensions) -> Self {
         #[cfg(not(target_arch = "wasm32"))]

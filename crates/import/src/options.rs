@@ -11,8 +11,8 @@ use crate::limits::{LIDAR_HEIGHT_M, RESOLUTION_M, TOLERANCE_M};
 pub struct ImportOptions {
     /// Side of a pixel of a plain image, in m. Maps state their own.
     pub resolution_m: Option<f64>,
-    /// How far the walls may be from the cells of a map, in m. 0 keeps every cell. `None` is the side of a cell plus 0.01 m,
-    /// half the thickness of a wall.
+    /// How far the walls may be from the cells of a map, in m. 0 keeps every cell. `None` is the side of a cell plus half the
+    /// thickness of a wall (0.01 m).
     pub tolerance_m: Option<f64>,
     /// Specks of up to this many cells, such as noise in a SLAM map, count as floor.
     pub speck_cells: usize,

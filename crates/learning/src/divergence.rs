@@ -22,8 +22,8 @@ pub struct DivergenceError {
     pub advice: String,
 }
 
-/// A warning that Q-values exceed the largest possible return: the largest |reward| so far, divided by 1 - gamma. With advantage
-/// learning of weight w, that they exceed (1 + w) / (1 - w) times this return.
+/// A warning that Q-values exceed the largest possible return: the largest |reward| so far, divided by 1 - gamma. Advantage
+/// learning with weight w makes Q-values up to (1 + w) / (1 - w) times as large, so with it the bound is higher by this factor.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error(
     "learning seems to diverge at gradient step {gradient_step} (env step {env_step}): the mean |Q-value| is {q:.4}, but no \

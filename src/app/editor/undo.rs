@@ -24,7 +24,7 @@ pub(super) struct EditSnapshot {
 pub(super) struct Origin {
     /// A name or a file.
     pub from: String,
-    /// The scenario in the file; `None` if it was never saved.
+    /// The scenario as shipped or as saved in its file; `None` if unknown.
     pub saved: Option<Arc<Scenario>>,
 }
 

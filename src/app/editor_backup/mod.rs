@@ -44,7 +44,7 @@ struct Backup {
     from: String,
     /// The edited scenario, which may be invalid.
     edited: Scenario,
-    /// The scenario as saved in its file; `None` if it was never saved.
+    /// The scenario as shipped or as saved in its file; `None` if unknown.
     in_file: Option<Scenario>,
 }
 

@@ -11,7 +11,7 @@ use crate::scenario::{FileError, is_special_file};
 /// A checked file, or a folder that can't be read or has no files to check.
 #[derive(Clone, Debug)]
 pub struct CheckedFile {
-    /// The path, as the user gave it.
+    /// The path as the user gave it, or below a folder that the user gave.
     pub path: PathBuf,
     /// The kind of the file; `None` if it can't be read.
     pub kind: Option<FileKind>,

@@ -24,7 +24,7 @@ pub struct SlicedEvaluator {
 }
 
 impl SlicedEvaluator {
-    /// An evaluator that tests each policy in the same `episodes` of `scenario`.
+    /// An evaluator that evaluates each policy in the same `episodes` of `scenario`, unless the candidate has its own.
     #[must_use]
     pub fn new(scenario: &Arc<Scenario>, episodes: EpisodeSet, extensions: &Extensions) -> Self {
         // Built here, because building a simulation takes longer than a slice.

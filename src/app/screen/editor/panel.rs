@@ -84,7 +84,8 @@ fn prepare(
     (!blocked).then_some(command)
 }
 
-/// Closes the editor: asks first on `Close`, otherwise sends `command`; does nothing if the action is blocked.
+/// Closes the editor. [`Action::Close`] asks about unsaved changes first; the other actions send `command`, or do nothing if they
+/// are blocked.
 fn perform(
     action: Action,
     command: Option<Command>,
