@@ -914,7 +914,8 @@ fn a_quick_report_never_replaces_a_full_one() {
     let done = workspace.run(&format!("{command} --quick"));
     assert_eq!((done.status, done.stdout.as_str()), (Some(2), ""), "{}", done.stderr);
     assert!(
-        done.stderr.starts_with("error: report: holds a full reproduction, which --quick would overwrite; help: "),
+        done.stderr
+            .starts_with("error: report: holds a full reproduction, which --quick would overwrite; help: "),
         "{}",
         done.stderr
     );
