@@ -5,7 +5,7 @@ mod cli_support;
 
 use std::collections::BTreeMap;
 
-use cli_support::{Workspace, messages::rejection, quick_fast, signal, wait_for_output, wait_until};
+use cli_support::{Workspace, messages::rejection, signal, wait_for_output, wait_until};
 use serde_json::Value;
 
 /// Two shipped policies in Scenario II, where the first one collides now and then.
@@ -255,7 +255,6 @@ fn a_dash_writes_a_file_to_standard_output_and_the_summary_to_standard_error() {
 #[test]
 fn a_stopped_evaluation_leaves_the_old_files_and_no_others() {
     let workspace = Workspace::new();
-    workspace.write("fast.ron", quick_fast());
     for name in ["episodes.csv", "steps.jsonl"] {
         workspace.write(name, "old\n");
     }

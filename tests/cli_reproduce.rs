@@ -781,6 +781,30 @@ fn a_report_says_that_the_training_before_a_transfer_elsewhere_is_not_counted() 
 }
 
 #[test]
+fn the_notes_of_a_table_are_only_about_arms_that_are_trained() {
+    let workspace = over_steps();
+    workspace.write(
+        "mine/best.ron",
+        r#"(
+            title: "Best",
+            seeds: [4],
+            test: (rounds: 1, episodes: 1),
+            arms: [
+                (name: "last", runs: ["runs/a", "runs/b"]),
+                (name: "best", runs: ["runs/a", "runs/b"], policy: Best),
+                (name: "not compared", stages: [(scenario: "empty", preset: "per.ron")], policy: Best),
+            ],
+            tables: [(name: "t", title: "T", show: Contrast(measures: [Success], better: "best", than: "last"))],
+        )"#,
+    );
+    workspace.run_ok("--reproduce --experiment mine/best.ron --out report");
+    let page = workspace.text("report/README.md");
+    assert!(page.contains("seeds 3, 17; ") && page.contains("n = 2)"), "{page}");
+    assert!(page.contains("best: the best policy of its training"), "{page}");
+    assert!(!page.contains("not compared: the best policy"), "{page}");
+}
+
+#[test]
 fn runs_from_elsewhere_that_do_not_fit_are_rejected_with_a_fix() {
     let workspace = over_steps();
     let train = |name: &str, arguments: &str| {
@@ -890,7 +914,8 @@ fn a_quick_report_never_replaces_a_full_one() {
     let done = workspace.run(&format!("{command} --quick"));
     assert_eq!((done.status, done.stdout.as_str()), (Some(2), ""), "{}", done.stderr);
     assert!(
-        done.stderr.starts_with("error: report: holds a full reproduction, which --quick would overwrite; help: "),
+        done.stderr
+            .starts_with("error: report: holds a full reproduction, which --quick would overwrite; help: "),
         "{}",
         done.stderr
     );

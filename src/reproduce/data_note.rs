@@ -1,7 +1,7 @@
 //! The amount of data that the arms learned from: whether they are compared on equal data, and over how many seeds.
 
 use super::results::{ArmIndex, Results};
-use super::rows::{row_name, rows};
+use super::rows::{row_name, trained_rows};
 use super::test_point::TestPoint;
 use crate::report::format::counted;
 use crate::run::RunError;
@@ -22,11 +22,8 @@ struct Data {
 /// # Errors
 /// An arm's training is too short to reach `point`. The plan rules this out.
 pub fn data_note(results: &Results<'_>, experiment: usize, point: TestPoint) -> Result<String, RunError> {
-    // An arm that no selected figure, table or claim is about is not trained.
-    let is_trained = |row: &ArmIndex| results.arm_runs(*row).any(|(_, run)| !run.stages.is_empty());
-    let data = rows(results, experiment)
+    let data = trained_rows(results, experiment)
         .into_iter()
-        .filter(is_trained)
         .map(|row| data(results, row, point))
         .collect::<Result<Vec<_>, _>>()?;
     let are_equal = |of: fn(&Data) -> f64| {
@@ -82,7 +79,8 @@ fn data(results: &Results<'_>, row: ArmIndex, point: TestPoint) -> Result<Data, 
     Ok(Data { row, episodes: episodes / runs, env_steps: env_steps / runs })
 }
 
-/// The number of seeds of the experiment's arm with the fewest.
+/// The number of seeds of the experiment's trained arm with the fewest.
 pub fn fewest_seeds(results: &Results<'_>, experiment: usize) -> usize {
-    rows(results, experiment).into_iter().map(|row| results.arm_runs(row).count()).min().unwrap_or(0)
+    let rows = trained_rows(results, experiment).into_iter();
+    rows.map(|row| results.arm_runs(row).count()).min().unwrap_or(0)
 }

@@ -260,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn only_the_arms_that_are_compared_must_be_trained_until_they_are() {
+    fn only_the_compared_arms_must_be_trained_up_to_the_comparison() {
         let text = |than: &str| {
             let arm = |name: &str, episodes: u64| {
                 format!(

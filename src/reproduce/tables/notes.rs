@@ -1,13 +1,15 @@
 //! The notes below a table: how its numbers were obtained.
 
+use std::collections::BTreeSet;
+
 use crate::report::format::counted;
 use crate::report::statistics::small_sample_note;
 use crate::reproduce::data_note::{data_note, fewest_seeds};
-use crate::reproduce::experiment::{Experiment, TestedPolicy};
+use crate::reproduce::experiment::{Arm, Experiment, TestedPolicy};
 use crate::reproduce::measure::Measure;
 use crate::reproduce::policy_test::BENCHMARK_ROUTE_EPISODES;
 use crate::reproduce::results::Results;
-use crate::reproduce::rows::seeds;
+use crate::reproduce::rows::{seeds, trained_rows};
 use crate::reproduce::seeds::seeds_text;
 use crate::reproduce::table_spec::{TableKind, TableSpec};
 use crate::reproduce::test_point::TestPoint;
@@ -31,7 +33,7 @@ pub(super) fn notes(results: &Results<'_>, index: usize, spec: &TableSpec) -> Re
     if let Some(point) = point {
         notes.push(data_note(results, index, point)?);
     }
-    for arm in experiment.arms.iter().filter(|arm| arm.policy == TestedPolicy::Best) {
+    for arm in trained_arms(results, index).into_iter().filter(|arm| arm.policy == TestedPolicy::Best) {
         notes.push(format!(
             "{}: the best policy of its training, by the evaluations during training.",
             arm.name
@@ -41,8 +43,14 @@ pub(super) fn notes(results: &Results<'_>, index: usize, spec: &TableSpec) -> Re
     Ok(notes)
 }
 
+/// The trained arms, in the order of the experiment.
+fn trained_arms<'a>(results: &Results<'a>, index: usize) -> Vec<&'a Arm> {
+    let arms: BTreeSet<usize> = trained_rows(results, index).into_iter().map(|row| row.arm).collect();
+    arms.into_iter().map(|arm| &results.experiment(index).arms[arm]).collect()
+}
+
 fn test_note(results: &Results<'_>, index: usize, spec: &TableSpec, point: Option<TestPoint>) -> String {
-    let after = results.experiment(index).arms.iter().any(|arm| arm.policy == TestedPolicy::After);
+    let after = trained_arms(results, index).iter().any(|arm| arm.policy == TestedPolicy::After);
     let mut note = match point.filter(|_| after) {
         Some(point) => format!("Greedy policy after {}", point.words()),
         None => "Greedy policy".into(),

@@ -165,7 +165,7 @@ fn with_decision(before: TraceStep, world: &World) -> TraceStep {
     let (actions, q_values) = (&world.resource::<Actions>().0, &world.resource::<Decisions>().q_values);
     let row = q_values.chunks(q_values.len() / actions.len()).next();
     let row = row.filter(|row| row.iter().all(|q| !q.is_nan()));
-    // A policy with a map keeps its own.
+    // A policy with a map keeps its own Q-values.
     let of_driver = || match (
         world.resource::<ActionSelection>(),
         world.get_resource::<ActionSources>()?.arenas.first()?,
