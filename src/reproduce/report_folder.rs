@@ -129,7 +129,9 @@ impl Spent {
     /// Why a report of `contents` must not be made in the folder of this file, with the fix; `None` if it may.
     fn keeps_out(&self, contents: &ReportContents) -> Option<String> {
         if contents.quick && !self.quick {
-            return Some(format!("holds a full reproduction, which --quick would overwrite; help: {OTHER_FOLDER}"));
+            return Some(format!(
+                "holds a full reproduction, which --quick would overwrite; help: {OTHER_FOLDER}"
+            ));
         }
         contents.cannot_replace(self.report.as_ref()?)
     }
