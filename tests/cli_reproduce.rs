@@ -16,6 +16,8 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use cli_support::{Workspace, quick_fast, quick_per, signal, wait_for_output, wait_until};
+use wayfield::reproduce::experiment::Experiment;
+use wayfield::run::shipped;
 
 /// A small experiment with two arms, one of them with two stages, a preset in the same folder, and a figure and a table
 /// of each kind.
@@ -183,7 +185,7 @@ fn an_experiment_gives_a_report_and_finished_runs_are_not_repeated() {
     assert_eq!(finished_at(&workspace.path("one")), before, "no run was repeated");
     assert!(report(&workspace, "one") == one);
 
-    // Nor does a program of the same version from another commit repeat a run.
+    // A program of the same version from another commit repeats no run either.
     for run in run_names(&workspace, "one") {
         let file = format!("one/runs/{run}/config.ron");
         let text = workspace.text(&file);
@@ -427,7 +429,7 @@ fn parts_trained_apart_give_the_report_of_one_machine() {
 }
 
 #[test]
-fn parts_share_a_folder_but_neither_with_themselves_nor_with_the_report() {
+fn a_folder_in_use_by_a_part_admits_other_parts_but_neither_that_part_nor_the_report() {
     let workspace = workspace();
     let command = "--reproduce --experiment mine/own.ron --jobs 1 --out shared";
     fs::create_dir(workspace.path("shared")).unwrap();
@@ -969,13 +971,16 @@ fn the_quick_report_has_all_shipped_figures_and_tables() {
     workspace.run_ok("--reproduce --quick");
     let html = workspace.text("runs/reproduce-quick/report.html");
     assert!(html.contains("quick report"), "the report warns that it is quick");
-    for name in ["fig8", "fig9", "fig10", "ablation", "course"] {
-        let png = workspace.read(&format!("runs/reproduce-quick/figures/{name}.png"));
-        assert!(png.starts_with(b"\x89PNG") && png.len() > 10_000, "{name}.png is a PNG");
-        assert!(workspace.text(&format!("runs/reproduce-quick/figures/{name}.svg")).contains("</svg>"));
-    }
-    for name in ["table2", "table3-4", "table5", "table6-7", "conditions", "transfer-in-ii", "best-success"] {
-        let path = workspace.path(&format!("runs/reproduce-quick/tables/{name}.csv"));
-        assert!(csv::Reader::from_path(path).unwrap().records().count() >= 2, "{name}.csv has rows");
+    for (from, text) in shipped::experiments() {
+        let experiment = Experiment::parse(text, from).unwrap();
+        for name in experiment.figures.iter().map(|figure| &figure.name) {
+            let png = workspace.read(&format!("runs/reproduce-quick/figures/{name}.png"));
+            assert!(png.starts_with(b"\x89PNG") && png.len() > 10_000, "{name}.png is a PNG");
+            assert!(workspace.text(&format!("runs/reproduce-quick/figures/{name}.svg")).contains("</svg>"));
+        }
+        for name in experiment.tables.iter().map(|table| &table.name) {
+            let path = workspace.path(&format!("runs/reproduce-quick/tables/{name}.csv"));
+            assert!(csv::Reader::from_path(path).unwrap().records().count() >= 2, "{name}.csv has rows");
+        }
     }
 }

@@ -23,7 +23,7 @@ pub fn make_quick(experiment: &mut Experiment, budget_of: impl Fn(&str) -> Optio
     experiment.test.episodes = (experiment.test.episodes / DIVISOR as usize).max(1);
     experiment.evaluation = Some(experiment.evaluation.map_or_else(default_evaluation, quick_evaluation));
     for stage in experiment.arms.iter_mut().flat_map(|arm| &mut arm.stages) {
-        stage.budget = stage.budget.or_else(|| budget_of(&stage.preset)).map(shortened);
+        stage.budget = stage.budget.or_else(|| budget_of(&stage.preset)).map(shortened_budget);
     }
     let suffix = " (quick: a tenth of the training)";
     for figure in &mut experiment.figures {
@@ -75,8 +75,16 @@ fn quick_evaluation(own: EvaluationConfig) -> EvaluationConfig {
     EvaluationConfig { every_env_steps, episodes: own.episodes.min(MAX_EVALUATION_EPISODES), ..own }
 }
 
+/// A tenth of a stage's budget, rounded up, so that an arm's stages together still reach every point at which it is tested.
+fn shortened_budget(budget: Budget) -> Budget {
+    match budget {
+        Budget::Episodes(n) => Budget::Episodes(n.div_ceil(DIVISOR)),
+        Budget::EnvSteps(n) => Budget::EnvSteps(n.div_ceil(DIVISOR)),
+    }
+}
+
+/// A tenth of the training up to a point, rounded down: 0 stays 0, and anything longer stays at least 1.
 fn shortened(length: Budget) -> Budget {
-    // 0 stays 0, and anything longer stays at least 1.
     let shortened = |n: u64| (n / DIVISOR).max(n.min(1));
     match length {
         Budget::Episodes(n) => Budget::Episodes(shortened(n)),

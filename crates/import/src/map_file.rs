@@ -57,7 +57,7 @@ impl PixelReading {
     /// `scale` those between the thresholds. As in Nav2's `map_server`, occupancy is f32, and a cell at both thresholds is free.
     pub fn is_free(self, brightness: u8) -> bool {
         if self.mode == MapMode::Raw {
-            return f64::from(brightness) <= 100.0 * self.free && brightness <= 100;
+            return brightness <= 100 && f64::from(brightness) / 100.0 <= self.free;
         }
         let bright = f32::from(brightness) / 255.0;
         let occupancy = if self.negate { bright } else { 1.0 - bright };
@@ -228,7 +228,8 @@ fn without_comment(line: &str) -> &str {
     for (k, c) in line.char_indices() {
         match (quote, c) {
             (None, '#') if before.is_whitespace() => return &line[..k],
-            (None, '"' | '\'') => quote = Some(c),
+            // After a letter or digit, it is an apostrophe.
+            (None, '"' | '\'') if !before.is_alphanumeric() => quote = Some(c),
             (Some(open), c) if c == open => quote = None,
             _ => {}
         }
@@ -267,6 +268,8 @@ mod tests {
         let lines = MAP.replace("[-10, 2.5, 0.1]", "[-10,\n  2.5,\n  0.1]");
         assert_eq!(parse(&lines).expect("a valid map").origin, [-10.0, 2.5, 0.1]);
         assert_eq!(parse(&format!("\u{feff}{MAP}")).expect("a valid map").image, "map.pgm");
+        let apostrophe = MAP.replace("map.pgm", "bob's.pgm # a comment");
+        assert_eq!(parse(&apostrophe).expect("a valid map").image, "bob's.pgm");
     }
 
     #[test]
@@ -305,5 +308,7 @@ mod tests {
         assert!(negated.is_free(0) && !negated.is_free(254));
         let raw = PixelReading { mode: MapMode::Raw, ..reading(0.25) };
         assert!(raw.is_free(0) && raw.is_free(25) && !raw.is_free(26) && !raw.is_free(255));
+        let raw = PixelReading { mode: MapMode::Raw, ..reading(0.29) };
+        assert!(raw.is_free(29) && !raw.is_free(30), "100 * 0.29 is rounded to less than 29");
     }
 }

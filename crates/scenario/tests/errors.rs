@@ -43,7 +43,7 @@ fn each_invalid_file_gives_the_message_in_its_fixture() {
         assert_eq!(
             message,
             expected.trim_end(),
-            "{file} is out of date; renew it with WAYFIELD_RENEW=1. The message is now:\n{message}\n"
+            "{file} is out of date; help: cargo xtask messages. The message is now:\n{message}\n"
         );
     }
 }

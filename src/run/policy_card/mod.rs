@@ -64,8 +64,8 @@ pub fn read_unnamed(path: &Path) -> Result<Policy, String> {
     Ok(policy)
 }
 
-/// The scenario that `policy` was trained in; `None` without a card. Each of its values is valid, but they may not fit together:
-/// the user may have moved an obstacle onto the benchmark route.
+/// The scenario that `policy` was trained in; `None` without a card. Each of its values is valid, but whether they fit together
+/// is not checked.
 ///
 /// # Errors
 /// The scenario is invalid, or the card contradicts it.

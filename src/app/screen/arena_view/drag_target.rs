@@ -12,7 +12,7 @@ use crate::scenario::shape_distance;
 
 /// The object under the pointer, with some tolerance for small ones: the robot first, then the goal, then the
 /// obstacles. Generated obstacles are left out, because they are not in the scenario's file. All obstacles are left out if the
-/// arena's scenario is of a set.
+/// arena's scenario belongs to a set.
 #[must_use]
 pub fn hit_test(transform: &ViewTransform, arena: &ArenaScene, at: Pos2) -> Option<Movable> {
     let scenario = &*arena.written;
