@@ -46,6 +46,8 @@ fn app(folder: &Path, seed: u64) -> HeadlessApp {
 fn autosaves(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     let mut found: Vec<PathBuf> = entries.filter(|path| path.join("autosave.ron").exists()).collect();
+    // Without those that are being deleted.
+    found.retain(|path| path.file_name().is_some_and(|name| !name.to_string_lossy().starts_with(".saving-")));
     found.sort();
     found
 }

@@ -5,6 +5,7 @@
 #[path = "support/headless_app.rs"]
 mod headless_app;
 
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
@@ -17,6 +18,7 @@ use wayfield::app::session::journal::{ReplayResult, verify};
 use wayfield::app::session::{StartOptions, TrainingHistory};
 use wayfield::app::view_state::Overlays;
 use wayfield::learning::Learner;
+use wayfield::run::folder::RunConfig;
 use wayfield::run::preset::Budget;
 use wayfield::run::settings::{Setting, Settings};
 use wayfield::run::train::{CHECKPOINT_INTERVAL, Job, train};
@@ -299,6 +301,33 @@ fn a_saved_run_continues_as_if_it_had_not_been_saved() {
     other.step_to(700);
     assert!(state(other.world()) == uninterrupted, "500 steps, saved, opened, 200 more: the same as 700");
     assert_eq!(other.run().config.seed, 8);
+}
+
+#[test]
+fn the_evaluation_after_the_last_step_of_a_finished_run_is_left_out_when_the_run_is_continued() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let (finished, continued) = (folder.path().join("finished"), folder.path().join("continued"));
+    let mut config = RunConfig::resolve("scenario-1", "fast", 3).expect("shipped");
+    config.preset.budget = Budget::EnvSteps(160);
+    config.preset.evaluation.episodes = 1;
+    config.preset.evaluation.final_episodes = 0;
+    let job = Job::New { config: Box::new(config), policy: None, out: Some(finished.clone()) };
+    let stop = AtomicBool::new(false);
+    train(job, CHECKPOINT_INTERVAL, &stop, std::time::Instant::now(), Some(Box::new(|_| {})))
+        .expect("training ends");
+    let evaluations = |run: &Path| {
+        let rows = std::fs::read_to_string(run.join("evaluations.csv")).expect("the file exists");
+        rows.lines().skip(1).count()
+    };
+    assert_eq!(evaluations(&finished), 2, "before the first step and after the last");
+
+    let mut app = HeadlessApp::new(options(1));
+    app.command(Command::Pause(true));
+    app.command(Command::Open(finished));
+    app.command(Command::Save(SaveKind::Run, continued.clone()));
+    app.frame(Duration::from_millis(10));
+    assert_eq!(app.error_notices(), Vec::<String>::new());
+    assert_eq!(evaluations(&continued), 1, "as after --resume");
 }
 
 #[test]

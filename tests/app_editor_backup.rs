@@ -86,6 +86,22 @@ fn unsaved_changes_of_a_killed_app_are_offered_and_restored_as_they_were() {
 }
 
 #[test]
+fn restored_changes_are_backed_up_even_if_another_app_has_deleted_their_backup() {
+    let folder = temporary();
+    let mut killed = app(folder.path(), "scenario-1");
+    rename(&mut killed, "Mine");
+    drop(killed);
+    let mut next = app(folder.path(), "empty");
+    fs::remove_file(&backups(folder.path())[0]).expect("the file can be removed");
+    next.command(Command::RestoreEdits);
+    for _ in 0..3 {
+        next.frame(FRAME);
+    }
+    assert_eq!(editor(&mut next).scenario().name, "Mine");
+    assert_eq!(backups(folder.path()).len(), 1);
+}
+
+#[test]
 fn a_backup_is_deleted_once_the_changes_are_saved_or_discarded() {
     let folder = temporary();
     let file = folder.path().join("mine.ron");

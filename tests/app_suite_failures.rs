@@ -47,7 +47,7 @@ fn replayed(start: StartOptions) -> (u32, &'static str, u64) {
     app.frame(Duration::from_millis(1));
     assert_eq!((app.shown().1.mode, app.error_notices()), (SessionMode::Compare, Vec::new()));
     let clock = second(&mut app).0;
-    loop {
+    for _ in 0..10_000 {
         app.command(Command::Step);
         app.frame(Duration::from_millis(1));
         let (_, episode) = second(&mut app);
@@ -61,6 +61,7 @@ fn replayed(start: StartOptions) -> (u32, &'static str, u64) {
             return (episode.steps, end, clock);
         }
     }
+    panic!("the episode does not end: {:?}", app.notices());
 }
 
 #[test]

@@ -327,3 +327,17 @@ fn a_configuration_whose_scenario_does_not_fit_its_set_is_rejected() {
     assert_eq!(done.status, Some(2), "{}", done.stderr);
     assert!(done.stderr.contains("lidar.beams (25, not 24)"), "{}", done.stderr);
 }
+
+#[test]
+fn the_scenarios_of_a_configuration_are_not_compared_if_a_value_cannot_be_read() {
+    let workspace = workspace();
+    let set = r#"(name: "Two", scenarios: [(scenario: "empty"), (name: "other", scenario: "empty")])"#;
+    workspace.write("two.ron", set);
+    workspace.run_ok("--train --scenario two.ron --preset fast.ron --steps 1 --out run");
+    let config = workspace.text("run/config.ron");
+    workspace.write("run/config.ron", config.replacen("beams: 24", "beams: \"many\"", 1));
+    let done = workspace.run("--check run/config.ron");
+    assert_eq!(done.status, Some(2), "{}", done.stderr);
+    assert!(done.stderr.contains(" in this run configuration\n"), "{}", done.stderr);
+    assert!(!done.stderr.contains("needs a different policy"), "{}", done.stderr);
+}

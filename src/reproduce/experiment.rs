@@ -49,6 +49,9 @@ pub struct Experiment {
     /// The tables.
     #[serde(default)]
     pub tables: Vec<TableSpec>,
+    /// Whether its training runs are shortened (`--quick`). It is not part of the file.
+    #[serde(skip)]
+    pub is_quick: bool,
 }
 
 impl Experiment {

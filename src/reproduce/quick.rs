@@ -6,7 +6,7 @@
 use super::experiment::Experiment;
 use super::figure_spec::FigureKind;
 use super::table_spec::TableKind;
-use crate::run::preset::{Budget, EvaluationConfig};
+use crate::run::preset::{Budget, EvaluationConfig, Preset};
 
 /// The divisor of budgets and of the number of test episodes.
 const DIVISOR: u64 = 10;
@@ -17,14 +17,18 @@ const MAX_SEEDS: u64 = 2;
 /// The maximum number of episodes of an evaluation during training.
 const MAX_EVALUATION_EPISODES: usize = 20;
 
-/// Shortens `experiment`. `budget_of` returns a preset's budget by the preset's name, for stages without their own.
-pub fn make_quick(experiment: &mut Experiment, budget_of: impl Fn(&str) -> Option<Budget>) {
+/// The interval of evaluations, in env steps of the full training, of an experiment that does not set one.
+const DEFAULT_EVALUATION_STEPS: u64 = 100_000;
+
+/// Shortens `experiment`, except for its training runs, which [`shorten_training`] shortens when they are planned.
+pub fn make_quick(experiment: &mut Experiment) {
+    experiment.is_quick = true;
     experiment.seeds = experiment.seeds.at_most(MAX_SEEDS);
     experiment.test.episodes = (experiment.test.episodes / DIVISOR as usize).max(1);
-    experiment.evaluation = Some(experiment.evaluation.map_or_else(default_evaluation, quick_evaluation));
-    for stage in experiment.arms.iter_mut().flat_map(|arm| &mut arm.stages) {
-        stage.budget = stage.budget.or_else(|| budget_of(&stage.preset)).map(shortened_budget);
-    }
+    experiment.evaluation.get_or_insert(EvaluationConfig {
+        every_env_steps: DEFAULT_EVALUATION_STEPS,
+        ..EvaluationConfig::default()
+    });
     let suffix = " (quick: a tenth of the training)";
     for figure in &mut experiment.figures {
         figure.title += suffix;
@@ -59,35 +63,19 @@ pub fn make_quick(experiment: &mut Experiment, budget_of: impl Fn(&str) -> Optio
     }
 }
 
-/// The evaluation of an experiment that does not set one.
-fn default_evaluation() -> EvaluationConfig {
-    EvaluationConfig {
-        every_env_steps: 10_000,
-        episodes: MAX_EVALUATION_EPISODES,
-        ..EvaluationConfig::default()
-    }
+/// Shortens a training run with all its overrides: a tenth of the budget, with the same number of evaluations of at most
+/// [`MAX_EVALUATION_EPISODES`] episodes each.
+pub fn shorten_training(preset: &mut Preset) {
+    preset.budget = shortened(preset.budget);
+    let evaluation = &mut preset.evaluation;
+    evaluation.every_env_steps = evaluation.every_env_steps.div_ceil(DIVISOR);
+    evaluation.episodes = evaluation.episodes.min(MAX_EVALUATION_EPISODES);
 }
 
-/// The experiment's own evaluation, the same number of times in the shorter training, with at most
-/// [`MAX_EVALUATION_EPISODES`] episodes each time. `final_episodes` stays the same.
-fn quick_evaluation(own: EvaluationConfig) -> EvaluationConfig {
-    let every_env_steps = (own.every_env_steps / DIVISOR).max(1);
-    EvaluationConfig { every_env_steps, episodes: own.episodes.min(MAX_EVALUATION_EPISODES), ..own }
-}
-
-/// A tenth of a stage's budget, rounded up, so that an arm's stages together still reach every point at which it is tested.
-fn shortened_budget(budget: Budget) -> Budget {
-    match budget {
+/// A tenth of `length`. It is rounded up, so that several stages remain at least as long as their sum.
+fn shortened(length: Budget) -> Budget {
+    match length {
         Budget::Episodes(n) => Budget::Episodes(n.div_ceil(DIVISOR)),
         Budget::EnvSteps(n) => Budget::EnvSteps(n.div_ceil(DIVISOR)),
-    }
-}
-
-/// A tenth of the training up to a point, rounded down: 0 stays 0, and anything longer stays at least 1.
-fn shortened(length: Budget) -> Budget {
-    let shortened = |n: u64| (n / DIVISOR).max(n.min(1));
-    match length {
-        Budget::Episodes(n) => Budget::Episodes(shortened(n)),
-        Budget::EnvSteps(n) => Budget::EnvSteps(shortened(n)),
     }
 }

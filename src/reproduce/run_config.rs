@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::experiment::{Arm, Experiment, Stage, TestedPolicy};
+use super::quick::shorten_training;
 use crate::run::folder::RunConfig;
 use crate::run::preset::Budget;
 use crate::run::{RunError, shipped};
@@ -53,6 +54,9 @@ pub fn run_config(
     }
     if !problems.is_empty() {
         return Err(FileError::for_file(Path::new(from), problems.join("\n")).into());
+    }
+    if experiment.is_quick {
+        shorten_training(&mut preset);
     }
     Ok(RunConfig::new((scenario_from, scenario), (stage.preset.clone(), preset), seed))
 }

@@ -6,7 +6,6 @@ use super::check::training_runs;
 use super::experiment::Experiment;
 use super::options::ReproduceOptions;
 use super::quick::make_quick;
-use super::run_config::resolve;
 use super::selected::{ExperimentSource, SelectedExperiment};
 use crate::limits::experiment::MAX_TRAINING_RUNS;
 use crate::run::{RunError, shipped};
@@ -43,8 +42,7 @@ pub fn select(options: &ReproduceOptions) -> Result<Vec<SelectedExperiment>, Run
         }
         if options.quick {
             check_trains(&source.from, experiment, "--quick shortens")?;
-            let preset = |name: &str| shipped::preset(&resolve(&source.from, name)).ok();
-            make_quick(experiment, |name| preset(name).map(|preset| preset.budget));
+            make_quick(experiment);
         }
         if let Some(seeds) = &options.seeds {
             if experiment.arms.iter().all(|arm| !arm.runs.is_empty()) {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::ReproduceOptions;
 use super::arm_run::{ArmRun, PolicyId};
 use super::elsewhere::FinishedRun;
-use super::experiment::{Experiment, TestRule};
+use super::experiment::TestRule;
 use super::figure_spec::{Axis, Series};
 use super::figures::caption;
 use super::learning_curves::{StageChange, merged_markers};
@@ -16,7 +16,6 @@ use super::optimal_times::OptimalTimesCache;
 use super::plan::{PlannedRun, RunPlan};
 use super::policy_test::{self, PolicyTestResult};
 use super::progress::gradient_steps;
-use super::quick::make_quick;
 use super::records::Windows;
 use super::report_progress::ReportProgress;
 use super::results::{ArmIndex, Results};
@@ -75,25 +74,48 @@ fn all_shipped_experiments_can_be_planned_in_full_and_quickly() {
     }
 }
 
+fn quick_plan(text: &str) -> RunPlan {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("mine.ron");
+    std::fs::write(&file, text).expect("written");
+    planned(&ReproduceOptions { experiments: vec![file], quick: true, ..ReproduceOptions::default() }).1
+}
+
 #[test]
-fn a_quick_version_shortens_the_experiments_own_evaluation() {
-    let text = |evaluation: &str| {
-        format!(
-            r#"(title: "T", {evaluation}
-                arms: [(name: "a", stages: [(scenario: "empty", preset: "fast", budget: EnvSteps(3000))])],
+fn a_quick_version_shortens_budgets_and_evaluations_wherever_they_are_set() {
+    let quick = |header: &str, stage: &str| {
+        let plan = quick_plan(&format!(
+            r#"(title: "T", {header}
+                arms: [(name: "a", stages: [(scenario: "empty", preset: "fast", {stage})])],
                 tables: [(name: "t", title: "T", show: Seeds(measure: Success))])"#
-        )
+        ));
+        let preset = &plan.training_runs[0].config.preset;
+        (preset.budget, preset.evaluation.every_env_steps, preset.evaluation.episodes)
     };
-    let quick = |evaluation: &str| {
-        let mut experiment = Experiment::parse(&text(evaluation), "t.ron").expect("it is valid");
-        make_quick(&mut experiment, |_| None);
-        assert_eq!(experiment.arms[0].stages[0].budget, Some(Budget::EnvSteps(300)));
-        let evaluation = experiment.evaluation.expect("it has one");
-        (evaluation.every_env_steps, evaluation.episodes, evaluation.final_episodes)
-    };
-    assert_eq!(quick("evaluation: (every_env_steps: 500, episodes: 4, final_episodes: 0),"), (50, 4, 0));
-    assert_eq!(quick("evaluation: (every_env_steps: 500, episodes: 100),"), (50, 20, 500));
-    assert_eq!(quick(""), (10_000, 20, 500));
+    let tenth = Budget::EnvSteps(300);
+    let (budget, of_preset) = ("budget: EnvSteps(3000)", Budget::EnvSteps(60_000));
+    assert_eq!(quick("evaluation: (every_env_steps: 500, episodes: 4),", budget), (tenth, 50, 4));
+    assert_eq!(quick("evaluation: (every_env_steps: 500, episodes: 100),", budget), (tenth, 50, 20));
+    assert_eq!(quick("", budget), (tenth, 10_000, 20));
+    assert_eq!(quick("", ""), (of_preset, 10_000, 20));
+    let overrides = r#"overrides: {"budget": EnvSteps(3000), "evaluation.every_env_steps": 500}"#;
+    assert_eq!(quick("", overrides), (tenth, 50, 20), "overrides of a stage");
+    assert_eq!(quick(&format!("{overrides},"), ""), (tenth, 50, 20), "overrides of all stages");
+    let conditions = format!(r#"conditions: [(name: "c", {overrides})],"#);
+    assert_eq!(quick(&conditions, ""), (tenth, 50, 20), "overrides of a condition");
+}
+
+#[test]
+fn the_stages_of_a_quick_version_are_long_enough_for_its_tests() {
+    let text = TWO_STAGES
+        .replace("Episodes(100)", "Episodes(15)")
+        .replace("Episodes(200)", "Episodes(15)")
+        .replace("Episodes(300)", "Episodes(30)");
+    assert_eq!(
+        budgets(&quick_plan(&text), 1),
+        [("dqn".into(), Budget::Episodes(2)), ("dqn".into(), Budget::Episodes(1))],
+        "3 episodes in all"
+    );
 }
 
 #[test]

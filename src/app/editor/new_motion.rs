@@ -32,6 +32,8 @@ pub(super) fn of_kind(scenario: &Scenario, index: usize, kind: MotionKind) -> Ob
         };
         (waypoints_m, speed_m_s)
     };
+    // An open path with several legs must not be closed: the straight way back may lead through a wall.
+    let loops = obstacle.path_m().is_none_or(|(corners_m, closed)| closed || corners_m.len() == 2);
     match kind {
         MotionKind::Static => ObstacleMotion::Static,
         MotionKind::Orbit => orbit(scenario, obstacle),
@@ -45,11 +47,11 @@ pub(super) fn of_kind(scenario: &Scenario, index: usize, kind: MotionKind) -> Ob
         }
         MotionKind::Pedestrian => {
             let (goals_m, speed_m_s) = waypoints(false);
-            ObstacleMotion::Pedestrian { goals_m, speed_m_s, loops: true, sees_robot: false }
+            ObstacleMotion::Pedestrian { goals_m, speed_m_s, loops, sees_robot: false }
         }
         MotionKind::KeyFrames => {
             let (path_m, speed_m_s) = path(true);
-            ObstacleMotion::key_frames_along(obstacle.position_m, &path_m, speed_m_s, true)
+            ObstacleMotion::key_frames_along(obstacle.position_m, &path_m, speed_m_s, loops)
         }
         MotionKind::RandomWalk => {
             let free_m = enclosure_distance(&scenario.enclosure, obstacle.position_m);

@@ -68,7 +68,7 @@ pub struct EditorBackup {
     /// `None` if backups are disabled.
     store: Option<Store>,
     interval: Duration,
-    /// The scenario in this session's backup; `None` without a backup.
+    /// The scenario that this session last wrote to its backup; `None` if it has written none.
     written: Option<Arc<Scenario>>,
     /// When writing a backup was last attempted; `None` without unsaved changes.
     last_attempt: Option<Instant>,
@@ -180,7 +180,8 @@ pub(super) fn restore(world: &mut World) -> Result<(), RunError> {
     // The screen offers this only while nothing is unsaved, so this session has no backup yet. If a program sends the command
     // nevertheless, the backup of what is replaced stays, and the next start offers it.
     state.store = Some(Store::of(found)?);
-    (state.written, state.last_attempt) = (Some(edited.clone()), Some(Instant::now()));
+    // Another process may have deleted the file since it was found. After the interval it is written again.
+    (state.written, state.last_attempt) = (None, Some(Instant::now()));
     if let Some(in_file) = &in_file {
         world.resource_mut::<ScenarioSource>().record_opened(from.clone(), in_file.clone());
     }

@@ -90,10 +90,10 @@ impl Store {
     }
 }
 
-/// Deletes a backup. One that cannot be deleted is offered at the next start, which does no harm.
+/// Deletes a backup. One that cannot be deleted is offered at the next start, which does no harm. The lock file stays, because
+/// another process may lock it at any moment.
 fn delete(path: &Path) {
     let _ = fs::remove_file(path);
-    let _ = fs::remove_file(lock_path(path));
 }
 
 /// A backup of an earlier session.

@@ -19,7 +19,7 @@ pub(super) fn show_notes(world: &mut World) {
     let mut lines: Vec<String> = notes.iter().take(MAX_LISTED).map(ToString::to_string).collect();
     match notes.len().saturating_sub(MAX_LISTED) {
         0 => {}
-        more => lines.push(format!("and {more} more, shown once these are fixed")),
+        more => lines.push(format!("and {more} more")),
     }
     if !lines.is_empty() {
         notify(world, NoticeTopic::Settings, Severity::Warning, lines.join("\n"));

@@ -179,6 +179,7 @@ impl RunConfig {
 
     /// The [`diagnostics`](Self::diagnostics), if the values at the paths `unknown` could not be read.
     fn diagnostics_of_known(&self, unknown: &[String]) -> Vec<Diagnostic> {
+        let all_known = unknown.is_empty();
         let in_scenario = |path: &String| match path.strip_prefix("scenario") {
             Some(rest) => Some(rest.trim_start_matches('.').to_owned()),
             None => path.is_empty().then(String::new),
@@ -193,7 +194,9 @@ impl RunConfig {
             let fit = self.preset.fit();
             let member = set.misfit(fit).map(|(k, why)| (format!("scenario_set.members[{k}].source"), why));
             let first = || Some(("scenario".into(), set.misfit_of(name, (robot, lidar, task), fit)?));
-            let misfit = member.or_else(first).map(|(path, message)| Diagnostic { path, message });
+            // Values that could not be read must not be compared.
+            let misfit = member.or_else(first).filter(|_| all_known);
+            let misfit = misfit.map(|(path, message)| Diagnostic { path, message });
             let inside = set.diagnostics().into_iter().map(inside("scenario_set"));
             inside.chain(misfit).collect()
         };
@@ -209,7 +212,8 @@ impl RunConfig {
         Self { sensors, reward_terms, extensions: extensions.clone(), ..self }
     }
 
-    /// This recorded configuration with the user's plugins, for a run that is resumed. `path` is the run folder.
+    /// This recorded configuration with the user's plugins, for a run that is resumed or repeated. An error names
+    /// it by `path`.
     ///
     /// # Errors
     /// The sensors or reward terms of the plugins differ from the recorded ones.

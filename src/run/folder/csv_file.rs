@@ -17,31 +17,34 @@ impl RunFolder {
     /// # Errors
     /// The file cannot be read, or a row cannot be parsed as `Row`.
     pub fn rows<Row: DeserializeOwned>(&self, name: &str) -> Result<Vec<Row>, RunError> {
-        let lines = self.complete_lines(name)?;
+        let lines = self.complete_lines(name, u64::MAX)?;
         let rows: Result<Vec<Row>, csv::Error> =
             csv::Reader::from_reader(&lines[..]).into_deserialize().collect();
         rows.map_err(|error| RunError::failed(&self.path.join(name), error))
     }
 
-    /// As [`rows`](Self::rows), with the further columns of a run over a set of scenarios; `scenarios` are their names.
+    /// As [`rows`](Self::rows), of the first `bytes` bytes of the file, and with the further columns of a run over a set of
+    /// scenarios; `scenarios` are their names.
     ///
     /// # Errors
     /// As [`rows`](Self::rows).
     pub fn rows_of_set<Row: DeserializeOwned + SetColumns>(
         &self,
         name: &str,
+        bytes: u64,
         scenarios: &[String],
     ) -> Result<Vec<Row>, RunError> {
-        let rows = parse_rows(&self.complete_lines(name)?, scenarios);
+        let rows = parse_rows(&self.complete_lines(name, bytes)?, scenarios);
         rows.map_err(|error| RunError::failed(&self.path.join(name), error))
     }
 
-    /// The file `name` up to its last line break.
-    fn complete_lines(&self, name: &str) -> Result<Vec<u8>, RunError> {
+    /// The first `bytes` bytes of the file `name`, up to their last line break.
+    fn complete_lines(&self, name: &str, bytes: u64) -> Result<Vec<u8>, RunError> {
         let path = self.path.join(name);
-        let mut bytes = fs::read(&path).map_err(|error| RunError::failed(&path, error))?;
-        bytes.truncate(bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |last| last + 1));
-        Ok(bytes)
+        let mut lines = fs::read(&path).map_err(|error| RunError::failed(&path, error))?;
+        lines.truncate(usize::try_from(bytes).unwrap_or(usize::MAX));
+        lines.truncate(lines.iter().rposition(|&byte| byte == b'\n').map_or(0, |last| last + 1));
+        Ok(lines)
     }
 
     /// A writer that appends rows to the CSV file `name` after truncating it to `bytes` bytes. A new file

@@ -130,8 +130,7 @@ impl Run {
             }
         }
         if let Some(more @ 1..) = notes.len().checked_sub(MAX_PRINTED_NOTES) {
-            self.progress
-                .line(&format!("note: {more} more; help: `wayfield --check FILE` lists all of them"));
+            self.progress.line(&format!("note: and {more} more"));
         }
     }
 

@@ -35,6 +35,18 @@ fn changing_between_patrol_and_back_and_forth_keeps_the_path() {
 }
 
 #[test]
+fn an_open_path_stays_open_as_key_frames_or_goals_of_a_pedestrian() {
+    for kind in [MotionKind::KeyFrames, MotionKind::Pedestrian] {
+        let mut editor = editor(full());
+        editor.select(Selection::Obstacle(1));
+        editor.set_motion(MotionKind::BackAndForth);
+        let path_m = editor.scenario().obstacles[1].path_m();
+        editor.set_motion(kind);
+        assert_eq!(editor.scenario().obstacles[1].path_m(), path_m, "{kind:?}");
+    }
+}
+
+#[test]
 fn a_new_orbit_is_centred_in_the_scenario_if_it_fits() {
     let mut editor = editor(full());
     editor.select(Selection::Obstacle(0));

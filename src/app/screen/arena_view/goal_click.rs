@@ -30,7 +30,8 @@ pub fn update(
     if check_move(&drag_target::move_context(arena), request.object, request.to_m).is_err() {
         return;
     }
-    if response.clicked() {
+    // A double-click fits the view.
+    if response.clicked() && !response.double_clicked() {
         commands.push(Command::SetGoal(request));
     }
     ui.ctx().set_cursor_icon(CursorIcon::Crosshair);

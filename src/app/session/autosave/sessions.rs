@@ -20,13 +20,13 @@ use crate::scenario::read_ron;
 /// The file with the metadata of an autosave. Other run folders do not have it.
 pub(super) const METADATA_FILE: &str = "autosave.ron";
 
-/// The prefix of the names of folders in which an autosave is being written.
+/// The prefix of the names of folders in which an autosave is being written or deleted.
 pub(super) const TEMPORARY: &str = ".saving-";
 
 /// Maximum number of folder entries that are read.
 const MAX_ENTRIES: usize = 1000;
 
-/// An unfinished autosave of this age was left by a process that was killed.
+/// An autosave of this age that is unfinished, or not completely deleted, was left by a process that was killed.
 const ABANDONED_AFTER: Duration = Duration::from_secs(600);
 
 /// The metadata of an autosave.
@@ -97,7 +97,7 @@ pub(super) fn find(root: &Path) -> Vec<FoundSession> {
         .filter(|session| is_unused(&session.path))
         .collect();
     // One that cannot be deleted does no harm.
-    let delete = |session: FoundSession| drop(fs::remove_dir_all(session.path));
+    let delete = |session: FoundSession| drop(delete_autosave(&session.path));
     keep_newest(&mut found, FoundSession::order, delete);
     found
 }
@@ -109,6 +109,18 @@ fn is_temporary(path: &Path) -> bool {
 /// Whether no process has locked the run folder at `path`.
 fn is_unused(path: &Path) -> bool {
     Lock::acquire(path, &path.join(RunFolder::LOCK_FILE)).is_ok()
+}
+
+/// Deletes the autosave at `path`. It is renamed before, so that a later session deletes the rest if this process is killed
+/// meanwhile.
+///
+/// # Errors
+/// A file cannot be deleted.
+pub(super) fn delete_autosave(path: &Path) -> io::Result<()> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let renamed = path.with_file_name(format!("{TEMPORARY}{name}"));
+    let is_renamed = fs::rename(path, &renamed).is_ok();
+    fs::remove_dir_all(if is_renamed { renamed.as_path() } else { path })
 }
 
 /// Deletes what killed processes left unfinished.
@@ -153,5 +165,6 @@ mod tests {
             find(root.path()).into_iter().map(|session| session.metadata.scenario).collect();
         assert_eq!(found, ["b", "e", "d"], "newest first");
         assert!(!root.path().join("a").exists() && !root.path().join("c").exists(), "older ones are deleted");
+        assert_eq!(fs::read_dir(root.path()).expect("a folder").count(), 3, "nothing is left of them");
     }
 }

@@ -8,7 +8,7 @@ use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use super::latest;
-use super::sessions::{AutosaveMetadata, METADATA_FILE, TEMPORARY};
+use super::sessions::{AutosaveMetadata, METADATA_FILE, TEMPORARY, delete_autosave};
 use crate::app::session::run_snapshot::RunSnapshot;
 use crate::run::RunError;
 use crate::run::folder::RunFolder;
@@ -70,12 +70,14 @@ impl Slot {
             to_ron(&AutosaveMetadata::new(snapshot)).map_err(|error| RunError::failed(&written, error))?;
         write_atomic(&written.join(METADATA_FILE), |file| file.write_all(metadata.as_bytes()))
             .map_err(failed)?;
-        let path = self
-            .path()
-            .map_or_else(|| unused_path(&self.root, &snapshot.config.run_name()), Path::to_path_buf);
         // Unlocks the earlier one: some systems do not rename a folder with open files.
-        self.folder = None;
-        let swapped = swap(&written, &path).map_err(|error| RunError::failed(&path, error));
+        let (path, swapped) = match self.folder.take().map(|folder| folder.path().to_path_buf()) {
+            Some(path) => {
+                let swapped = swap(&written, &path).map_err(|error| RunError::failed(&path, error));
+                (path, swapped)
+            }
+            None => (place(&written, &self.root, &snapshot.config.run_name()).map_err(failed)?, Ok(())),
+        };
         // After a failure, this is the earlier autosave, if there was one.
         match open_locked(&path) {
             Ok(folder) => self.folder = Some(folder),
@@ -92,7 +94,7 @@ impl Slot {
             let path = folder.path().to_path_buf();
             drop(folder);
             // If it cannot be deleted, later sessions offer it until newer autosaves displace it.
-            let _ = fs::remove_dir_all(path);
+            let _ = delete_autosave(&path);
         }
         self.known_bytes = 0;
     }
@@ -116,15 +118,30 @@ fn swap(written: &Path, path: &Path) -> io::Result<()> {
     let swapped = fs::rename(written, path);
     if has_earlier {
         // If the previous one cannot be deleted, later sessions offer it until newer autosaves displace it.
-        let _ = if swapped.is_ok() { fs::remove_dir_all(&previous) } else { fs::rename(&previous, path) };
+        let _ = if swapped.is_ok() { delete_autosave(&previous) } else { fs::rename(&previous, path) };
     }
     swapped
 }
 
+/// Moves the folder `written` to an unused path in `folder`, made from `name` and if necessary a number. Returns the path.
+fn place(written: &Path, folder: &Path, name: &str) -> io::Result<PathBuf> {
+    // Another process may use a path at any moment: a folder that is not empty cannot be replaced.
+    let place_at = |path: PathBuf| match fs::rename(written, &path) {
+        Ok(()) => Some(Ok(path)),
+        Err(_) if path.exists() => None,
+        Err(error) => Some(Err(error)),
+    };
+    numbered_paths(folder, name).find_map(place_at).unwrap_or_else(|| Err(ErrorKind::AlreadyExists.into()))
+}
+
 /// A path in `folder` that is not used yet, made from `name` and if necessary a number.
 fn unused_path(folder: &Path, name: &str) -> PathBuf {
-    let numbered = (2..).map(|number| folder.join(format!("{name}-{number}")));
-    std::iter::once(folder.join(name)).chain(numbered).find(|path| !path.exists()).unwrap_or_default()
+    numbered_paths(folder, name).find(|path| !path.exists()).unwrap_or_default()
+}
+
+fn numbered_paths(folder: &Path, name: &str) -> impl Iterator<Item = PathBuf> {
+    let numbered = (2..).map(move |number| folder.join(format!("{name}-{number}")));
+    std::iter::once(folder.join(name)).chain(numbered)
 }
 
 #[cfg(test)]
@@ -150,6 +167,21 @@ mod tests {
         swap(&written, &path).expect("swapped");
         assert_eq!((text_in(&path), text_in(&left)), ("second".into(), "left".into()));
         assert_eq!(fs::read_dir(root.path()).expect("a folder").count(), 2, "the first one is deleted");
+    }
+
+    #[test]
+    fn a_first_autosave_replaces_no_other() {
+        let root = tempfile::tempdir().expect("a temporary folder");
+        let texts = ["first", "second", "third"];
+        let paths = texts.map(|text| {
+            let written = root.path().join("written");
+            folder_with(&written, text);
+            place(&written, root.path(), "run").expect("placed")
+        });
+        assert_eq!(paths, ["run", "run-2", "run-3"].map(|name| root.path().join(name)));
+        assert_eq!(paths.map(|path| text_in(&path)), texts);
+        let missing = place(&root.path().join("missing"), root.path(), "new").expect_err("nothing to move");
+        assert_eq!(missing.kind(), ErrorKind::NotFound);
     }
 
     #[test]
