@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 import wayfield
-from wayfield import _frames, _native
+from wayfield import _frames, _native, _settings
 
 STEPS = 20_000
 
@@ -334,6 +334,11 @@ def test_settings_are_those_of_the_command_line(tmp_path):
         wayfield.train(set={"learning.gama": 0.9}, out=tmp_path / "no")
     with pytest.raises(ValueError, match="help:"):
         wayfield.evaluate("scenario-1", set={"learning.gamma": 0.9})
+
+
+def test_settings_may_be_numpy_scalars():
+    settings = {"a": np.bool_(True), "b": (np.float32(0.1), np.int64(3)), "c": [np.bool_(False)], "d": np.str_("Greedy")}
+    assert _settings.pairs(settings) == [("a", "true"), ("b", "(0.1, 3)"), ("c", "[false]"), ("d", "Greedy")]
 
 
 def test_training_starts_from_a_policy(run, tmp_path):

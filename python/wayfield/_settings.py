@@ -12,7 +12,8 @@ def pairs(settings: Mapping[str, Any] | None) -> list[tuple[str, str]]:
 def _ron(value: Any) -> str:
     if isinstance(value, str):
         return value
-    if isinstance(value, bool):
+    # NumPy's booleans are not `bool`s. Its numbers need no conversion.
+    if isinstance(value, bool) or getattr(value, "dtype", None) == "bool":
         return "true" if value else "false"
     if isinstance(value, tuple):
         return "(" + ", ".join(map(_ron, value)) + ")"
