@@ -91,9 +91,10 @@ impl NativeReport {
                 let mut noticed = Ok(());
                 while !work.is_finished() {
                     thread::sleep(POLL_INTERVAL);
-                    if noticed.is_ok() {
-                        noticed = check_ctrl_c();
-                        stop.store(noticed.is_err(), Ordering::Relaxed);
+                    // A training run that fails sets the flag as well, so it is never cleared here.
+                    if let Err(ctrl_c) = check_ctrl_c() {
+                        stop.store(true, Ordering::Relaxed);
+                        noticed = Err(ctrl_c);
                     }
                 }
                 let done = work.join().unwrap_or_else(|panic| resume_unwind(panic));
