@@ -228,11 +228,13 @@ fn a_dash_writes_a_file_to_standard_output_and_the_summary_to_standard_error() {
     assert!(done.stderr.contains("success  "), "{}", done.stderr);
     let done = workspace.run_ok(&format!("{command} --trace -"));
     assert!(lines(&done.stdout).len() > 30, "{}", done.stdout);
+    std::fs::create_dir(workspace.path("folder")).unwrap();
     for (arguments, reason) in [
         (format!("{command} --json --csv -"), "both go to standard output"),
         (format!("{command} --csv - --trace -"), "name the same file"),
         (format!("{command} --csv same --trace same"), "name the same file"),
         (format!("{command} --csv same --trace ./same"), "name the same file"),
+        (format!("{command} --csv same --trace folder/../same"), "name the same file"),
         (format!("{command} --csv absent/episodes.csv"), "the folder absent does not exist"),
         ("--eval scenario-3".into(), "no such file, shipped policy or driver"),
     ] {
@@ -248,6 +250,11 @@ fn a_dash_writes_a_file_to_standard_output_and_the_summary_to_standard_error() {
             assert_eq!((head.status, head.stdout.lines().count()), (Some(0), 1), "{}", head.stderr);
             assert!(!head.stderr.contains("error"), "{}", head.stderr);
         }
+        // The trace of 100 episodes, too.
+        let both = "--eval scenario-1 --rounds 1 --episodes 100 --csv left.csv --trace -";
+        let head = workspace.shell(&format!("$WAYFIELD {both} | head -n 1"));
+        assert!(head.stderr.contains("note: left.csv: not written"), "{}", head.stderr);
+        assert!(!workspace.path("left.csv").exists());
     }
 }
 

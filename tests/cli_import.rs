@@ -178,6 +178,9 @@ fn invalid_imports_are_rejected_and_nothing_is_written() {
             "--draw new.svg --scenario scenario-1 --over map.yaml",
             "does not say where it lies in a map; help: ",
         ),
+        ("--import map.yaml --out /dev/stdout --json", "both go to standard output; help: "),
+        ("--draw new.svg --scenario scenario-1 --resolution 0.05", "--resolution is for --over"),
+        ("--draw new.svg --scenario clutter --levels 4 --over map.yaml", "cannot be used with"),
         ("--import map.yaml --out new.ron --tolerance -1", "give 0 to 10 (metres)"),
         ("--import map.yaml --out new.ron --resolution 0", "give 0.001 to 10 (metres)"),
     ] {

@@ -168,6 +168,8 @@ fn the_curves_of_a_run_can_be_drawn_even_while_it_goes_on() {
         ),
         ("--run run --scenario hall", "cannot be used with"),
         ("--run run --plain", "cannot be used with"),
+        ("--run run --seed 3", "cannot be used with"),
+        ("--run run --resolution 0.05", "cannot be used with"),
     ] {
         let done = workspace.run(&format!("--draw new.svg {arguments}"));
         assert_eq!(done.status, Some(2), "{arguments}: {}", done.stderr);

@@ -42,6 +42,15 @@ export function lock(key) {
     navigator.locks?.request(`wayfield ${key}`, () => new Promise(() => {}));
 }
 
+/// Like `lock`, unless another tab uses what is stored under the key. Returns whether it was free.
+export async function lockIfFree(key) {
+    if (navigator.locks === undefined) return true;
+    return new Promise((resolve) => navigator.locks.request(`wayfield ${key}`, { ifAvailable: true }, (held) => {
+        resolve(held !== null);
+        return held && new Promise(() => {});
+    }));
+}
+
 export async function keysInUse() {
     const { held } = await navigator.locks?.query() ?? { held: [] };
     return new Set(held.map(({ name }) => name.replace('wayfield ', '')));
@@ -174,7 +183,15 @@ export async function saveNow(app) {
 export function describe() {
     if (own.storedAt === undefined) return undefined;
     const seconds = Math.round((Date.now() - own.storedAt) / 1000);
-    return `The training run was saved ${seconds} s ago.`;
+    return `The training run was saved ${inWords(seconds)} ago.`;
+}
+
+/// A duration, rounded down to a suitable unit.
+function inWords(seconds) {
+    if (seconds <= 120) return `${seconds} s`;
+    const hours = Math.floor(seconds / 3600);
+    if (hours < 1) return `${Math.floor(seconds / 60)} min`;
+    return hours < 48 ? `${hours} h` : `${Math.floor(hours / 24)} days`;
 }
 
 /// The policy that the app passed last, even if it could not be stored.

@@ -1,8 +1,8 @@
 // Backups of the scenario editor in the browser's storage: a closed tab or a crash loses only the last seconds of unsaved
 // changes.
-// In: the changes, as text from the app. Out: the newest backup that no open tab uses, to be restored.
+// In: the changes, as text from the app. Out: the backups that no open tab uses; the app offers the newest that it can read.
 
-import { keysInUse, lock, newKey } from './autosave.js';
+import { keysInUse, lock, lockIfFree, newKey } from './autosave.js';
 
 const PREFIX = 'wayfield: editor ';
 /// Maximum number of backups to keep, apart from those of open tabs.
@@ -10,8 +10,8 @@ const MAX_KEPT = 3;
 
 let own = newKey();
 lock(own);
-/// The backup to offer, with its key.
-let offer;
+/// The backups to offer, with their keys, newest first.
+let offers = [];
 
 /// The stored backups, newest first.
 function stored() {
@@ -20,29 +20,31 @@ function stored() {
     return keys.map(read).sort((a, b) => b.savedMs - a.savedMs);
 }
 
-/// Looks for a backup to offer, and deletes old ones. If storage is disabled, none is offered.
+/// Looks for backups to offer, and deletes old ones. If storage is disabled, none is offered.
 export async function find() {
     try {
         const inUse = await keysInUse();
         const unused = stored().filter(({ key }) => !inUse.has(key));
-        offer = unused[0];
+        offers = unused.slice(0, MAX_KEPT);
         for (const { key } of unused.slice(MAX_KEPT)) localStorage.removeItem(PREFIX + key);
     } catch (error) {
         console.info(`no backup of the editor: ${error}`);
     }
 }
 
-/// The backup to offer, for the app.
+/// The backups to offer, for the app.
 export function offered() {
-    if (offer === undefined) return undefined;
-    return JSON.stringify({ text: offer.text, age_s: Math.max(0, Math.round((Date.now() - offer.savedMs) / 1000)) });
+    const age = (savedMs) => Math.max(0, Math.round((Date.now() - savedMs) / 1000));
+    return JSON.stringify(offers.map(({ key, text, savedMs }) => ({ key, text, age_s: age(savedMs) })));
 }
 
-/// Makes the offered backup this tab's own: the next one replaces it.
-export function adopt() {
-    own = offer.key;
-    lock(own);
-    offer = undefined;
+/// Makes the offered backup with this key this tab's own: the next one replaces it. If another tab has done so meanwhile, this
+/// tab continues with a copy.
+export async function adopt(key) {
+    const { text } = offers.find((offer) => offer.key === key);
+    offers = [];
+    if (await lockIfFree(key)) own = key;
+    else store(text);
 }
 
 /// Stores this tab's backup. Returns an error message, or undefined.

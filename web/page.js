@@ -148,7 +148,7 @@ globalThis.wayfieldPage = {
         for (const [name, bytes] of Object.entries(files)) app.receive_session_file(name, bytes);
         app.session_received();
     }).catch((error) => app.session_received(`The last session cannot be read: ${error}`)),
-    last_backup: backups.offered,
+    last_backups: backups.offered,
     adopt_backup: backups.adopt,
     store_backup: backups.store,
     delete_backup: backups.remove,

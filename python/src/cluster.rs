@@ -1,9 +1,11 @@
 //! Training runs as tasks for other machines, and the report of these runs.
 
+use std::panic::resume_unwind;
 use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
-use std::time::Instant;
+use std::thread;
+use std::time::{Duration, Instant};
 
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -13,8 +15,11 @@ use wayfield::reproduce::{OpenReport, ReproduceOptions, TrainingTask};
 use wayfield::run::provenance::{COMMIT, VERSION};
 
 use crate::env_options::settings;
-use crate::errors::{detached, run_error};
+use crate::errors::{check_ctrl_c, detached, run_error};
 use crate::train::listener;
+
+/// How often Ctrl-C is checked for while a report is finished.
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// The options of a reproduction.
 #[derive(FromPyObject)]
@@ -73,12 +78,30 @@ impl NativeReport {
     }
 
     /// Carries out the missing training runs and writes the report. Returns its folder, and the JSON object of
-    /// `--reproduce --json`. `parallel` is the number of runs that were done in parallel.
+    /// `--reproduce --json`. `parallel` is the number of runs that were done in parallel. Ctrl-C stops the training runs; it is
+    /// raised when the work has ended.
     fn finish(&mut self, py: Python<'_>, parallel: usize) -> PyResult<(PathBuf, String)> {
         let report = self.0.take().ok_or_else(finished)?;
         let folder = report.path().to_owned();
-        let done =
-            detached(py, || report.finish(Some(parallel), &AtomicBool::new(false)).map_err(run_error))?;
+        let stop = AtomicBool::new(false);
+        let done = detached(py, || {
+            thread::scope(|scope| {
+                let work = scope.spawn(|| report.finish(Some(parallel), &stop));
+                // Only this thread can notice Ctrl-C.
+                let mut noticed = Ok(());
+                while !work.is_finished() {
+                    thread::sleep(POLL_INTERVAL);
+                    // A training run that fails sets the flag as well, so it is never cleared here.
+                    if let Err(ctrl_c) = check_ctrl_c() {
+                        stop.store(true, Ordering::Relaxed);
+                        noticed = Err(ctrl_c);
+                    }
+                }
+                let done = work.join().unwrap_or_else(|panic| resume_unwind(panic));
+                noticed?;
+                done.map_err(run_error)
+            })
+        })?;
         Ok((folder, json(&ReproductionReport::new(done, None))?))
     }
 }

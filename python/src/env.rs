@@ -186,7 +186,7 @@ impl NativeEnv {
         &self.scenario.name
     }
 
-    /// The control period in s.
+    /// The control period in s; that of the first scenario of a set.
     #[getter]
     fn control_period_s(&self) -> f64 {
         wayfield::run::evaluate::period_s(self.scenario.task.control_period_s)

@@ -1,8 +1,11 @@
 """Tests of wayfield.cluster without Ray: which tasks there are, what they return, and what is not repeated."""
 
 import json
+import os
+import signal
 import subprocess
 import sys
+import threading
 import types
 import warnings
 
@@ -138,6 +141,23 @@ def test_a_folder_in_use_is_refused(folder):
             return super().submit(name, work, arguments)
 
     reproduce(Nested())
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGINT for one process")
+def test_ctrl_c_interrupts_the_missing_runs_of_a_report(folder, monkeypatch):
+    (folder / "own.ron").write_text(EXPERIMENT.replace("EnvSteps(2000)", "EnvSteps(100000000)"))
+    monkeypatch.setattr(cluster, "run_tasks", lambda *_: None)
+    # A background job starts with SIGINT ignored.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    timer = threading.Timer(1.5, lambda: os.kill(os.getpid(), signal.SIGINT))
+    timer.start()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            reproduce(OneProcess())
+    finally:
+        timer.cancel()
+        signal.signal(signal.SIGINT, before)
+    assert not (folder / "report/report.html").exists()
 
 
 def test_invalid_options_raise_exceptions(folder):

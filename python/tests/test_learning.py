@@ -339,9 +339,9 @@ def test_settings_are_those_of_the_command_line(tmp_path):
         wayfield.evaluate("scenario-1", set={"learning.gamma": 0.9})
 
 
-def test_settings_may_be_numpy_values():
-    settings = {"a": np.True_, "b": np.int64(3), "c": (np.float64(0.5), False)}
-    assert _settings.pairs(settings) == [("a", "true"), ("b", "3"), ("c", "(0.5, false)")]
+def test_settings_may_be_numpy_scalars():
+    settings = {"a": np.bool_(True), "b": (np.float32(0.1), np.int64(3)), "c": [np.bool_(False)], "d": np.str_("Greedy")}
+    assert _settings.pairs(settings) == [("a", "true"), ("b", "(0.1, 3)"), ("c", "[false]"), ("d", "Greedy")]
 
 
 def test_training_starts_from_a_policy(run, tmp_path):

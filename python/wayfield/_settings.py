@@ -3,8 +3,6 @@
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-
 
 def pairs(settings: Mapping[str, Any] | None) -> list[tuple[str, str]]:
     """The paths and the values as RON text, for the native module."""
@@ -14,7 +12,8 @@ def pairs(settings: Mapping[str, Any] | None) -> list[tuple[str, str]]:
 def _ron(value: Any) -> str:
     if isinstance(value, str):
         return value
-    if isinstance(value, (bool, np.bool_)):
+    # NumPy's booleans are not `bool`s. Its numbers need no conversion.
+    if isinstance(value, bool) or getattr(value, "dtype", None) == "bool":
         return "true" if value else "false"
     if isinstance(value, tuple):
         return "(" + ", ".join(map(_ron, value)) + ")"

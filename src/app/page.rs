@@ -56,12 +56,12 @@ extern "C" {
     /// Makes that autosave this training run's own.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn adopt_last_session();
-    /// The backup of the editor to offer, as JSON, if there is one.
+    /// The backups of the editor that may be offered, newest first, as a JSON list.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
-    pub(super) fn last_backup() -> Option<String>;
-    /// Makes that backup this tab's own.
+    pub(super) fn last_backups() -> String;
+    /// Makes the backup with this key this tab's own.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
-    pub(super) fn adopt_backup();
+    pub(super) fn adopt_backup(key: &str);
     /// Stores the backup of the editor. Returns an error message if that fails.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn store_backup(text: &str) -> Option<String>;

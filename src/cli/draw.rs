@@ -23,7 +23,7 @@ use crate::run::{RunError, run_image};
 #[command(next_help_heading = "Options of --draw")]
 pub struct DrawArgs {
     /// Draw the learning curves of the run in DIR, which may still be in progress, instead of a scenario
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["scenario", "set"])]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["scenario", "set", "seed", "resolution"])]
     run: Option<PathBuf>,
 
     /// Draw the scenario without its name, the legend and the axes; by default 480x360 pixels
@@ -31,7 +31,7 @@ pub struct DrawArgs {
     plain: bool,
 
     /// The number of levels on the contact sheet of a level generator, 1 to 100, with consecutive seeds from --seed on
-    #[arg(long, value_name = "N", value_parser = values::levels, conflicts_with_all = ["run", "plain"])]
+    #[arg(long, value_name = "N", value_parser = values::levels, conflicts_with_all = ["run", "plain", "over"])]
     levels: Option<u64>,
 
     /// Mark what is occupied in the map (.yaml) or image (with --resolution) from which the scenario was imported
@@ -42,13 +42,17 @@ pub struct DrawArgs {
 /// Draws the figure into `file` and prints the path, unless the figure itself goes to a device or a pipe.
 ///
 /// # Errors
-/// The scenario or the run is invalid, or the file cannot be written.
+/// The scenario or the run is invalid, a resolution is given without a map, or the file cannot be written.
 pub fn run(
     file: &Path,
     args: &DrawArgs,
     resolution_m: Option<f64>,
     shared: &SharedArgs,
 ) -> Result<(), RunError> {
+    if resolution_m.is_some() && args.over.is_none() {
+        let why = "--resolution is for --over with an image; help: add --over IMAGE, or leave it out";
+        return Err(RunError::InvalidInput(why.into()));
+    }
     ImageFormat::of(file)?;
     check_writable(file)?;
     let svg = match &args.run {

@@ -56,7 +56,7 @@ pub struct ImportArgs {
 /// If `--out` names a folder, imports all worlds of a `.json` file into it, and prints their paths.
 ///
 /// # Errors
-/// No output is given, `file` cannot be imported, or a scenario file cannot be written.
+/// No output is given, it is also needed for JSON, `file` cannot be imported, or a scenario file cannot be written.
 pub fn run(file: &Path, args: &ImportArgs, shared: &SharedArgs) -> Result<(), RunError> {
     let Some(out) = &shared.out else {
         return Err(RunError::InvalidInput(
@@ -69,6 +69,11 @@ pub fn run(file: &Path, args: &ImportArgs, shared: &SharedArgs) -> Result<(), Ru
     }
     if !is_file {
         return Err(RunError::invalid_input(out, "not a scenario file; help: give a name that ends in .ron"));
+    }
+    if shared.json && out == Path::new("/dev/stdout") {
+        return Err(RunError::InvalidInput(
+            "--json and the scenario would both go to standard output; help: give --out a file".into(),
+        ));
     }
     check_writable(out)?;
     let imported = import(file, &options(args, shared)?)?;

@@ -119,22 +119,6 @@ fn the_stages_of_a_quick_version_are_long_enough_for_its_tests() {
 }
 
 #[test]
-fn the_stages_of_a_quick_version_are_long_enough_for_its_points() {
-    let text = r#"(
-        title: "T",
-        arms: [(name: "a", stages: [
-            (scenario: "empty", preset: "fast", budget: Episodes(15)),
-            (scenario: "scenario-1", preset: "fast", budget: Episodes(15)),
-        ])],
-        tables: [(name: "t", title: "T", show: Seeds(measure: Success, after: Episodes(30)))],
-    )"#;
-    let mut experiment = Experiment::parse(text, "t.ron").expect("it is valid");
-    make_quick(&mut experiment, |_| None);
-    let found = experiment.diagnostics();
-    assert!(found.is_empty(), "{found:?}");
-}
-
-#[test]
 fn a_training_run_shared_by_experiments_is_planned_once() {
     // Figure 8's DQN is the beginning of figure 9's; figure 10's transfer starts from figure 9's PER-D3QN.
     let (_, plan) = planned(&only(&["fig8", "fig9", "fig10"]));

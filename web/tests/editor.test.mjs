@@ -42,6 +42,41 @@ test('after a crash, the unsaved changes of the editor can be restored, and are 
     await closeWithoutErrors(page);
 });
 
+test('a backup that cannot be read does not hide an older one', async () => {
+    const page = await open(app.browser, `${app.address}?scenario=empty&edit`);
+    await addCircle(page);
+    await crash(page);
+    page.errors.length = 0;
+    await page.evaluate(() =>
+        localStorage.setItem('wayfield: editor newer', JSON.stringify({ text: '(', savedMs: Date.now() + 1000 })));
+    await page.goto(`${app.address}?paused`);
+    await until(page, (now) => now.paused);
+    await click(page, 'Restore');
+    await centre(page, 'Obstacle 1');
+    await closeWithoutErrors(page);
+});
+
+test('two tabs that restore the same changes have a backup each', async () => {
+    const page = await open(app.browser, `${app.address}?scenario=empty&edit`);
+    await addCircle(page);
+    const tabs = [await page.context().newPage(), await page.context().newPage()];
+    await page.close();
+    for (const tab of tabs) {
+        await tab.bringToFront();
+        await tab.goto(`${app.address}?paused`);
+        await until(tab, (now) => now.paused);
+        await centre(tab, 'Restore');
+    }
+    for (const tab of tabs) {
+        await tab.bringToFront();
+        await click(tab, 'Restore');
+        await centre(tab, 'Obstacle 1');
+    }
+    const keys = await tabs[1].evaluate(() => Object.keys(localStorage).filter((key) => key.startsWith('wayfield: editor ')));
+    assert.equal(keys.length, 2);
+    await tabs[0].context().close();
+});
+
 test('the browser does not handle the keys of the editor too', async () => {
     const page = await open(app.browser, `${app.address}?scenario=empty&edit`);
     await until(page, (now) => now.paused);

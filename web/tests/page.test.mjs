@@ -397,6 +397,14 @@ test('invalid options in the address are reported, and the defaults are used', a
     assert.deepEqual([now.scenario, now.seed, now.pace], ['scenario-1', 0, { Times: 5 }]);
     assert.match(now.notice, /scenario-9.*did you mean `scenario-\d`/s);
     await picture(page, 'no-such-scenario');
+    // The status has the latest notice only.
+    for (const [option, notice] of [
+        ['seed=-1', 'Invalid address: seed=-1\nhelp: use a whole number, 0 or more'],
+        ['pace=fastest', 'Invalid address: pace=fastest\nhelp: use 0.01 to 100 (times real time), or full'],
+    ]) {
+        await page.goto(`${app.address}?${option}`);
+        assert.equal((await until(page, (now) => now.env_steps > 0)).notice, notice);
+    }
     await page.context().close();
 });
 

@@ -135,7 +135,9 @@ impl Map {
         let clearance_m = floor.clearance * self.cell_m;
         let mut problem = String::new();
         // Simplified walls may close a gap. Then smaller tolerances are tried, and finally the cells themselves.
-        for tolerance_m in [asked_m, asked_m / 2.0, asked_m / 4.0, 0.0] {
+        // With less than half a wall's thickness, the walls are the cells already.
+        let attempts = if asked_m < THICKNESS_M / 2.0 { 1 } else { 4 };
+        for tolerance_m in [asked_m, asked_m / 2.0, asked_m / 4.0, 0.0].into_iter().take(attempts) {
             let checked = surroundings(&floor.cells, scale, tolerance_m, clearance_m).and_then(|found| {
                 let about = self.about(found.deviation_m, dropped);
                 let source = Source { file: file_name(path), about, frame: self.frame(centre) };
@@ -146,8 +148,11 @@ impl Map {
                 Ok((scenario, deviation_m)) => {
                     let mut findings = Findings::default();
                     if tolerance_m < asked_m {
-                        let what = "a gap would have closed, so the walls follow the map more closely than requested";
-                        findings.add(what, &format!("{tolerance_m} m"));
+                        let than = if options.tolerance_m.is_some() { "requested" } else { "by default" };
+                        let what = format!(
+                            "a gap would have closed, so the walls follow the map more closely than {than}"
+                        );
+                        findings.add(&what, &format!("{tolerance_m} m"));
                     }
                     let findings = findings.lines();
                     return Ok(Imported { scenario, deviation_m, path_length_m: None, findings });

@@ -282,6 +282,14 @@ fn an_invalid_generator_is_reported_with_line_and_fix() {
         ),
         ("(name: \"a\", clutter: [Automaton(cell_m: (0.03, 0.1))])", "more than 4000"),
         ("(name: \"a\", wall_layouts: [Rooms(door_m: (0.3, 0.5))])", "write more than gap_m, 0.35 m"),
+        (
+            "(name: \"a\", wall_layouts: [Rooms(side_m: (0.8, 1.8))])",
+            "`wall_layouts[0].side_m[0]` is 0.8: write more than twice the sum of gap_m and a wall's thickness, 0.9 m",
+        ),
+        (
+            "(name: \"a\", wall_layouts: [Rooms(side_m: (0.4, 1.8), loops: (0.0, 0.0))])",
+            "is 0.4: write more than the sum of gap_m and a wall's thickness, 0.45 m",
+        ),
         ("(name: \"a\", traffic: [Lanes(speed_m_s: (0.1, 4.0))])", "write a number from 0 to 2.5"),
         (
             "(name: \"a\", traffic: [PedestrianCrowd(goals: (0, 1))])",

@@ -1,4 +1,4 @@
-//! The editor's backups in a browser: the page stores them, chooses the newest that no other tab uses, and deletes old ones.
+//! The editor's backups in a browser: the page stores them, lists those that no other tab uses, and deletes old ones.
 
 use std::path::Path;
 
@@ -21,8 +21,8 @@ impl Store {
     ///
     /// # Errors
     /// Never; only the store on disk can fail.
-    pub(super) fn of(_: FoundBackup) -> Result<Self, RunError> {
-        page::adopt_backup();
+    pub(super) fn of(found: FoundBackup) -> Result<Self, RunError> {
+        page::adopt_backup(&found.key);
         Ok(Self)
     }
 
@@ -43,6 +43,7 @@ impl Store {
 /// A backup of an earlier visit.
 pub(super) struct FoundBackup {
     pub(super) backup: Backup,
+    key: String,
     age_s: u64,
 }
 
@@ -53,13 +54,16 @@ impl FoundBackup {
     }
 }
 
-/// The backup that the page offers, if there is one.
+/// The newest backup that can be read, if there is one.
 pub(super) fn find(_: &Path) -> Option<FoundBackup> {
     #[derive(Deserialize)]
     struct Entry {
+        key: String,
         text: String,
         age_s: u64,
     }
-    let Entry { text, age_s } = serde_json::from_str(&page::last_backup()?).ok()?;
-    Some(FoundBackup { backup: Backup::parse(&text, Path::new("backup"))?, age_s })
+    let entries: Vec<Entry> = serde_json::from_str(&page::last_backups()).ok()?;
+    entries.into_iter().find_map(|Entry { key, text, age_s }| {
+        Some(FoundBackup { backup: Backup::parse(&text, Path::new("backup"))?, key, age_s })
+    })
 }

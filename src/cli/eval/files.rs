@@ -10,7 +10,9 @@ use serde::Serialize;
 
 use crate::run::RunError;
 use crate::run::evaluate::TraceStep;
-use crate::run::output_file::{check_writable, write_atomic};
+use crate::run::output_file::{check_writable, is_stream, write_atomic};
+use crate::run::progress::print_stderr;
+use crate::scenario::printable_path;
 
 /// The files that a test writes.
 pub struct TestFiles {
@@ -49,8 +51,7 @@ impl TestFiles {
     pub fn new(csv: Option<&Path>, trace: Option<&Path>, json: bool) -> Result<Self, RunError> {
         let target = |path: &Path| if path == Path::new("-") { STDOUT.into() } else { path.to_owned() };
         let files = Self { csv: csv.map(target), trace: trace.map(target) };
-        let absolute = |path: &PathBuf| std::path::absolute(path).unwrap_or_else(|_| path.clone());
-        if files.csv.is_some() && files.csv.as_ref().map(absolute) == files.trace.as_ref().map(absolute) {
+        if files.csv.is_some() && files.csv.as_deref().map(located) == files.trace.as_deref().map(located) {
             return Err(RunError::InvalidInput(
                 "--csv and --trace name the same file; help: give each a file of its own".into(),
             ));
@@ -71,6 +72,16 @@ impl TestFiles {
         [&self.csv, &self.trace].into_iter().flatten().any(|path| path == Path::new(STDOUT))
     }
 
+    /// Prints which files are not written, after the reader of standard output has closed it.
+    pub fn print_reader_closed(&self) {
+        for path in [&self.csv, &self.trace].into_iter().flatten().filter(|path| !is_stream(path)) {
+            let path = printable_path(path);
+            print_stderr(&format!(
+                "note: {path}: not written, because the reader of the other file has closed it"
+            ));
+        }
+    }
+
     /// Runs `test`, which writes episodes to the first file and steps to the second. If it fails, existing files are kept.
     pub fn write<T>(
         &self,
@@ -78,6 +89,13 @@ impl TestFiles {
     ) -> Result<T, TestEnd> {
         write(self.csv.as_deref(), |csv| write(self.trace.as_deref(), |trace| test(csv, trace)))
     }
+}
+
+/// `path` with the true path of its folder, to compare it with others.
+fn located(path: &Path) -> PathBuf {
+    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let folder = path.parent().and_then(|folder| folder.canonicalize().ok());
+    folder.zip(path.file_name()).map_or_else(|| path.clone(), |(folder, name)| folder.join(name))
 }
 
 /// Runs `work`, which writes the contents of the file at `path`, if a path is given.

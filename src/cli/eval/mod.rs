@@ -116,7 +116,10 @@ pub fn run(paths: &[PathBuf], args: &EvalArgs, shared: &SharedArgs) -> Result<()
     let test = Test { scenario, count, per_round, seed, route, args, extensions, stop };
     match files.write(|csv, trace| test.run(&policies, csv, trace)) {
         Ok(reports) => print(&reports, shared.json, files.use_stdout()),
-        Err(TestEnd::ReaderClosed) => Ok(()),
+        Err(TestEnd::ReaderClosed) => {
+            files.print_reader_closed();
+            Ok(())
+        }
         Err(TestEnd::Error(error)) => Err(error),
     }
 }

@@ -116,17 +116,23 @@ mod tests {
     #[test]
     fn wide_intervals_show_no_impossible_values_and_are_labelled_as_cut_off() {
         let wide = |mean: f64| BandPoint { x: mean, mean, low: mean - 40.0, high: mean + 40.0 };
-        let lines = vec![CurveLine { points: [0.0, 1.0, 2.0].map(wide).to_vec(), ..CurveLine::default() }];
-        let svg = |limits| {
-            let panel = ChartPanel { lines: lines.clone(), limits, ..ChartPanel::default() };
+        let band = |mean| BandPoint { mean: f64::NAN, ..wide(mean) };
+        let with = |points: [BandPoint; 3], limits| {
+            let line = CurveLine { points: points.to_vec(), ..CurveLine::default() };
+            let panel = ChartPanel { lines: vec![line], limits, ..ChartPanel::default() };
             let chart =
                 CurveChart { band_label: "interval".into(), panels: vec![panel], ..CurveChart::default() };
             chart.svg().expect("the figure is drawn")
         };
+        let svg = |limits| with([0.0, 1.0, 2.0].map(wide), limits);
         let negative = |svg: &str| svg.lines().any(|line| line.trim_start().starts_with('\u{2212}'));
         assert!(negative(&svg(None)) && !negative(&svg(Some((0.0, f64::INFINITY)))));
         assert!(svg(None).contains("interval, cut off at the frame"));
         assert!(svg(Some((0.0, 2.5))).contains("interval\n"), "an interval that ends at a limit is whole");
+        assert!(
+            with([0.0, 1.0, 2.0].map(band), None).contains("interval\n"),
+            "without means, they are whole"
+        );
         for limits in [None, Some((0.0, f64::INFINITY)), Some((0.0, 2.5))] {
             check("wide intervals", &svg(limits));
         }

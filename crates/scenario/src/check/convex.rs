@@ -14,12 +14,16 @@ pub(crate) struct RoundedArea {
 }
 
 impl RoundedArea {
-    /// The area of `obstacle` at step 0, without a rim of `rim_m`; the long sides of a thin polygon lose less.
+    /// The area of `obstacle` at step 0, without a rim of `rim_m`; the sides of a polygon thinner than two rims lose less.
     pub(crate) fn within(obstacle: &Obstacle, rim_m: f32) -> Self {
         let (points, radius_m) = obstacle.shape.support_points(obstacle.rotation_rad);
         let mut corners_m = convex_hull(points.iter().map(|&point| obstacle.position_m + point).collect());
         if radius_m >= rim_m {
             return Self { corners_m, radius_m: radius_m - rim_m };
+        }
+        let inner_m = convex_hull(without_rim(&corners_m, rim_m));
+        if !inner_m.is_empty() {
+            return Self { corners_m: inner_m, radius_m: 0.0 };
         }
         let middle = corners_m.iter().sum::<Vec2>() / corners_m.len() as f32;
         for corner in &mut corners_m {
@@ -60,6 +64,27 @@ impl RoundedArea {
     pub(super) fn corner_count(&self) -> usize {
         self.corners_m.len()
     }
+}
+
+/// The corners of the part of a convex polygon that is at least `rim_m` inside each of its sides; none if there is no such part.
+fn without_rim(corners: &[Vec2], rim_m: f32) -> Vec<Vec2> {
+    let mut kept = corners.to_vec();
+    for (from, to) in sides(corners) {
+        let inwards = (to - from).perp().normalize_or_zero();
+        let depth = |point: Vec2| (point - from).dot(inwards) - rim_m;
+        let mut clipped = Vec::new();
+        for (a, b) in sides(&kept) {
+            let (of_a, of_b) = (depth(a), depth(b));
+            if of_a >= 0.0 {
+                clipped.push(a);
+            }
+            if (of_a >= 0.0) != (of_b >= 0.0) {
+                clipped.push(a.lerp(b, of_a / (of_a - of_b)));
+            }
+        }
+        kept = clipped;
+    }
+    kept
 }
 
 /// The distance between two convex polygons, segments or points, in m; 0 where they overlap.
@@ -164,5 +189,17 @@ mod tests {
             )
         };
         assert!(!wall(0.0).overlaps(&wall(1.0)) && wall(0.0).overlaps(&wall(0.98)));
+        let shelf = |height_m, y| {
+            let shape = Shape::Rectangle { width_m: 4.0, height_m };
+            let motion = ObstacleMotion::Static;
+            RoundedArea::within(
+                &Obstacle { shape, position_m: vec2(0.0, y), rotation_rad: 0.0, motion },
+                0.005,
+            )
+        };
+        assert!(
+            !shelf(0.2, 0.0).overlaps(&shelf(0.2, 0.195)) && shelf(0.2, 0.0).overlaps(&shelf(0.2, 0.185))
+        );
+        assert!(shelf(0.002, 0.0).overlaps(&shelf(0.2, 0.0)), "a shape without an inner part is not ignored");
     }
 }

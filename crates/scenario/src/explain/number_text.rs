@@ -104,15 +104,20 @@ pub(super) fn comma_problem(text: &str, offset: usize) -> Option<(Range<usize>, 
     let end = offset + text[offset..].find(|c| !is_part(c)).unwrap_or(text.len() - offset);
     let number = text[start..end].trim_end_matches(',');
     let groups: Vec<&str> = number.split(',').collect();
-    if groups.len() < 2 || !groups.iter().all(|group| group.starts_with(|c: char| c.is_ascii_digit())) {
+    let (_, before) = groups.split_last()?;
+    let joined = groups.concat();
+    if before.is_empty()
+        || !groups.iter().all(|group| group.starts_with(|c: char| c.is_ascii_digit()))
+        || before.iter().any(|group| group.contains('.'))
+        || joined.replace('_', "").parse::<f64>().is_err()
+    {
         return None;
     }
     let range = start..start + number.len();
-    let (joined, decimal) = (groups.concat(), number.replacen(',', ".", 1));
+    let decimal = number.replacen(',', ".", 1);
     let are_thousands =
         groups[1..].iter().all(|group| group.split('.').next().is_some_and(|digits| digits.len() == 3))
-            && !groups[0].starts_with('0')
-            && !groups[0].contains('.');
+            && !groups[0].starts_with('0');
     let message = match (groups.len(), are_thousands) {
         (2, false) if !number.contains('.') => format!("a decimal comma: write {decimal}"),
         (_, false) => return None,
@@ -157,7 +162,7 @@ mod tests {
         };
         assert_eq!(found("0,5").as_deref(), Some("a decimal comma: write 0.5"));
         assert_eq!(found("1,000.5").as_deref(), Some("a comma inside a number: write 1000.5"));
-        for text in ["1.234,56", "1.5,200", "1,2.3"] {
+        for text in ["1.234,56", "1.5,200", "1,2.3", "12,345.6.7", "1,234.5,678"] {
             assert_eq!(found(text), None, "{text}");
         }
     }

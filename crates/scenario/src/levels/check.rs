@@ -4,7 +4,7 @@ use std::fmt::Arguments;
 use std::ops::RangeInclusive;
 
 use super::schema::{Clutter, LevelGenerator, Route, Traffic, WallLayout};
-use super::{floor, text_grid};
+use super::{floor, rooms, text_grid};
 use crate::check::{
     Diagnostics, METRES, METRES_PER_SECOND, RADIANS, check_random_shape, check_robot_and_task,
     checked_period_s, fastest_m_s, rounded_up,
@@ -130,6 +130,7 @@ fn check_walls(
             pair("door_m", *door_m, LEVEL_GAP_M, METRES);
             pair("loops", *loops, 0.0..=1.0, " (a probability)");
             check_passage(format_args!("{path}.door_m"), door_m.0, generator, diagnostics);
+            check_room(format_args!("{path}.side_m[0]"), side_m.0, loops.1, generator.gap_m, diagnostics);
             check_cells(format_args!("{path}.side_m"), side_m.0, MAX_LEVEL_ROOMS, generator, diagnostics);
         }
         WallLayout::Maze { passage_m, wall_m, loops } => {
@@ -162,6 +163,19 @@ fn check_passage(
     diagnostics: &mut Diagnostics,
 ) {
     diagnostics.check_above(format_args!("{path}[0]"), least_m, generator.gap_m, ("gap_m", "gap_m"));
+}
+
+/// Checks that the smallest side of a room, `least_m`, has space for a door that is wider than the gap, or for two doors if
+/// `loops` is above 0.
+fn check_room(path: Arguments<'_>, least_m: f32, loops: f32, gap_m: f32, diagnostics: &mut Diagnostics) {
+    let (doors, what) = if loops > 0.0 {
+        (2.0, "twice the sum of gap_m and a wall's thickness")
+    } else {
+        (1.0, "the sum of gap_m and a wall's thickness")
+    };
+    // Rounded, so that the message shows a short number.
+    let bound_m = (doors * f64::from(gap_m + rooms::THICKNESS_M) * 1e4).round() / 1e4;
+    diagnostics.check_above(path, least_m, bound_m as f32, (what, "gap_m"));
 }
 
 fn check_clutter(

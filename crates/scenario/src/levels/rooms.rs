@@ -8,7 +8,7 @@ use super::number;
 use crate::schema::Wall;
 
 /// Thickness of the walls, in m.
-const THICKNESS_M: f32 = 0.1;
+pub(super) const THICKNESS_M: f32 = 0.1;
 /// Attempts to find a position for a wall that ends at no door.
 const TRIES: usize = 20;
 

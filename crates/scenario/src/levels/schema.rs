@@ -85,7 +85,8 @@ pub enum WallLayout {
     },
     /// Rooms: a wall with a door divides the enclosure, then each part, until they are too small.
     Rooms {
-        /// Smallest side of a room between the centre lines of its walls, 0.2 to 50 m.
+        /// Smallest side of a room between the centre lines of its walls, 0.2 to 50 m. Must be more than `gap_m` plus 0.1, or
+        /// twice that if walls can have two doors.
         #[serde(default = "default_room_m")]
         side_m: (f32, f32),
         /// Width of the doors, 0.02 to 50 m. Must be more than `gap_m`.

@@ -104,19 +104,29 @@ fn key_frame_rows(rows: &mut FieldRows<'_>, label: &str, frames: &mut Vec<KeyFra
     });
 }
 
-/// Adds rows for whether key frames repeat, and for the period. A new period leaves as much time to return as the frames take.
+/// Adds rows for whether key frames repeat, and for the period; no rows if there is no time left to return.
 fn end_rows(rows: &mut FieldRows<'_>, frames: &[KeyFrame], end: &mut KeyFrameEnd) {
-    let (was_loop, last_s) = (*end != KeyFrameEnd::Stop, frames.last().map_or(1.0, |frame| frame.time_s));
+    let was_loop = *end != KeyFrameEnd::Stop;
+    let looping = new_period_s(frames).map(|period_s| KeyFrameEnd::Loop { period_s });
+    if !was_loop && looping.is_none() {
+        return;
+    }
     let mut is_loop = was_loop;
     rows.checkbox("Repeat", "Return to the position and start again", &mut is_loop);
     if is_loop != was_loop {
-        let period_s = (2.0 * last_s).min(*KEY_FRAME_TIME_S.end());
-        *end = if is_loop { KeyFrameEnd::Loop { period_s } } else { KeyFrameEnd::Stop };
+        *end = looping.filter(|_| is_loop).unwrap_or(KeyFrameEnd::Stop);
     }
     if let KeyFrameEnd::Loop { period_s } = end {
         let time = NumberSpec::seconds(KEY_FRAME_TIME_S);
         rows.number("Period", "Time at which it is back at its position", period_s, time);
     }
+}
+
+/// The period of key frames that begin to repeat: if possible, they take as long to return. `None` if the last frame is at the
+/// latest time.
+fn new_period_s(frames: &[KeyFrame]) -> Option<f32> {
+    let last_s = frames.last().map_or(1.0, |frame| frame.time_s);
+    Some((2.0 * last_s).min(*KEY_FRAME_TIME_S.end())).filter(|period_s| *period_s > last_s)
 }
 
 /// The radius and the speed of an orbit, the highest speed of key frames, or the length and the duration of a round trip.
@@ -193,5 +203,12 @@ mod tests {
         assert_eq!(round_trip(&corners, true, 0.5), "Round trip: 12.00 m, 24 s");
         assert_eq!(round_trip(&corners, false, 0.5), "Round trip: 14.00 m, 28 s");
         assert_eq!(round_trip(&corners, false, 0.0), "Round trip: 14.00 m");
+    }
+
+    #[test]
+    fn the_period_of_key_frames_is_later_than_the_last_frame() {
+        let period_s = |time_s| new_period_s(&[KeyFrame { time_s, position_m: Vec2::ZERO }]);
+        assert_eq!((period_s(20.0), period_s(60_000.0)), (Some(40.0), Some(100_000.0)));
+        assert_eq!(period_s(100_000.0), None);
     }
 }

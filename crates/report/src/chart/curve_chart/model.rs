@@ -117,22 +117,25 @@ impl ChartPanel {
     }
 
     /// The y axis. It spans the means, the dots, the reference lines and the values to include; raw lines and bands extend it to
-    /// at most twice that range.
+    /// at most twice that range. Without any of the former, it spans the raw lines, or else the bands.
     pub(super) fn y_axis(&self) -> Axis {
         let means = self.lines.iter().flat_map(|l| l.points.iter().filter(|p| p.has_mean()).map(|p| p.mean));
         let references = self.reference_lines.iter().map(|l| l.value);
         let raw = || self.lines.iter().flat_map(|l| l.raw.iter().map(|p| p.1));
         let dots = self.lines.iter().filter(|l| l.raw_style == RawStyle::Dots);
         let dots = dots.flat_map(|l| l.raw.iter().map(|p| p.1));
+        let bands = || self.lines.iter().flat_map(|l| l.band().flat_map(|p| [p.low, p.high]));
         let mut shown: Vec<f64> =
             means.chain(references).chain(self.include_y.iter().copied()).chain(dots).collect();
         if shown.is_empty() {
             shown.extend(raw());
         }
+        if shown.is_empty() {
+            shown.extend(bands());
+        }
         let (low, high) = bounds(shown.iter().copied());
         let margin = (high - low) / 2.0;
-        let bands = self.lines.iter().flat_map(|l| l.band().flat_map(|p| [p.low, p.high]));
-        let others = raw().chain(bands).map(|y| y.clamp(low - margin, high + margin));
+        let others = raw().chain(bands()).map(|y| y.clamp(low - margin, high + margin));
         Axis::within_limits(shown.iter().copied().chain(others), self.limits, 5.0)
     }
 
