@@ -145,7 +145,10 @@ impl SavedRun {
                 .for_each(|env_steps| curves.annotate(env_steps, SCENARIO_CHANGED.into()));
         });
         for (_, error) in skipped {
-            let text = format!("{error}\nAn older checkpoint was used instead");
+            let error = error.to_string();
+            // Its help is about a run without a readable checkpoint.
+            let why = error.split("; help:").next().unwrap_or(&error);
+            let text = format!("{why}\nAn older checkpoint was used instead");
             notify(world, NoticeTopic::General, Severity::Error, text);
         }
     }

@@ -101,8 +101,10 @@ impl Run {
         let env_steps = learner.env_steps();
         let mut run = Self::open(config, folder, learner, trainer_state, began, listener)?;
         for (_, error) in skipped {
-            run.progress
-                .warn(&format!("{error}; resuming from an older checkpoint, at {env_steps} env steps"));
+            let error = error.to_string();
+            // Its help is about a run without a readable checkpoint.
+            let why = error.split("; help:").next().unwrap_or(&error);
+            run.progress.warn(&format!("{why}; resuming from an older checkpoint, at {env_steps} env steps"));
         }
         checkpoint::restore(run.simulation.world_mut(), &run.trainer_state);
         if let Some(best) = &run.trainer_state.best {

@@ -111,7 +111,7 @@ fn is_unused(path: &Path) -> bool {
     Lock::acquire(path, &path.join(RunFolder::LOCK_FILE)).is_ok()
 }
 
-/// Deletes the autosave at `path`. It is renamed before, so that a later session deletes the rest if this process is killed
+/// Deletes the autosave at `path`. It is renamed first, so that a later session deletes the rest if this process is killed
 /// meanwhile.
 ///
 /// # Errors
