@@ -178,7 +178,7 @@ fn inside_or_from(is_inside: bool) -> &'static str {
     if is_inside { "inside" } else { "from" }
 }
 
-/// Checks that there is free space for starts and goals, and for goals far enough from any position of the robot.
+/// Checks that there is free space for starts and goals, and that enough starts have a goal that is far enough away.
 fn check_free_space(valid: &ValidPart, diagnostics: &mut Diagnostics) {
     let scenario = &valid.scenario;
     let moments = if scenario.obstacles.iter().any(|obstacle| obstacle.motion.is_moving()) {
