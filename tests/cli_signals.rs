@@ -79,7 +79,7 @@ fn repeated_and_different_signals_save_as_one_does() {
             let both = format!("kill -{first} {id}; sleep {pause}; kill -{second} {id} || true");
             assert!(Command::new("sh").args(["-c", &both]).status().unwrap().success());
             let done = wait_for_output(child);
-            // Of signals that arrive together, the one with the smaller number comes first.
+            // Of signals that arrive together, the one with the smaller number comes first, which may be the second one sent.
             let expected = if pause == "0" { &statuses[..] } else { &statuses[..1] };
             let case = format!("{first}, {second}, pause {pause}");
             assert!(

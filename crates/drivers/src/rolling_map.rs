@@ -132,6 +132,13 @@ impl RollingMap {
         path.into_iter().map(|cell| self.window.centre_m(cell)).collect()
     }
 
+    /// Continues `path` to `to_m` along the cheapest path, if it ends in the window of the last [`RollingMap::make_costs`].
+    pub(crate) fn continue_path(&mut self, path: &mut Vec<Vec2>, to_m: Vec2) {
+        if let Some(end) = path.last().copied().filter(|end| self.window.contains(*end)) {
+            path.extend(&self.cheapest_path(end, to_m)[1..]);
+        }
+    }
+
     /// The cost of `path`, plus those of the straight lines from `at_m` to its first point and from its last point to `to_m` as
     /// if nothing were there. A path to a point outside the window ends at the edge of the window in which it was planned.
     pub(crate) fn path_cost(&self, at_m: Vec2, path: &[Vec2], to_m: Vec2) -> u32 {

@@ -109,10 +109,7 @@ impl Waypoints {
         let found = self.map.cheapest_path(at_m, self.goal_m);
         self.path.drain(..nearest(&self.path, at_m));
         // If the goal was outside the window when the path was planned, the path ends at the edge of that window.
-        if let Some(end) = self.path.last() {
-            let rest = self.map.cheapest_path(*end, self.goal_m);
-            self.path.extend(&rest[1..]);
-        }
+        self.map.continue_path(&mut self.path, self.goal_m);
         let [cost, kept] = [&found, &self.path].map(|path| self.map.path_cost(at_m, path, self.goal_m));
         if self.path.is_empty() || (cost as f32) < BETTER * kept as f32 {
             self.path = found;

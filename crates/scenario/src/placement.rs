@@ -16,7 +16,7 @@ const TRIES: u32 = 1_000;
 /// Grid points along each side of the enclosure, or of the rule's region.
 const GRID: usize = 64;
 /// Attempts to find a start with a goal that is far enough away.
-const START_TRIES: u32 = 50;
+const START_TRIES: u32 = 200;
 
 /// The error when no point satisfies a rule at a step. A scenario without diagnostics has free space at step 0 and at the
 /// other steps that the checks test.

@@ -178,7 +178,7 @@ fn inside_or_from(is_inside: bool) -> &'static str {
     if is_inside { "inside" } else { "from" }
 }
 
-/// Checks that there is free space for starts and goals, and for goals far enough from any position of the robot.
+/// Checks that there is free space for starts and goals, and that enough starts have a goal that is far enough away.
 fn check_free_space(valid: &ValidPart, diagnostics: &mut Diagnostics) {
     let scenario = &valid.scenario;
     let moments = if scenario.obstacles.iter().any(|obstacle| obstacle.motion.is_moving()) {
@@ -186,18 +186,19 @@ fn check_free_space(valid: &ValidPart, diagnostics: &mut Diagnostics) {
     } else {
         1
     };
-    let (mut starts, mut goals) = (None, None);
+    let (mut starts, mut goals, mut too_near) = (None, None, false);
     for step in (0..moments).map(|k| k * u64::from(scenario.task.max_episode_steps) / moments) {
         let found = FreeSpace::new(&frozen(scenario, step));
         starts = starts.or((!found.starts).then_some(step));
         goals = goals.or((!found.goals).then_some(step));
+        too_near |= !found.far_goals;
     }
     let (has_starts, has_goals) = (valid.has("starts"), valid.has("goals"));
     report_no_free_space("starts", starts.filter(|_| has_starts), &scenario.starts, diagnostics);
     report_no_free_space("goals", goals.filter(|_| has_goals), &scenario.goals, diagnostics);
     if has_starts && has_goals && starts.is_none() && goals.is_none() {
         let before = diagnostics.found.len();
-        check_goal_distance(scenario, diagnostics);
+        check_goal_distance(scenario, too_near, diagnostics);
         if diagnostics.found.len() == before {
             check_layouts(scenario, diagnostics);
         }
@@ -210,6 +211,8 @@ struct FreeSpace {
     starts: bool,
     /// Whether there is a free goal.
     goals: bool,
+    /// Whether enough of the possible starts have a goal that is far enough away.
+    far_goals: bool,
 }
 
 impl FreeSpace {
@@ -218,7 +221,11 @@ impl FreeSpace {
         let any = |rule: &PlacementRule| {
             !rule.positions_m().is_empty() || free_points(frozen, rule, 0).next().is_some()
         };
-        Self { starts: any(&frozen.starts), goals: any(&frozen.goals) }
+        Self {
+            starts: any(&frozen.starts),
+            goals: any(&frozen.goals),
+            far_goals: !frozen.starts.positions_m().is_empty() || has_far_goals(frozen),
+        }
     }
 }
 
@@ -236,11 +243,10 @@ fn check_layouts(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     for layout_seed in 0..(GENERATION_WORK_BUDGET / work).clamp(1, MAX_SAMPLED_LAYOUTS) as u64 {
         let generated = scenario.with_generated_obstacles(layout_seed);
         placed += generated.obstacles.len() - scenario.obstacles.len();
-        let frozen = frozen(&generated, 0);
-        let what = match FreeSpace::new(&frozen) {
+        let what = match FreeSpace::new(&frozen(&generated, 0)) {
             FreeSpace { starts: false, .. } => "for a start",
             FreeSpace { goals: false, .. } => "for a goal",
-            _ if !has_far_goals(&frozen) => "for a goal that is task.min_goal_distance_m away",
+            FreeSpace { far_goals: false, .. } => "for a goal that is task.min_goal_distance_m away",
             _ => continue,
         };
         let message = format!(
@@ -271,8 +277,8 @@ fn report_no_free_space(name: &str, step: Option<u64>, rule: &PlacementRule, dia
     }
 }
 
-/// Checks that a goal is far enough from the starts.
-fn check_goal_distance(scenario: &Scenario, diagnostics: &mut Diagnostics) {
+/// Checks that a goal is far enough from the starts. `too_near`: at some moment, too few random starts have such a goal.
+fn check_goal_distance(scenario: &Scenario, too_near: bool, diagnostics: &mut Diagnostics) {
     let least = scenario.task.min_goal_distance_m;
     let frozen = frozen(scenario, 0);
     if let (PlacementRule::Fixed { position_m: start, .. }, PlacementRule::Fixed { position_m: goal, .. }) =
@@ -297,7 +303,7 @@ fn check_goal_distance(scenario: &Scenario, diagnostics: &mut Diagnostics) {
             diagnostics.push(format_args!("starts.{path}"), message);
         }
     }
-    if scenario.starts.positions_m().is_empty() && !has_far_goals(&frozen) {
+    if too_near {
         let few = format!("fewer than one start in {FAR_START_DIVISOR} has a goal");
         if matches!(scenario.goals, PlacementRule::Random { .. }) {
             let message =
