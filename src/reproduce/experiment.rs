@@ -51,7 +51,7 @@ pub struct Experiment {
     pub tables: Vec<TableSpec>,
     /// Whether its training runs are shortened (`--quick`). It is not part of the file.
     #[serde(skip)]
-    pub is_quick: bool,
+    pub(super) is_quick: bool,
 }
 
 impl Experiment {

@@ -58,10 +58,9 @@ impl ExtraRewards {
             !BUILT_IN_TERMS.contains(&name),
             "a plugin adds a reward term named `{name}`, which is the name of a built-in term; rename it"
         );
-        assert!(
-            self.names.iter().all(|other| column_name(other) != column_name(name)),
-            "two plugins add a reward term named `{name}`, or one with the same column in episodes.csv; rename one of them"
-        );
+        if let Some(other) = self.names.iter().find(|other| column_name(other) == column_name(name)) {
+            panic!("the reward terms `{other}` and `{name}` have the same column in episodes.csv; rename one of them");
+        }
         self.names.push(name.into());
         RewardTerm(self.names.len() - 1)
     }
@@ -157,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    #[should_panic(expected = "two plugins add a reward term named `near_wall`, or one with the same column")]
+    #[should_panic(expected = "the reward terms `near-wall` and `near_wall` have the same column")]
     fn two_terms_of_plugins_cannot_have_the_same_column() {
         let mut extra = ExtraRewards::default();
         extra.add("near-wall");
