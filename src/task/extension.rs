@@ -59,7 +59,9 @@ impl ExtraRewards {
             "a plugin adds a reward term named `{name}`, which is the name of a built-in term; rename it"
         );
         if let Some(other) = self.names.iter().find(|other| column_name(other) == column_name(name)) {
-            panic!("the reward terms `{other}` and `{name}` have the same column in episodes.csv; rename one of them");
+            panic!(
+                "the reward terms `{other}` and `{name}` have the same column in episodes.csv; rename one of them"
+            );
         }
         self.names.push(name.into());
         RewardTerm(self.names.len() - 1)
