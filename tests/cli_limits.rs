@@ -70,7 +70,7 @@ fn with_few_threads_a_run_gives_the_same_result() {
 }
 
 #[test]
-fn the_limit_of_cpu_time_saves_the_run() {
+fn a_run_that_reaches_the_limit_of_cpu_time_is_saved_and_resumes() {
     for limit in ["ulimit -S -t 2", "ulimit -t 4"] {
         let workspace = workspace();
         let done = workspace
@@ -162,8 +162,8 @@ fn every_memory_limit_at_which_the_program_starts_gives_one_line_of_error() {
     for kilobytes in (20_000..=220_000).step_by(5_000) {
         let limit = format!("unset RUST_BACKTRACE; ulimit -v {kilobytes}");
         let done = workspace.shell(&format!("{limit}; exec $WAYFIELD --train --steps 16 --out run"));
-        // With less, the system cannot load the program, or the standard library cannot start it. Once it starts, it can
-        // allocate what its errors and its help take.
+        // With too little, the system cannot load the program, or the standard library cannot start it. Once it starts, its
+        // errors and its help have enough memory.
         has_started |= done.status == Some(1);
         if !has_started {
             continue;

@@ -114,8 +114,8 @@ impl TrueMap {
         along(0.0) * (1.0 - fraction.y) + along(1.0) * fraction.y
     }
 
-    /// The distance in m from a point to the nearest moving obstacle, `after_s` seconds from now, rounded down to a
-    /// whole control step.
+    /// The distance in m from a point to the nearest moving obstacle at the last whole control step within `after_s` seconds
+    /// from now.
     fn moving_clearance_m(&self, point_m: Vec2, after_s: f32) -> f32 {
         let steps = (after_s / self.period_s) as u64;
         let distance = |moving: &Moving| {

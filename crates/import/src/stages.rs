@@ -1,7 +1,8 @@
 //! Stages of turtlebot3_drlnav (<https://github.com/tomasvr/turtlebot3_drlnav>): rooms with boxes and cylinders, some of which
 //! follow key frames.
 //!
-//! In: a JSON file with many stages. Out: a scenario for each, with the robot, the goal and the time limit of that project.
+//! In: a JSON file with many stages. Out: a scenario for each, with the robot, the goal radius and the time limit of that project
+//! unless the options give another robot.
 
 use std::collections::BTreeMap;
 use std::path::Path;
