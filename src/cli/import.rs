@@ -56,7 +56,7 @@ pub struct ImportArgs {
 /// If `--out` names a folder, imports all worlds of a `.json` file into it, and prints their paths.
 ///
 /// # Errors
-/// No output is given, it is also needed for JSON, `file` cannot be imported, or a scenario file cannot be written.
+/// `--out` is missing or is also the output of `--json`, `file` cannot be imported, or a scenario file cannot be written.
 pub fn run(file: &Path, args: &ImportArgs, shared: &SharedArgs) -> Result<(), RunError> {
     let Some(out) = &shared.out else {
         return Err(RunError::InvalidInput(

@@ -17,26 +17,26 @@ use wayfield_scenario::{
 #[derive(Clone, Copy)]
 pub enum ValueRange {
     Plausible,
-    /// Also huge ones, infinities and NaN.
+    /// Also zeros, tiny and huge ones, infinities and NaN.
     Any,
-    /// Also huge ones, but neither infinities nor NaN.
+    /// Also zeros, tiny and huge ones, but neither infinities nor NaN.
     Finite,
 }
 
 impl ValueRange {
     fn within(self, low: f32, high: f32) -> BoxedStrategy<f32> {
-        let huge =
+        let extreme =
             prop_oneof![Just(0.0), Just(-0.0), Just(f32::MAX), Just(f32::MIN), Just(1e-45), any::<f32>()];
         match self {
             Self::Plausible => (low..high).boxed(),
             Self::Any => prop_oneof![
                 6 => low..high,
-                1 => prop_oneof![Just(f32::NAN), Just(f32::INFINITY), Just(f32::NEG_INFINITY), huge],
+                1 => prop_oneof![Just(f32::NAN), Just(f32::INFINITY), Just(f32::NEG_INFINITY), extreme],
             ]
             .boxed(),
             Self::Finite => prop_oneof![
                 6 => low..high,
-                1 => huge.prop_map(|x| if x.is_finite() { x } else { 7.0 }),
+                1 => extreme.prop_map(|x| if x.is_finite() { x } else { 7.0 }),
             ]
             .boxed(),
         }
