@@ -105,7 +105,7 @@ pub enum Command {
     SetGoal(MoveRequest),
     /// Sets the motion of the robot that the user drives, as an index into its motions.
     Steer(usize),
-    /// Opens a dialog for a file that [`Command::Open`] opens.
+    /// Opens a dialog for the file to open with [`Command::Open`].
     OpenDialog,
     /// Opens a shipped policy that can drive here, to compare with.
     OpenExpert,

@@ -67,10 +67,10 @@ pub enum TableKind {
         better: String,
         /// The other arm.
         than: String,
-        /// Episodes or env steps over all stages, a row each; without them, after training.
+        /// Episodes or env steps, a row each; without them, after training.
         #[serde(default)]
         after: Vec<Budget>,
-        /// Whether `after` counts from the start of the last stage.
+        /// Whether `after` counts from the start of the last stage; otherwise it counts over all stages.
         #[serde(default)]
         of_last_stage: bool,
     },

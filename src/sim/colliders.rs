@@ -40,8 +40,8 @@ pub(super) fn shared_shape(shape: &Shape) -> SharedShape {
         Shape::Rectangle { width_m, height_m } => SharedShape::cuboid(width_m / 2.0, height_m / 2.0),
         Shape::Capsule { length_m, radius_m } => SharedShape::capsule_x(length_m / 2.0, *radius_m),
         Shape::Polygon { corners_m } => {
-            // Keeps every corner; parry's default would drop nearly collinear ones. This fails only for a polygon without
-            // area, which the scenario's checks reject.
+            // Keeps every corner; parry's default would drop nearly collinear ones. This fails only with fewer than three
+            // corners or a side of length 0, which the scenario's checks reject.
             let corners = polygon::counterclockwise(corners_m).into_iter().collect();
             ConvexPolygon::from_convex_polyline_unmodified(corners)
                 .map_or_else(|| SharedShape::ball(0.001), SharedShape::new)

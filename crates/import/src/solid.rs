@@ -74,9 +74,10 @@ impl Solid {
     pub fn obstacle(&self, origin_m: DVec2) -> Obstacle {
         let (shape, rotation_rad) = match self.outline {
             Outline::Circle(radius) => (Shape::Circle { radius_m: metres(radius) }, 0.0),
-            Outline::Rectangle(size) => {
-                (Shape::Rectangle { width_m: metres(size.x), height_m: metres(size.y) }, turned(self.yaw_rad))
-            }
+            Outline::Rectangle(size) => (
+                Shape::Rectangle { width_m: metres(size.x), height_m: metres(size.y) },
+                rotation(self.yaw_rad),
+            ),
         };
         Obstacle {
             shape,
@@ -88,11 +89,11 @@ impl Solid {
 }
 
 /// The rotation of a rectangle in rad, wrapped to -pi/2 to pi/2 and rounded.
-fn turned(yaw_rad: f64) -> f32 {
+fn rotation(yaw_rad: f64) -> f32 {
     let half_turn = std::f64::consts::PI;
-    let turned = yaw_rad - half_turn * (yaw_rad / half_turn).round();
+    let wrapped = yaw_rad - half_turn * (yaw_rad / half_turn).round();
     // Six decimals suffice: Gazebo's files often have 1.5708 for a quarter turn.
-    ((turned * 1e6).round() / 1e6 + 0.0) as f32
+    ((wrapped * 1e6).round() / 1e6 + 0.0) as f32
 }
 
 /// The bounding box of all solids and points: lower left and upper right corner.

@@ -71,7 +71,8 @@ impl<'a> EnclosureExtent<'a> {
             }
             if let Some((from, past_there)) = last {
                 let leg = length(stop.x - from.x, stop.y - from.y);
-                // No point of the leg is farther than half its length from the nearer end.
+                // The distances of a point of the leg from both ends add up to `leg`, so the obstacle extends outside by at
+                // most (past + past_there + leg) / 2 there.
                 if !self.convex && past + past_there + leg > 0.0 {
                     for point in &points {
                         let (a, b) = (plus(from, *point), plus(stop, *point));
@@ -186,7 +187,7 @@ mod tests {
         let stays =
             EnclosureExtent::new(&square).overhang_m(&obstacle(ball.clone(), vec2(1.0, 0.0), walk(0.9, 0.0)));
         assert!(stays <= 0.0, "without speed it stays in place");
-        // 1 m from the centre (0.5, 0), and 0.15 m more: 1.65 m along x, where there are 2 m.
+        // 1 m from the centre (0.5, 0), and a radius of 0.15 m: up to x = 1.65 m, with the wall at 2 m.
         let orbit =
             |speed: f32| ObstacleMotion::Orbit { centre_m: vec2(0.5, 0.0), speed_rad_s: speed.into() };
         assert_overhang(&square, &obstacle(ball.clone(), vec2(0.5, 1.0), orbit(0.1)), -0.35);

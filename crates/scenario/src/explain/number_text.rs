@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn the_suggested_number_for_one_with_commas_is_valid() {
+    fn the_number_suggested_for_a_number_with_commas_is_valid() {
         let found = |text: &str| {
             let end = text.rfind(',').map(|comma| comma + 1)?;
             comma_problem(text, end).map(|(_, message)| message)

@@ -28,8 +28,8 @@ pub(super) fn heading_ui(ui: &mut egui::Ui, card: &Card<'_>, shared: &CardContex
     });
 }
 
-/// Draws the legend: the name of each line in its colour, with its value unless that is next to the title.
-/// Short names are used if the full ones do not fit. An entry is never wrapped.
+/// Draws the legend: the name of each line in its colour, with its value unless that is next to the title. Spreads and lines
+/// from an earlier training run have no value. Short names are used if the full ones do not fit. An entry is never wrapped.
 pub(super) fn legend_ui(ui: &mut egui::Ui, card: &Card<'_>, shared: &CardContext<'_>, palette: Palette) {
     let entries = |short: bool| -> Vec<_> {
         let traces = card.traces.iter().enumerate().map(|(index, trace)| {
