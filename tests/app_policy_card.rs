@@ -106,5 +106,6 @@ fn a_policy_of_the_same_robot_and_lidar_gives_no_warning() {
     execute(&mut app, Command::Open(policy()));
     assert_eq!(notices(&app, "scenario-1.safetensors"), [""; 0]);
     train_from_opened(&mut app);
+    assert!(app.run().initial_policy.is_some(), "{:?}", all_notices(&app));
     assert_eq!(notices(&app, "scenario-1.safetensors"), [""; 0]);
 }

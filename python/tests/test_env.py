@@ -274,7 +274,7 @@ def test_other_threads_run_during_a_step():
     # Longer than the step, so that the other thread runs during the step only if the step releases the GIL.
     sys.setswitchinterval(0.5)
     try:
-        # Ends the other thread's last wait with the old interval.
+        # The other thread may still be waiting for the old interval; this lets that wait end.
         time.sleep(0.01)
         before = turns[0]
         envs.step(np.zeros(2048, np.int64))

@@ -19,7 +19,7 @@ pub struct DotPlot {
 pub struct DotColumn {
     /// The name of the measure.
     pub heading: String,
-    /// The unit, in words, written below the axis; it may be empty.
+    /// The unit, written below the axis; it may be empty.
     pub unit: String,
     /// The range of possible values, such as 0 to 100 for percentages; intervals are cut off at its ends. `None` means no limits.
     pub limits: Option<(f64, f64)>,
