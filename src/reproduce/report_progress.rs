@@ -57,6 +57,8 @@ impl ReportProgress {
     /// Shows that all is done.
     pub fn finish(&self) {
         if let Some(bar) = &self.bar {
+            bar.set_prefix(format!("{0} of {0} figures and tables", self.items));
+            bar.set_message("");
             bar.set_position(self.items);
             bar.abandon();
         }

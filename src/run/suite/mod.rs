@@ -154,11 +154,13 @@ impl SuiteScenario {
 impl FamilyRules {
     /// Changes `scenario`. Returns the problems of the result.
     fn apply(&self, scenario: &mut Scenario) -> Result<Vec<Diagnostic>, RunError> {
+        // The limits on both numbers keep the steps within u32.
+        let steps = |limit_s: f32, period_s: f32| (limit_s / period_s).round().max(1.0) as u32;
         let task = &mut scenario.task;
         if let Some(limit_s) = self.time_limit_s {
-            // The limits on both numbers keep the steps within u32.
-            task.max_episode_steps = (limit_s / task.control_period_s).round().max(1.0) as u32;
+            task.max_episode_steps = steps(limit_s, task.control_period_s);
         }
+        let steps_before = task.max_episode_steps;
         if let Some(range_m) = self.collision_range_m {
             task.collision_range_m = range_m;
         }
@@ -169,6 +171,36 @@ impl FamilyRules {
             }
         }
         self.settings.apply_to_scenario(scenario)?;
-        Ok(Vec::new())
+        // The limit is a time, also with another control period, unless a setting replaces it.
+        match self.time_limit_s {
+            Some(limit_s) if scenario.task.max_episode_steps == steps_before => {
+                scenario.task.max_episode_steps = steps(limit_s, scenario.task.control_period_s);
+                Ok(diagnostics(scenario))
+            }
+            _ => Ok(Vec::new()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::settings::Setting;
+
+    #[test]
+    fn a_time_limit_holds_with_another_control_period_unless_a_setting_replaces_it() {
+        let steps = |settings: &[(&str, &str)]| {
+            let setting =
+                |(path, value): &(&str, &str)| Setting { path: (*path).into(), value: (*value).into() };
+            let settings = Settings(settings.iter().map(setting).collect());
+            let rules = FamilyRules { time_limit_s: Some(20.0), settings, ..FamilyRules::default() };
+            let mut scenario = Scenario::default();
+            let problems = rules.apply(&mut scenario).expect("valid settings");
+            assert!(problems.is_empty(), "{problems:?}");
+            scenario.task.max_episode_steps
+        };
+        assert_eq!(steps(&[]), 100, "0.2 s each");
+        assert_eq!(steps(&[("scenario.task.control_period_s", "0.1")]), 200);
+        assert_eq!(steps(&[("scenario.task.max_episode_steps", "7")]), 7);
     }
 }
