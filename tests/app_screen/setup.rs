@@ -302,17 +302,15 @@ fn without_a_disk_no_run_can_be_saved_and_the_curves_are_an_svg() {
 fn the_last_session_is_offered_with_a_description() {
     let mut window = window(ScreenFixture::default());
     assert!(window.query_by_label("Continue where you left off?").is_none());
-    window.state_mut().status.last_session = Some(LastSession {
-        scenario: "Maze".into(),
-        preset: "fast".into(),
-        seed: 4,
-        env_steps: 123_456,
-        age_s: 200,
-    });
+    window.state_mut().status.last_session = Some(last_session());
     settle(&mut window);
     assert!(window.query_by_label("Maze, fast, seed 4 · 123,456 steps · 3 min ago").is_some());
     assert_eq!(click(&mut window, "Continue"), [Command::ContinueLastSession]);
     assert_eq!(click(&mut window, "Not now"), [Command::DismissLastSession]);
+}
+
+fn last_session() -> LastSession {
+    LastSession { scenario: "Maze".into(), preset: "fast".into(), seed: 4, env_steps: 123_456, age_s: 200 }
 }
 
 #[test]
@@ -320,10 +318,15 @@ fn unsaved_changes_of_an_earlier_session_are_offered_before_its_training() {
     let mut window = window(ScreenFixture::default());
     let status = &mut window.state_mut().status;
     status.unsaved_edits = Some(UnsavedEdits { scenario: "Maze".into(), age_s: 7_300 });
+    status.last_session = Some(last_session());
     settle(&mut window);
     assert!(window.query_by_label("Maze · 2 h ago").is_some());
+    assert!(window.query_by_label("Continue where you left off?").is_none());
     assert_eq!(click(&mut window, "Restore"), [Command::RestoreEdits]);
     assert_eq!(click(&mut window, "Not now"), [Command::DismissEdits]);
+    window.state_mut().status.unsaved_edits = None;
+    settle(&mut window);
+    assert!(window.query_by_label("Continue where you left off?").is_some());
 }
 
 #[test]

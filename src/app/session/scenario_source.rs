@@ -25,8 +25,8 @@ pub struct ScenarioSource {
     saved: Option<ScenarioFile>,
     /// The contents of files as the user last saw them: loaded, opened in the editor or saved.
     known: BTreeMap<String, Arc<Scenario>>,
-    /// A file that another program has changed, and that the user has once asked to overwrite, with its text at that moment;
-    /// `None` if it could not be read.
+    /// A file that another program has changed, and that the user has once asked to overwrite, with its text at that moment.
+    /// The text is `None` if the file could not be read.
     overwrite_requested: Option<(PathBuf, Option<String>)>,
 }
 
