@@ -188,7 +188,7 @@ mod window {
             println!("error notice: {error}");
         }
         let rows = std::fs::read_to_string(run.join("episodes.csv"))?.lines().count() as u64 - 1;
-        passed &= agrees("episodes and the rows of the curves", episodes, rows);
+        passed &= agrees("episodes and their rows", episodes, rows);
         Ok(passed && results.error_notices.is_empty())
     }
 

@@ -1,4 +1,4 @@
-//! Starts and goals, when they are drawn, keep their clearance from walls and obstacles, and starts are spread over the arena.
+//! Newly drawn starts and goals keep their clearance from walls and obstacles, and starts are spread over the arena.
 
 mod common;
 
@@ -96,7 +96,7 @@ fn missing_free_space_for_a_start_is_reported_with_the_arena() {
 }
 
 #[test]
-fn the_arenas_have_the_indices_from_0_on() {
+fn arenas_are_numbered_from_0() {
     let mut lab = Lab::new(&common::four_cylinders(), 7, 1);
     let world = lab.simulation.world_mut();
     let mut numbers: Vec<usize> = world.query::<&Arena>().iter(world).map(|arena| arena.0).collect();

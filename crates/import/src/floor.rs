@@ -36,8 +36,9 @@ pub struct Floor {
 }
 
 impl Floor {
-    /// The floor: of the connected parts of the `free` cells that the robot fits through, the one with the most cells between the
-    /// corners `low` and `high` (exclusive). `None` if the robot fits nowhere, or nowhere with 10 % to spare.
+    /// The floor: of the connected sets of `free` cells where the robot's centre fits, the one with the most cells between the
+    /// corners `low` and `high` (exclusive), and the free cells around it. `None` if the robot fits nowhere, or nowhere with 10 %
+    /// to spare.
     pub fn new(free: &Grid<bool>, margins: Margins, (low, high): (Cell, Cell)) -> Option<Self> {
         let distances = free.map(|is_free| !is_free).squared_distances(true);
         // From the centre of a cell to the side of the nearest one that is not free.
@@ -145,9 +146,12 @@ mod tests {
             floor.cells.at((1, 1)) && floor.cells.at((24, 20)),
             "the large room is floor up to its corners"
         );
-        assert!(!floor.cells.at((31, 10)), "the small one is not");
+        assert!(!floor.cells.at((31, 10)), "the small room is not floor");
         let other = Floor::new(&map, margins, ((26, 0), (38, 22))).expect("the robot fits");
-        assert!(other.cells.at((36, 20)) && !other.cells.at((3, 3)), "unless only its side counts");
+        assert!(
+            other.cells.at((36, 20)) && !other.cells.at((3, 3)),
+            "only the small room is floor if the corners enclose it"
+        );
         assert!(Floor::new(&map, Margins { keep_out: 11.0, clearance: 12.0 }, map.corners()).is_none());
     }
 

@@ -37,7 +37,7 @@ pub enum Intervention {
 }
 
 impl Intervention {
-    /// Whether it changed the scenario of the training, not only an arena.
+    /// Whether it changed the training run's scenario, not only one arena.
     #[must_use]
     pub fn changes_scenario(&self) -> bool {
         matches!(self, Self::Scenario(_) | Self::Move { object: Movable::Obstacle(_), .. })
@@ -55,8 +55,8 @@ impl Intervention {
     }
 
     /// Whether only the last of several moves of this object between two control steps has an effect, if every LIDAR is exact.
-    /// It is not so for an obstacle of a scenario with generators, because each move begins new episodes; nor for a moving
-    /// obstacle, because each move shifts its path by an offset, and rounding errors add up.
+    /// False for an obstacle of a scenario with generators, because each move begins new episodes, and for a moving obstacle,
+    /// because each move shifts its path by an offset and rounding errors add up.
     #[must_use]
     pub fn overrides_earlier(&self, scenario: &Scenario) -> bool {
         let &Self::Move { object: Movable::Obstacle(index), .. } = self else { return true };
