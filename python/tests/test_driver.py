@@ -78,7 +78,7 @@ def test_a_policy_that_remembers_scans_drives_as_in_its_evaluation(scenario, tmp
     first = list(percepts(steps))[:100]
     greedy = [driver.act(ranges_m, **percept).action == policy.act(driver.observation) for _, ranges_m, percept in first]
     assert np.mean(greedy) > 0.9
-    # This shows something only if memory matters.
+    # The test shows something only if earlier scans matter.
     forgetful = []
     for _, ranges_m, percept in percepts(steps):
         driver.reset()
@@ -113,9 +113,9 @@ def test_a_robot_in_the_open_turns_to_its_goal_and_reaches_it(name, with_map, go
     x_m, y_m, heading_rad, twist = 0.0, 0.0, 0.0, (0.0, 0.0)
     away_m, bearing_rad = [], []
     while not away_m or away_m[-1] > 0.2:
-        ahead_m, left_m = goal_m[0] - x_m, goal_m[1] - y_m
-        away_m.append(math.hypot(ahead_m, left_m))
-        bearing_rad.append(math.remainder(math.atan2(left_m, ahead_m) - heading_rad, math.tau))
+        dx_m, dy_m = goal_m[0] - x_m, goal_m[1] - y_m
+        away_m.append(math.hypot(dx_m, dy_m))
+        bearing_rad.append(math.remainder(math.atan2(dy_m, dx_m) - heading_rad, math.tau))
         goal = (bearing_rad[-1], away_m[-1])
         twist = driver.act(ranges_m, goal=goal, pose=(x_m, y_m, heading_rad), twist=twist)[:2]
         heading_rad += twist[1] * driver.control_period_s
@@ -132,7 +132,7 @@ def test_a_driver_knows_its_robot():
     assert angles_rad.shape == (360,) and angles_rad[0] == 0 and np.isclose(np.diff(angles_rad), math.tau / 360, atol=1e-5).all()
     assert (driver.max_range_m, driver.control_period_s) == (3.5, 0.2)
     motion = driver.act([3.5] * 360, **EMPTY)
-    assert motion == driver.act(np.full((360, 1), 12.0), **EMPTY), "what is farther than it can see is out of sight"
+    assert motion == driver.act(np.full((360, 1), 12.0), **EMPTY), "a longer range counts as the maximum range"
     assert abs(motion.v_m_s) <= 0.16 and abs(motion.w_rad_s) <= 1.51
 
 

@@ -77,7 +77,7 @@ class NavigationVecEnv(VecEnv):
         setattr(self.envs, attr_name, value)
 
     def env_method(self, method_name: str, *arguments: Any, indices: Any = None, **options: Any) -> list[Any]:
-        """Calls a method of the environments, once per selected environment, with its index first."""
+        """Calls a method of ``NavigationVectorEnv`` once per selected environment, whose index is the first argument."""
         method = getattr(self.envs, method_name)
         return [method(index, *arguments, **options) for index in self._get_indices(indices)]
 

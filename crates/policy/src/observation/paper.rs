@@ -22,8 +22,8 @@ pub const RANGE_SCALE_M: f32 = 3.5;
 pub const DISTANCE_SCALE_M: f32 = 4.0;
 
 impl Encoding {
-    /// The divisors of the ranges, the bearing, the goal's distance and the index of one of `beams` beams in the paper's
-    /// observation.
+    /// The divisors of the ranges, the bearing, the goal's distance and the beam index in the paper's observation, with `beams`
+    /// beams.
     pub(crate) fn divisors(self, beams: usize) -> [f32; 4] {
         match self {
             Self::Scaled => [RANGE_SCALE_M, core::f32::consts::PI, DISTANCE_SCALE_M, beams as f32],

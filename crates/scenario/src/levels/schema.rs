@@ -117,7 +117,7 @@ pub enum WallLayout {
         /// Inner width, 0.02 to 50 m. Must be more than `gap_m`.
         #[serde(default = "default_trap_m")]
         width_m: (f32, f32),
-        /// Depth, 0.02 to 50 m. The inner depth, from the opening to the back wall, is 0.1 m more.
+        /// Inner depth minus 0.1 m, 0.02 to 50 m. The inner depth is measured from the opening to the back wall.
         #[serde(default = "default_trap_m")]
         depth_m: (f32, f32),
     },
