@@ -20,6 +20,7 @@ use wayfield::app::session::journal::{ReplayResult, verify};
 use wayfield::policy::Policy;
 use wayfield::run::shipped::{self, ShippedPolicy};
 use wayfield::scenario::{Motion, Scenario};
+use wayfield::task::CommandedMotions;
 
 use headless_app::HeadlessApp;
 
@@ -83,6 +84,8 @@ fn the_best_policy_can_be_saved_tested_compared_and_transferred() {
     assert_eq!(app.shown().1.mode, SessionMode::Compare);
     assert_eq!([driver(&app, 0).0, driver(&app, 1).0], ["Current policy", "Best so far"]);
 
+    // A driver with its own motions, such as the user, drives until the run is replaced.
+    app.world().resource_mut::<CommandedMotions>().0 = vec![Some(Motion { v_m_s: 0.1, w_rad_s: 0.0 })];
     app.command(Command::Transfer {
         policy: PolicySource::Best,
         scenario: "doorway".into(),
@@ -94,6 +97,7 @@ fn the_best_policy_can_be_saved_tested_compared_and_transferred() {
     app.command(Command::Pause(true));
     frame(&mut app);
     assert_eq!(app.steps(), 0);
+    assert!(app.world().resource::<CommandedMotions>().0.is_empty(), "the learner drives");
     let policy = Policy::from_bytes(&read(&best)).expect("a policy");
     let learner = &app.world().resource::<ActiveLearner>().0;
     assert!(learner.network().parameters() == policy.parameters(), "the weights of the best policy");

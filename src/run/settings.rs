@@ -16,7 +16,8 @@ use serde::{Deserialize, Serialize};
 use super::RunError;
 use super::preset::Preset;
 use crate::scenario::{
-    Diagnostic, Scenario, ScenarioSet, SetSource, choose, diagnostics, field_names, with_setting,
+    Diagnostic, Scenario, ScenarioSet, SetSource, choose, diagnostics, field_names, with_plain_numbers,
+    with_setting,
 };
 
 /// A setting: a field of the preset, such as `learning.replay.sampling.alpha`, or of the scenario, such as
@@ -229,7 +230,12 @@ impl Serialize for Settings {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(Some(self.0.len()))?;
         for Setting { path, value } in &self.0 {
-            map.serialize_entry(path, RawValue::from_ron(value).map_err(S::Error::custom)?)?;
+            let mut value = with_plain_numbers(value);
+            if RawValue::from_ron(&value).is_err() {
+                // A line break ends a comment at the end of the value.
+                value.push('\n');
+            }
+            map.serialize_entry(path, RawValue::from_ron(&value).map_err(S::Error::custom)?)?;
         }
         map.end()
     }

@@ -18,8 +18,8 @@ use crate::scenario::Scenario;
 use crate::sim::spawn_arenas;
 use crate::simulation::{Extensions, Simulation, SimulationBuilder};
 use crate::task::{
-    ActiveActionSet, EpisodeEnded, EpisodeSetup, LevelProgress, ObservationLayout, PredictionDropout,
-    ScenarioPool, TaskFault, TaskMode,
+    ActiveActionSet, CommandedMotions, EpisodeEnded, EpisodeSetup, LevelProgress, ObservationLayout,
+    PredictionDropout, ScenarioPool, TaskFault, TaskMode,
 };
 
 /// A simulation in which `learner` trains with `preset` in parallel arenas of `scenario`.
@@ -52,6 +52,8 @@ pub fn start_training(
     world.insert_resource(EpisodeSetup::Random);
     world.insert_resource(TaskFault::default());
     world.insert_resource(ActionSelection::EpsilonGreedy);
+    // A driver that is replaced may have commanded motions instead of actions.
+    world.resource_mut::<CommandedMotions>().0.clear();
     world.insert_resource(Decisions::new(seed, preset.arenas));
     world.insert_resource(TrainingStats::default());
     world.insert_resource(TrainingFault::default());

@@ -74,6 +74,7 @@ mod write;
 pub use check::{convex_distance, diagnostics, diagnostics_of_known, notes, value_diagnostics};
 pub use crowd::{Crowd, Pedestrian};
 pub use drive::Drive;
+pub use explain::with_plain_numbers;
 pub use explain::{choose, closest_name, whole_number};
 pub use fields::{Field, FieldValue, Quantity};
 pub use file_error::{Diagnostic, FileError, LocatedDiagnostic, has_field, locate, overlap, utf8};

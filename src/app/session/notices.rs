@@ -81,6 +81,7 @@ impl Notices {
         self.remove(&NoticeTopic::Comparison);
         self.remove(&NoticeTopic::TrainingWarning);
         self.remove(&NoticeTopic::TrainingFailure);
+        self.remove(&NoticeTopic::Evaluation);
     }
 
     /// Removes `notice`, if it is still shown.

@@ -177,3 +177,13 @@ fn a_file_holds_settings_as_a_map() {
         crate::scenario::parse_ron(&written, "settings.ron").unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(again, read, "{written}");
 }
+
+#[test]
+fn settings_are_written_as_a_file_has_them() {
+    let written = to_ron(&settings(&["budget=EnvSteps(600k)", "arenas=6e1 // many", "seed=1"])).expect("RON");
+    let read: Settings =
+        crate::scenario::parse_ron(&written, "settings.ron").unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(read.0[0].value, "EnvSteps(600000)", "{written}");
+    assert!(read.0[1].value.starts_with("60"), "{written}");
+    assert_eq!(read.0[2].value, "1", "{written}");
+}

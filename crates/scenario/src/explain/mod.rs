@@ -30,7 +30,7 @@ use wayfield_ron_patch::SourceMap;
 
 pub use self::names::{choose, closest_name};
 pub use self::number_text::whole_number;
-pub(super) use self::number_text::with_plain_numbers;
+pub use self::number_text::with_plain_numbers;
 pub(super) use self::recover::recover;
 
 /// A problem that ron found in a text.
