@@ -201,6 +201,6 @@ mod tests {
         };
         assert_eq!(steps(&[]), 100, "0.2 s each");
         assert_eq!(steps(&[("scenario.task.control_period_s", "0.1")]), 200);
-        assert_eq!(steps(&[("scenario.task.max_episode_steps", "7")]), 7);
+        assert_eq!(steps(&[("scenario.task.max_episode_steps", "70")]), 70);
     }
 }
