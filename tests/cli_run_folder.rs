@@ -69,7 +69,7 @@ fn a_run_folder_has_all_files() {
     assert!(!done.stderr.contains(['\u{1b}', '\r']), "plain lines, because stderr is not a terminal");
 }
 
-/// Rows appear before the next checkpoint, and before a buffer is full, which holds at least forty rows.
+/// Rows appear before the next checkpoint, and before a buffer (of at least forty rows) is full.
 #[test]
 fn rows_are_in_the_files_while_the_run_goes_on() {
     let workspace = workspace();
@@ -183,6 +183,7 @@ fn every_record_names_the_program_and_the_scenario() {
     let workspace = workspace();
     workspace.run_ok(&format!("{TRAIN} --seed 8 --out run"));
     let card = workspace.run_ok("--card run/policy.safetensors").json()["card"].clone();
+    assert!(card["program"]["version"].is_string() && card["scenario_crc32c"].is_string(), "{card}");
     let config: RunConfig = read_ron(workspace.path("run/config.ron")).unwrap();
     assert_eq!(config.commit.as_deref(), card["program"]["commit"].as_str());
     let tested = workspace.run_ok("--eval run/policy.safetensors --rounds 1 --episodes 2 --json").json();

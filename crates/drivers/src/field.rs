@@ -12,7 +12,7 @@ use crate::percept::Percept;
 use crate::robot::Robot;
 
 /// Surfaces closer to the keep-out circle than this, in units of its radius, repel as if they were at this distance.
-const LEAST_DISTANCE: f32 = 0.05;
+const MIN_DISTANCE: f32 = 0.05;
 
 /// A robot in a potential field.
 pub(crate) struct Field {
@@ -45,7 +45,7 @@ impl Field {
         let FieldParameters { repulsion, influence_distance, .. } = self.parameters;
         let keep_out_m = self.robot.keep_out_m;
         let force = |(beam, range_m): (&Vec2, &f32)| {
-            let d = ((range_m - keep_out_m) / keep_out_m).max(LEAST_DISTANCE);
+            let d = ((range_m - keep_out_m) / keep_out_m).max(MIN_DISTANCE);
             let strength = repulsion * (1.0 / d - 1.0 / influence_distance).max(0.0) / (d * d);
             -*beam * (strength * self.robot.beam_spacing_rad)
         };

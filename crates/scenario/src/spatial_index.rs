@@ -1,7 +1,7 @@
-//! The spatial index of a scenario with many wall segments and static obstacles: the clearance of a point is computed from
-//! those near it only.
+//! The spatial index of a scenario with many wall segments and static obstacles: the clearance of a point is computed only from
+//! those near it.
 //!
-//! In: a [`Scenario`]. Out: a [`SpatialIndex`], which gives bit-identical results to a test of all of them.
+//! In: a [`Scenario`]. Out: a [`SpatialIndex`], which gives the same results as a test of all of them, bit for bit.
 
 use super::crowd::{Crowd, Pedestrian};
 use super::geometry::{enclosure_distance, is_clear, nearest_of, shape_distance};
@@ -176,7 +176,7 @@ impl<'a> IndexedScenario<'a> {
         let mut radius_m = index.grid.cell_m();
         loop {
             best = index.near(self.scenario, point_m, radius_m).fold(best, nearer);
-            // There are no parts beyond the farthest cell. The reach of a point that is not a number is not one either.
+            // There are no parts beyond the farthest cell. For a NaN point the reach is NaN, which ends the loop.
             let has_more = radius_m <= index.grid.reach_m(point_m);
             if best.1 <= radius_m || !has_more {
                 return best;

@@ -70,7 +70,7 @@ fn write_directly(path: &Path, write: impl FnOnce(&mut Sink) -> io::Result<()>) 
     }
 }
 
-/// A new file in the folder of `target`, which it is to replace. It is deleted on drop.
+/// A new file that is to replace `target`, in the same folder. It is deleted on drop.
 fn temporary_file(target: &Path, replaced: Option<&fs::Metadata>) -> io::Result<NamedTempFile> {
     let folder = folder_of(target);
     let file = tempfile::Builder::new().prefix(PREFIX).make_in(folder, |path| access::create(path, replaced));
