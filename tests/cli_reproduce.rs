@@ -895,16 +895,21 @@ fn runs_from_elsewhere_that_do_not_fit_are_rejected_with_a_fix() {
         "arm \"elsewhere\" after 2,500 env steps, but one of its runs is shorter; help: leave `after` out";
     assert!(done.stderr.contains(message), "{}", done.stderr);
 
-    // A run that is not finished.
+    // A run that was killed after it had been resumed with a larger budget, and one that was stopped.
     let summary = workspace.text("mine/runs/b/summary.json");
-    workspace.write("mine/runs/b/summary.json", summary.replace("\"finished\": true", "\"finished\": false"));
-    let done = workspace.run("--reproduce --experiment mine/steps.ron --out no");
-    assert_eq!(done.status, Some(2));
-    assert!(
-        done.stderr.contains("mine/runs/b: this run is not finished; help: finish it with --resume"),
-        "{}",
-        done.stderr
-    );
+    let env_steps = workspace.json("mine/runs/b/summary.json")["env_steps"].as_u64().unwrap();
+    let shorter = summary.replace(&format!("\"env_steps\": {env_steps}"), "\"env_steps\": 16");
+    for unfinished in [shorter, summary.replace("\"finished\": true", "\"finished\": false")] {
+        assert_ne!(unfinished, summary);
+        workspace.write("mine/runs/b/summary.json", unfinished);
+        let done = workspace.run("--reproduce --experiment mine/steps.ron --out no");
+        assert_eq!(done.status, Some(2));
+        assert!(
+            done.stderr.contains("mine/runs/b: this run is not finished; help: finish it with --resume"),
+            "{}",
+            done.stderr
+        );
+    }
 }
 
 #[test]

@@ -43,7 +43,13 @@ impl FinishedRun {
             ));
         }
         let (_, config) = RunFolder::open(&folder)?;
-        let Some(summary) = Summary::read(&folder).filter(|summary| summary.finished) else {
+        // A run that was resumed with a larger budget and killed has the summary of its earlier end.
+        let has_budget = |summary: &Summary| match config.preset.budget {
+            Budget::Episodes(n) => summary.episodes >= n,
+            Budget::EnvSteps(n) => summary.env_steps >= n,
+        };
+        let finished = |summary: &Summary| summary.finished && has_budget(summary);
+        let Some(summary) = Summary::read(&folder).filter(finished) else {
             let why = format!("this run is not finished; help: finish it with --resume {}", quoted(&folder));
             return Err(invalid(&why));
         };

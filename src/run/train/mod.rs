@@ -292,7 +292,7 @@ impl Run {
 
         let summary = self.summary(finished, wall_s, final_test)?;
         let text = serde_json::to_string_pretty(&summary).map_err(|e| RunError::Failed(e.to_string()))?;
-        // The summary comes last: if it exists, the run folder is complete.
+        // The summary comes last: everything that it counts is in the folder.
         self.folder.write("summary.json", |file| std::io::Write::write_all(file, text.as_bytes()))?;
         let how = if finished { "done" } else { "stopped" };
         self.progress.finish(&format!("{how}: {}", self.folder.path().display()));
