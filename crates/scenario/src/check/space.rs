@@ -294,9 +294,11 @@ fn check_goal_distance(scenario: &Scenario, too_near: bool, diagnostics: &mut Di
         }
         return;
     }
-    let goals = possible_positions(&frozen, &scenario.goals);
-    for (path, start) in named_positions(&scenario.starts) {
-        if !is_any_far(&goals, start, least) {
+    if !scenario.starts.positions_m().is_empty() {
+        let goals = possible_positions(&frozen, &scenario.goals);
+        for (path, start) in
+            named_positions(&scenario.starts).filter(|named| !is_any_far(&goals, named.1, least))
+        {
             let message = format!(
                 "has no goal at least {least} m away: move it, or write a smaller task.min_goal_distance_m"
             );
@@ -321,9 +323,20 @@ fn check_goal_distance(scenario: &Scenario, too_near: bool, diagnostics: &mut Di
 
 /// Whether enough of the possible starts have a goal that is far enough away.
 fn has_far_goals(frozen: &Scenario) -> bool {
+    let least_m = frozen.task.min_goal_distance_m;
+    let named = frozen.goals.positions_m();
+    let random = free_points(frozen, &frozen.goals, 0).filter(|_| named.is_empty());
+    let (mut goals, mut low, mut high) = (Vec::new(), Vec2::MAX, Vec2::MIN);
+    for goal in named.iter().copied().chain(random) {
+        (low, high) = (low.min(goal), high.max(goal));
+        if (high - low).max_element() >= 2.0 * least_m {
+            // Of two goals that are so far apart, one is far enough from any start.
+            return true;
+        }
+        goals.push(goal);
+    }
     let starts = possible_positions(frozen, &frozen.starts);
-    let goals = possible_positions(frozen, &frozen.goals);
-    let far = starts.iter().filter(|start| is_any_far(&goals, **start, frozen.task.min_goal_distance_m));
+    let far = starts.iter().filter(|start| is_any_far(&goals, **start, least_m));
     far.count() * FAR_START_DIVISOR >= starts.len()
 }
 
