@@ -13,7 +13,7 @@ use std::time::Duration;
 use cli_support::{Workspace, edited, quick_fast, signal, wait_for_output, wait_until};
 use requirements::Requirement;
 
-/// A run that ends only by a signal.
+/// A run that goes on until a signal stops it.
 const ENDLESS: &str = "--train --preset fast.ron --steps 900000000 --checkpoint-every 0.05 --out run";
 
 fn workspace() -> Workspace {

@@ -210,7 +210,7 @@ fn a_wall_is_drawn_click_by_click() {
     press(&mut window, Key::Enter);
     let corners = edited_scenario(&mut window).walls[0].corners_m.clone();
     assert_eq!(corners, [vec2(-1.5, -1.0), vec2(-1.5, -1.5), vec2(1.0, -1.5)]);
-    // Again, finished by a double-click, and cancelled.
+    // Two more walls: one is finished by a double-click, the other is cancelled.
     editor(&mut window).set_tool(Tool::Wall { corners_m: Vec::new() });
     click_at(&mut window, vec2(-1.0, 1.5));
     click_at(&mut window, vec2(1.0, 1.7));
@@ -448,7 +448,7 @@ fn a_corner_near_the_middle_can_be_dragged() {
     settle(&mut window);
     click_at(&mut window, vec2(0.3, 0.3));
     assert_eq!(editor(&mut window).selection(), Selection::Obstacle(0));
-    // 2.8 cm from the middle are about five points.
+    // The corner is 2.8 cm from the middle, about five points on the screen.
     drag(&mut window, vec2(0.62, 0.62), vec2(0.75, 0.7));
     let obstacle = edited_scenario(&mut window).obstacles[0].clone();
     assert_eq!(obstacle.position_m, vec2(0.6, 0.6), "the obstacle stays");

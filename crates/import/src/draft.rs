@@ -15,8 +15,9 @@ use crate::grid::Cell;
 use crate::round::{metres, point};
 use crate::trace::{Scale, Surroundings};
 
-/// Within the time limit, the robot can drive this many times the length of the path between the ends of the floor, because a
-/// robot that is still learning takes detours. The length is counted in steps between cells that share a side.
+/// Within the time limit, the robot can drive this many times the length of the path between the floor's two ends, because a
+/// robot that is still learning takes detours. The ends are two positions about as far apart as any. The length is counted in
+/// steps between cells that share a side.
 const PATH_FACTOR: f64 = 1.5;
 
 /// Where a scenario comes from.
@@ -110,7 +111,7 @@ fn steps(base: &Scenario, path_m: f64) -> u32 {
 /// Checks the scenario, and that it fits into a file.
 ///
 /// # Errors
-/// The first problem, as a message without `; help: ...`.
+/// The first problem, as a message without a suggested fix: the caller adds `; help: ...`.
 pub fn check(scenario: &Scenario) -> Result<(), String> {
     let segments: usize = scenario.walls.iter().map(Wall::segment_count).sum();
     for (count, most, what) in [

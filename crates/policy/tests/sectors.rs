@@ -161,7 +161,8 @@ fn predicted_paths_show_where_moving_things_will_be() {
         let ahead = find(&still, Quantity::CollisionNearness, Some(0));
         assert!((ahead - 1.0 / (1.0 + 3.0 / 2.0)).abs() < 0.02, "3 units are free: {ahead}");
         assert_eq!(find(&still, Quantity::PredictedNearness, Some(0)), ahead, "it stays");
-        // The robot drives 0.2 units a step (1 unit a second): after 15 steps the disc is 15 x 0.03 m further on.
+        // At its highest speed, 0.2 units a step, the robot would drive the 3 units in 15 steps, when the disc is 15 x 0.03 m
+        // further on.
         let leaving = observe(beams, 0.0, 0.03);
         assert!((find(&leaving, Quantity::CollisionNearness, Some(0)) - ahead).abs() < 0.03);
         let predicted = find(&leaving, Quantity::PredictedNearness, Some(0));

@@ -133,7 +133,7 @@ impl<'a> From<&'a Scenario> for IndexedScenario<'a> {
 }
 
 impl<'a> IndexedScenario<'a> {
-    /// The pedestrian that is the obstacle with this index; `None` if it is not one, or if there is no `crowd`.
+    /// The state of the obstacle with this index, if it is a pedestrian; `None` if it is not, or if there is no `crowd`.
     #[must_use]
     pub fn pedestrian(self, obstacle: usize) -> Option<&'a Pedestrian> {
         self.crowd.and_then(|crowd| crowd.pedestrian(obstacle))

@@ -35,7 +35,8 @@ pub struct TrainingRun {
     pub trainer_state: TrainerState,
     /// Policy from whose weights training started, if any.
     pub initial_policy: Option<Policy>,
-    /// Whether training has met a fault other than a lack of free space, such as a non-finite number, and cannot continue.
+    /// Whether training cannot continue because of a fault, such as a non-finite number. A scenario without room for a start or a
+    /// goal does not count, because the user can change it.
     pub has_failed: bool,
     /// When the policy or the run was saved last; the start of the run if neither was.
     saved_at: Moment,
@@ -85,7 +86,8 @@ impl TrainingRun {
         self.is_long_since(self.saved_at, env_steps)
     }
 
-    /// Whether the run, now at `env_steps`, has trained for long since `since`.
+    /// Whether so much training has happened since `since` that it may not be discarded without confirmation. The run is now at
+    /// `env_steps`.
     fn is_long_since(&self, since: Moment, env_steps: u64) -> bool {
         let steps = env_steps.saturating_sub(since.env_steps);
         steps > MAX_ENV_STEPS_TO_DISCARD || steps > 0 && self.wall_s() - since.wall_s > MAX_WALL_S_TO_DISCARD

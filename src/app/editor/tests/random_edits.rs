@@ -33,7 +33,7 @@ fn drag(editor: &mut Editor, stream: &mut Stream) {
     }
 }
 
-/// Clicks with the current tool, which may change only the selected rule.
+/// Clicks with the current tool. Nothing in the scenario may change, except the starts or the goals if they are selected.
 fn click(editor: &mut Editor, at: Vec2) {
     let before = Scenario::clone(editor.scenario());
     editor.click_with_tool(at, false);
@@ -46,7 +46,7 @@ fn click(editor: &mut Editor, at: Vec2) {
     assert_eq!(expected, before);
 }
 
-/// Asserts that the tool fits the selected item, and that the item was also selected `before` if the tool needs it.
+/// Asserts that a tool for one kind of item is active only if such an item is selected, and was so `before` the last edit too.
 fn assert_tool_fits(editor: &Editor, before: Selection) {
     let now = editor.selection();
     match editor.tool() {

@@ -5,7 +5,7 @@
 //!
 //! | file | purpose |
 //! |---|---|
-//! | `confirm_exit.rs`, `set_question.rs` | entering and leaving the editor; the question while training on a set |
+//! | `confirm_exit.rs`, `set_question.rs` | entering and leaving the editor; the question that replaces it while training on a set of scenarios |
 //! | `framing.rs` | the part of the plane that the canvas shows |
 //! | `pointer.rs`, `cursor.rs`, `shortcuts.rs` | pointer, cursor icon and keyboard on the canvas |
 //! | `drawing.rs`, `outlines.rs`, `marks.rs`, `draft.rs` | drawing: the scenario, outlines of items, starts and goals, an unfinished wall or path |

@@ -12,8 +12,8 @@ use crate::app::view_state::ViewState;
 const MODES: [SessionMode; 4] =
     [SessionMode::Train, SessionMode::Test, SessionMode::Drive, SessionMode::Compare];
 
-/// Draws the choice of mode at its natural width or `width` points wide. If there is no second driver, Compare
-/// opens one first.
+/// Draws the choice of mode at its natural width or `width` points wide. If nothing to compare with has been opened, Compare
+/// opens the expert (a shipped policy that can drive here) or, if there is none, a file dialog.
 pub(super) fn mode_switch_ui(
     ui: &mut Ui,
     view: &ScreenInput<'_>,
