@@ -59,7 +59,7 @@ fn the_best_policy_can_be_saved_tested_compared_and_transferred() {
     let mut app = evaluated();
     let [best, current, run] =
         ["best.safetensors", "current.safetensors", "run"].map(|name| folder.path().join(name));
-    // The run comes first: it waits for an evaluation that is still running.
+    // The run is saved first: saving it waits for any evaluation in progress, which may change the best policy.
     app.command(Command::Save(SaveKind::Run, run.clone()));
     app.command(Command::Save(SaveKind::BestPolicy, best.clone()));
     app.command(Command::Save(SaveKind::Policy, current.clone()));
@@ -84,7 +84,7 @@ fn the_best_policy_can_be_saved_tested_compared_and_transferred() {
     assert_eq!(app.shown().1.mode, SessionMode::Compare);
     assert_eq!([driver(&app, 0).0, driver(&app, 1).0], ["Current policy", "Best so far"]);
 
-    // A driver with its own motions, such as the user, drives until the run is replaced.
+    // As if a driver with its own motions, such as the user, were driving when the run is replaced.
     app.world().resource_mut::<CommandedMotions>().0 = vec![Some(Motion { v_m_s: 0.1, w_rad_s: 0.0 })];
     app.command(Command::Transfer {
         policy: PolicySource::Best,

@@ -1,4 +1,5 @@
-//! The attraction along the shortest path: in the reward and nowhere else, and continued bit for bit after a checkpoint.
+//! The reward's attraction to the goal, measured along the shortest path: it changes nothing but the reward, and a restored
+//! simulation continues it bit for bit.
 
 mod common;
 

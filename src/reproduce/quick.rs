@@ -17,7 +17,7 @@ const MAX_SEEDS: u64 = 2;
 /// The maximum number of episodes of an evaluation during training.
 const MAX_EVALUATION_EPISODES: usize = 20;
 
-/// The interval of evaluations, in env steps of the full training, of an experiment that does not set one.
+/// The interval of evaluations if the experiment does not set one, in env steps of the full training.
 const DEFAULT_EVALUATION_STEPS: u64 = 100_000;
 
 /// Shortens `experiment`, except for its training runs, which [`shorten_training`] shortens when they are planned.
@@ -72,7 +72,8 @@ pub fn shorten_training(preset: &mut Preset) {
     evaluation.episodes = evaluation.episodes.min(MAX_EVALUATION_EPISODES);
 }
 
-/// A tenth of `length`. It is rounded up, so that several stages remain at least as long as their sum.
+/// A tenth of `length`, rounded up. So a table or figure that shows the end of the last stage, counted over all stages, never
+/// asks for more training than the shortened stages have together.
 fn shortened(length: Budget) -> Budget {
     match length {
         Budget::Episodes(n) => Budget::Episodes(n.div_ceil(DIVISOR)),

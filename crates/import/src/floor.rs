@@ -36,9 +36,9 @@ pub struct Floor {
 }
 
 impl Floor {
-    /// The floor: of the connected sets of `free` cells where the robot's centre fits, the one with the most cells between the
-    /// corners `low` and `high` (exclusive), and the free cells around it. `None` if the robot fits nowhere, or nowhere with 10 %
-    /// to spare.
+    /// The floor of a map with the free cells `free`. The cells where the robot's centre fits form connected sets. The floor
+    /// consists of the set with the most cells between the corners `low` and `high` (exclusive), and the free cells around it.
+    /// `None` if the robot fits nowhere, or has nowhere 10 % to spare.
     pub fn new(free: &Grid<bool>, margins: Margins, (low, high): (Cell, Cell)) -> Option<Self> {
         let distances = free.map(|is_free| !is_free).squared_distances(true);
         // From the centre of a cell to the side of the nearest one that is not free.
@@ -67,8 +67,8 @@ impl Floor {
     }
 }
 
-/// The largest of a few clearances that enough positions have. `wall_distances` holds their distances from cells that are not
-/// free.
+/// Tries a few clearances and returns the largest one that enough positions have, or else the smallest one. `wall_distances`
+/// holds each position's distance from the nearest cell that is not free.
 fn clearance(wall_distances: &[f64], Margins { keep_out, clearance }: Margins) -> f64 {
     let fraction = |least: f64| {
         wall_distances.iter().filter(|&&distance| distance > least).count() as f64

@@ -158,8 +158,8 @@ fn fixed(outline: Outline, x: f64, y: f64, yaw_rad: f64) -> Solid {
     Solid { outline, centre_m: dvec2(x, y), yaw_rad }
 }
 
-/// The TurtleBot3 of the project: up to 0.22 m/s and 2 rad/s, 40 beams up to 3.5 m, a collision at 0.13 m, the goal at 0.20 m,
-/// 50 s. It may also stop and turn in place.
+/// The TurtleBot3 of turtlebot3_drlnav, with that project's rules: up to 0.22 m/s and 2 rad/s, 40 beams up to 3.5 m, a collision
+/// below 0.13 m, a goal radius of 0.20 m, a time limit of 50 s. The robot may also stop and turn in place.
 fn turtlebot() -> Scenario {
     let turns = [2.0, 1.0, 0.0, -1.0, -2.0];
     let motions =

@@ -29,8 +29,8 @@ pub(super) struct Origin {
 }
 
 impl EditSnapshot {
-    /// The snapshot, without its origin unless the step to `other` replaces the document. Undoing an ordinary step must
-    /// keep the information that the document was saved in between.
+    /// The snapshot as it is stored for the step to `other`. It keeps its origin only if that step replaces the document:
+    /// if the document was saved after an ordinary step, undoing that step must not restore the origin from before the save.
     fn for_step_to(mut self, other: &Self) -> Self {
         self.origin = self.origin.filter(|_| other.origin.is_some());
         self

@@ -18,7 +18,7 @@ use crate::run::RunError;
 /// The notes of a table: the test, the intervals, the data, the policies and the measures.
 ///
 /// # Errors
-/// An arm's training is too short for the point of the table. Planning rules this out.
+/// An arm's training ends before the point at which the table tests it. Planning rules this out.
 pub(super) fn notes(results: &Results<'_>, index: usize, spec: &TableSpec) -> Result<Vec<String>, RunError> {
     let experiment = results.experiment(index);
     let (measures, point): (&[Measure], _) = match &spec.show {

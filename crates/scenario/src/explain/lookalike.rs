@@ -3,8 +3,8 @@
 
 use crate::text::{code_point, is_unprintable};
 
-/// The character at `offset` of `text`, its problem, and the text to write instead. `None` if it does not look like a character
-/// of RON.
+/// The character at `offset` of `text`, its problem with the fix, and the text that replaces it while the rest of the file is
+/// checked. `None` if it is neither invisible nor similar to a character of RON.
 pub(super) fn lookalike(text: &str, offset: usize) -> Option<(char, String, &'static str)> {
     let c = text[offset..].chars().next()?;
     let code = code_point(c);

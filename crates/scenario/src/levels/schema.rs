@@ -1,7 +1,8 @@
 //! The types of a level generator file.
 //!
 //! In: RON text, through [`LevelGenerator::load`]. Out: plain numbers for the modules of `levels`.
-//! [`level_generator_diagnostics`](super::level_generator_diagnostics) checks them.
+//! [`level_generator_diagnostics`](super::level_generator_diagnostics) checks them. A pair of numbers is the lowest and the
+//! highest value of a range, from which each level draws.
 
 use glam::Vec2;
 use serde::{Deserialize, Serialize};

@@ -107,7 +107,7 @@ pub(in super::super) trait Editable {
     /// Drags a handle.
     fn drag(&self, scenario: &mut Scenario, kind: HandleKind, target: DragTarget) -> Option<()>;
 
-    /// Inserts the point of an insert handle at `position_m`. Returns the handle of the new point.
+    /// Inserts a corner or waypoint at `position_m`, if `kind` is a handle for that. Returns the handle of the new point.
     fn insert(&self, _scenario: &mut Scenario, _kind: HandleKind, _position_m: Vec2) -> Option<HandleKind> {
         None
     }
