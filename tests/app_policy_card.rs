@@ -1,5 +1,5 @@
-//! In the app, a policy whose card differs from the current scenario is refused, or gives a notice with both values: in a
-//! comparison, and as the start of a training run.
+//! In the app, a policy whose card (the part of its file that describes the robot and LIDAR it was trained with) differs from
+//! the current scenario is refused, or gives a notice with both values: in a comparison, and as the start of a training run.
 #![cfg(feature = "gui")]
 
 #[path = "support/headless_app.rs"]

@@ -132,7 +132,8 @@ fn arena_scenes(session: &SessionView, world: &WorldView, view_state: &CurrentVi
                 set_member: world.pool.as_ref().zip(member).map(|(pool, member)| pool.title(member.choice)),
                 pose: trails.previous_pose.map_or(*pose, |before| interpolate(&before, pose, part)),
                 goal: *goal,
-                // The clock of an inactive arena stands still. Interpolated, its obstacles would repeat their last step.
+                // The clock of an inactive arena stands still: with interpolation, its obstacles would repeat their last step
+                // in every frame.
                 obstacles: obstacles(
                     layout.indexed(pedestrians),
                     *clock,

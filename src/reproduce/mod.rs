@@ -94,8 +94,8 @@ pub struct Reproduction {
 /// repeated. Wall time counts from `began`.
 ///
 /// # Errors
-/// A file cannot be read or written, a run failed, or `stop` was set. Finished work is kept, and the same options
-/// continue it.
+/// A file cannot be read or written, a run failed, or `stop` was set. Finished work is kept; another call with the
+/// same options continues from there.
 pub fn reproduce(
     options: &ReproduceOptions,
     stop: &AtomicBool,

@@ -1,4 +1,5 @@
-//! Random scenarios, also at maximum speed, and reference motions between two steps in f64.
+//! Random scenarios, with everything at maximum speed if wanted; and where the robot and the obstacles are between two control
+//! steps, computed in f64 as a reference.
 
 use std::f64::consts::PI;
 

@@ -1,8 +1,8 @@
 //! The keyboard: handles the keys of a frame according to the table in `key_bindings.rs`.
 //!
 //! In: key events. Out: commands, and changes of the [`ViewState`]. Keys are ignored while a text field is being
-//! edited, and while a question in the middle of the window is open, which handles its own keys. Space and Tab are left to egui
-//! while a widget has the focus (Shift+Tab focuses one, Escape removes the focus).
+//! edited, and while a dialog asks the user a question, because it handles its own keys. Space and Tab are left to egui while
+//! a widget has the focus (Shift+Tab focuses one, Escape removes the focus).
 
 use egui::{Context, Event, Key, Modifiers, Ui};
 
@@ -36,7 +36,7 @@ pub fn handle(ui: &Ui, view: &ScreenInput<'_>, view_state: &mut ViewState, comma
     }
 }
 
-/// Whether a question in the middle of the window is open.
+/// Whether a dialog in the middle of the window is asking the user a question.
 pub fn question_is_open(view: &ScreenInput<'_>, view_state: &ViewState) -> bool {
     view.status.quit_question || view_state.interaction.set_question || confirm_exit::is_open(view_state)
 }

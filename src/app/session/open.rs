@@ -36,7 +36,7 @@ pub struct OpenedFiles {
     pub scenarios: Vec<Choice>,
     /// The user's own presets.
     pub presets: Vec<Choice>,
-    /// A path that the user has tried to open once; a second attempt opens it, although unsaved training is lost. `None` again
+    /// A path that the user has tried to open once; a second attempt opens it and discards the unsaved training. `None` again
     /// after a save.
     pub(super) requested_once: Option<PathBuf>,
 }
@@ -134,7 +134,7 @@ pub(super) fn is_set(text: &str) -> bool {
     scenario_set::is_meant_by(text) || LevelGenerator::is_meant_by(text)
 }
 
-/// Resumes the run in `folder`, which the user opened by `path`.
+/// Resumes the run in `folder`. `path` is what the user opened: the folder itself, or its checkpoint.
 fn resume(world: &mut World, path: &Path, folder: &Path) -> Result<String, RunError> {
     let extensions = world.resource::<TrainingRun>().config.extensions.clone();
     let saved = SavedRun::from_folder(folder, &extensions)?;
@@ -239,7 +239,7 @@ pub(super) fn check_driver(config: &RunConfig, name: &str, driver: &DriverKind) 
         .map_err(|error| RunError::InvalidInput(format!("{name}: {error}")))
 }
 
-/// Lists the current scenario or set of scenarios, and the current preset, among the user's own, if they are not shipped.
+/// Adds the current scenario (or set of scenarios) and the current preset to the lists of the user's own, unless shipped.
 pub(super) fn list_user_files(world: &mut World) {
     let config = &world.resource::<TrainingRun>().config;
     let RunConfig { scenario_from, preset_from, scenario, preset, .. } = config;

@@ -101,7 +101,7 @@ impl Trails {
     }
 }
 
-/// Every robot's pose, with the index of its arena before it and the control period of its scenario, in s, after it.
+/// For each robot: the index of its arena, its pose, and the control period of its scenario in s.
 pub fn poses(world: &mut World) -> Vec<(usize, Pose, f32)> {
     let mut arenas = world.query::<(&Arena, &Pose, &ArenaLayout)>();
     let entry = |(arena, pose, layout): (&Arena, &Pose, &ArenaLayout)| {

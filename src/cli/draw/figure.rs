@@ -1,4 +1,4 @@
-//! The figure of a scenario, also over a map, and the contact sheet of a level generator or a set.
+//! The figure of a scenario, drawn over its map if the user names one, and the contact sheet of a level generator or a set.
 
 use std::path::Path;
 

@@ -52,7 +52,7 @@ pub struct TraceStep {
 }
 
 impl TraceStep {
-    /// Writes this step as one line: a JSON object that also has the name `policy`.
+    /// Writes this step as one line: a JSON object with an additional field `policy`, the policy's name.
     ///
     /// # Errors
     /// `writer` cannot be written to.

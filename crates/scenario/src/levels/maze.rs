@@ -26,7 +26,8 @@ pub(super) fn add(
     maze.blocks.add_to(draft);
 }
 
-/// The edges of passages and walls in turn; a passage is first and last. The passages are widened to cover `size_m`.
+/// The edges of alternating passages and walls along a side of length `size_m`, from a passage to a passage. The passages are
+/// wider than `passage_m` where that is needed to fill the side.
 fn edges(size_m: f32, passage_m: f32, wall_m: f32) -> Vec<f32> {
     let passages = (((size_m + wall_m) / (passage_m + wall_m) * (1.0 + 1e-6)) as usize).max(1);
     let wide = (size_m - (passages - 1) as f32 * wall_m) / passages as f32;

@@ -15,7 +15,7 @@ const ARROWS: usize = 14;
 /// The kind of a field; each has its own texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum FieldKind {
-    /// The potential U of eq. (4).
+    /// The potential U of the paper's eq. (4).
     Potential,
     /// The state value V(s) of the network.
     Value,
