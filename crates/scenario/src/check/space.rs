@@ -296,8 +296,7 @@ fn check_goal_distance(scenario: &Scenario, too_near: bool, diagnostics: &mut Di
     }
     if !scenario.starts.positions_m().is_empty() {
         let goals = possible_positions(&frozen, &scenario.goals);
-        for (path, start) in
-            named_positions(&scenario.starts).filter(|named| !is_any_far(&goals, named.1, least))
+        for (path, _) in named_positions(&scenario.starts).filter(|named| !is_any_far(&goals, named.1, least))
         {
             let message = format!(
                 "has no goal at least {least} m away: move it, or write a smaller task.min_goal_distance_m"
