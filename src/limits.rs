@@ -49,7 +49,8 @@ pub const MAX_BODIES: usize = 1_000_000;
 /// Maximum number of floats in the scans and observations of all arenas together: 1 GiB.
 pub const MAX_OBSERVED_FLOATS: usize = 1 << 28;
 
-/// Maximum number of levels of a set whose results are kept during training, to draw levels by progress. They take 100 MB.
+/// Maximum number of levels of a set whose levels are drawn by learning progress. Training keeps the results of each level, which
+/// takes 100 MB.
 pub const MAX_LEVELS_BY_PROGRESS: usize = 4_000_000;
 
 /// Maximum size of `config.ron` in bytes. (A scenario of 1 MiB grows when every default is written out.)
@@ -67,7 +68,8 @@ pub const MAX_RECENT_RETURNS: usize = 100;
 /// Maximum time in a checkpoint in s, about 30,000 years.
 pub const MAX_TIME_S: f64 = 1e12;
 
-/// Maximum size in bytes of the journal of interventions. It contains every scenario adopted during training.
+/// Maximum size in bytes of the journal of interventions, the user's changes during training. It contains every scenario that
+/// training was switched to.
 pub const MAX_JOURNAL_BYTES: u64 = 1 << 28;
 
 /// Maximum absolute value of a reward parameter. With it, potentials over a kilometre and sums of rewards are finite.

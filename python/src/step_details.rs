@@ -47,7 +47,8 @@ impl StepDetails {
 }
 
 impl StepDetails {
-    /// The details of the step with `outcomes`. `final_observations` are those before any reset, if resets may have followed.
+    /// The details of the step with `outcomes`. `final_observations` are the observations before any reset; `None` if this step
+    /// cannot have included a reset.
     pub fn new(outcomes: &[StepOutcome], final_observations: Option<&[f32]>) -> Self {
         let kept = final_observations.filter(|_| outcomes.iter().any(has_ended));
         Self { outcomes: outcomes.to_vec(), final_observations: kept.map(<[f32]>::to_vec) }

@@ -134,8 +134,8 @@ type Replaced = (
     &'static mut RapierContextColliders,
 );
 
-/// `Place`: replaces the bodies of every arena whose scenario has changed, and places the moving obstacles where they are at the
-/// time of the arena's clock, which continues.
+/// In `ResetSet::Place`: replaces the bodies of every arena whose scenario has changed, and places the moving obstacles where
+/// they are at the time of the arena's clock, which continues.
 pub(super) fn replace_bodies(mut kept: Local<KeptBodies>, mut arenas: Query<Replaced>) {
     for (clock, pedestrians, layout, mut bodies, mut context, mut set, mut colliders) in &mut arenas {
         if kept.replace(layout, &mut bodies, &mut context, &mut set, &mut colliders) {
@@ -159,8 +159,8 @@ fn simulation(control_period_s: f32) -> RapierContextSimulation {
 /// Rapier's working memory, shared by all arenas so that it stays in the cache.
 ///
 /// Between steps it keeps only data about joints, of which there are none, and a flag that every arena with a robot sets
-/// again. `actuate` and `read_pose` modify all robots equally often, so rapier sets up its empty joint data once for all
-/// arenas.
+/// again. Rapier sets up its (empty) joint data anew for an arena whose bodies have been modified more or less often than those
+/// of the arena before it. `actuate` and `read_pose` modify all robots equally often, so once is enough for all arenas.
 #[derive(Resource, Default)]
 struct Pipeline(PhysicsPipeline);
 
@@ -173,7 +173,7 @@ type Stepped = (
     &'static mut RapierRigidBodySet,
 );
 
-/// `Simulate`: steps the physics of every active arena.
+/// In `ControlSet::Simulate`: steps the physics of every active arena.
 fn step(mut pipeline: ResMut<Pipeline>, mut arenas: Query<Stepped>) {
     for (configuration, mut simulation, mut colliders, mut joints, mut set) in &mut arenas {
         if !configuration.physics_pipeline_active {

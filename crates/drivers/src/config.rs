@@ -78,7 +78,7 @@ impl Default for FieldParameters {
     }
 }
 
-/// The dynamic window approach. The score of a motion is the sum of three terms, each 0 to 1 times its weight.
+/// The dynamic window approach. The score of a motion is the weighted sum of three terms, each between 0 and 1.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct DwaParameters {
@@ -158,11 +158,11 @@ impl Default for TrackingParameters {
 pub struct PlannerParameters {
     /// Side of a cell, 0.05 to 2 keep-out distances. Maps of more than 200,000 cells get larger cells.
     pub cell: f32,
-    /// Distance to walls and obstacles that a path keeps in addition if it can, 0 to 10 keep-out distances.
+    /// Distance beyond the keep-out distance that a path keeps from walls and obstacles if it can, 0 to 10 keep-out distances.
     pub margin: f32,
     /// Control steps between two plans, 1 to 1,000.
     pub replan_steps: u32,
-    /// Distance along the path of the point to steer for, 0.1 to 100 keep-out distances.
+    /// How far ahead on the path the point to steer for is, 0.1 to 100 keep-out distances.
     pub lookahead: f32,
     /// The dynamic window approach.
     pub dwa: DwaParameters,
@@ -181,11 +181,11 @@ impl Default for PlannerParameters {
 pub struct AstarParameters {
     /// Side of a cell, 0.05 to 2 keep-out distances. Maps of more than 200,000 cells get larger cells.
     pub cell: f32,
-    /// Distance to walls and obstacles that a path keeps in addition if it can, 0 to 10 keep-out distances.
+    /// Distance beyond the keep-out distance that a path keeps from walls and obstacles if it can, 0 to 10 keep-out distances.
     pub margin: f32,
     /// Control steps between two plans, 1 to 1,000.
     pub replan_steps: u32,
-    /// Distance along the path of the point to pursue, 0.1 to 100 keep-out distances.
+    /// How far ahead on the path the point to pursue is, 0.1 to 100 keep-out distances.
     pub lookahead: f32,
 }
 

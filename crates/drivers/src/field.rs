@@ -1,8 +1,8 @@
 //! The potential field: the goal attracts, surfaces repel, and the robot drives along the sum of the forces.
 //!
 //! Source: O. Khatib, *Real-time obstacle avoidance for manipulators and mobile robots*, International Journal of Robotics
-//! Research 5(1), 1986: the repulsion of eq. (16), FIRAS, of each point that a beam hit. The attraction is that of a conic
-//! potential, so its strength does not depend on the distance.
+//! Research 5(1), 1986: each point that a beam hit repels by eq. (16), the force of Khatib's "FIRAS" potential. The attraction is
+//! that of a conic potential, so its strength does not depend on the distance.
 
 use glam::Vec2;
 

@@ -173,8 +173,8 @@ mod tests {
         assert_eq!(Estimate::from_values(&[2.0, 2.0, 2.0]).and_then(|e| e.half_width), Some(0.0));
     }
 
-    /// a: mean 10, squared deviations 4 4 16, variance 24 / 2 = 12, over n 12 / 3 = 4.
-    /// b: mean 5, squared deviations 16 4 0 4 16, variance 40 / 4 = 10, over n 10 / 5 = 2.
+    /// a: mean 10, squared deviations 4 4 16, variance 24 / 2 = 12, divided by n: 12 / 3 = 4.
+    /// b: mean 5, squared deviations 16 4 0 4 16, variance 40 / 4 = 10, divided by n: 10 / 5 = 2.
     /// Standard error sqrt(4 + 2) = 2.44949; degrees of freedom 6^2 / (4^2 / 2 + 2^2 / 4) = 36 / 9 = 4;
     /// t(0.975, 4) = 2.77645; half width 2.77645 * 2.44949 = 6.80087.
     #[test]
@@ -189,7 +189,7 @@ mod tests {
         assert_eq!(swapped.half_width, estimate.half_width);
     }
 
-    /// Only a varies: variance 2, over n 1; degrees of freedom 1^2 / (1^2 / 1) = 1, t 12.7062, half width the same.
+    /// Only a varies: variance 2, divided by n: 2 / 2 = 1; degrees of freedom 1^2 / (1^2 / 1) = 1, t 12.7062, half width the same.
     #[test]
     fn differences_of_single_and_equal_values() {
         near(difference(&[1.0, 3.0], &[5.0; 3]).and_then(|e| e.half_width).expect("enough"), 12.7062);

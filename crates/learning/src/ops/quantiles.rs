@@ -7,8 +7,8 @@ use super::{Regression, Rows, loss_and_slope, rows, scalar, values};
 /// The quantile regression loss (Dabney et al. 2018, equations 9 and 10, times 2 so that a single quantile has the loss of
 /// [`td_loss`](super::td_loss)): the mean over the batch of weight x sum over i of mean over j of
 /// 2 |tau_i - (u < 0)| Huber(u), where u = y_j - Z_i and tau_i = (i + 1/2) / N. `quantiles` has the N quantiles Z_i of each
-/// of the n transitions as rows (n N x actions), and the regression has N targets y_j per transition. Writes the n differences
-/// of the means of Z and y into `errors` and the n means of Z into `chosen`.
+/// of the n transitions as rows (n N x actions), and the regression has N targets y_j per transition. For each transition,
+/// writes mean(Z) - mean(y) into `errors` and mean(Z) into `chosen`.
 pub(crate) fn quantile_loss<T: Tape<f32, Cpu>>(
     quantiles: Rows<T>,
     count: usize,
