@@ -146,6 +146,11 @@ impl RunError {
     }
 }
 
+/// The `message` of an error without its help, for a sentence that gives other advice or none.
+pub(crate) fn without_help(message: &str) -> &str {
+    message.split("; help:").next().unwrap_or(message)
+}
+
 impl From<crate::simulation::StepError> for RunError {
     fn from(error: crate::simulation::StepError) -> Self {
         Self::Failed(error.to_string())

@@ -27,7 +27,7 @@ use super::editor::Editor;
 use super::session::notices::{NoticeTopic, notify};
 use super::session::{AutosaveOptions, ScenarioSource};
 use super::view_state::EditorSource;
-use crate::run::RunError;
+use crate::run::{RunError, without_help};
 use crate::scenario::{MAX_FILE_BYTES, Scenario, parse_ron_with_limit, to_ron};
 use store::{FoundBackup, Store};
 
@@ -130,7 +130,7 @@ pub(super) fn back_up_if_due(world: &mut World) {
         && !std::mem::replace(&mut world.resource_mut::<EditorBackup>().has_failed, true)
     {
         let error = error.to_string();
-        let cause = error.split("; help:").next().unwrap_or(&error);
+        let cause = without_help(&error);
         let text = format!("Unsaved changes cannot be backed up: {cause}\nhelp: save the scenario often");
         notify(world, NoticeTopic::General, Severity::Error, text);
     }

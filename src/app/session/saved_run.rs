@@ -25,7 +25,6 @@ use crate::learning::Learner;
 #[cfg(target_arch = "wasm32")]
 use crate::limits::MAX_CONFIG_BYTES;
 use crate::policy::Policy;
-use crate::run::RunError;
 use crate::run::checkpoint::{self, LoadedCheckpoint, TrainerState};
 #[cfg(target_arch = "wasm32")]
 use crate::run::folder::INITIAL_POLICY_FILE;
@@ -33,6 +32,7 @@ use crate::run::folder::{EPISODES_FILE, EVALUATIONS_FILE, RunConfig, RunFolder};
 use crate::run::metric_rows::{EpisodeRow, EvaluationRow};
 #[cfg(target_arch = "wasm32")]
 use crate::run::metric_rows::{SetColumns, parse_rows};
+use crate::run::{RunError, without_help};
 #[cfg(target_arch = "wasm32")]
 use crate::scenario::parse_ron_with_limit;
 use crate::simulation::Extensions;
@@ -147,7 +147,7 @@ impl SavedRun {
         for (_, error) in skipped {
             let error = error.to_string();
             // Its help is about a run without a readable checkpoint.
-            let why = error.split("; help:").next().unwrap_or(&error);
+            let why = without_help(&error);
             let text = format!("{why}\nAn older checkpoint was used instead");
             notify(world, NoticeTopic::General, Severity::Error, text);
         }

@@ -19,7 +19,7 @@ use crate::run::metrics_writer::MetricsWriter;
 use crate::run::preset::Budget;
 use crate::run::progress::{ProgressListener, ProgressReporter, ProgressTotal};
 use crate::run::training_setup::{self, create_learner};
-use crate::run::{RunError, metrics, policy_card, processor};
+use crate::run::{RunError, metrics, policy_card, processor, without_help};
 use crate::simulation::Extensions;
 
 impl Run {
@@ -103,7 +103,7 @@ impl Run {
         for (_, error) in skipped {
             let error = error.to_string();
             // Its help is about a run without a readable checkpoint.
-            let why = error.split("; help:").next().unwrap_or(&error);
+            let why = without_help(&error);
             run.progress.warn(&format!("{why}; resuming from an older checkpoint, at {env_steps} env steps"));
         }
         checkpoint::restore(run.simulation.world_mut(), &run.trainer_state);

@@ -295,7 +295,7 @@ fn check_goal_distance(scenario: &Scenario, too_near: bool, diagnostics: &mut Di
         return;
     }
     if !scenario.starts.positions_m().is_empty() {
-        let goals = possible_positions(&frozen, &scenario.goals);
+        let goals: Vec<Vec2> = possible_positions(&frozen, &scenario.goals).collect();
         for (path, _) in named_positions(&scenario.starts).filter(|named| !is_any_far(&goals, named.1, least))
         {
             let message = format!(
@@ -323,10 +323,8 @@ fn check_goal_distance(scenario: &Scenario, too_near: bool, diagnostics: &mut Di
 /// Whether enough of the possible starts have a goal that is far enough away.
 fn has_far_goals(frozen: &Scenario) -> bool {
     let least_m = frozen.task.min_goal_distance_m;
-    let named = frozen.goals.positions_m();
-    let random = free_points(frozen, &frozen.goals, 0).filter(|_| named.is_empty());
     let (mut goals, mut low, mut high) = (Vec::new(), Vec2::MAX, Vec2::MIN);
-    for goal in named.iter().copied().chain(random) {
+    for goal in possible_positions(frozen, &frozen.goals) {
         (low, high) = (low.min(goal), high.max(goal));
         if (high - low).max_element() >= 2.0 * least_m {
             // Of two goals that are so far apart, one is far enough from any start.
@@ -334,7 +332,7 @@ fn has_far_goals(frozen: &Scenario) -> bool {
         }
         goals.push(goal);
     }
-    let starts = possible_positions(frozen, &frozen.starts);
+    let starts: Vec<Vec2> = possible_positions(frozen, &frozen.starts).collect();
     let far = starts.iter().filter(|start| is_any_far(&goals, **start, least_m));
     far.count() * FAR_START_DIVISOR >= starts.len()
 }
@@ -344,11 +342,10 @@ fn is_any_far(goals: &[Vec2], start: Vec2, least_m: f32) -> bool {
 }
 
 /// The positions that `rule` names, or else those on a grid that it allows at step 0.
-pub(super) fn possible_positions(scenario: &Scenario, rule: &PlacementRule) -> Vec<Vec2> {
-    match rule.positions_m() {
-        [] => free_points(scenario, rule, 0).collect(),
-        named => named.to_vec(),
-    }
+pub(super) fn possible_positions(scenario: &Scenario, rule: &PlacementRule) -> impl Iterator<Item = Vec2> {
+    let named = rule.positions_m();
+    let of_grid = named.is_empty().then(|| free_points(scenario, rule, 0));
+    named.iter().copied().chain(of_grid.into_iter().flatten())
 }
 
 /// Number of sides that a test of a point against all obstacles and inner walls takes, approximately.

@@ -23,7 +23,8 @@ pub(super) fn check(scenario: &Scenario, notes: &mut Vec<Note>) {
         return;
     }
     let still = without_moving_obstacles(scenario);
-    let [starts, goals] = [&still.starts, &still.goals].map(|rule| thinned(possible_positions(&still, rule)));
+    let [starts, goals] =
+        [&still.starts, &still.goals].map(|rule| thinned(possible_positions(&still, rule).collect()));
     let (mut all, mut beyond, mut farthest) = (0_u32, 0_u32, 0.0_f32);
     for start in &starts {
         for goal in &goals {

@@ -41,7 +41,7 @@ use super::saved_run::SavedRun;
 use super::training_run::TrainingRun;
 use crate::agent::ActiveLearner;
 use crate::app::app_status::{LastSession, Severity};
-use crate::run::RunError;
+use crate::run::{RunError, without_help};
 use background::Writing;
 use sessions::FoundSession;
 use slot::Slot;
@@ -231,7 +231,7 @@ fn finish(world: &mut World, slot: Slot, written: Result<(), RunError>) {
     match failure {
         None => world.resource_mut::<Notices>().remove(&NoticeTopic::Autosave),
         Some(error) => {
-            let cause = error.split("; help:").next().unwrap_or(&error);
+            let cause = without_help(&error);
             let text = format!("Autosave failed: {cause}\nhelp: {SAVE_YOURSELF}. Training continues");
             notify(world, NoticeTopic::Autosave, Severity::Error, text);
         }
