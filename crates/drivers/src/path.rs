@@ -7,8 +7,8 @@ use glam::Vec2;
 
 use crate::robot::Robot;
 
-/// The point of `path` to steer for: of the points within `lookahead_m` along the path after the one nearest to `at_m`, the
-/// last that the robot `sees`. If it sees none, the point after the nearest, or the end of the path.
+/// The point of `path` to steer for: the last one that the robot `sees` within `lookahead_m` along the path after the point
+/// nearest to `at_m`. If the robot sees none, the point after the nearest, or the end of the path.
 pub(crate) fn point_ahead(
     path: &[Vec2],
     at_m: Vec2,
@@ -32,7 +32,7 @@ pub(crate) fn point_ahead(
 }
 
 /// The index of the motion of `robot` that pursues `point_m` (in its frame): the one closest to the arc through the point,
-/// as fast as the largest turning rate allows. If the point is behind the robot, it turns towards the point first.
+/// as fast as the largest turning rate allows. If the point is behind the robot, a turn in place towards it.
 pub(crate) fn pursue(robot: &Robot, point_m: Vec2) -> usize {
     let (max_speed, max_turn) = (robot.max_forward_speed_m_s(), robot.max_turn_rad_s());
     let squared = point_m.length_squared();
