@@ -28,7 +28,7 @@ const KEY: &str = "wayfield";
 pub struct Policy {
     shape: NetworkShape,
     parameters: Vec<f32>,
-    /// The same parameters in the order of forward passes.
+    /// The same parameters, as a forward pass reads them.
     weights: Weights,
     /// What the inputs and actions mean, and what the policy was trained with. `None` in files of format version 1.
     pub card: Option<Box<Card>>,

@@ -3,7 +3,7 @@
 //! | encoding | what it is |
 //! |---|---|
 //! | [`Encoding::Scaled`], [`Encoding::Raw`] | eq. (8) of the paper: a range per beam, the goal, and the nearest beam ([`encode`]) |
-//! | [`Encoding::Sectors`] | sectors around the robot, in units of the robot, with motion since an earlier scan ([`SectorObserver`]): for any LIDAR and any robot |
+//! | [`Encoding::Sectors`] | sectors around the robot, with lengths in units of the robot and motion since an earlier scan ([`SectorObserver`]): for any LIDAR and any robot |
 
 mod moving;
 mod observer;
@@ -82,7 +82,8 @@ impl Encoding {
         }
     }
 
-    /// Whether the observation `row` [shows something that moves](SectorLayout::shows_motion); true if its encoding cannot show it.
+    /// Whether the observation `row` [shows something that moves](SectorLayout::shows_motion); true if its encoding cannot show
+    /// motion.
     ///
     /// # Panics
     /// `row` is shorter than an observation with this encoding.
