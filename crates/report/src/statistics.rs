@@ -83,7 +83,7 @@ pub fn small_sample_note(n: usize) -> Option<String> {
             let quantile =
                 StudentsT::new(0.0, 1.0, n as f64 - 1.0).map_or(f64::NAN, |t| t.inverse_cdf(0.975));
             Some(format!(
-                "n = {n} says little: a 95 % interval is {quantile:.1} standard errors on each side (with many seeds 2.0), \
+                "n = {n} says little: a 95 % interval is {quantile:.1} standard errors on each side (2.0 with many seeds), \
                  and the spread is itself a guess from {n} values. {advice}."
             ))
         }
