@@ -29,8 +29,8 @@ impl Robot {
 }
 
 impl Scenario {
-    /// The distance from surfaces, in m, beyond which the robot's origin can be at any heading without a collision: the
-    /// collision range, or the reach of the robot's shape if that is more.
+    /// The distance of the robot's origin from surfaces, in m, beyond which the robot collides at no heading: the collision
+    /// range, or the reach of the robot's shape if that is more.
     #[must_use]
     pub fn keep_out_m(&self) -> f32 {
         let range_m = self.task.collision_range_m;
@@ -43,8 +43,8 @@ impl Scenario {
         self.keep_out_m().max(self.robot.reach_m())
     }
 
-    /// The distance from surfaces, in m, below which the robot collides at every heading: the collision range, or the
-    /// [`Robot::inner_radius_m`] of its shape if that is more.
+    /// The distance of the robot's origin from surfaces, in m, below which the robot collides at every heading: the collision
+    /// range, or the [`Robot::inner_radius_m`] of its shape if that is more.
     #[must_use]
     pub fn sure_collision_m(&self) -> f32 {
         let range_m = self.task.collision_range_m;

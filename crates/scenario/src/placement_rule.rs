@@ -4,7 +4,7 @@ use super::schema::{PlacementRule, Region};
 use glam::Vec2;
 
 impl PlacementRule {
-    /// The positions that the rule lists, in m; empty for a random rule.
+    /// The positions that the rule lists, in m; empty for `Random` and `Within`.
     #[must_use]
     pub fn positions_m(&self) -> &[Vec2] {
         match self {
@@ -14,7 +14,7 @@ impl PlacementRule {
         }
     }
 
-    /// The clearance of a random rule, in m.
+    /// The clearance of a `Random` or `Within` rule, in m.
     #[must_use]
     pub fn clearance_m(&self) -> Option<f32> {
         match *self {

@@ -8,7 +8,7 @@ use crate::limits::*;
 use crate::schema::*;
 use crate::track::MotionSpeed;
 
-/// Tolerance factor: by rounding, a speed at the limit may exceed it a little.
+/// Tolerance factor: a speed at the limit may exceed it slightly after rounding.
 pub(super) const SLACK: f32 = 1.0 + 1e-5;
 
 /// The control period of `task` in s, or 0 if it is invalid, which is reported elsewhere: then only speeds are checked.
@@ -16,7 +16,7 @@ pub(crate) fn checked_period_s(task: &TaskRules) -> f32 {
     if CONTROL_PERIOD_S.contains(&task.control_period_s) { task.control_period_s } else { 0.0 }
 }
 
-/// The highest speed of an obstacle, in m/s. It must not jump over the robot in a control step of `period_s`.
+/// The highest allowed speed of an obstacle, in m/s. The obstacle must not jump over the robot in a control step of `period_s`.
 pub(crate) fn fastest_m_s(period_s: f32) -> f32 {
     MAX_SPEED_M_S.min(MAX_STEP_M / period_s)
 }
@@ -82,7 +82,7 @@ fn check_robot(scenario: &Scenario, period: f32, diagnostics: &mut Diagnostics) 
     }
 }
 
-/// Notes obstacles that are faster than the robot.
+/// Adds a note for each obstacle that is faster than the robot.
 pub(super) fn note_fast_obstacles(scenario: &Scenario, notes: &mut Vec<Note>) {
     let robot_m_s = max_speed_m_s(&scenario.robot);
     for (k, obstacle) in scenario.obstacles.iter().enumerate() {

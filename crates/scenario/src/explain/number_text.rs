@@ -19,7 +19,7 @@ pub(super) fn cut_number(text: &str, offset: usize) -> Option<Range<usize>> {
     (before > 0 && after > 0 && is_number).then_some(word)
 }
 
-/// The problem of `word`, of which ron has read a part as a number, as the rest of a sentence that starts with the field.
+/// The problem with `word`, if ron has read only a part of it as a number: the rest of a sentence that starts with the field.
 pub(super) fn cut_number_problem(word: &str) -> String {
     if let Ok(value) = word.replace('_', "").parse::<f64>() {
         return match whole(value) {
@@ -75,7 +75,7 @@ pub fn with_plain_numbers(text: &str) -> String {
     plain + &text[end..]
 }
 
-/// The problem of a `number` with a unit, as the rest of a sentence. The number to write is in the unit of the format.
+/// The problem with a `number` that has a unit, as the rest of a sentence. The suggested number is in the format's own unit.
 pub(super) fn with_unit(number: &str, unit: &str) -> String {
     let factor = match unit {
         "km" => 1000.0,
@@ -96,8 +96,8 @@ fn whole(value: f64) -> Option<u64> {
     ((0.0..=9e15).contains(&value) && value.fract() == 0.0).then_some(value as u64)
 }
 
-/// The problem of a number with commas around `offset`, where ron expected a field or a closing bracket: a
-/// decimal comma, or commas between groups of digits. Returns its range as well.
+/// The range of a number with commas around `offset`, where ron expected a field or a closing bracket, and the problem with
+/// it: a decimal comma, or commas between groups of digits.
 pub(super) fn comma_problem(text: &str, offset: usize) -> Option<(Range<usize>, String)> {
     let is_part = |c: char| c.is_ascii_digit() || matches!(c, ',' | '.' | '_');
     let start = text[..offset].trim_end_matches(is_part).len();
@@ -130,7 +130,7 @@ pub(super) fn comma_problem(text: &str, offset: usize) -> Option<(Range<usize>, 
     Some((range, message))
 }
 
-/// The problem of a pair in `brackets` that was written with decimal commas, such as `(0,6, 1,2)`.
+/// The problem with a pair in `brackets` that was written with decimal commas, such as `(0,6, 1,2)`.
 pub(super) fn pair_problem(brackets: &str) -> Option<String> {
     let inner = brackets.strip_prefix('(')?.strip_suffix(')')?;
     let numbers: Vec<&str> = inner.split(", ").map(str::trim).collect();
@@ -145,7 +145,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_short_number_is_exact() {
+    fn a_number_with_a_suffix_is_exact() {
         for (text, value) in
             [("2.01k", 2_010), ("16.06K", 16_060), ("4.35M", 4_350_000), ("1.001G", 1_001_000_000)]
         {
