@@ -28,8 +28,8 @@ pub const KEY_HELP: [(&str, &str); 12] = [
 
 /// The gestures of the mouse, in the order of the help window.
 pub const MOUSE_HELP: [(&str, &str); 4] = [
-    ("Click", "Select an object"),
-    ("Drag", "Move an object or a handle; on the floor: pan"),
+    ("Click", "Select an item"),
+    ("Drag", "Move an item or a handle; on the floor: pan"),
     ("Scroll", "Zoom"),
     ("Double-click", "On a waypoint or corner: remove it"),
 ];

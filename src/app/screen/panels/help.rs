@@ -20,7 +20,7 @@ const ARENA_HELP: [&str; 5] = [
 ];
 
 const EDITOR_HELP: [&str; 3] = [
-    "Click an object to select it, drag it to move it, and edit its numbers in the panel.",
+    "Click an item to select it, drag it to move it, and edit its numbers in the panel.",
     "Errors are orange, with a suggested fix. A scenario with errors cannot be used for training.",
     "Your changes reach the robot only when you continue or restart training in the edited scenario. A saved scenario is \
      a text file that any text editor can open.",
