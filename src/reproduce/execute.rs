@@ -75,8 +75,8 @@ fn run(
     Ok(is_done)
 }
 
-/// Trains and tests `training` below `folder`, where the policy that it starts from must be; `false` if it was stopped.
-/// Finished work is not repeated.
+/// Trains and tests `training` below `folder`, which must contain the policy that the training starts from, if any. Finished
+/// work is not repeated. Returns `false` if it was stopped.
 ///
 /// # Errors
 /// The run failed, or a file cannot be read or written.
@@ -182,9 +182,9 @@ fn origin(training: &PlannedRun, folder: &Path) -> Result<Option<Policy>, RunErr
     transfer.map(|transfer| policy_test::read_policy(&folder.join(&transfer.policy))).transpose()
 }
 
-/// Runs the tests that have no result yet. The results are written below `runs`, even for a run from elsewhere.
-fn run_tests(training: &PlannedRun, runs: &Path) -> Result<(), RunError> {
-    let (from, into) = (training.folder(runs), runs.join(&training.name));
+/// Runs the tests that have no result yet. The results are written below `folder`, even for a run from elsewhere.
+fn run_tests(training: &PlannedRun, folder: &Path) -> Result<(), RunError> {
+    let (from, into) = (training.folder(folder), folder.join(&training.name));
     let mut results = policy_test::read_results(&into);
     let known = results.len();
     for &(policy, rule) in &training.tests {

@@ -197,7 +197,7 @@ fn set_goal(world: &mut World, request: &MoveRequest) {
     }
 }
 
-/// Records an intervention in the journal. Unless the app is training, only a change of the scenario affects the training.
+/// Records an intervention in the journal if it affects the training. Outside training, only a change of the scenario does.
 fn record(world: &mut World, intervention: &Intervention) {
     let changes_scenario = intervention.changes_scenario();
     if changes_scenario || world.resource::<ActiveMode>().is_training() {

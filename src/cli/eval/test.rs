@@ -111,7 +111,7 @@ impl Test<'_> {
     }
 
     fn references(&self, episodes: &[EpisodeResult]) -> Result<References, RunError> {
-        // A test with files computes them here, where a signal can stop it.
+        // A test that writes files computes the bounds here, where a signal can stop it.
         let has_bounds = self.args.optimum && self.stop.is_some();
         let mut references = References { shortest_paths_m: Vec::new(), bounds: has_bounds.then(Vec::new) };
         // Some plans take seconds, so the stop flag is checked between chunks.
