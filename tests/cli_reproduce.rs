@@ -783,7 +783,7 @@ fn a_report_says_that_the_training_before_a_transfer_elsewhere_is_not_counted() 
 }
 
 #[test]
-fn the_notes_of_a_table_are_only_about_arms_that_are_trained() {
+fn the_notes_of_a_table_are_only_about_arms_that_are_compared() {
     let workspace = over_steps();
     workspace.write(
         "mine/best.ron",

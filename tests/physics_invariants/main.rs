@@ -3,8 +3,8 @@
 //! | file | invariant |
 //! |---|---|
 //! | `motion.rs` | the robot has the commanded speed and energy, and drives along the commanded arc |
-//! | `no_tunnelling.rs` | no robot or obstacle passes through another at any allowed speed |
-//! | `contact.rs` | LIDAR, contact and geometry agree to 1 mm, over a million poses |
+//! | `no_tunnelling.rs` | the robot passes through no wall or obstacle, and no obstacle through it, at any allowed speed |
+//! | `contact.rs` | LIDAR, contact and geometry agree to 1 mm, in a million random poses |
 //! | `arenas.rs` | arenas do not influence each other |
 //!
 //! Reference values are computed in f64 without rapier (`random_scenarios.rs`, and `closed_form` in `tests/common`). All
