@@ -219,7 +219,7 @@ fn specks_and_unreachable_rooms_are_dropped() {
 }
 
 #[test]
-fn the_about_leads_back_to_a_map_whose_origin_has_a_yaw() {
+fn the_about_states_the_frame_of_a_map_whose_origin_has_a_yaw() {
     let yaml = YAML.replace("[-3.0, -2.0, 0.0]", "[2.0, 3.0, 1.0]");
     let folder = Folder::new(&[("map.yaml", yaml.as_bytes()), ("map.pgm", &hall())]);
     let imported = folder.import("map.yaml").expect("a map");
@@ -380,7 +380,7 @@ fn models_may_be_nested_8_deep_whether_or_not_they_are_included() {
 }
 
 #[test]
-fn what_a_scenario_cannot_represent_is_listed() {
+fn parts_that_a_scenario_cannot_represent_are_listed() {
     let parts = [
         model("fine", "", BOX),
         model("statue", "", "<mesh><uri>a.dae</uri></mesh>"),

@@ -92,7 +92,7 @@ fn both_ends_of_a_range_are_checked() {
 }
 
 #[test]
-fn what_is_neither_a_number_nor_a_range_is_explained() {
+fn values_other_than_numbers_and_ranges_are_rejected_with_an_explanation() {
     for (to, expected) in [
         ("\"0.1\"", "`lidar.noise_std_m` must be a number, or a range (lowest, highest), without quotes"),
         ("(0.1)", "a number, or a range (lowest, highest)"),
@@ -136,7 +136,7 @@ fn drawn_numbers_cover_their_whole_ranges() {
 }
 
 #[test]
-fn what_is_drawn_from_a_range_does_not_depend_on_other_ranges() {
+fn a_number_drawn_from_a_range_does_not_depend_on_other_ranges() {
     let all = scenario();
     let mut some = all.clone();
     some.robot.actuator_lag_s = 0.0.into();
