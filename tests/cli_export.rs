@@ -95,7 +95,7 @@ fn an_exported_policy_with_raw_observations_gives_the_same_results() {
 }
 
 #[test]
-fn a_page_that_a_person_wrote_is_never_overwritten() {
+fn a_readme_written_by_a_person_is_never_overwritten() {
     let workspace = workspace();
     workspace.write("README.md", "mine");
     let done = workspace.run_ok("--export policy.safetensors --onnx policy.onnx");
@@ -109,7 +109,7 @@ fn a_page_that_a_person_wrote_is_never_overwritten() {
     std::fs::remove_file(workspace.path("README.md")).expect("removed");
     workspace.run_ok("--export policy.safetensors --onnx first.onnx");
     workspace.run_ok("--export policy.safetensors --onnx second.onnx");
-    assert!(workspace.text("README.md").contains("second.onnx"), "wayfield's own page is overwritten");
+    assert!(workspace.text("README.md").contains("second.onnx"), "wayfield's own model card is overwritten");
 }
 
 #[test]
@@ -124,7 +124,7 @@ fn an_onnx_file_in_a_pipe_is_the_same_and_nothing_else_is_written() {
 }
 
 #[test]
-fn what_cannot_be_exported_is_refused_in_one_line() {
+fn invalid_exports_are_refused_in_one_line() {
     let workspace = workspace();
     let mut old = Policy::from_bytes(&workspace.read("policy.safetensors")).expect("a valid policy");
     old.card = None;

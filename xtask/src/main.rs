@@ -60,7 +60,7 @@ fn steps(command: &str) -> Option<Vec<Step<'static>>> {
         "messages" => vec![
             cargo("test --release -p wayfield --test cli_errors", RENEW),
             cargo("test --release -p wayfield --test cli_policy_card reversed_or_reordered", RENEW),
-            cargo("test --release -p wayfield --test cli_export what_cannot_be_exported", RENEW),
+            cargo("test --release -p wayfield --test cli_export invalid_exports", RENEW),
             cargo("test --release -p wayfield --test cli_check faults_of_every_kind", RENEW),
             cargo("test --release -p wayfield-scenario --test errors", RENEW),
         ],
