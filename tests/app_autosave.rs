@@ -46,7 +46,7 @@ fn app(folder: &Path, seed: u64) -> HeadlessApp {
 fn autosaves(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     let mut found: Vec<PathBuf> = entries.filter(|path| path.join("autosave.ron").exists()).collect();
-    // Without those that are being deleted.
+    // Without those that are being written or deleted.
     found.retain(|path| path.file_name().is_some_and(|name| !name.to_string_lossy().starts_with(".saving-")));
     found.sort();
     found
@@ -96,8 +96,8 @@ fn wait_until_unlocked(path: &Path) {
 
 /// Control steps of the autosave at `path`.
 fn saved_steps(path: &Path) -> Option<u64> {
-    let note = fs::read_to_string(path.join("autosave.ron")).ok()?;
-    let env_steps = note.split("env_steps:").nth(1)?.split(',').next()?;
+    let metadata = fs::read_to_string(path.join("autosave.ron")).ok()?;
+    let env_steps = metadata.split("env_steps:").nth(1)?.split(',').next()?;
     Some(env_steps.trim().parse::<u64>().expect("a number") / 16)
 }
 
@@ -260,7 +260,11 @@ fn a_damaged_autosave_is_reported_and_the_new_training_run_goes_on() {
     for path in autosaves(folder.path()) {
         fs::write(path.join("autosave.ron"), "(scenario: 7").expect("the file can be written");
     }
-    assert_eq!(app(folder.path(), 1).shown().1.last_session, None, "an unreadable note is not offered");
+    assert_eq!(
+        app(folder.path(), 1).shown().1.last_session,
+        None,
+        "a session with unreadable metadata is not offered"
+    );
 }
 
 #[test]
