@@ -70,7 +70,7 @@ impl Grid {
         (bottom..=top).flat_map(move |row| (left..=right).map(move |column| row * columns + column))
     }
 
-    /// Whether `is_free` holds for the cells at points on the straight line from `from_m` to `to_m`, at most half a cell apart.
+    /// Whether `is_free` holds for the cells along the straight line from `from_m` to `to_m`, sampled at most half a cell apart.
     pub(crate) fn sees(&self, from_m: Vec2, to_m: Vec2, is_free: impl Fn(usize) -> bool) -> bool {
         let line = to_m - from_m;
         let samples = (2.0 * line.length() / self.cell_m).ceil().clamp(1.0, MAX_CELLS as f32);
@@ -93,6 +93,6 @@ mod tests {
             assert!(covered_m.x > 0.999 * width_m && covered_m.y > 0.999 * height_m, "{covered_m}");
         }
         let small = Grid::over(Vec2::ZERO, vec2(5.0, 4.0), 0.05);
-        assert_eq!(small.len(), 8_000, "a few cells keep the given size");
+        assert_eq!(small.len(), 8_000, "below the maximum, cells keep the given size");
     }
 }
