@@ -86,7 +86,7 @@ impl<'a> Formatter<'a> {
         match value {
             Value::Text(value) => wrapped(value, cursor.column, WIDTH, self.newline),
             Value::List(parts) => on_lines("[", parts, "]"),
-            // A tuple is on several lines only if it contains a list that must be.
+            // A tuple takes several lines only if it contains a list that has to.
             Value::Tuple(parts) => self.line(value).unwrap_or_else(|| on_lines("(", parts, ")")),
             Value::Record(record) => {
                 let fields = self.written_fields(record);

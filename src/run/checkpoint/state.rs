@@ -148,7 +148,7 @@ impl TrainerState {
         self.arena_scenarios = self.arenas.iter().filter_map(|arena| arena.scenario.clone()).collect();
     }
 
-    /// Copies these data back into the arenas.
+    /// The reverse of `collect_extensions`: copies the data back into the arenas.
     ///
     /// # Errors
     /// Some of the data are for a different number of arenas.
