@@ -1,4 +1,4 @@
-//! The program's entry point: the command line, or in a browser the app.
+//! The program's entry point: the command line, or the app in a browser.
 
 /// A fast allocator, because rapier and dfdx allocate in every step (docs/performance.md).
 #[cfg(not(target_arch = "wasm32"))]

@@ -42,7 +42,7 @@ fn tuple(pose: &Pose) -> (f32, f32, f32) {
 }
 
 #[test]
-fn a_policy_by_percepts_chooses_what_it_chooses_in_the_simulation() {
+fn a_policy_that_drives_by_percepts_chooses_the_same_actions_as_in_the_simulation() {
     let sectors = policy_by_sectors();
     assert!(policy_card::encoding(&sectors).expect("known").sectors().is_some());
     let expert = &shipped::policies()[0].policy;
@@ -112,7 +112,7 @@ fn a_map_leads_out_of_dead_ends_in_which_a_policy_alone_fails() {
 }
 
 #[test]
-fn a_report_repeats_the_failures_of_a_policy_with_its_map() {
+fn the_commands_of_a_report_drive_a_policy_with_its_map() {
     let workspace = Workspace::new();
     workspace.write("short.ron", "(name: \"Short\", families: [(name: \"maze\", scenarios: [\"maze\"], episodes: 2, time_limit_s: 2.0)])");
     workspace.run_ok("--eval scenario-1+map --suite short.ron --report report");

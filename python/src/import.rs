@@ -26,7 +26,7 @@ pub struct ImportArguments {
 }
 
 /// Imports the file `path`. Returns the scenario's RON text, the largest deviation of a wall in m, the length of a shortest
-/// path in m if it is known, and what was not imported.
+/// path in m if it is known, and the findings: what was left out or changed.
 #[pyfunction]
 pub fn import_scenario(
     py: Python<'_>,

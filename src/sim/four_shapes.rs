@@ -1,6 +1,6 @@
 //! Four shapes at once: the distance along a LIDAR beam to each of four circles or rectangles.
 //!
-//! In: a beam, and up to four shapes in the lanes of vectors. Out: four distances in m, bit-identical to those of
+//! In: a beam, and up to four shapes in the lanes of SIMD vectors. Out: four distances in m, bit-identical to those of
 //! `ray_cast::cast_ray`. There are no branches, which the processor would often mispredict in a field of small shapes.
 
 use bevy::math::Vec4;

@@ -93,10 +93,10 @@ impl Texture {
         }
         let (x, y) = (x - 0.5, y - 0.5);
         let (left, top) = (x.floor(), y.floor());
-        let (right_part, low_part) = (x - left, y - top);
+        let (right_part, bottom_part) = (x - left, y - top);
         let (left, top) = (left as i64, top as i64);
         let across = |y| mix(self.texel(left, y), self.texel(left + 1, y), right_part);
-        mix(across(top), across(top + 1), low_part)
+        mix(across(top), across(top + 1), bottom_part)
     }
 }
 
@@ -164,8 +164,8 @@ impl Canvas {
         let flat = flat.then(|| fragment(a.attributes, texture));
         let [from_x, to_x, from_y, to_y] = self.clip;
         let row_of = |y: i64| (y - SUB / 2).div_euclid(SUB);
-        let (top, low) = (a.y.min(b.y).min(c.y), a.y.max(b.y).max(c.y));
-        for row in from_y.max(row_of(top))..to_y.min(row_of(low) + 1) {
+        let (top, bottom) = (a.y.min(b.y).min(c.y), a.y.max(b.y).max(c.y));
+        for row in from_y.max(row_of(top))..to_y.min(row_of(bottom) + 1) {
             let y = row * SUB + SUB / 2;
             let (mut from, mut to) = (from_x, to_x);
             for (p, q) in [(a, b), (b, c), (c, a)] {

@@ -23,7 +23,7 @@ const LOOKAHEAD: f32 = 8.0;
 /// Points up to this distance along the path count as in sight, so that the waypoint is not right in front of the robot; in
 /// keep-out distances.
 const NEAREST: f32 = 2.0;
-/// The highest extra cost of a cell on a line that counts as in sight: just below that of a cell too close to something.
+/// The highest extra cost of a cell on a line that counts as in sight: just below that of a cell too close to an obstacle.
 const IN_SIGHT: u16 = TOO_CLOSE - 1;
 /// Like [`IN_SIGHT`], for a goal that was out of sight: the cost at half the margin, so that a goal on the edge of sight does
 /// not come and go.
@@ -148,7 +148,7 @@ impl Waypoints {
     }
 }
 
-/// The index of the first point of `path` that is nearest to `at_m`; 0 if there are none.
+/// The index of the point of `path` nearest to `at_m`, the first if several are; 0 if `path` is empty.
 fn nearest(path: &[Vec2], at_m: Vec2) -> usize {
     let distance = |index: &usize| (path[*index] - at_m).length_squared();
     (0..path.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)

@@ -32,18 +32,20 @@ pub fn decode(bytes: &[u8]) -> Result<PnmImage, String> {
         return Err(too_many_pixels(width, height));
     }
     let is_bitmap = matches!(format, b'1' | b'4');
-    let white = if is_bitmap { 1 } else { reader.number("the brightness of white")? };
-    if !(1..=65_535).contains(&white) {
-        return Err(format!("not a valid image: white is {white}; help: save it again"));
+    let max_value = if is_bitmap { 1 } else { reader.number("the maximum value")? };
+    if !(1..=65_535).contains(&max_value) {
+        return Err(format!(
+            "not a valid image: the maximum value is {max_value}, not 1 to 65535; help: save it again"
+        ));
     }
     let samples = width * height * if matches!(format, b'3' | b'6') { 3 } else { 1 };
     let values = match format {
         b'1' => reader.bits(samples)?,
         b'2' | b'3' => (0..samples).map(|_| reader.number("a pixel")).collect::<Result<_, _>>()?,
         b'4' => reader.packed_bits(width, height)?,
-        _ => reader.binary(samples, white)?,
+        _ => reader.binary(samples, max_value)?,
     };
-    let bright = |value: usize| ((value.min(white) * 255 + white / 2) / white) as u8;
+    let bright = |value: usize| ((value.min(max_value) * 255 + max_value / 2) / max_value) as u8;
     let brightness = match format {
         // In a bitmap, 1 is black.
         b'1' | b'4' => values.into_iter().map(|bit| if bit == 0 { 255 } else { 0 }).collect(),
@@ -124,9 +126,9 @@ impl Reader<'_> {
         Ok(data.chunks_exact(row_bytes.max(1)).flat_map(|row| (0..width).map(move |x| bit(row, x))).collect())
     }
 
-    /// Reads samples after one byte of white space: one byte each, or two if `white` needs them, big-endian.
-    fn binary(&mut self, count: usize, white: usize) -> Result<Vec<usize>, String> {
-        let size = if white > 255 { 2 } else { 1 };
+    /// Reads samples after one byte of white space: one byte each, or two if `max_value` needs them, big-endian.
+    fn binary(&mut self, count: usize, max_value: usize) -> Result<Vec<usize>, String> {
+        let size = if max_value > 255 { 2 } else { 1 };
         let data = self.rest.get(1..).and_then(|data| data.get(..count * size)).ok_or_else(incomplete)?;
         let sample = |part: &[u8]| part.iter().fold(0, |value, &byte| value * 256 + usize::from(byte));
         Ok(data.chunks_exact(size).map(sample).collect())

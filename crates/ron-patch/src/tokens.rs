@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 /// The byte ranges of the tokens of a RON text, which may be invalid: words (names and numbers), string and character
-/// literals, and single punctuation characters. Spaces and comments are skipped.
+/// literals, and single punctuation characters. Whitespace and comments are skipped.
 pub fn tokens(text: &str) -> impl Iterator<Item = Range<usize>> {
     let mut at = 0;
     std::iter::from_fn(move || {
@@ -13,7 +13,7 @@ pub fn tokens(text: &str) -> impl Iterator<Item = Range<usize>> {
     })
 }
 
-/// The start and end of the next token at or after `at`. Spaces, comments and `#![...]` are skipped.
+/// The start and end of the next token at or after `at`. Whitespace, comments and `#![...]` are skipped.
 pub(crate) fn token(text: &str, mut at: usize) -> Option<(usize, usize)> {
     loop {
         let rest = &text[at..];

@@ -37,7 +37,7 @@ pub struct Editor {
 }
 
 impl Editor {
-    /// An editor of `scenario`. `from` is the scenario's name or file; `saved` is whether the scenario there is the same.
+    /// An editor of `scenario`. `from` is the scenario's name or file; `saved` is whether it equals the scenario stored there.
     #[must_use]
     pub fn open(scenario: Arc<Scenario>, from: String, saved: bool) -> Self {
         let in_file = saved.then(|| scenario.clone());

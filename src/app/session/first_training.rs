@@ -56,7 +56,7 @@ pub(super) fn start_first(world: &mut World, start: &StartOptions) {
         notify(world, scenario_topic(&start.scenario, is_broken), Severity::Error, problem);
     }
     if start.edit && world.resource::<TrainingRun>().config.scenario_from != start.scenario {
-        // It could not be used, and has a notice. The user may fix the scenario in the editor.
+        // The scenario could not be used, and has a notice. The user may fix it in the editor.
         let _ = editor_files::open_in_editor(world, Path::new(&start.scenario));
     }
     if let Some(path) = &start.open {

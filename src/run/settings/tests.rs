@@ -179,7 +179,7 @@ fn a_file_holds_settings_as_a_map() {
 }
 
 #[test]
-fn settings_are_written_as_a_file_has_them() {
+fn settings_with_shorthand_numbers_or_comments_are_written_as_ron() {
     let written = to_ron(&settings(&["budget=EnvSteps(600k)", "arenas=6e1 // many", "seed=1"])).expect("RON");
     let read: Settings =
         crate::scenario::parse_ron(&written, "settings.ron").unwrap_or_else(|error| panic!("{error}"));

@@ -1,11 +1,11 @@
 //! Things that move, tracked from scan to scan.
 //!
 //! Each compact thing in sight is taken to be a disc with a constant speed and turning rate. An extended Kalman filter estimates
-//! its position, velocity, turning rate and radius from the beams that hit it and from those beside them that pass it. So a few
+//! its position, velocity, turning rate and radius from the beams that hit it and from the adjacent beams that pass it. So a few
 //! beams are enough, and a thing is not lost when no beam hits it for a moment. A track counts as moving if its velocity differs
-//! from zero by more than two standard deviations, and if the scans show that it has moved: earlier ones saw through the places
-//! where it is hit now, or the newest one sees through those where it was hit then. The hits on walls and rocks move, too, as the
-//! robot drives, but other scans show a surface there.
+//! from zero by more than two standard deviations, and if the scans show that it has moved: earlier scans saw through the places
+//! where it is hit now, or the newest scan sees through the places where it was hit earlier. The hits on walls and rocks move,
+//! too, as the robot drives, but other scans show a surface there.
 //!
 //! Positions are in the odometry frame. Lengths are in units of the robot, which `sectors.rs` defines; times are in control
 //! steps.
@@ -50,7 +50,7 @@ const MANOEUVRE_MISFIT: f32 = 0.5;
 const MANOEUVRE_GAIN: f32 = 4.0;
 /// The standard deviation of the distance from a hit to the edge of its disc.
 const HIT_SD: f32 = 0.1;
-/// The standard deviation of the distance by which a beam that passes a disc may cut it.
+/// The standard deviation of the overlap of a disc with a beam that passes it.
 const PASS_SD: f32 = 0.2;
 /// The range of a radius.
 const RADII: (f32, f32) = (0.1, 5.0);
@@ -73,14 +73,14 @@ const MAX_EXTENT: f32 = 4.0;
 const WALL_MARGIN: f32 = 0.3;
 /// A beam shows that a disc is not there if it passes within this many radii of its centre.
 const CENTRE: f32 = 0.7;
-/// A place is on a surface if it is less than this away from the surface. A scan sees through a place if both beams beside
-/// the place go farther by more than this.
+/// A place is on a surface if it is less than this away from the surface. A scan sees through a place if the
+/// beams on both sides go more than this beyond it.
 const SURFACE_MARGIN: f32 = 0.3;
 /// Beams are neighbours if the angle between them is less than this many times that between neighbouring beams of the LIDAR.
 const NEIGHBOURS: f32 = 1.5;
 /// A thing does not fit between two beams if their distance there is less than this many of its radii.
 const MAX_GAP: f32 = 1.7;
-/// An earlier hit belongs to a disc if it is inside the disc where that was then, or at most this far outside.
+/// An earlier hit belongs to a disc if it is inside the disc at its position at that time, or at most this far outside.
 const EARLIER_HIT_MARGIN: f32 = 0.2;
 
 /// The smallest number of scans in which a moving thing has been seen.
@@ -91,13 +91,13 @@ const MIN_SIGNIFICANCE: f32 = 4.0;
 const MIN_EVIDENCE: f32 = 0.5;
 /// The most evidence that a track accumulates.
 const MAX_EVIDENCE: f32 = 1.5;
-/// How much a place on a surface counts against one that is seen through.
+/// The weight of a place on a surface, as evidence against motion, relative to a place that is seen through.
 const SURFACE_EVIDENCE: f32 = 0.3;
 /// The smallest speed of a moving thing, relative to the robot's highest speed.
 const MIN_SPEED: f32 = 0.1;
 /// A track is dropped if no beam has hit it in more than this many scans in a row.
 const MAX_MISSED: u16 = 5;
-/// The largest misfit of a moving thing, and of a track. It is 1 on average for a disc whose hits scatter by [`HIT_SD`].
+/// The largest misfit of a moving thing, and of a track. The misfit is 1 on average for a disc whose hits scatter by [`HIT_SD`].
 const MAX_MISFIT: (f32, f32) = (4.0, 8.0);
 /// How much the newest hit counts in the misfit.
 const MISFIT_GAIN: f32 = 0.2;
@@ -119,7 +119,7 @@ pub(super) struct Rays {
     end_y: Vec<f32>,
 }
 
-/// [`Rays`] as a checkpoint stores them: without what follows from the rest.
+/// [`Rays`] as a checkpoint stores them: without the ends, which are computed from the rest.
 #[derive(Serialize, Deserialize)]
 struct StoredRays {
     origin: (f32, f32),
@@ -191,7 +191,7 @@ impl Rays {
         (self.origin.0 + self.cos[ray] * distance, self.origin.1 + self.sin[ray] * distance)
     }
 
-    /// The distance of a point along a ray, and its distance to the left of it.
+    /// The distance of a point along a ray, and to the left of the ray.
     fn along_and_across(&self, ray: usize, (x, y): (f32, f32)) -> (f32, f32) {
         let (dx, dy) = (x - self.origin.0, y - self.origin.1);
         let (cos, sin) = (self.cos[ray], self.sin[ray]);
@@ -390,7 +390,7 @@ impl Track {
         self.disc.x += 0.5 * (before.0 + self.velocity.0);
         self.disc.y += 0.5 * (before.1 + self.velocity.1);
         let p = &mut self.covariance;
-        // First the rows are multiplied by the matrix of the derivatives of this motion, then the columns.
+        // First the rows are multiplied by the Jacobian of this motion, then the columns.
         for _ in 0..2 {
             for row in p.iter_mut() {
                 let [_, _, x, y, _, turn] = *row;
@@ -424,7 +424,7 @@ impl Track {
         (with, with[0] * x + with[1] * y + with[4] * radius)
     }
 
-    /// Corrects the estimate by a quantity that has this `value` and should be 0, up to the standard deviation `sd`. `gradient`:
+    /// Updates the estimate with a quantity that has this `value` and should be 0, with the standard deviation `sd`. `gradient`:
     /// see [`covariance_with`](Self::covariance_with). Returns the squared value in variances.
     fn correct(&mut self, value: f32, gradient: (f32, f32, f32), sd: f32) -> f32 {
         let (with, variance) = self.covariance_with(gradient);
@@ -675,7 +675,7 @@ impl Tracker {
         }
     }
 
-    /// Corrects the tracks by their hits, then by the beams beside them.
+    /// Corrects the tracks with their hits, then with the adjacent beams that pass them.
     fn correct(&mut self, rays: &Rays) {
         let Self { tracks, track_of_ray, .. } = self;
         for (ray, owner) in track_of_ray.iter().enumerate() {

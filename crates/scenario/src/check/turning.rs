@@ -1,4 +1,4 @@
-//! The notes on a robot that can't turn, or that has no space to turn round.
+//! The notes on a robot that can't turn, or that has no space to turn around.
 
 use super::space::{sides, without_moving_obstacles};
 use super::{Note, NoteLevel};
@@ -24,7 +24,7 @@ pub(super) fn check(scenario: &Scenario, notes: &mut Vec<Note>) {
     }
     let drives = |sign: f32| scenario.robot.motions.iter().any(|motion| motion.v_m_s * sign > 0.0);
     if drives(1.0) && drives(-1.0) {
-        // By driving forwards and backwards in turn, it can turn round in a narrow space, too.
+        // By driving forwards and backwards in turn, it can turn around in a narrow space, too.
         return;
     }
     let needed_m = radius_m + scenario.keep_out_m();
@@ -32,8 +32,8 @@ pub(super) fn check(scenario: &Scenario, notes: &mut Vec<Note>) {
     if widest_m < needed_m {
         warn(format!(
             "turn the robot with a radius of at least {radius_m:.2} m, which needs a free disc of {needed_m:.2} m radius, \
-             but the largest here has at most {widest_m:.2} m, so it can turn round at best by circling an obstacle or inner \
-             wall: write a smaller v_m_s or a larger w_rad_s"
+             but the largest here has at most {widest_m:.2} m, so it can turn around at best by circling an obstacle or \
+             inner wall: write a smaller v_m_s or a larger w_rad_s"
         ));
     }
 }

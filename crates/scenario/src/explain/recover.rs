@@ -38,7 +38,7 @@ impl<T> Recovered<T> {
     }
 }
 
-/// The problems of `text`, of which ron has found the first, `error`. `read` reads a text with ron.
+/// The problems of `text`. `error` is the first one, found by ron; `read` reads a text with ron.
 pub fn recover<T: DeserializeOwned>(
     text: &str,
     mut error: SpannedError,
@@ -162,7 +162,7 @@ impl Draft {
         true
     }
 
-    /// A value that ron reads in place of `range`; for a struct, brackets whose fields are still missing.
+    /// A value that ron reads in place of `range`; for a struct, empty brackets such as `Circle()`: its fields are still missing.
     fn any_value(
         &self,
         range: &Range<usize>,

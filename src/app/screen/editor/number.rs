@@ -78,17 +78,17 @@ impl NumberSpec {
         Self { suffix: " rad/s²", ..Self::length(range) }
     }
 
-    /// The format of a field of a shape or a motion.
+    /// The spec of a field of a shape or a motion.
     pub fn of(quantity: Quantity) -> Self {
-        let format = match quantity {
+        let spec = match quantity {
             Quantity::Size | Quantity::Reach => Self::POSITION,
             Quantity::Speed => Self::VELOCITY,
             Quantity::AngularSpeed => Self::ANGULAR_VELOCITY,
         };
-        format.with_range(quantity.range())
+        spec.with_range(quantity.range())
     }
 
-    /// This number format with another range of stored values.
+    /// This spec with another range of stored values.
     pub const fn with_range(self, range: RangeInclusive<f32>) -> Self {
         Self { range: (*range.start(), *range.end()), ..self }
     }
