@@ -230,7 +230,7 @@ def measurements(seconds: float) -> dict[str, Callable[[], float]]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument(
-        "--seconds", type=float, default=2.0, help="CPU seconds per measurement; a native one takes 5,000 steps for each"
+        "--seconds", type=float, default=2.0, help="CPU seconds per measurement; a native one runs 5,000 steps per second given"
     )
     parser.add_argument("--rounds", type=int, default=5)
     options = parser.parse_args()

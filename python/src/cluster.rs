@@ -78,8 +78,8 @@ impl NativeReport {
     }
 
     /// Carries out the missing training runs and writes the report. Returns its folder, and the JSON object of
-    /// `--reproduce --json`. `parallel` is the number of runs that were done in parallel. Ctrl-C stops the training runs; it is
-    /// raised when the work has ended.
+    /// `--reproduce --json`. `parallel` is the number of runs that the cluster executed in parallel. Ctrl-C stops
+    /// the training runs; it is raised when the work has ended.
     fn finish(&mut self, py: Python<'_>, parallel: usize) -> PyResult<(PathBuf, String)> {
         let report = self.0.take().ok_or_else(finished)?;
         let folder = report.path().to_owned();

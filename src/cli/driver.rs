@@ -61,7 +61,7 @@ impl TestDriver {
         Ok(Self::Classical(DriverConfig::parse(text, path)?))
     }
 
-    /// This policy with a map; `path` is what was given.
+    /// This policy with a map; error messages call it `path`.
     ///
     /// # Errors
     /// It is a classical driver, has a map already, or is a policy whose encoding this version does not support.

@@ -6,7 +6,7 @@ use wayfield_ron_patch::SourceMap;
 
 use super::schema::{Entry, Group, Section, inner, name};
 
-/// Reads a file of the format, and writes it with all fields.
+/// Reads the text of a file of the format, and returns it with all fields written out.
 pub type Read = fn(&str) -> String;
 
 /// A path into a file: the fields that lead from the whole file to a type in it, each with the group that it belongs to.
@@ -51,7 +51,7 @@ fn path_to<'a>(sections: &'a [Section], target: &str) -> FieldPath<'a> {
 }
 
 impl FieldPath<'_> {
-    /// Writes a file with `value` at the end of this path.
+    /// The text of a file with `value` at the end of this path.
     fn file(&self, value: &str, sections: &[Section]) -> String {
         self.0.iter().rev().fold(value.to_owned(), |value, (group, entry)| {
             let value = if name(&entry.kind) == "Vec" { format!("[{value}]") } else { value };

@@ -18,7 +18,7 @@ struct Probe {
     stages: Option<IgnoredAny>,
 }
 
-/// The names and scenarios of the worlds in the file at `path`: only of the world `options.world` if that is set, else of all.
+/// The worlds in the file at `path`, each with a name: only world number `options.world` if that is set, otherwise all.
 ///
 /// # Errors
 /// The file is missing or invalid, has no such world, or a scenario would be invalid.

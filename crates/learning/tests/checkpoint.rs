@@ -272,7 +272,7 @@ fn a_checkpoint_of_another_config_is_rejected() {
 #[test]
 fn pending_updates_are_saved_and_restored() {
     for config in configs() {
-        // Two gradient steps after each of the env steps 52, 56, and so on. 1000 env steps are several buffers full.
+        // Two gradient steps after each of the env steps 52, 56, and so on. 1000 env steps fill the buffer several times.
         for (env_steps, pending) in [(90, 20), (1000, 476)] {
             let mut learner = Learner::new(&config, INPUTS, ACTIONS, NUM_ENVS, 5).expect("a valid config");
             for step in 0..env_steps {

@@ -8,6 +8,6 @@ pub const MAX_UNITS: usize = 4096;
 pub const MAX_LAYERS: usize = 8;
 /// The maximum number of actions. Replay buffers store an action in one byte.
 pub const MAX_ACTIONS: usize = 255;
-/// The maximum size of a policy's header with its card, in bytes. The card's scenario can be larger than its file of at most
-/// 1 MiB, because every default is written out.
+/// The maximum size of a policy's header with its card, in bytes. The scenario in the card can be larger than a scenario file
+/// (at most 1 MiB), because every default is written out.
 pub const MAX_HEADER_BYTES: usize = 1 << 24;

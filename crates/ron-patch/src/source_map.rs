@@ -180,36 +180,36 @@ impl<'a> SourceMap<'a> {
 
     /// The field `name` of the struct or variant `entry`.
     pub(crate) fn field_of(&self, entry: usize, name: &str) -> Option<usize> {
-        self.fields_of(entry).find(|&(field, _)| field == name).map(|(_, below)| below)
+        self.fields_of(entry).find(|&(field, _)| field == name).map(|(_, child)| child)
     }
 
     /// The fields of the struct or variant `entry`, by name.
     pub(crate) fn fields_of(&self, entry: usize) -> impl Iterator<Item = (&'a str, usize)> {
-        self.below(entry).filter_map(|below| match self.entries[below].step {
-            Step::Field((from, to)) => Some((&self.text[from..to], below)),
+        self.children_of(entry).filter_map(|child| match self.entries[child].step {
+            Step::Field((from, to)) => Some((&self.text[from..to], child)),
             Step::Index(_) => None,
         })
     }
 
     /// The elements of `entry`: a list, a tuple or a variant with unnamed fields.
     pub(crate) fn elements_of(&self, entry: usize) -> impl Iterator<Item = usize> {
-        self.below(entry).filter(|&below| matches!(self.entries[below].step, Step::Index(_)))
+        self.children_of(entry).filter(|&child| matches!(self.entries[child].step, Step::Index(_)))
     }
 
     /// The entries directly inside `entry`, in the order of the text.
-    fn below(&self, entry: usize) -> impl Iterator<Item = usize> {
-        (entry + 1..self.entries.len()).filter(move |&below| self.entries[below].parent == entry)
+    fn children_of(&self, entry: usize) -> impl Iterator<Item = usize> {
+        (entry + 1..self.entries.len()).filter(move |&child| self.entries[child].parent == entry)
     }
 
     /// The offset after the opening round bracket of the struct or variant `entry`.
     pub(crate) fn bracket_of(&self, entry: usize) -> Option<usize> {
         let Range { start, .. } = self.value_of(entry);
         let (word_start, word_end) = token(self.text, start)?;
-        let is_bracket = |at: usize| self.text[at..].starts_with('(').then_some(at + 1);
+        let after_bracket = |at: usize| self.text[at..].starts_with('(').then_some(at + 1);
         let (after_word, _) = token(self.text, word_end)?;
-        is_bracket(word_start).or_else(|| {
+        after_bracket(word_start).or_else(|| {
             let is_name = self.text[word_start..].starts_with(|c: char| c.is_alphabetic());
-            is_name.then(|| is_bracket(after_word)).flatten()
+            is_name.then(|| after_bracket(after_word)).flatten()
         })
     }
 
@@ -226,21 +226,21 @@ impl<'a> SourceMap<'a> {
     pub fn offset_of(&self, path: &str) -> Option<usize> {
         let mut found = 0;
         for step in path.split(['.', '[']) {
-            let Some(below) = self.entry_below(found, step) else { break };
-            found = below;
+            let Some(child) = self.child_at(found, step) else { break };
+            found = child;
         }
         (found != 0).then(|| self.entries[found].value.min(self.text.len()))
     }
 
     /// The entry in `parent` with the name or index `step`, written `field` or `2]`.
-    fn entry_below(&self, parent: usize, step: &str) -> Option<usize> {
+    fn child_at(&self, parent: usize, step: &str) -> Option<usize> {
         let index = step.strip_suffix(']').and_then(|digits| digits.parse::<usize>().ok());
         let is_named = |entry: &Entry| match (entry.step, index) {
             (Step::Field((from, to)), None) => &self.text[from..to] == step,
             (Step::Index(i), Some(index)) => i == index,
             _ => false,
         };
-        self.below(parent).find(|&below| is_named(&self.entries[below]))
+        self.children_of(parent).find(|&child| is_named(&self.entries[child]))
     }
 
     /// The offset of the top-level value, after leading comments; `None` if the text contains no value.

@@ -1,8 +1,8 @@
 //! The length of the shortest path to a goal around walls and static obstacles, from anywhere.
 //!
 //! Source: A. Nash, S. Koenig and C. Tovey, *Lazy Theta\*: any-angle path planning and path length analysis in 3D*, AAAI 2010,
-//! here without a heuristic, from the goal outwards to as many cells as are asked for. A path is a chain of straight lines
-//! between centres of cells, so where the goal is in sight, its length is the straight-line distance.
+//! here without a heuristic, from the goal outwards, only as far as queries need. A path is a chain of straight lines between
+//! centres of cells, or just the straight line to the goal where that is free.
 
 use std::sync::Arc;
 
@@ -15,8 +15,8 @@ const GOAL: u32 = u32::MAX;
 /// The difference of lengths, in cells, below which the order of cells does not matter.
 const BUCKET: f32 = 0.25;
 
-/// The lengths of the shortest paths to a goal, computed only as far as they are asked for. An answer depends on the cells, the
-/// goal and the point, not on earlier questions.
+/// The lengths of the shortest paths to a goal, computed only as far as queries need. A result depends on the cells, the goal
+/// and the point, not on earlier queries.
 #[derive(Debug, Default)]
 pub struct Geodesic {
     free: Option<Arc<FreeCells>>,
@@ -72,8 +72,8 @@ impl Queue {
 
 impl Geodesic {
     /// The length, in m, of the shortest path from `from_m` to `goal_m` over `free`, for the robot's centre. Never less than the
-    /// straight-line distance, and equal to it where the line to the goal is free. If walls close off the goal, the path breaks
-    /// through them. If no cell is free, it is the straight-line distance.
+    /// straight-line distance, and equal to it if all free cells around `from_m` see the goal. If walls close off the goal, the
+    /// path breaks through them. If no cell is free, the length is the straight-line distance.
     pub fn distance_m(&mut self, free: &Arc<FreeCells>, goal_m: Vec2, from_m: Vec2) -> f32 {
         let is_current = self.free.as_ref().is_some_and(|current| Arc::ptr_eq(current, free));
         if !is_current || self.goal_m != goal_m {
@@ -102,9 +102,9 @@ impl Geodesic {
         }
     }
 
-    /// The length of the path from a position, in cells: the mean of [`Self::through`] over those of the four cells around it
-    /// that are free, with bilinear weights, so that it has no jumps. If none of the four is free, that of the nearest free
-    /// cell. `None` if all of them see the goal, or no cell is free.
+    /// The length of the path from a position, in cells: the mean of [`Self::through`] over the free ones of the four cells
+    /// around the position, with bilinear weights, so that the length has no jumps. If none of the four is free, the length
+    /// through the nearest free cell. `None` if all free ones of the four see the goal, or no cell is free.
     fn around(&mut self, free: &FreeCells, from: Vec2) -> Option<f32> {
         let low = (from - 0.5).floor();
         let part = from - 0.5 - low;

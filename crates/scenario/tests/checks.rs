@@ -367,7 +367,7 @@ fn a_robot_without_space_to_turn_round_is_noted() {
                  radius, but the largest here has at most 2.0";
     assert!(note.starts_with(start), "{note}");
     assert_eq!(with(&lorry, 5.5), [""; 0]);
-    assert_eq!(with(&[(0.5, 0.2), (-0.5, 0.2)], 4.0), [""; 0], "it can shunt");
+    assert_eq!(with(&[(0.5, 0.2), (-0.5, 0.2)], 4.0), [""; 0], "it can turn by driving back and forth");
     assert_eq!(with(&[(0.5, 0.0), (0.0, 0.2)], 4.0), [""; 0], "it turns on the spot");
     assert_eq!(
         with(&[(0.5, 0.0), (-0.5, 0.0)], 4.0),
@@ -408,11 +408,11 @@ fn obstacles_faster_than_the_robot_are_noted() {
 }
 
 #[test]
-fn the_orbit_speed_to_write_is_within_all_limits() {
+fn the_suggested_orbit_speed_is_within_all_limits() {
     let task = TaskRules { control_period_s: 0.05, ..TaskRules::default() };
     let motion = ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: 15.0.into() };
     let obstacles = vec![obstacle(Shape::Circle { radius_m: 0.1 }, vec2(0.0, 1.0), motion)];
-    // 10 rad/s would be 0.5 m per step, but 10 m/s.
+    // 10 rad/s would be within the limit of 0.5 m per step, but not within that of 5 m/s.
     assert_eq!(
         found(&Scenario { task, obstacles, ..Scenario::default() }),
         [

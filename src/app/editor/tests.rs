@@ -152,8 +152,8 @@ fn typing_in_a_field_is_one_step_until_another_field_is_edited() {
     assert_eq!((editor.scenario().task.goal_radius_m, editor.scenario().walls[0].thickness_m), (0.2, 1.25));
     editor.undo();
     assert_eq!(editor.scenario().walls[0].thickness_m, 0.1);
-    assert!(!editor.can_undo(), "an edit without effect is no step");
-    // The same field after another selection is another step.
+    assert!(!editor.can_undo(), "an edit without effect adds no step");
+    // Another selection starts a new step, even in the same field.
     editor.edit("radius", |s| s.robot.radius_m = 0.11);
     editor.select(Selection::Obstacle(1));
     editor.edit("radius", |s| s.robot.radius_m = 0.12);

@@ -239,7 +239,8 @@ pub(super) fn check_driver(config: &RunConfig, name: &str, driver: &DriverKind) 
         .map_err(|error| RunError::InvalidInput(format!("{name}: {error}")))
 }
 
-/// Adds the current scenario (or set of scenarios) and the current preset to the lists of the user's own, unless shipped.
+/// Adds the current scenario (or set of scenarios) and the current preset to the lists in [`OpenedFiles`], unless
+/// they are shipped.
 pub(super) fn list_user_files(world: &mut World) {
     let config = &world.resource::<TrainingRun>().config;
     let RunConfig { scenario_from, preset_from, scenario, preset, .. } = config;

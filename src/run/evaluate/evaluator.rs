@@ -110,8 +110,7 @@ impl Evaluator {
     /// scenario, `seed` and j.
     ///
     /// # Errors
-    /// The policy's observations or actions are not those of the scenario, or there is no free space for a
-    /// start.
+    /// The policy's observations or actions are not those of the scenario, or a step failed ([`simulation::step`]).
     pub fn run<'a>(
         &mut self,
         evaluated: impl Into<Evaluated<'a>>,
@@ -150,7 +149,7 @@ impl Evaluator {
     /// all episodes have ended.
     ///
     /// # Errors
-    /// There is no free space for a start.
+    /// The step failed, as in [`simulation::step`].
     pub fn step(&mut self, run: &mut EvaluationRun) -> Result<bool, RunError> {
         if run.episodes.len() >= run.count {
             return Ok(true);

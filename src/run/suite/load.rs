@@ -142,8 +142,8 @@ fn problem(path: String, why: &str) -> Diagnostic {
 
 /// The scenario, or those in the folder, that the suite at `suite` calls `name`.
 fn named_scenarios(suite: &Path, name: &str) -> Result<Vec<SuiteScenario>, String> {
-    let beside = suite.parent().map(|folder| folder.join(name)).filter(|folder| folder.is_dir());
-    if let Some(folder) = beside.filter(|_| !shipped::is_scenario(name)) {
+    let folder = suite.parent().map(|parent| parent.join(name)).filter(|folder| folder.is_dir());
+    if let Some(folder) = folder.filter(|_| !shipped::is_scenario(name)) {
         return in_folder(&folder).map_err(|error| error.to_string());
     }
     let wanted = named_file(suite, name)?;

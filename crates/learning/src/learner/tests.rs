@@ -37,7 +37,7 @@ fn with_quantiles_each_transition_has_a_target_for_each_quantile_of_the_best_act
     td_targets(&batch(), &choosing_q, &target_z, &mut y);
     assert_eq!(y, [1.0 + 0.9 * 2.0, 1.0 + 0.9 * 5.0, 2.0, 2.0]);
     widen_gaps(&[0, 1], &[3.0, 5.0, 4.0, 3.0, 5.0, 4.0], 0.5, &mut y);
-    assert_eq!(y, [1.0 + 0.9 * 2.0 - 1.0, 1.0 + 0.9 * 5.0 - 1.0, 2.0, 2.0], "by the gap of the Q-values");
+    assert_eq!(y, [1.0 + 0.9 * 2.0 - 1.0, 1.0 + 0.9 * 5.0 - 1.0, 2.0, 2.0], "lowered by half the gap of 2");
 }
 
 #[test]
@@ -50,7 +50,7 @@ fn advantage_learning_lowers_the_targets_of_all_but_the_best_actions() {
 #[test]
 fn q_values_above_the_largest_possible_return_are_reported_after_50_gradient_steps() {
     // Rewards of up to 2, scaled to 1, give returns of up to 1 / (1 - 0.9) = 10. Advantage learning of weight 0.5 allows Q-values
-    // of up to 1.5 / 0.5 = 3 times as much.
+    // up to 1.5 / 0.5 = 3 times as large.
     for (advantage_learning, q) in [(0.0, 10.5), (0.5, 31.5)] {
         let mut config =
             LearningConfig { gamma: 0.9, batch_size: 1, advantage_learning, ..LearningConfig::default() };

@@ -44,7 +44,7 @@ pub(super) fn check_paths(valid: &ValidPart, diagnostics: &mut Diagnostics) {
         return;
     }
     let inside = EnclosureExtent::new(&valid.scenario.enclosure);
-    for (k, obstacle) in &valid.paths {
+    for (k, obstacle) in &valid.obstacles_at_any_speed {
         let over = inside.overhang_m(obstacle);
         if over > TOLERANCE_M {
             let (when, fix) = if obstacle.motion.is_moving() {
@@ -163,9 +163,11 @@ fn check_clearance(
         let place = match (near, clear < 0.0) {
             (Solid::Enclosure, true) => "outside the enclosure".into(),
             (Solid::Enclosure, false) => "from the wall of the enclosure".into(),
-            (Solid::Wall(k), inside) => format!("{} `{}`", inside_or_from(inside), valid.name("walls", k)),
+            (Solid::Wall(k), inside) => {
+                format!("{} `{}`", inside_or_from(inside), valid.path_in_whole("walls", k))
+            }
             (Solid::Obstacle(k), inside) => {
-                format!("{} `{}`", inside_or_from(inside), valid.name("obstacles", k))
+                format!("{} `{}`", inside_or_from(inside), valid.path_in_whole("obstacles", k))
             }
         };
         let message =

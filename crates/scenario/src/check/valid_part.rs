@@ -11,10 +11,11 @@ const ANY_SPEED: f32 = 0.01;
 
 /// The valid part of a scenario.
 pub(super) struct ValidPart {
-    /// The scenario without invalid values in the fields that the checks use: those are left out, or have their default.
+    /// The scenario without its invalid walls, obstacles and generators, and with the default in every other invalid field that
+    /// the checks use.
     pub(super) scenario: Scenario,
-    /// The obstacles whose path is valid, with their index in the whole scenario. An invalid speed is replaced.
-    pub(super) paths: Vec<(usize, Obstacle)>,
+    /// The obstacles that are valid apart from their speed, with their index in the whole scenario. An invalid speed is replaced.
+    pub(super) obstacles_at_any_speed: Vec<(usize, Obstacle)>,
     /// For each list, the indices of its valid elements in the whole scenario.
     kept: [(&'static str, Vec<usize>); 3],
     invalid: Vec<String>,
@@ -65,7 +66,7 @@ impl ValidPart {
         if !is_invalid("task.collision_range_m") {
             scenario.task.collision_range_m = collision_range_m;
         }
-        Self { paths: paths(whole, &invalid), scenario, kept, invalid }
+        Self { obstacles_at_any_speed: obstacles_at_any_speed(whole, &invalid), scenario, kept, invalid }
     }
 
     /// Whether the part of the scenario at `path` is valid.
@@ -79,7 +80,7 @@ impl ValidPart {
     }
 
     /// The path of an element of a list in the whole scenario.
-    pub(super) fn name(&self, list: &str, index: usize) -> String {
+    pub(super) fn path_in_whole(&self, list: &str, index: usize) -> String {
         let kept = self.kept.iter().find(|(name, _)| *name == list).and_then(|(_, kept)| kept.get(index));
         format!("{list}[{}]", kept.unwrap_or(&index))
     }
@@ -92,7 +93,7 @@ impl ValidPart {
             };
             let Some((index, rest)) = rest.split_once(']') else { continue };
             if let Ok(index) = index.parse() {
-                found.path = self.name(list, index) + rest;
+                found.path = self.path_in_whole(list, index) + rest;
                 break;
             }
         }
@@ -105,12 +106,12 @@ fn touches(invalid: &[String], path: &str) -> bool {
     invalid.iter().any(|other| overlap(other, path))
 }
 
-/// The obstacles without an invalid value other than their speed, with their index.
-fn paths(whole: &Scenario, invalid: &[String]) -> Vec<(usize, Obstacle)> {
+/// The obstacles that are valid apart from their speed, with their index. An invalid speed is replaced.
+fn obstacles_at_any_speed(whole: &Scenario, invalid: &[String]) -> Vec<(usize, Obstacle)> {
     if invalid.iter().any(|path| path.is_empty() || path == "obstacles") {
         return Vec::new();
     }
-    let path = |(k, obstacle): (usize, &Obstacle)| {
+    let at_any_speed = |(k, obstacle): (usize, &Obstacle)| {
         let at = format!("obstacles[{k}]");
         let speed = format!("{at}.motion.speed_");
         let mut here = invalid.iter().filter(|other| overlap(other, &at)).peekable();
@@ -123,5 +124,5 @@ fn paths(whole: &Scenario, invalid: &[String]) -> Vec<(usize, Obstacle)> {
         }
         Some((k, obstacle))
     };
-    whole.obstacles.iter().enumerate().filter_map(path).collect()
+    whole.obstacles.iter().enumerate().filter_map(at_any_speed).collect()
 }

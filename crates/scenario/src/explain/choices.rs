@@ -42,8 +42,8 @@ pub(super) fn choice_problem(
     (!choices.is_empty()).then(|| format!("must be one of the choices {}{quotes}{hint}", names.join(", ")))
 }
 
-/// Whether ron reads `candidate` in place of the `value` in `text`, without an error up to its end. False for a text that is too
-/// long to be read again.
+/// Whether ron reads `candidate` in place of the `value` in `text` without an error before the end of `candidate`. False for a
+/// text that is too long to be read again.
 pub(super) fn is_read(
     text: &str,
     value: &Range<usize>,

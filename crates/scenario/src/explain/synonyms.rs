@@ -65,7 +65,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_synonym_leads_to_the_field_from_where_it_was_written() {
+    fn the_path_of_a_synonym_starts_at_the_struct_it_is_written_in() {
         let learning =
             ["network", "learning_rate", "max_gradient_norm", "gradient_steps", "replay", "target_update"];
         for (word, path) in [

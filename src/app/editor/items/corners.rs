@@ -5,7 +5,7 @@ use bevy::math::Vec2;
 use super::super::handle::{Handle, HandleKind};
 use super::super::points::{place_text, point_to_mm};
 
-/// A handle for each corner and, below `max` corners, one for a new corner on each side.
+/// A handle for each corner and, if there are fewer than `max` corners, a handle on each side that inserts a corner.
 pub(super) fn handles(corners: &[Vec2], closed: bool, max: usize) -> Vec<Handle> {
     let mut handles = Vec::new();
     if corners.len() < max {

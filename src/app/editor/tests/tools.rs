@@ -117,7 +117,7 @@ fn drawing_a_wall_is_one_undo_step() {
 }
 
 #[test]
-fn a_tool_that_is_chosen_during_a_drawing_finishes_it() {
+fn choosing_another_tool_finishes_the_current_drawing() {
     let mut editor = editor(full());
     editor.select(Selection::Obstacle(0));
     editor.set_tool(path());

@@ -25,7 +25,8 @@ struct Column {
     color: Color32,
 }
 
-/// Draws the score in `header`. It is as wide as the arena below, `width` points, but at least 300 points if `header` is.
+/// Draws the score in `header`. The score is as wide as the arena below it, `width` points, but at least 300 points, or as wide
+/// as `header` if that is less.
 pub fn draw(ui: &Ui, id: Id, header: Rect, width: f32, arena: &ArenaScene) {
     let width = width.max(header.width().min(300.0));
     let across = Rangef::point(header.center().x).expand(width / 2.0);
