@@ -134,7 +134,7 @@ def row(learner: Learner, scenario: str, env_steps: int, out: Path) -> str:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--cleanrl", type=Path, help="a clone of CleanRL; without it, its row is left out")
+    parser.add_argument("--cleanrl", type=Path, help="a clone of CleanRL; without it, CleanRL's rows are left out")
     parser.add_argument("--out", type=Path, default=Path("others"), help="the folder of the trained policies")
     parser.add_argument("--only", default="", help="only the learners whose names contain this text")
     parser.add_argument("--scenario", choices=SCENARIOS, help="only this scenario")

@@ -603,7 +603,7 @@ fn visiting_a_field_changes_nothing() {
     assert!(stops > 20, "{stops}");
     assert_eq!(*edited_scenario(&mut window), odd);
     assert!(!editor(&mut window).can_undo() && !editor(&mut window).is_modified());
-    // Neither does clicking a number and leaving it.
+    // Clicking a number and leaving it changes nothing, either.
     press_on(&mut window, "Rotation");
     window.key_press(Key::Enter);
     settle(&mut window);

@@ -144,7 +144,8 @@ pub const TRAFFIC_SIZE_M: RangeInclusive<f32> = 0.01..=10.0;
 pub const LEVEL_CIRCLE_M: RangeInclusive<f32> = 0.1..=50.0;
 /// Number of circles of a level on which obstacles drive.
 pub const ORBIT_CIRCLES: RangeInclusive<u32> = 0..=20;
-/// Radius of these circles, in m. On the smallest one, the highest speed corresponds to the highest angular speed.
+/// Radius of a circle of a level on which obstacles drive, in m. On the smallest one, the highest speed corresponds to the
+/// highest angular speed.
 pub const LEVEL_ORBIT_M: RangeInclusive<f32> = MAX_SPEED_M_S / MAX_ANGULAR_SPEED_RAD_S..=50.0;
 /// Largest distance of a pedestrian's start from the circle of a level along x and along y, in m.
 pub const LEVEL_NOISE_M: RangeInclusive<f32> = 0.0..=10.0;

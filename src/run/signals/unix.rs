@@ -119,8 +119,8 @@ fn is_from_terminal(origin: &Origin) -> bool {
     origin.signal == SIGINT && origin.process.is_none()
 }
 
-/// Whether `signal` is ignored, which a process inherits from the program that started it. `false` if this is unknown,
-/// because the system has no `/proc`.
+/// Whether this process ignores `signal`, as it does if the program that started it did. `false` if this is unknown, because the
+/// system has no `/proc`.
 fn is_ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));

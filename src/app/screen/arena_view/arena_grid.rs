@@ -16,7 +16,7 @@ use crate::app::view_state::{ViewCamera, ViewState};
 
 /// Space around an arena in its cell, in points.
 const MARGIN: Vec2 = vec2(5.0, 5.0);
-/// Cells at least this wide and high, in points, show the beams.
+/// Views at least this wide and high, in points, show the beams.
 const MIN_SIZE_FOR_BEAMS: f32 = 190.0;
 
 /// A count with its noun in the singular or plural.

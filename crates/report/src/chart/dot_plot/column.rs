@@ -55,7 +55,7 @@ impl<'a> ColumnDrawing<'a> {
             f64::from(widths.max().unwrap_or(0)) <= gap
         };
         let axis = [5.0, 4.0, 3.0, 2.0].map(with_ticks).into_iter().find(fits);
-        // The distance for one tick may be so large that the range contains none.
+        // For a count of 1, the distance between ticks may be so large that the range contains no tick.
         let coarsest = || Some(with_ticks(1.0)).filter(|axis| !axis.ticks().is_empty());
         axis.or_else(coarsest).unwrap_or_else(|| with_ticks(2.0))
     }
