@@ -14,6 +14,7 @@ use std::sync::Mutex;
 use std::time::Duration;
 
 use cli_support::event_files::{assert_curves_never_go_back, curves, event_files};
+use cli_support::messages::rejection;
 use cli_support::{
     SCENARIO_1, Workspace, quick_fast, signal, wait_for_output, wait_until, with_short_episodes,
 };
@@ -218,6 +219,20 @@ fn a_damaged_checkpoint_is_replaced_by_the_previous_one() {
         let resumed = resume(&copy, 9900);
         assert!(!resumed.stderr.contains("damaged"), "{}", resumed.stderr);
     }
+}
+
+#[test]
+fn a_checkpoint_of_a_newer_version_is_left_alone() {
+    let workspace = workspace();
+    workspace.run_ok(&format!("{RUN} --out run"));
+    workspace.run_ok("--train --resume run --steps 8000");
+    // The version follows the 8 magic bytes.
+    let mut newer = workspace.read("run/checkpoint/latest.bin");
+    newer[8] = 99;
+    workspace.write("run/checkpoint/latest.bin", newer);
+    // This also checks that no file is created, renamed or changed.
+    let error = rejection(&workspace, "--train --resume run --steps 9600");
+    assert!(error.contains("was written by a newer wayfield: it has checkpoint version 99"), "{error}");
 }
 
 /// TensorBoard reads event files in the order of their names, and shows the points of each curve in the order it reads them.

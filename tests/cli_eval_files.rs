@@ -243,6 +243,11 @@ fn a_dash_writes_a_file_to_standard_output_and_the_summary_to_standard_error() {
     }
     #[cfg(unix)]
     {
+        let done = workspace.run_ok(&format!("{command} --csv /dev/fd/1"));
+        assert_eq!(rows(&done.stdout).len(), 3, "{}", done.stdout);
+        assert!(done.stderr.contains("success  "), "{}", done.stderr);
+        let error = rejection(&workspace, &format!("{command} --json --csv /dev/fd/1"));
+        assert!(error.contains("both go to standard output"), "{error}");
         // The 1,000 rows are longer than the buffer of a pipe.
         let rows = "--eval scenario-1 --rounds 10 --episodes 100 --csv -";
         for command in [rows, &format!("{command} --trace -")] {

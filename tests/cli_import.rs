@@ -107,6 +107,11 @@ fn a_file_of_barn_worlds_fills_a_folder_or_gives_one_world() {
     assert_eq!(workspace.text("three.ron"), workspace.text("worlds/barn-003.ron"));
     assert!(workspace.text("three.ron").contains("Shortest path: 10.5000 m."));
     workspace.run_ok("--check worlds three.ron");
+    workspace.write("UPPER.JSON", BARN);
+    assert_eq!(
+        workspace.run_ok("--import UPPER.JSON --out upper").stdout,
+        "upper/barn-003.ron\nupper/barn-007.ron\n"
+    );
 }
 
 #[test]
@@ -179,6 +184,8 @@ fn invalid_imports_are_rejected_and_nothing_is_written() {
             "does not say where it lies in a map; help: ",
         ),
         ("--import map.yaml --out /dev/stdout --json", "both go to standard output; help: "),
+        #[cfg(unix)]
+        ("--import map.yaml --out /dev/fd/1 --json", "both go to standard output; help: "),
         ("--draw new.svg --scenario scenario-1 --resolution 0.05", "--resolution is for --over"),
         ("--draw new.svg --scenario clutter --levels 4 --over map.yaml", "cannot be used with"),
         ("--import map.yaml --out new.ron --tolerance -1", "give 0 to 10 (metres)"),

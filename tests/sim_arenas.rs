@@ -212,6 +212,31 @@ fn an_arena_whose_scenario_has_changed_computes_the_same_bits_as_a_new_one() {
 }
 
 #[test]
+fn a_scenario_that_replaces_a_set_stays_for_all_later_episodes() {
+    use std::sync::Arc;
+    use wayfield::scenario::{ScenarioSet, SetMember, SetSource};
+    use wayfield::task::{ArenaLayout, ScenarioPool};
+
+    let member = SetMember {
+        name: "cylinders".into(),
+        share: 1.0,
+        source: SetSource::Scenario(Box::new(common::four_cylinders())),
+    };
+    let pool = ScenarioPool::new(&ScenarioSet { name: "one".into(), members: vec![member] });
+    let extensions = Extensions::default().plugin(pool);
+    let first = Arc::new(common::four_cylinders());
+    let mut simulation = SimulationBuilder::new(&first).arenas(3).seed(5).extensions(&extensions).build();
+    let other = Arc::new(common::moving_obstacles());
+    let world = simulation.world_mut();
+    sim::reset_with_scenario(world, &other);
+    for seed in [9, 10] {
+        let mut layouts = world.query::<&ArenaLayout>();
+        assert!(layouts.iter(world).all(|layout| Arc::ptr_eq(&layout.written, &other)), "before seed {seed}");
+        sim::reset_arenas(world, |arena| Some((Streams::new(seed, arena as u64), Clock(0))));
+    }
+}
+
+#[test]
 fn obstacles_keep_moving_when_the_next_episode_begins_in_another_scenario() {
     use std::sync::Arc;
     use wayfield::scenario::{ScenarioSet, SetMember, SetSource, pose_at};

@@ -21,6 +21,9 @@ pub struct ActFunction {
 
 impl ActFunction {
     /// Calls the function, and sets the commands that it returns for the next step of `run`. The robot has `num_actions` motions.
+    ///
+    /// # Errors
+    /// The function raised an exception or returned invalid commands, or Ctrl-C was pressed.
     pub fn command(
         &self,
         evaluator: &mut Evaluator,
@@ -28,6 +31,8 @@ impl ActFunction {
         num_actions: usize,
     ) -> PyResult<()> {
         Python::attach(|py| {
+            // A function that is not written in Python does not check this itself.
+            py.check_signals()?;
             let observations = evaluator.observations(run);
             let count = run.parallel_episodes();
             let observations = rows(py, observations, observations.len() / count.max(1))?;

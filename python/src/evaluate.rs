@@ -47,6 +47,20 @@ pub struct EvaluateOptions {
     trace: Option<PathBuf>,
 }
 
+impl EvaluateOptions {
+    /// The number of episodes in all rounds.
+    fn count(&self) -> PyResult<u64> {
+        let Self { episodes, rounds, .. } = self;
+        let count = episodes.saturating_mul(*rounds);
+        if (1..=MAX_EVAL_EPISODES).contains(&count) {
+            return Ok(count);
+        }
+        Err(PyValueError::new_err(format!(
+            "episodes={episodes} with rounds={rounds} is {count} episodes; help: give 1 to {MAX_EVAL_EPISODES} in total"
+        )))
+    }
+}
+
 /// The results of a policy or a driver as the Python layer gets them, in JSON.
 #[derive(Serialize)]
 struct Report {
@@ -114,13 +128,7 @@ fn run_test(
     options: EvaluateOptions,
     run: impl FnOnce(&Test<'_>, Option<&Path>) -> PyResult<Vec<Report>> + Send,
 ) -> PyResult<String> {
-    let count = options.episodes.saturating_mul(options.rounds);
-    if !(1..=MAX_EVAL_EPISODES).contains(&count) {
-        return Err(PyValueError::new_err(format!(
-            "episodes={} with rounds={} is {count} episodes; help: give 1 to {MAX_EVAL_EPISODES} in total",
-            options.episodes, options.rounds
-        )));
-    }
+    let count = options.count()?;
     let scenario = Arc::new(scenario(options.scenario.as_deref(), options.settings, drivers)?);
     let setup = if options.benchmark_route { route(&scenario)? } else { EpisodeSetup::Random };
     let EvaluateOptions { seed, optimum, trace, episodes, .. } = options;
@@ -132,16 +140,18 @@ fn run_test(
     })
 }
 
-/// The RON text of the scenario in which `drivers` are tested, with all settings.
+/// The RON text of the scenario in which `drivers` are tested, with all settings. Fails if `evaluate` would refuse the test.
 #[pyfunction]
-pub fn evaluation_scenario(
-    drivers: Vec<Tested<'_>>,
-    names: Vec<String>,
-    wanted: Option<&str>,
-    settings: Vec<(String, String)>,
-) -> PyResult<String> {
-    let scenario = scenario(wanted, settings, &named(&names, &drivers)?)?;
-    to_ron(&scenario).map_err(|error| PyRuntimeError::new_err(error.to_string()))
+pub fn evaluation_scenario(drivers: Vec<Tested<'_>>, options: EvaluateOptions) -> PyResult<String> {
+    options.count()?;
+    let drivers = named(&options.names, &drivers)?;
+    let scenario = Arc::new(scenario(options.scenario.as_deref(), options.settings, &drivers)?);
+    let setup = if options.benchmark_route { route(&scenario)? } else { EpisodeSetup::Random };
+    let mut evaluator = Evaluator::new(&scenario, 1);
+    for (_, driver) in &drivers {
+        evaluator.start(driver.evaluated(), options.seed, 1, setup).map_err(run_error)?;
+    }
+    to_ron(&*scenario).map_err(|error| PyRuntimeError::new_err(error.to_string()))
 }
 
 fn named(names: &[String], drivers: &[Tested<'_>]) -> PyResult<Vec<(String, TestDriver)>> {

@@ -169,6 +169,15 @@ def test_invalid_options_raise_exceptions(folder):
         cluster.sweep([{"set": {"learning.gama": 0.9}}], "sweep", pool=OneProcess())
     with pytest.raises(ValueError, match="a case has a trace; help:"):
         cluster.evaluate([{"policy": "scenario-1", "trace": "x"}], "tests", pool=OneProcess())
+    for case, why in [
+        ({"episodes": 0}, "is 0 episodes; help:"),
+        ({"scenario": "empty", "set": {"scenario.lidar.beams": 12}}, "gives 16 numbers .* help:"),
+    ]:
+        with pytest.raises(ValueError, match=why):
+            cluster.evaluate([{"policy": "scenario-1", **case}], "tests", pool=OneProcess())
+    for calls in (cluster.sweep, cluster.evaluate):
+        with pytest.raises(ValueError, match="give 1 or more cpus"):
+            calls([], "runs", cpus=0, pool=OneProcess())
     assert not any((folder / name).exists() for name in ("sweep", "tests", "runs"))
 
 
@@ -214,6 +223,31 @@ def test_an_error_of_ray_says_what_happened(monkeypatch):
     assert message(Ray.exceptions.NodeDiedError("gone\nlog")) == f"{lost} (NodeDiedError: gone){kept}"
     assert message(Ray.exceptions.WorkerCrashedError()) == f"{lost} (WorkerCrashedError: ){kept}"
     assert message(Ray.exceptions.RuntimeEnvSetupError("no pip")) == f"run: RuntimeEnvSetupError: no pip{kept}"
+
+
+def test_tasks_that_no_node_can_run_are_reported(monkeypatch):
+    class Ray(types.ModuleType):
+        def is_initialized(self):
+            return True
+
+        def nodes(self):
+            large = {"Alive": False, "Resources": {"CPU": 64.0}}
+            return [large, {"Alive": True, "Resources": {}}, {"Alive": True, "Resources": {"CPU": 4.0}}]
+
+        def remote(self, function):
+            return types.SimpleNamespace(options=lambda **_: types.SimpleNamespace(remote=lambda *_: object()))
+
+    monkeypatch.setitem(sys.modules, "ray", Ray("ray"))
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        cluster.RayPool(cpus=4, retries=5).submit("fits", print, ())
+        assert not caught
+        pool = cluster.RayPool(cpus=8, retries=5)
+        for name in ("one", "two"):
+            pool.submit(name, print, ())
+    (warning,) = caught
+    assert "needs 8 CPUs, but the largest node of the cluster has 4" in str(warning.message)
+    assert "help: give cpus=4" in str(warning.message)
 
 
 def test_a_sweep_gives_the_same_policies_as_train(folder):

@@ -3,6 +3,7 @@
 import ast
 import importlib.util
 import json
+import operator
 import os
 import pickle
 import signal
@@ -306,7 +307,7 @@ def test_an_exception_of_the_callback_is_raised_after_the_run_was_saved(tmp_path
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGINT for one process")
-@pytest.mark.parametrize("call", ["train", "evaluate"])
+@pytest.mark.parametrize("call", ["train", "evaluate", "evaluate_function"])
 def test_ctrl_c_interrupts_long_calls(call, tmp_path):
     # A background job starts with SIGINT ignored.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -317,6 +318,10 @@ def test_ctrl_c_interrupts_long_calls(call, tmp_path):
         with pytest.raises(KeyboardInterrupt):
             if call == "train":
                 wayfield.train(steps=10**12, out=tmp_path / "run", progress=False)
+            elif call == "evaluate_function":
+                # No Python code runs in it that would notice Ctrl-C.
+                first_two = operator.itemgetter((slice(None), slice(0, 2)))
+                wayfield.evaluate_function(first_two, actions="continuous", episodes=100_000, rounds=10)
             else:
                 wayfield.evaluate("scenario-1", episodes=100_000, rounds=10)
     finally:

@@ -16,7 +16,7 @@ from typing import Any
 
 from . import _native, _work
 from ._folders import unpack
-from ._ray_pool import RayPool
+from ._ray_pool import RayPool, check_options
 from ._settings import pairs
 from ._tasks import Pool, Task, replace_file, run_tasks
 from .evaluation import Evaluation, evaluation_from, evaluation_options
@@ -65,7 +65,7 @@ def reproduce(
         set: Fields of presets and scenarios with other values, as in ``wayfield.train``.
         quick: Whether to make a rough report, with a tenth of the training and tests, and at most two seeds.
         out: The folder of the report; None for that of the command line.
-        cpus: The number of CPUs for each task. It changes no result.
+        cpus: The number of CPUs for each task, 1 or more. It changes no result.
         retries: How many times a task is repeated after its node or its process was lost.
         progress: Whether to show the finished tasks on stderr.
         pool: The pool of processes to use instead of Ray's.
@@ -75,7 +75,7 @@ def reproduce(
         RuntimeError: A training run failed. Finished runs stay: the same call, made again, trains only the others.
         ImportError: Ray is not installed.
     """
-    pool = pool or RayPool(cpus, retries)
+    pool = _pool(pool, cpus, retries)
     report = _native.NativeReport(
         {
             "experiments": [os.fspath(path) for path in experiments],
@@ -118,7 +118,7 @@ def sweep(
         RuntimeError: A training run failed. Finished runs stay: the same call, made again, trains only the others.
         ImportError: Ray is not installed.
     """
-    folder, pool = Path(out), pool or RayPool(cpus, retries)
+    folder, pool = Path(out), _pool(pool, cpus, retries)
     tasks = []
     for run in runs:
         options, init = training_options(**run)
@@ -155,16 +155,22 @@ def evaluate(
         The results in the order of ``cases``.
 
     Raises:
-        ValueError: An option is invalid.
+        ValueError: An option is invalid, or a policy does not fit its scenario.
         RuntimeError: A test failed. Finished tests stay: the same call, made again, tests only the others.
         ImportError: Ray is not installed.
     """
-    folder, pool = Path(out), pool or RayPool(cpus, retries)
+    folder, pool = Path(out), _pool(pool, cpus, retries)
     tasks = [_evaluation(dict(case), folder, cpus) for case in cases]
     folder.mkdir(parents=True, exist_ok=True)
     run_tasks(tasks, pool, progress)
     results = [json.loads((folder / f"{task.name}.json").read_text(encoding="utf-8")) for task in tasks]
     return list(map(evaluation_from, results))
+
+
+def _pool(pool: Pool | None, cpus: int, retries: int) -> Pool:
+    """The given pool, or else Ray's."""
+    check_options(cpus, retries)
+    return RayPool(cpus, retries) if pool is None else pool
 
 
 def _seeds(seeds: int | Sequence[int] | None) -> str | None:
@@ -201,9 +207,8 @@ def _evaluation(case: dict[str, Any], folder: Path, cpus: int) -> Task:
     if "trace" in case:
         raise ValueError("a case has a trace; help: leave it out, and use wayfield.evaluate for traces")
     (policy,), options = evaluation_options([case.pop("policy")], **case)
-    scenario, settings = options["scenario"], options["settings"]
     # The scenario's text: its file may change, and need not be on the node.
-    options["scenario"] = _native.evaluation_scenario([policy], options["names"], scenario, settings)
+    options["scenario"] = _native.evaluation_scenario([policy], options)
     options["settings"] = []
     # A classical driver is sent as its text, a policy as its bytes and whether it has a map.
     contents = policy if isinstance(policy, str) else (policy.to_bytes(), policy.with_map)

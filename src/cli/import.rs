@@ -12,7 +12,7 @@ use super::shared::SharedArgs;
 use super::values;
 use crate::import::limits::{LIDAR_HEIGHT_M, MAX_CELLS, RESOLUTION_M, TOLERANCE_M};
 use crate::import::{ImportOptions, Imported, import, import_worlds};
-use crate::run::output_file::{check_writable, is_stream, write_atomic};
+use crate::run::output_file::{check_writable, is_stdout, is_stream, write_atomic};
 use crate::run::progress::print_stderr;
 use crate::run::{RunError, shipped};
 use crate::scenario::{Scenario, printable_path};
@@ -64,13 +64,14 @@ pub fn run(file: &Path, args: &ImportArgs, shared: &SharedArgs) -> Result<(), Ru
         ));
     };
     let is_file = is_stream(out) || out.extension() == Some("ron".as_ref());
-    if !is_file && file.extension() == Some("json".as_ref()) && args.world.is_none() {
+    let has_worlds = file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
+    if !is_file && has_worlds && args.world.is_none() {
         return all_worlds(file, &options(args, shared)?, out, shared.json);
     }
     if !is_file {
         return Err(RunError::invalid_input(out, "not a scenario file; help: give a name that ends in .ron"));
     }
-    if shared.json && out == Path::new("/dev/stdout") {
+    if shared.json && is_stdout(out) {
         return Err(RunError::InvalidInput(
             "--json and the scenario would both go to standard output; help: give --out a file".into(),
         ));

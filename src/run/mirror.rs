@@ -44,9 +44,12 @@ pub(crate) fn of_run(config: &RunConfig) -> Result<Option<Mirror>, RunError> {
     for (name, robot) in members.chain([(&config.scenario.name, &config.scenario.robot)]) {
         let motions = ActiveActionSet(config.preset.actions.clone()).motions(robot);
         if motions.iter().zip(&images).any(|(motion, &image)| !is_image(motion, &motions[image as usize])) {
+            let (low, high) = robot.motion_limits();
             return Err(fail(format!(
-                "is true, but the robot of \"{name}\" does not turn equally fast to both sides; help: change its \
-                 `robot.motions`, or use `mirror: false`"
+                "is true, but the robot of \"{name}\" turns at up to {:?} rad/s to the left and {:?} rad/s to the right; help: \
+                 change its `robot.motions` so that both are equal, or use `mirror: false`",
+                high.w_rad_s,
+                low.w_rad_s.abs()
             )));
         }
     }
@@ -160,7 +163,8 @@ mod tests {
             "`actions` lacks (speed: 1.0, turn: -0.5), the mirror image of (speed: 1.0, turn: 0.5); help: ";
         assert!(error.contains(expected), "{error}");
         let error = mirror(&[(1.0, 0.5), (1.0, -0.5)], &[-1.0, 2.0]).expect_err("faster to the left");
-        assert!(error.contains("does not turn equally fast to both sides; help: "), "{error}");
+        let expected = "turns at up to 2.0 rad/s to the left and 1.0 rad/s to the right; help: ";
+        assert!(error.contains(expected), "{error}");
     }
 
     #[test]

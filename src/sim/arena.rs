@@ -239,8 +239,11 @@ pub fn change_scenario(world: &mut World, scenario: &Arc<Scenario>) {
 
 /// Replaces the scenario and starts a new episode in every arena. Random streams and clocks continue; layouts, starts and
 /// goals are drawn in the new scenario. The numbers of LIDAR beams and of the robot's motions must be the same.
+///
+/// All later episodes have this scenario, too: a [`ScenarioPool`] is removed.
 pub fn reset_with_scenario(world: &mut World, scenario: &Arc<Scenario>) {
     let (states, fault) = (snapshot(world), world.resource::<TaskFault>().clone());
+    world.remove_resource::<ScenarioPool>();
     spawn_arenas(world, scenario, states.len(), 0);
     // Discards any fault of the temporary episodes above.
     world.insert_resource(fault);

@@ -126,6 +126,7 @@ fn a_click_on_free_floor_sets_the_goal_while_a_policy_is_watched() {
     assert!(to_m.distance(free) < 1e-3, "{to_m:?}");
     window.ctx.options_mut(|options| options.input_options.max_double_click_delay = 60.0);
     assert_eq!(click_at(&mut window, free), [], "the second click of a double-click fits the view");
+    assert_eq!(click_at(&mut window, free), [], "the third click has no effect");
     assert_eq!(click_at(&mut window, math::vec2(-0.6, -0.6)), [], "an obstacle is there");
     let robot = robot(&window);
     assert_eq!(click_at(&mut window, robot), [], "the robot is there");

@@ -307,6 +307,34 @@ fn dragging_the_floor_pans_and_the_wheel_zooms() {
 }
 
 #[test]
+fn a_view_that_is_dragged_and_zoomed_at_once_keeps_the_point_under_the_pointer() {
+    let mut window = editing();
+    let centre = screen_pos(&window, Vec2::ZERO);
+    let scale = screen_pos(&window, vec2(1.0, 0.0)).x - centre.x;
+    let point_at = |window: &Window, pointer: Pos2| {
+        let ViewCamera { centre_m: [x, y], zoom } = window.state().view_state.camera;
+        let away = (pointer - centre) / (scale * zoom);
+        vec2(x + away.x, y - away.y)
+    };
+    let held_to = vec2(-1.1, -1.4);
+    hold(&mut window, vec2(-1.3, -1.4), held_to, Modifiers::NONE);
+    let mut pointer = screen_pos(&window, held_to);
+    let held = point_at(&window, pointer);
+    let delta = egui::vec2(0.0, 120.0);
+    let (unit, phase) = (egui::MouseWheelUnit::Point, egui::TouchPhase::Move);
+    // egui spreads the turn of the wheel over several frames.
+    window.event(Event::MouseWheel { unit, delta, phase, modifiers: Modifiers::NONE });
+    for _ in 0..20 {
+        pointer.x += 4.0;
+        window.event(Event::PointerMoved(pointer));
+        window.step();
+    }
+    assert!(window.state().view_state.camera.zoom > 1.3, "{}", window.state().view_state.camera.zoom);
+    let now = point_at(&window, pointer);
+    assert!(now.distance(held) < 1e-3, "{held} -> {now}");
+}
+
+#[test]
 fn the_keys_of_the_simulation_do_nothing_in_the_editor() {
     let mut window = editing();
     window.state_mut().status.mode = SessionMode::Drive;

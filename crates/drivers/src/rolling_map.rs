@@ -16,6 +16,9 @@ use crate::robot::Robot;
 /// The evidence that a hit adds to a cell, and the most that a cell holds. A beam that passes takes 1 away.
 const HIT: u8 = 3;
 const MAX_EVIDENCE: u8 = 6;
+/// The largest side of a cell, in keep-out distances. Between larger cells there is no way around anything, and no point of a path
+/// is near the robot. Where more than [`MAX_CELLS`] of them would be needed, the map is smaller than the LIDAR's reach.
+const MAX_CELL: f32 = 4.0;
 
 /// A cell of the map.
 #[derive(Clone, Copy)]
@@ -29,6 +32,8 @@ struct Cell {
 /// The map.
 pub(crate) struct RollingMap {
     robot: Robot,
+    /// What a scan shows up to this distance is in the map, in m: the LIDAR's range, unless that is too long for the map.
+    reach_m: f32,
     cell_m: f32,
     /// The number of columns, and of rows.
     side: i32,
@@ -44,10 +49,12 @@ pub(crate) struct RollingMap {
 }
 
 impl RollingMap {
-    /// An empty map. The side of a cell is `cell` keep-out distances, or more where there would be too many cells. Where
-    /// possible, paths keep another `margin` keep-out distances beyond the keep-out distance.
+    /// An empty map. The side of a cell is `cell` keep-out distances (2 at most), or up to [`MAX_CELL`] where there would be too
+    /// many cells. Where possible, paths keep another `margin` keep-out distances beyond the keep-out distance.
     pub(crate) fn new(robot: &Robot, cell: f32, margin: f32) -> Self {
-        let half_m = 1.5 * robot.max_range_m;
+        let most_m = MAX_CELL * robot.keep_out_m * (MAX_CELLS as f32).sqrt();
+        let reach_m = robot.max_range_m.min(most_m / 3.0);
+        let half_m = 1.5 * reach_m;
         let wanted_m = cell * robot.keep_out_m;
         let cell_m = wanted_m.max(2.0 * half_m / (MAX_CELLS as f32).sqrt());
         let side = ((2.0 * half_m / cell_m).ceil() as i32).max(1);
@@ -55,6 +62,7 @@ impl RollingMap {
         let window = Grid { min_m: Vec2::ZERO, cell_m, columns: side as usize, rows: side as usize };
         Self {
             robot: robot.clone(),
+            reach_m,
             cell_m,
             side,
             cells: vec![nothing; window.len()],
@@ -102,6 +110,7 @@ impl RollingMap {
     fn add_scan(&mut self, ranges_m: &[f32]) {
         let from = self.pose.translation_m;
         for (index, &range_m) in ranges_m.iter().enumerate().take(self.robot.beams.len()) {
+            let range_m = range_m.min(self.reach_m);
             let beam = self.pose.to_outer(self.robot.beams[index]) - from;
             let end = self.at(from + beam * range_m);
             let mut last = end;
@@ -112,7 +121,7 @@ impl RollingMap {
                     last = at;
                 }
             }
-            if range_m < self.robot.max_range_m {
+            if range_m < self.reach_m {
                 self.hit(end);
             }
         }

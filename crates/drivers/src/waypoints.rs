@@ -184,7 +184,10 @@ mod tests {
 
     impl Scene {
         fn new(at_m: Vec2) -> Self {
-            let robot = robot();
+            Self::of(robot(), at_m)
+        }
+
+        fn of(robot: Robot, at_m: Vec2) -> Self {
             Self {
                 waypoints: Waypoints::new(&robot),
                 robot,
@@ -200,7 +203,8 @@ mod tests {
                 let range_m = (1.0 - to_m.x) / beam.x;
                 let y = to_m.y + range_m * beam.y;
                 let is_hit = wall.is_some_and(|(low, high)| (low..=high).contains(&y));
-                if is_hit && range_m > 0.0 { range_m.min(3.5) } else { 3.5 }
+                let max_range_m = self.robot.max_range_m;
+                if is_hit && range_m > 0.0 { range_m.min(max_range_m) } else { max_range_m }
             };
             let ranges_m: Vec<f32> = self.robot.beams.iter().map(range).collect();
             let goal_m = self.goal_m - to_m;
@@ -242,6 +246,16 @@ mod tests {
         assert!((end - point.normalize() * along).length() > 0.13 - 0.03, "{point}");
         // From (1, 0.75) the line to the goal passes the end at 0.36 m.
         assert_eq!(scene.planned(vec2(1.0, 0.75), wall), None);
+    }
+
+    #[test]
+    fn with_a_lidar_that_reaches_very_far_the_waypoint_is_still_near_the_robot() {
+        for max_range_m in [100.0, 300.0, 1000.0] {
+            let mut scene = Scene::of(Robot { max_range_m, ..robot() }, Vec2::ZERO);
+            let point = scene.planned(vec2(0.1, 0.1), Some((-0.9, 0.3))).expect("the wall is in the way");
+            // The largest cells have sides of 4 x 0.13 = 0.52 m. The path leads through the cell above the wall.
+            assert!(point.distance(vec2(0.78, 0.78)) < 0.02, "{point} with a range of {max_range_m} m");
+        }
     }
 
     #[test]

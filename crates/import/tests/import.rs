@@ -297,6 +297,25 @@ fn comments_in_front_of_values_are_skipped() {
 }
 
 #[test]
+fn ground_and_light_are_no_models_that_were_not_found() {
+    let folder = Folder::new(&[]);
+    for (uri, is_scenery) in [
+        ("model://sun", true),
+        ("model://sun/", true),
+        ("model://ground_plane/2", true),
+        ("https://fuel.gazebosim.org/1.0/OpenRobotics/models/Sun/tip", true),
+        ("https://fuel.gazebosim.org/1.0/OpenRobotics/models/Ground Plane/1/", true),
+        ("model://sun/table", false),
+        ("model://2", false),
+    ] {
+        let inside = format!("<include><uri>{uri}</uri></include>{}", model("m", "", BOX));
+        folder.write("w.world", world(&inside).as_bytes());
+        let findings = folder.import("w.world").expect("a world").findings;
+        assert_eq!(findings.is_empty(), is_scenery, "{uri}: {findings:?}");
+    }
+}
+
+#[test]
 fn included_models_are_found_and_their_pose_is_replaced() {
     let table = format!("<sdf version='1.6'>{}</sdf>", model("table", "<pose>50 50 0 0 0 0</pose>", BOX));
     let include = "<include><uri>model://table</uri><pose>1 2 0 0 0 0</pose></include>";

@@ -183,7 +183,7 @@ impl Learner {
         let Self { trajectories, replay, config, largest_reward, .. } = self;
         let trajectory = &mut trajectories[env_index];
         let state = match trajectory.last {
-            Some(id) if replay.contains_state(id) => id,
+            Some(id) if replay.can_begin_at(id) => id,
             _ => replay.push_state(observation),
         };
         let (next, end) = match (experience.terminated, experience.truncated) {

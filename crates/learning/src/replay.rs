@@ -40,6 +40,9 @@ pub(crate) struct Priorities {
 pub struct ReplayBuffer {
     sampling: Sampling,
     capacity: usize,
+    /// Transitions may begin at the newest states, this many. A transition from an older one would soon be removed, with all older
+    /// transitions.
+    recent_states: u64,
     pub(crate) states: StateRing,
     pub(crate) transitions: Vec<StoredTransition>,
     pub(crate) priorities: Option<Priorities>,
@@ -84,6 +87,8 @@ impl ReplayBuffer {
         Self {
             sampling: config.sampling,
             capacity,
+            // Environments that all go on at the same pace never begin at a state older than twice the pending steps.
+            recent_states: (capacity / 2).max(2 * pending) as u64,
             states: StateRing::new(inputs, capacity + capacity / 8 + pending + 2),
             transitions: Vec::new(),
             priorities,
@@ -116,6 +121,12 @@ impl ReplayBuffer {
         self.states.contains(id)
     }
 
+    /// Whether a transition may begin at the state: it is in the buffer, and is not so old that it will soon be overwritten.
+    #[must_use]
+    pub fn can_begin_at(&self, id: StateId) -> bool {
+        self.contains_state(id) && self.states.pushed - id.0 <= self.recent_states
+    }
+
     /// Stores an observation of `inputs` values. If the state ring is full, the oldest observation is overwritten; the
     /// transitions that refer to it are removed first, with all older transitions.
     pub fn push_state(&mut self, observation: &[f32]) -> StateId {
@@ -127,10 +138,11 @@ impl ReplayBuffer {
     }
 
     /// Stores a transition, and gives it the largest priority so far. A full buffer removes its oldest transition. A
-    /// transition whose states have been overwritten (while its environment paused and others filled the buffer) is not stored.
+    /// transition [from an old state](Self::can_begin_at) (because its environment paused while others filled the buffer) is not
+    /// stored.
     pub fn push(&mut self, transition: &Transition) {
         let next = if transition.terminated { transition.state } else { transition.next };
-        if !self.contains_state(transition.state) || !self.contains_state(next) {
+        if !self.can_begin_at(transition.state) || !self.contains_state(next) {
             return;
         }
         if self.len() == self.capacity {

@@ -69,6 +69,7 @@ proptest! {
         let mut states: Vec<(StateId, f32)> = Vec::new();
         let mut stored: VecDeque<(usize, usize)> = VecDeque::new();
         let state_capacity = capacity + capacity / 8 + PENDING + 2;
+        let recent_states = (capacity / 2).max(2 * PENDING);
         for op in ops {
             match op {
                 Op::State => {
@@ -84,7 +85,8 @@ proptest! {
                     let index = |age: usize| states.len().checked_sub(1 + age);
                     let (Some(a), Some(b)) = (index(a), index(b)) else { continue };
                     replay.push(&tagged_transition(states[a], states[b]));
-                    if a.min(b) + state_capacity >= states.len() {
+                    let is_newest = |k: usize, count: usize| k + count >= states.len();
+                    if is_newest(a, recent_states.min(state_capacity)) && is_newest(b, state_capacity) {
                         if stored.len() == capacity {
                             stored.pop_front();
                         }
@@ -153,33 +155,58 @@ proptest! {
     }
 }
 
-/// The state of an environment that has paused is the oldest in the buffer. When it is overwritten, the transition from it
-/// is removed, with all older ones.
-#[test]
-fn no_gradient_step_is_taken_after_a_paused_environment_has_emptied_the_buffer() {
+/// A learner without hidden layers, for observations of one value and two actions.
+fn small_learner(n_step: usize, capacity: usize, num_envs: usize) -> Learner {
     let config = LearningConfig {
         network: NetworkConfig { hidden: vec![], dueling: false, ..NetworkConfig::default() },
-        n_step: 2,
+        n_step,
         batch_size: 4,
-        replay: ReplayConfig { capacity: 8, learning_starts: 0, sampling: Sampling::Uniform },
+        replay: ReplayConfig { capacity, learning_starts: 0, sampling: Sampling::Uniform },
         train_freq: 1,
         gradient_steps: 1,
         ..LearningConfig::default()
     };
+    Learner::new(&config, 1, 2, num_envs, 0).expect("a valid config")
+}
+
+/// Stores one env step of an episode that goes on.
+fn store_step(learner: &mut Learner, env_index: usize) {
+    learner.store(&Experience {
+        env_index,
+        observation: &[0.0],
+        action: 0,
+        reward: 1.0,
+        next_observation: &[0.0],
+        terminated: false,
+        truncated: false,
+    });
+}
+
+#[test]
+fn an_environment_that_has_paused_removes_no_experience_of_the_others() {
+    for pause in 0..200 {
+        let mut learner = small_learner(1, 64, 2);
+        let others = |steps| std::iter::repeat_n(1, steps);
+        for (step, env_index) in
+            [0].into_iter().chain(others(pause)).chain([0]).chain(others(200)).enumerate()
+        {
+            store_step(&mut learner, env_index);
+            let stored = learner.replay().len();
+            assert!(stored >= (step + 1).min(32), "{stored} at step {step} with a pause of {pause}");
+        }
+    }
+}
+
+/// With many environments and a small buffer, the state of an environment that has paused may be the oldest in the buffer. When it
+/// is overwritten, the transition from it is removed, with all older ones.
+#[test]
+fn no_gradient_step_is_taken_after_a_paused_environment_has_emptied_the_buffer() {
     let mut was_emptied = false;
     for pause in 8..60 {
-        let mut learner = Learner::new(&config, 1, 2, 3, 0).expect("a valid config");
+        let mut learner = small_learner(2, 8, 4);
         let others = std::iter::repeat_n(1, pause);
         for env_index in [0].into_iter().chain(others).chain([0, 2]) {
-            learner.store(&Experience {
-                env_index,
-                observation: &[0.0],
-                action: 0,
-                reward: 1.0,
-                next_observation: &[0.0],
-                terminated: false,
-                truncated: false,
-            });
+            store_step(&mut learner, env_index);
         }
         assert!(learner.pending_updates() > 0, "after a pause of {pause} steps");
         let is_empty = learner.replay().is_empty();

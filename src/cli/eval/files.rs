@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use crate::run::RunError;
 use crate::run::evaluate::TraceStep;
-use crate::run::output_file::{check_writable, is_stream, write_atomic};
+use crate::run::output_file::{check_writable, is_stdout, is_stream, write_atomic};
 use crate::run::progress::print_stderr;
 use crate::scenario::printable_path;
 
@@ -49,7 +49,9 @@ impl TestFiles {
     /// # Errors
     /// A file cannot be written, both files are the same, or standard output is also needed for JSON.
     pub fn new(csv: Option<&Path>, trace: Option<&Path>, json: bool) -> Result<Self, RunError> {
-        let target = |path: &Path| if path == Path::new("-") { STDOUT.into() } else { path.to_owned() };
+        let target = |path: &Path| {
+            if path == Path::new("-") || is_stdout(path) { STDOUT.into() } else { path.to_owned() }
+        };
         let files = Self { csv: csv.map(target), trace: trace.map(target) };
         if files.csv.is_some() && files.csv.as_deref().map(located) == files.trace.as_deref().map(located) {
             return Err(RunError::InvalidInput(

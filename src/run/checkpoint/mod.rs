@@ -94,12 +94,15 @@ pub fn exists(folder: &Path) -> bool {
 /// Reads the newest readable checkpoint.
 ///
 /// # Errors
-/// There is no checkpoint, or none is valid for `config`. The message describes the newest.
+/// There is no checkpoint, none is valid for `config`, or one was written by a newer version of the program. The message describes
+/// the newest.
 pub fn load(folder: &RunFolder, config: &RunConfig) -> Result<LoadedCheckpoint, RunError> {
     let mut skipped = Vec::new();
     for path in NAMES.iter().map(|name| folder.path().join(name)).filter(|path| path.exists()) {
         match read(&path, config) {
             Ok((trainer_state, learner)) => return Ok(LoadedCheckpoint { trainer_state, learner, skipped }),
+            // It is not damaged, and an older one must not take its place.
+            Err(error) if is_newer(&path) => return Err(error),
             Err(error) => skipped.push((path, error)),
         }
     }
@@ -132,6 +135,12 @@ fn read(path: &Path, config: &RunConfig) -> Result<(TrainerState, Learner), RunE
     read_from(BufReader::new(file), config).map_err(|why| RunError::invalid_input(path, why))
 }
 
+/// Whether the file at `path` is a checkpoint of a newer version of the format.
+fn is_newer(path: &Path) -> bool {
+    let header = File::open(path).map(|file| FORMAT.read::<TrainerState>(BufReader::new(file)));
+    matches!(header, Ok(Err(HeaderError::Version { found })) if found > VERSION)
+}
+
 /// Reads what [`write_to`] wrote in a run with `config`. The contents are untrusted, even with valid checksums:
 /// every value is checked.
 ///
@@ -157,6 +166,12 @@ fn header_error(error: HeaderError) -> String {
         }
         HeaderError::Io(error) => error.to_string(),
         HeaderError::WrongMagic => "is not a checkpoint of a run".into(),
+        HeaderError::Version { found } if found > VERSION => {
+            format!(
+                "was written by a newer wayfield: it has checkpoint version {found}, but this wayfield reads version {VERSION}; \
+                 help: resume with the newer wayfield, or start a new run"
+            )
+        }
         HeaderError::Version { found } => {
             format!(
                 "has checkpoint version {found}, but this wayfield reads version {VERSION}; help: resume with the wayfield that \

@@ -26,5 +26,5 @@ pub use atomic::{Sink, StagedFile, check_writable, replace, write_atomic};
 #[cfg(target_arch = "wasm32")]
 pub use download::{Sink, replace, write_atomic};
 #[cfg(not(target_arch = "wasm32"))]
-pub use target::{check_entry, is_stream};
+pub use target::{check_entry, is_stdout, is_stream};
 pub use temporary::{is_temporary, remove_temporary_files};

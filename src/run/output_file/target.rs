@@ -26,18 +26,8 @@ impl OutputTarget {
             Err(error) if error.kind() != ErrorKind::NotFound => return Err(error),
             _ => {}
         }
-        let mut target = path.to_owned();
-        for _ in 0..MAX_LINKS {
-            let folder = folder_of(&target);
-            if holds_descriptors(folder) {
-                return Ok(Self::Stream);
-            }
-            match fs::read_link(&target) {
-                Ok(destination) => target = folder.join(destination),
-                Err(_) => return Self::file(target),
-            }
-        }
-        Err(io::Error::other("too many levels of symbolic links"))
+        let target = followed(path)?;
+        if holds_descriptors(folder_of(&target)) { Ok(Self::Stream) } else { Self::file(target) }
     }
 
     fn file(target: PathBuf) -> io::Result<Self> {
@@ -63,6 +53,31 @@ impl OutputTarget {
 #[must_use]
 pub fn is_stream(path: &Path) -> bool {
     matches!(OutputTarget::of(path), Ok(OutputTarget::Stream))
+}
+
+/// Whether `path` is standard output, by one of its names, such as `/dev/stdout` and `/dev/fd/1`, or a link to it.
+#[must_use]
+pub fn is_stdout(path: &Path) -> bool {
+    let is_open_file_1 = |target: PathBuf| {
+        let own = Path::new("/dev/fd").canonicalize();
+        let folder = folder_of(&target).canonicalize();
+        target.file_name() == Some("1".as_ref())
+            && own.is_ok_and(|own| folder.is_ok_and(|folder| folder == own))
+    };
+    path == Path::new("/dev/stdout") || followed(path).is_ok_and(is_open_file_1)
+}
+
+/// Follows links from `path` to something else than a link, or to an open file of a process.
+fn followed(path: &Path) -> io::Result<PathBuf> {
+    let mut target = path.to_owned();
+    for _ in 0..MAX_LINKS {
+        let folder = folder_of(&target);
+        match fs::read_link(&target) {
+            Ok(destination) if !holds_descriptors(folder) => target = folder.join(destination),
+            _ => return Ok(target),
+        }
+    }
+    Err(io::Error::other("too many levels of symbolic links"))
 }
 
 /// Checks that the entry `path` of a folder is a file that may be replaced, or does not exist.

@@ -7,10 +7,13 @@ use wayfield_scenario::is_file;
 /// The names of models that are only ground and light.
 const SCENERY: [&str; 3] = ["ground_plane", "ground plane", "sun"];
 
-/// Whether a model is only ground or light, so that it need not be found.
+/// Whether a model is only ground or light, so that it need not be found. Its name may be followed by a version, a number or
+/// `tip`.
 pub fn is_scenery(uri: &str) -> bool {
-    let last = uri.rsplit('/').next().unwrap_or(uri);
-    SCENERY.iter().any(|name| last.eq_ignore_ascii_case(name))
+    let is_version = |part: &str| part == "tip" || part.bytes().all(|byte| byte.is_ascii_digit());
+    // The part after a slash at the end is empty, and so also skipped.
+    let name = uri.trim().rsplit('/').find(|part| !is_version(part));
+    name.is_some_and(|name| SCENERY.iter().any(|scenery| name.eq_ignore_ascii_case(scenery)))
 }
 
 /// The SDF file of the model `uri`, such as `model://table`. A model is a folder with a file `model.sdf`; it may be in one

@@ -14,9 +14,10 @@ pub fn steer_camera(
     camera: &mut ViewCamera,
     on_floor: bool,
 ) {
-    let before = *camera;
     if on_floor && response.dragged() {
         *camera = transform.panned(*camera, response.drag_delta());
+        // A zoom in the same frame is about the point that is now under the pointer.
+        *transform = transform.with_camera(*camera);
         ui.ctx().set_cursor_icon(CursorIcon::AllScroll);
     }
     if let Some(at) = response.hover_pos().filter(|_| response.contains_pointer()) {
@@ -24,12 +25,11 @@ pub fn steer_camera(
         let factor = pinch * (scroll * 0.0035).exp();
         if factor.is_finite() && factor != 1.0 {
             *camera = transform.zoomed(*camera, at, factor);
+            *transform = transform.with_camera(*camera);
         }
     }
     if response.double_clicked() && on_floor {
         *camera = ViewCamera::default();
-    }
-    if *camera != before {
         *transform = transform.with_camera(*camera);
     }
 }

@@ -30,8 +30,8 @@ pub fn update(
     if check_move(&drag_target::move_context(arena), request.object, request.to_m).is_err() {
         return;
     }
-    // A double-click fits the view.
-    if response.clicked() && !response.double_clicked() {
+    // A double-click fits the view. Its second click, and further ones, are not for the goal.
+    if response.clicked() && !response.double_clicked() && !response.triple_clicked() {
         commands.push(Command::SetGoal(request));
     }
     ui.ctx().set_cursor_icon(CursorIcon::Crosshair);
