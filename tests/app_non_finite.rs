@@ -40,7 +40,7 @@ fn a_non_finite_number_stops_the_training_but_not_the_app() {
     for mut goal in world.query::<&mut Goal>().iter_mut(world) {
         goal.x_m = f32::NAN;
     }
-    // No step is taken while an evaluation is awaited.
+    // This can take many frames: no step is taken while an evaluation is awaited.
     let mut frames = 0;
     while app.error_notices().is_empty() && frames < 10_000 {
         app.frame(Duration::from_millis(16));

@@ -105,7 +105,7 @@ impl SelectedExperiment {
         lengths.iter().all(|&length| shorter(length, longest).is_some()).then_some(longest)
     }
 
-    /// The points of `arm` that the selected figures, tables and claims are about, each with whether a policy is needed.
+    /// The points of `arm` that the selected figures, tables and claims are about, and whether each needs a policy.
     #[must_use]
     pub fn points(&self, arm: &str) -> BTreeMap<TestPoint, bool> {
         let experiment = &self.source.experiment;

@@ -121,7 +121,7 @@ pub struct TrackingParameters {
     pub dwa: DwaParameters,
     /// Largest extent of an obstacle that may move, 0.1 to 100 keep-out distances. Larger things are taken for walls.
     pub max_extent: f32,
-    /// Neighbouring hits belong to one thing if their distance is at most this many times the distance between beams at that
+    /// Neighbouring hits belong to one cluster if their distance is at most this many times the distance between beams at that
     /// range, 1 to 100.
     pub link: f32,
     /// Gain of the filter for positions, above 0, at most 1.

@@ -2,8 +2,8 @@
 //!
 //! Neighbouring hits of a scan form clusters. A compact cluster may be a moving obstacle: it is followed from scan to scan,
 //! in the robot's present frame, by an alpha-beta filter with constant velocity. It counts as moving if it was seen in several
-//! scans, its estimated speed is high enough, and one of its hits is where an earlier beam had passed: a wall also seems to
-//! move when other beams hit it. All other hits are taken as static.
+//! scans, its estimated speed is high enough, and one of its hits is where an earlier beam had passed. The last condition
+//! excludes walls, which also seem to move when other beams hit them. All other hits are taken as static.
 //!
 //! Source of the filter: P. R. Kalata, *The tracking index*, IEEE Transactions on Aerospace and Electronic Systems
 //! 20(2), 1984.
@@ -101,14 +101,14 @@ impl Tracks {
         }
     }
 
-    /// Whether two hits of neighbouring beams are so near each other that they count as hits of one thing.
+    /// Whether two hits of neighbouring beams are so near each other that they belong to one cluster.
     fn is_linked(&self, robot: &Robot, one: Vec2, other: Vec2) -> bool {
         let spacing_m = robot.beam_spacing_rad * one.length().min(other.length());
         (one - other).length() <= self.parameters.link * spacing_m
     }
 
-    /// Rotates the list of hits such that its first and its last are not on one thing, if there is a gap at all. Where beams go all
-    /// around, the first and the last one are neighbours.
+    /// Rotates the list of hits so that the first and the last are in different clusters, if there is a gap at all. With a full
+    /// circle of beams, the first and the last are neighbours.
     fn start_at_gap(&self, robot: &Robot, points: &mut [MovingPoint]) {
         let previous = |k: usize| points[(k + points.len() - 1) % points.len()].at_m;
         let gap = (0..points.len()).find(|&k| !self.is_linked(robot, previous(k), points[k].at_m));
@@ -124,7 +124,7 @@ impl Tracks {
                 continue;
             }
             let hits = &points[start..end];
-            // The last hit on the walls of a round room is next to the first one, so the others count, too.
+            // All hits count, not only the last: on the walls of a round room, it is next to the first.
             let from_first_m = hits.iter().map(|hit| (hit.at_m - hits[0].at_m).length());
             let extent_m = from_first_m.fold(0.0, f32::max);
             if extent_m <= self.parameters.max_extent * robot.keep_out_m {
@@ -226,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn a_disc_dead_ahead_is_one_thing() {
+    fn a_disc_dead_ahead_is_one_cluster() {
         // It crosses the robot's axis, where the first and the last beam are neighbours.
         let points = points_in_scan(15, STILL, |step| vec2(1.5, 0.52 - 0.04 * step), |_| false);
         let moving: Vec<_> = points.iter().filter(|(at, _)| at.x > 0.0 && at.y.abs() < 0.1).collect();
@@ -238,14 +238,14 @@ mod tests {
     }
 
     #[test]
-    fn the_walls_of_a_round_room_are_no_compact_thing() {
+    fn the_walls_of_a_round_room_are_no_compact_cluster() {
         let scenario = Scenario { lidar: Lidar { beams: 180, ..Lidar::default() }, ..Scenario::default() };
         let robot = Robot::of(&scenario);
         let hit = |beam: &Vec2| MovingPoint { at_m: *beam * 1.5, velocity_m_s: Vec2::ZERO };
         let points: Vec<MovingPoint> = robot.beams.iter().map(hit).collect();
         let tracks = Tracks::new(TrackingParameters::default());
         assert_eq!(tracks.clusters(&robot, &points).len(), 0);
-        assert_eq!(tracks.clusters(&robot, &points[..8]).len(), 1, "a few of the hits are one");
+        assert_eq!(tracks.clusters(&robot, &points[..8]).len(), 1, "a few of the hits are");
     }
 
     #[test]

@@ -135,7 +135,7 @@ impl Map {
         let clearance_m = floor.clearance * self.cell_m;
         let mut problem = String::new();
         // Simplified walls may close a gap. Then smaller tolerances are tried, and finally the cells themselves.
-        // With less than half a wall's thickness, the walls are the cells already.
+        // With a tolerance below half a wall's thickness, the walls are the cells already.
         let attempts = if asked_m < THICKNESS_M / 2.0 { 1 } else { 4 };
         for tolerance_m in [asked_m, asked_m / 2.0, asked_m / 4.0, 0.0].into_iter().take(attempts) {
             let checked = surroundings(&floor.cells, scale, tolerance_m, clearance_m).and_then(|found| {

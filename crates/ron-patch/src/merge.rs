@@ -113,8 +113,8 @@ impl Merge<'_> {
         rebuilder.finish()
     }
 
-    /// The changed fields that the text lacks, each with the index of the child before which it is inserted, so that it
-    /// follows the last child that precedes it in the type's order.
+    /// The changed fields that the text lacks, each with the index of the child before which it is inserted: directly after
+    /// the last child that precedes it in the type's order.
     fn added_fields<'v>(
         &self,
         node: &SyntaxNode,

@@ -50,7 +50,7 @@ pub struct Scenario {
     /// Where goals are placed.
     #[serde(default)]
     pub goals: PlacementRule,
-    /// The benchmark route, an episode that `--course` times (the paper's tables 3, 4, 6 and 7).
+    /// The benchmark route, on which `--course` measures the time (the paper's tables 3, 4, 6 and 7).
     #[serde(default)]
     pub benchmark_route: Option<BenchmarkRoute>,
 }

@@ -175,7 +175,7 @@ fn retry(world: &mut World, path: &Path) {
     match action {
         RetryAction::Open => open::open_or_notify(world, path),
         RetryAction::StartTraining => {
-            let started = start_there(world, &name);
+            let started = start_in_file(world, &name);
             notify_started(world, name, started);
         }
         RetryAction::StartWith { preset, seed } => {
@@ -190,7 +190,7 @@ fn retry(world: &mut World, path: &Path) {
 ///
 /// # Errors
 /// The scenario is invalid, or the preset does not fit it.
-fn start_there(world: &mut World, name: &str) -> Result<(), RunError> {
+fn start_in_file(world: &mut World, name: &str) -> Result<(), RunError> {
     start_training::start_in_scenario(world, shipped::scenario_or_set(name)?, name.into())
 }
 

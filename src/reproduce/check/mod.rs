@@ -25,8 +25,8 @@ use crate::limits::experiment::{MAX_ROUNDS, MAX_SEEDS, MAX_SMOOTHING, MAX_TEST_E
 use crate::limits::{MAX_EVALUATION_EPISODES, MAX_STEPS};
 use crate::scenario::{Diagnostic, closest_name, overlap};
 
-/// All diagnostics of `experiment`. The values at the paths `unknown` could not be read. If a list is too long, only what is
-/// too large is reported.
+/// All diagnostics of `experiment`. The values at the paths `unknown` could not be read. If a list is too long, only sizes are
+/// checked.
 pub(super) fn diagnostics(experiment: &Experiment, unknown: &[String]) -> Vec<Diagnostic> {
     let names_are_known = !unknown.iter().any(|path| overlap(path, "arms"));
     let mut check = Check { arms: &experiment.arms, names_are_known, found: Collector::default() };

@@ -6,7 +6,7 @@ use std::sync::atomic::Ordering;
 use super::{FIRST, STOP};
 use crate::run::progress::print_stderr;
 
-/// The number of the signal SIGINT on Unix, from which the exit status after a Ctrl-C is computed here too.
+/// The number of SIGINT on Unix. Here, too, it determines the exit status after a Ctrl-C.
 const SIGINT: usize = 2;
 
 /// Does nothing: only on Unix do the limits of a process cause signals.
@@ -18,7 +18,7 @@ pub fn exit_on_signal() {}
 /// Installs the handler. A second Ctrl-C ends the process at once.
 pub fn stop_on_signal(announcement: &'static str) -> io::Result<()> {
     let handler = move || {
-        // First, because the code that sees the stop flag set asks for the signal.
+        // Before `STOP`, because the code that sees the stop flag set then reads `FIRST`.
         if FIRST.swap(SIGINT, Ordering::SeqCst) != 0 {
             std::process::exit(128 + SIGINT as i32);
         }
@@ -33,7 +33,7 @@ pub fn name(_: u8) -> &'static str {
     "Ctrl-C"
 }
 
-/// The number of the last signal; 0 before the first. Every signal is the same one here, so this is the first.
+/// The number of the last signal; 0 before the first. Here, every signal is SIGINT, so the last has the number of the first.
 pub fn last_signal() -> usize {
     FIRST.load(Ordering::SeqCst)
 }

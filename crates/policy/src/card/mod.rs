@@ -39,8 +39,8 @@ pub struct Card {
     pub q_values: String,
     /// The actions, in the order of the Q-values. An action is held for one control period.
     pub actions: Vec<Action>,
-    /// The actions in units of the robot's limits, if the policy has its own; `actions` then gives them for the robot that it was
-    /// trained with.
+    /// The actions in units of the robot's limits, if they are not the scenario's motions; `actions` then gives them for the
+    /// robot in training.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub relative_actions: Option<Vec<RelativeMotion>>,
     /// The time between two decisions, in s.
