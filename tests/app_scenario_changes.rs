@@ -171,6 +171,50 @@ fn a_broken_scenario_starts_with_the_requested_preset_and_seed_once_it_is_fixed(
 }
 
 #[test]
+fn a_fixed_scenario_waits_until_its_preset_is_fixed_too() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let (file, preset) = (folder.path().join("mine.ron"), folder.path().join("preset.ron"));
+    write(&file, "(nam: \"Mine\")");
+    write(&preset, "(arena: 1)");
+    let mut app = HeadlessApp::new(StartOptions { paused: true, ..StartOptions::default() });
+    app.frame(FRAME);
+    let (scenario, preset_from) = (file.display().to_string(), preset.display().to_string());
+    app.command(Command::StartTraining { scenario, preset: preset_from.clone(), seed: 9 });
+    app.frame(FRAME);
+    write(&file, "(name: \"Mine 1\")");
+    wait(&mut app, "the preset is reported", |app| has_notice(app, "unknown field `arena`"));
+    write(&preset, "(arenas: 1)");
+    write(&file, "(name: \"Mine 22\")");
+    wait(&mut app, "training starts", |app| app.shown().0.scenario.name == "Mine 22");
+    let config = &app.run().config;
+    assert_eq!((config.preset_from.as_str(), config.seed), (preset_from.as_str(), 9), "as requested");
+    assert_eq!(app.error_notices(), Vec::<String>::new());
+}
+
+#[test]
+fn a_map_that_cannot_start_does_not_displace_a_broken_scenario() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let (file, map) = (folder.path().join("mine.ron"), folder.path().join("map.yaml"));
+    write(&file, "(nam: \"Mine\")");
+    let text = "image: map.pgm\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
+    write(&map, text);
+    let cell = |k: usize| if k % 30 % 29 == 0 || k / 30 % 29 == 0 { "0 " } else { "254 " };
+    let cells: String = (0..900).map(cell).collect();
+    write(&folder.path().join("map.pgm"), &format!("P2\n30 30\n255\n{cells}"));
+    let mut app = HeadlessApp::new(StartOptions { paused: true, ..StartOptions::default() });
+    app.frame(FRAME);
+    let scenario = file.display().to_string();
+    app.command(Command::StartTraining { scenario, preset: "dqn".into(), seed: 9 });
+    app.frame(FRAME);
+    let (scenario, preset) = (map.display().to_string(), folder.path().join("none.ron"));
+    app.command(Command::StartTraining { scenario, preset: preset.display().to_string(), seed: 9 });
+    app.frame(FRAME);
+    assert!(has_notice(&app, "none.ron: no such file"), "{:?}", app.notices());
+    write(&file, "(name: \"Mine\")");
+    wait(&mut app, "training starts", |app| app.shown().0.scenario.name == "Mine");
+}
+
+#[test]
 fn questionable_settings_are_reported_until_another_training_run_starts() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let hangar = folder.path().join("hangar.ron");

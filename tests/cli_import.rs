@@ -74,6 +74,16 @@ fn the_robot_of_the_import_can_be_chosen() {
 }
 
 #[test]
+fn settings_change_the_robot_that_the_file_implies() {
+    let workspace = workspace();
+    workspace.run_ok("--import barn.json --world 3 --out own.ron");
+    workspace.run_ok("--import barn.json --world 3 --out set.ron --set scenario.lidar.beams=36");
+    let own = workspace.text("own.ron");
+    assert!(own.contains("beams: 72") && own.contains("radius_m: 0.3"), "{own}");
+    assert_eq!(workspace.text("set.ron"), own.replace("beams: 72", "beams: 36"));
+}
+
+#[test]
 fn what_is_not_imported_is_printed_and_written_into_the_file() {
     let workspace = workspace();
     let done = workspace.run_ok("--import room.world --out room.ron --json");

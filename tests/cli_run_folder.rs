@@ -255,6 +255,19 @@ fn a_folder_that_holds_a_run_is_not_overwritten() {
 }
 
 #[test]
+fn a_folder_with_checkpoints_only_is_not_used_for_another_run() {
+    let workspace = workspace();
+    workspace.run_ok(&format!("{TRAIN} --out run"));
+    std::fs::create_dir(workspace.path("old")).expect("a folder");
+    std::fs::rename(workspace.path("run/checkpoint"), workspace.path("old/checkpoint")).expect("a folder");
+    let before = workspace.all_files();
+    let done = workspace.run(&format!("{TRAIN} --out old"));
+    assert_eq!(done.status, Some(2), "{}", done.stderr);
+    assert_eq!(done.stderr, "error: old: is not empty; help: give --out a new or an empty folder\n");
+    assert!(workspace.all_files() == before);
+}
+
+#[test]
 fn a_run_whose_rows_are_missing_is_not_resumed() {
     let workspace = workspace();
     workspace.run_ok(&format!("{TRAIN} --out run"));

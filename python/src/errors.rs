@@ -1,14 +1,22 @@
 //! Exceptions: converts wayfield's errors and panics to Python exceptions.
 
 use std::any::Any;
+use std::fs::{File, metadata};
+use std::io::ErrorKind;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
-use pyo3::exceptions::{PyFileNotFoundError, PyKeyboardInterrupt, PyRuntimeError, PyValueError};
+use pyo3::exceptions::{
+    PyFileNotFoundError, PyIsADirectoryError, PyKeyboardInterrupt, PyOSError, PyPermissionError,
+    PyRuntimeError, PyValueError,
+};
 use pyo3::prelude::*;
+use wayfield::drivers::DriverConfig;
 use wayfield::env::VecEnvError;
 use wayfield::run::RunError;
+use wayfield::run::policy_card::WITH_MAP;
 use wayfield::run::settings::SettingError;
+use wayfield::run::shipped;
 
 /// The exception for an error of a run.
 pub fn run_error(error: RunError) -> PyErr {
@@ -19,13 +27,35 @@ pub fn run_error(error: RunError) -> PyErr {
     }
 }
 
-/// The exception for an error in the file `wanted`: `FileNotFoundError` if there is no such file.
+/// The exception for an error in the file `wanted`, which may be a shipped name: the one that Python's `open` raises if the file
+/// cannot be opened.
 pub fn file_error(wanted: &str, error: impl Into<RunError>) -> PyErr {
-    match error.into() {
-        RunError::InvalidInput(message) if !Path::new(wanted).exists() => {
-            PyFileNotFoundError::new_err(message)
-        }
-        error => run_error(error),
+    let message = match error.into() {
+        RunError::InvalidInput(message) => message,
+        error => return run_error(error),
+    };
+    let file = shipped::split_seed(wanted.trim_end_matches(WITH_MAP)).0;
+    let is_shipped = shipped::is_any(file) || DriverConfig::shipped(file).is_some();
+    // The name of a scenario is no preset.
+    if file == "-" || is_shipped && !message.contains("no such file") {
+        return PyValueError::new_err(message);
+    }
+    match open_problem(Path::new(file)) {
+        Some(ErrorKind::NotFound) => PyFileNotFoundError::new_err(message),
+        Some(ErrorKind::IsADirectory) => PyIsADirectoryError::new_err(message),
+        Some(ErrorKind::PermissionDenied) => PyPermissionError::new_err(message),
+        Some(_) => PyOSError::new_err(message),
+        None => PyValueError::new_err(message),
+    }
+}
+
+/// Why the file at `path` cannot be opened; `None` if it can. A pipe is not opened: that may block.
+fn open_problem(path: &Path) -> Option<ErrorKind> {
+    match metadata(path) {
+        Ok(found) if found.is_dir() => Some(ErrorKind::IsADirectory),
+        Ok(found) if found.is_file() => File::open(path).err().map(|error| error.kind()),
+        Ok(_) => None,
+        Err(error) => Some(error.kind()),
     }
 }
 

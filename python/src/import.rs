@@ -1,9 +1,9 @@
 //! Imports of maps and worlds.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
-use wayfield::import::{ImportOptions, import};
+use wayfield::import::{ImportOptions, implied_robot, import};
 use wayfield::scenario::Scenario;
 
 use crate::env_options::{scenario as find_scenario, settings};
@@ -21,7 +21,8 @@ pub struct ImportArguments {
     world: Option<u32>,
     /// The scenario whose robot, LIDAR and rules are used: a shipped name, a path or RON text.
     robot: Option<String>,
-    /// Settings of that scenario (the default scenario if `robot` is `None`): pairs of a field's path and its value as RON.
+    /// Settings of that scenario (the one that the file implies if `robot` is `None`): pairs of a field's path and its value as
+    /// RON.
     settings: Vec<(String, String)>,
 }
 
@@ -33,7 +34,7 @@ pub fn import_scenario(
     path: PathBuf,
     options: ImportArguments,
 ) -> PyResult<(String, f64, Option<f64>, Vec<String>)> {
-    let robot_from = robot_from(options.robot.as_deref(), options.settings)?;
+    let robot_from = robot_from(&path, options.robot.as_deref(), options.settings)?;
     let options = ImportOptions {
         resolution_m: options.resolution_m,
         tolerance_m: options.tolerance_m,
@@ -49,13 +50,14 @@ pub fn import_scenario(
     })
 }
 
-/// The scenario whose robot, LIDAR and rules are used: the one that the user has named (or the default scenario), with the
-/// user's settings. `None` for the importer's default, if the user has given neither.
-fn robot_from(robot: Option<&str>, pairs: Vec<(String, String)>) -> PyResult<Option<Scenario>> {
+/// The scenario whose robot, LIDAR and rules are used: the one that the user has named (or the one that the file `path` implies),
+/// with the user's settings. `None` for the importer's default, if the user has given neither.
+fn robot_from(path: &Path, robot: Option<&str>, pairs: Vec<(String, String)>) -> PyResult<Option<Scenario>> {
     if robot.is_none() && pairs.is_empty() {
         return Ok(None);
     }
-    let mut scenario = robot.map_or_else(|| Ok(Scenario::default()), find_scenario)?;
+    let implied = || implied_robot(path).map_err(|error| file_error(&path.to_string_lossy(), error));
+    let mut scenario = robot.map_or_else(implied, find_scenario)?;
     settings(pairs).apply_to_scenario(&mut scenario).map_err(setting_errors)?;
     Ok(Some(scenario))
 }

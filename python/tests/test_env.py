@@ -2,6 +2,7 @@
 
 import copy
 import math
+import os
 import pickle
 import sys
 import threading
@@ -230,6 +231,18 @@ def test_rendered_images_show_the_robot():
 def test_errors_are_python_exceptions_with_the_messages_of_the_command_line(tmp_path):
     with pytest.raises(FileNotFoundError, match="did you mean `scenario-1`"):
         gymnasium.make(ENV, scenario="scenaro-1")
+    with pytest.raises(ValueError, match="has no levels; help:"):
+        gymnasium.make(ENV, scenario="maze:17")
+    with pytest.raises(IsADirectoryError, match="this is a folder"):
+        gymnasium.make(ENV, scenario=tmp_path)
+    latin = tmp_path / "latin.ron"
+    latin.write_bytes(b'(name: "\xe9")')
+    with pytest.raises(ValueError, match="not valid UTF-8"):
+        gymnasium.make(ENV, scenario=latin)
+    latin.chmod(0)
+    if not os.access(latin, os.R_OK):
+        with pytest.raises(PermissionError, match="can't be read"):
+            gymnasium.make(ENV, scenario=latin)
     broken = tmp_path / "broken.ron"
     broken.write_text('(name: "x",\n lidar: (beams: 0))')
     with pytest.raises(ValueError, match=r"broken.ron:2:\d+: .*write a number from 1"):

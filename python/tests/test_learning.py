@@ -432,6 +432,10 @@ def test_a_map_is_imported_as_a_scenario_to_train_in(tmp_path):
     imported = wayfield.import_scenario(tmp_path / "room.pgm", resolution=0.1, set={"scenario.lidar.beams": 36})
     assert "beams: 36" in imported.text and imported.deviation_m <= 0.11 and imported.findings == []
     assert gymnasium.make("wayfield/Navigation-v0", scenario=imported.text).observation_space.shape == (40,)
+    boxes = '[{"box": [0, 1, 3, 0.1, 0]}, {"box": [0, -1, 3, 0.1, 0]}]'
+    (tmp_path / "stages.json").write_text('{"stages": {"1": {"static": ' + boxes + "}}}")
+    stage = wayfield.import_scenario(tmp_path / "stages.json", world=1, set={"scenario.lidar.beams": 36})
+    assert "beams: 36" in stage.text and "radius_m: 0.105" in stage.text
     with pytest.raises(ValueError, match="help: give the side of a pixel"):
         wayfield.import_scenario(tmp_path / "room.pgm")
     with pytest.raises(FileNotFoundError):

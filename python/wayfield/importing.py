@@ -49,8 +49,8 @@ def import_scenario(
         lidar_height: The height, in m, at which the shapes of an SDF world are cut.
         models: Folders with the models that an SDF world includes.
         world: The number of the world or stage in a .json file.
-        robot: A scenario whose robot, LIDAR and rules are used; None for those of Scenario I. BARN worlds and stages have
-            their own (docs/import.md), unless ``robot`` or ``set`` is given.
+        robot: A scenario whose robot, LIDAR and rules are used; None for those of Scenario I or, in BARN worlds and stages,
+            their own (docs/import.md).
         set: Fields of that scenario with other values, as in ``train``.
 
     Raises:

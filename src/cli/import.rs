@@ -11,7 +11,7 @@ use super::output::{print_json, print_stdout};
 use super::shared::SharedArgs;
 use super::values;
 use crate::import::limits::{LIDAR_HEIGHT_M, MAX_CELLS, RESOLUTION_M, TOLERANCE_M};
-use crate::import::{ImportOptions, Imported, import, import_worlds};
+use crate::import::{ImportOptions, Imported, implied_robot, import, import_worlds};
 use crate::run::output_file::{check_writable, is_stdout, is_stream, write_atomic};
 use crate::run::progress::print_stderr;
 use crate::run::{RunError, shipped};
@@ -66,7 +66,7 @@ pub fn run(file: &Path, args: &ImportArgs, shared: &SharedArgs) -> Result<(), Ru
     let is_file = is_stream(out) || out.extension() == Some("ron".as_ref());
     let has_worlds = file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
     if !is_file && has_worlds && args.world.is_none() {
-        return all_worlds(file, &options(args, shared)?, out, shared.json);
+        return all_worlds(file, &options(file, args, shared)?, out, shared.json);
     }
     if !is_file {
         return Err(RunError::invalid_input(out, "not a scenario file; help: give a name that ends in .ron"));
@@ -77,7 +77,7 @@ pub fn run(file: &Path, args: &ImportArgs, shared: &SharedArgs) -> Result<(), Ru
         ));
     }
     check_writable(out)?;
-    let imported = import(file, &options(args, shared)?)?;
+    let imported = import(file, &options(file, args, shared)?)?;
     write(out, &imported)?;
     print_findings(file, &imported);
     if shared.json {
@@ -124,7 +124,7 @@ fn write(path: &Path, imported: &Imported) -> Result<(), RunError> {
         .map_err(|error| RunError::not_written(path, error))
 }
 
-fn options(args: &ImportArgs, shared: &SharedArgs) -> Result<ImportOptions, RunError> {
+fn options(file: &Path, args: &ImportArgs, shared: &SharedArgs) -> Result<ImportOptions, RunError> {
     let defaults = ImportOptions::default();
     Ok(ImportOptions {
         resolution_m: args.resolution,
@@ -133,17 +133,18 @@ fn options(args: &ImportArgs, shared: &SharedArgs) -> Result<ImportOptions, RunE
         lidar_height_m: args.lidar_height.unwrap_or(defaults.lidar_height_m),
         models: args.models.clone(),
         world: args.world,
-        robot_from: robot_from(args, shared)?,
+        robot_from: robot_from(file, args, shared)?,
     })
 }
 
-/// The scenario with the robot that the user has chosen, with `--robot` or `--set`; `None` without either.
-fn robot_from(args: &ImportArgs, shared: &SharedArgs) -> Result<Option<Scenario>, RunError> {
+/// The scenario with the robot of `--robot`, or else the one that `file` implies, changed by `--set`. `None` without either
+/// flag.
+fn robot_from(file: &Path, args: &ImportArgs, shared: &SharedArgs) -> Result<Option<Scenario>, RunError> {
     let settings = shared.settings();
     if args.robot.is_none() && settings.is_empty() {
         return Ok(None);
     }
-    let mut scenario = args.robot.as_deref().map_or_else(|| Ok(Scenario::default()), shipped::scenario)?;
+    let mut scenario = args.robot.as_deref().map_or_else(|| implied_robot(file), shipped::scenario)?;
     settings.apply_to_scenario(&mut scenario)?;
     Ok(Some(scenario))
 }

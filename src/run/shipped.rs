@@ -8,7 +8,7 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 pub use self::source::Source;
-pub(crate) use self::source::split_seed;
+pub use self::source::split_seed;
 use super::folder::RunConfig;
 use super::policy_card;
 use super::preset::Preset;
@@ -128,6 +128,14 @@ pub fn is_set(name: &str) -> bool {
 /// Whether `name` is a shipped preset.
 pub fn is_preset(name: &str) -> bool {
     PRESETS.iter().any(|file| file.name == name)
+}
+
+/// Whether `wanted` is the name or the project path of a shipped scenario, level generator, set, suite or preset, or the name of a
+/// shipped policy, and no file of the user.
+pub fn is_any(wanted: &str) -> bool {
+    let kinds = [SCENARIOS, GENERATORS, GENERAL_GENERATORS, SETS, SUITES, PRESETS];
+    let is_policy = POLICIES.iter().any(|(name, _)| *name == wanted);
+    is_policy || kinds.iter().any(|files| find(files, wanted).is_some())
 }
 
 /// The names of the shipped presets.

@@ -223,7 +223,7 @@ pub fn stated_path_length_m(about: &str) -> Option<f64> {
 
 /// The robot of the BARN Challenge, a Clearpath Jackal as a disc: up to 2 m/s, with a LIDAR of 270 degrees. It may also stop
 /// and turn in place. Contact ends an episode.
-fn robot() -> Scenario {
+pub fn robot() -> Scenario {
     let speeds = [0.0, 0.5, 1.0, 2.0];
     let turns = [1.5, 0.75, 0.0, -0.75, -1.5];
     let motions = speeds.iter().flat_map(|&v_m_s| turns.map(|w_rad_s| Motion { v_m_s, w_rad_s })).collect();

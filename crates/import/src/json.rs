@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde::Deserialize;
 use serde::de::{DeserializeOwned, IgnoredAny};
-use wayfield_scenario::{FileError, read_text_with_limit};
+use wayfield_scenario::{FileError, Scenario, read_text_with_limit};
 
 use crate::limits::MAX_WORLD_BYTES;
 use crate::options::ImportOptions;
@@ -35,8 +35,7 @@ pub fn import_text(
     path: &Path,
     options: &ImportOptions,
 ) -> Result<Vec<(String, Imported)>, FileError> {
-    let probe: Probe = parse(text, path, "BARN worlds or stages")?;
-    if probe.stages.is_some() {
+    if is_of_stages(text, path)? {
         let import =
             |(number, stage)| Ok((format!("stage-{number}"), stages::import(path, number, stage, options)?));
         return chosen(stages::parse(text, path)?, path, options)?.into_iter().map(import).collect();
@@ -45,6 +44,21 @@ pub fn import_text(
     let import =
         |(number, world)| Ok((format!("barn-{number:03}"), barn::import_one(path, &file, world, options)?));
     chosen(file.by_number(), path, options)?.into_iter().map(import).collect()
+}
+
+/// The scenario with the robot and the rules of the worlds in the file at `path`.
+///
+/// # Errors
+/// The file is missing or not a JSON file.
+pub fn implied_robot(path: &Path) -> Result<Scenario, FileError> {
+    let text = read_text_with_limit(path, MAX_WORLD_BYTES)?;
+    Ok(if is_of_stages(&text, path)? { stages::turtlebot() } else { barn::robot() })
+}
+
+/// Whether `text` is that of a file of stages, not of BARN worlds.
+fn is_of_stages(text: &str, path: &Path) -> Result<bool, FileError> {
+    let probe: Probe = parse(text, path, "BARN worlds or stages")?;
+    Ok(probe.stages.is_some())
 }
 
 /// Parses the text of a file of `what`, such as "BARN worlds".

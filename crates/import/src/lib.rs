@@ -142,6 +142,18 @@ pub fn import_map(
     map::Map::from_parts(yaml, image, path)?.import(path, options)
 }
 
+/// The scenario whose robot, LIDAR and rules the import of the file at `path` uses without [`ImportOptions::robot_from`].
+///
+/// # Errors
+/// A `.json` file is missing or invalid. The message names the file, the line and a fix.
+pub fn implied_robot(path: &Path) -> Result<Scenario, FileError> {
+    match kind(path) {
+        Some(Kind::Worlds) => json::implied_robot(path),
+        Some(Kind::Sdf) if barn::path_file(path).is_some() => Ok(barn::robot()),
+        _ => Ok(Scenario::default()),
+    }
+}
+
 /// The length, in m, of the path from start to goal in `bytes`, the contents of a BARN path file.
 ///
 /// # Errors

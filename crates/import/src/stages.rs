@@ -160,7 +160,7 @@ fn fixed(outline: Outline, x: f64, y: f64, yaw_rad: f64) -> Solid {
 
 /// The TurtleBot3 of turtlebot3_drlnav, with that project's rules: up to 0.22 m/s and 2 rad/s, 40 beams up to 3.5 m, a collision
 /// below 0.13 m, a goal radius of 0.20 m, a time limit of 50 s. The robot may also stop and turn in place.
-fn turtlebot() -> Scenario {
+pub fn turtlebot() -> Scenario {
     let turns = [2.0, 1.0, 0.0, -1.0, -2.0];
     let motions =
         [0.0, 0.11, 0.22].iter().flat_map(|&v_m_s| turns.map(|w_rad_s| Motion { v_m_s, w_rad_s })).collect();

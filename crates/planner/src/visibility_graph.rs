@@ -17,6 +17,8 @@ const RECTANGLE_CORNER_POINTS: usize = 3;
 /// The maximum number of corners of all polygons together. If there are more, the obstacles with the largest sum of
 /// distances to start and goal are left out.
 const MAX_CORNERS: usize = 400;
+/// Shorter sides of a polygon are left out, in m.
+const SHORTEST_SIDE_M: f64 = 1e-9;
 
 /// A convex region that blocks the line of sight.
 pub(super) enum Occluder {
@@ -202,10 +204,13 @@ fn rectangle_occluder(inflated: &InflatedObstacle) -> (Occluder, Vec<(f64, f64)>
         to_arena(inflated, x + inflated.radius * cos, y + inflated.radius * sin)
     };
     let corners: Vec<_> = (0..4 * RECTANGLE_CORNER_POINTS).map(corner).collect();
-    let sides = polygon::sides(&corners).map(|(p, q)| {
+    let sides = polygon::sides(&corners).filter_map(|(p, q)| {
         let length = distance(p, q);
-        let (a, b) = ((q.1 - p.1) / length, (p.0 - q.0) / length);
-        (a, b, a * p.0 + b * p.1 - 1e-9)
+        // At the ends of a capsule, two corners differ by rounding errors only: the side between them has no direction.
+        (length > SHORTEST_SIDE_M).then(|| {
+            let (a, b) = ((q.1 - p.1) / length, (p.0 - q.0) / length);
+            (a, b, a * p.0 + b * p.1 - 1e-9)
+        })
     });
     (Occluder::Polygon(sides.collect()), corners)
 }
@@ -214,4 +219,27 @@ fn rectangle_occluder(inflated: &InflatedObstacle) -> (Occluder, Vec<(f64, f64)>
 fn to_arena(obstacle: &InflatedObstacle, x: f64, y: f64) -> (f64, f64) {
     let InflatedObstacle { sin, cos, .. } = obstacle;
     (obstacle.x + x * cos - y * sin, obstacle.y + x * sin + y * cos)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wayfield_scenario::Shape;
+
+    #[test]
+    fn a_rotated_capsule_blocks_the_whole_polygon() {
+        let capsule = Shape::Capsule { length_m: 0.4, radius_m: 0.1 };
+        for k in 0..126_u8 {
+            let rotation_rad = 0.05 * f32::from(k);
+            let inflated = InflatedObstacle::new(&capsule, (0.1, 0.0, rotation_rad), 0.15);
+            let (Occluder::Polygon(sides), corners) = rectangle_occluder(&inflated) else {
+                panic!("a capsule is replaced by a polygon");
+            };
+            for corner in corners {
+                let (x, y) = (inflated.x + 0.999 * (corner.0 - inflated.x), 0.999 * corner.1);
+                let is_inside = sides.iter().all(|&(a, b, c)| a * x + b * y < c);
+                assert!(is_inside, "rotated by {rotation_rad} rad, ({x}, {y}) is outside");
+            }
+        }
+    }
 }

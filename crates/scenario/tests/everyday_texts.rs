@@ -134,6 +134,26 @@ fn everyday_number_notations_get_the_number_to_write() {
                 "1:37: `lidar.max_range_m` must be a number only: write 2000 for 2 km",
             ),
             (
+                "(name: \"Mine\", task: (control_period_s: 5km/h))",
+                "1:41: `task.control_period_s` must be a number only: write 1.3888889 for 5 km/h",
+            ),
+            (
+                "(name: \"Mine\", task: (control_period_s: 5 km/h))",
+                "1:41: `task.control_period_s` must be a number only: write 1.3888889 for 5 km/h",
+            ),
+            (
+                "(name: \"Mine\", robot: (max_acceleration_m_s2: 2m/s^2))",
+                "1:47: `robot.max_acceleration_m_s2` must be a number only: write 2, without `m/s^2`",
+            ),
+            (
+                "(name: \"Mine\", robot: (radius_m: 2m// two\n))",
+                "1:34: `robot.radius_m` must be a number only: write 2, without `m`",
+            ),
+            (
+                "(name: \"Mine\", robot: (radius_m: 2in))",
+                "1:34: `robot.radius_m` must be a number only, in the unit of the field, without `in`",
+            ),
+            (
                 "(name: \"Mine\", lidar: (beams: 2.4e0))",
                 "1:31: `lidar.beams` must be a whole number, without a fraction",
             ),

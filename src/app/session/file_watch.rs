@@ -165,25 +165,30 @@ fn retry(world: &mut World, path: &Path) {
     if let Err(error) = check_usable(path) {
         return notify(world, topic, Severity::Error, error.to_string());
     }
-    let Some((_, action)) = world.resource_mut::<FileWatches>().waiting.take() else { return };
+    let Some((watch, action)) = world.resource_mut::<FileWatches>().waiting.take() else { return };
     let env_steps = world.resource::<ActiveLearner>().0.env_steps();
     if world.resource::<TrainingRun>().would_lose_training(env_steps) {
         let text = format!("{name}: the file is valid now\nhelp: open it to use it");
         return notify(world, topic, Severity::Info, text);
     }
     let paused = world.resource::<Pacer>().is_paused();
-    match action {
-        RetryAction::Open => open::open_or_notify(world, path),
-        RetryAction::StartTraining => {
-            let started = start_in_file(world, &name);
-            notify_started(world, name, started);
-        }
+    let started = || format!("{name}: training started");
+    let done = match &action {
+        RetryAction::Open => open::open(world, path),
+        RetryAction::StartTraining => start_in_file(world, &name).map(|()| started()),
         RetryAction::StartWith { preset, seed } => {
-            let started = start_training::start_training(world, &name, &preset, seed);
-            notify_started(world, name, started);
+            start_training::start_training(world, &name, preset, *seed).map(|()| started())
+        }
+    };
+    world.resource_mut::<Pacer>().set_paused(paused);
+    match done {
+        Ok(text) => notify(world, topic, Severity::Info, text),
+        Err(error) => {
+            // Something else is wrong, such as the preset: the next change of the file is another chance.
+            world.resource_mut::<FileWatches>().waiting = Some((watch, action));
+            notify(world, topic, Severity::Error, error.to_string());
         }
     }
-    world.resource_mut::<Pacer>().set_paused(paused);
 }
 
 /// Starts training in the scenario file `name`, with the current preset and seed.
@@ -194,22 +199,12 @@ fn start_in_file(world: &mut World, name: &str) -> Result<(), RunError> {
     start_training::start_in_scenario(world, shipped::scenario_or_set(name)?, name.into())
 }
 
-/// Reports whether training has started in the scenario file `name`.
-fn notify_started(world: &mut World, name: String, started: Result<(), RunError>) {
-    let (severity, text) = match started {
-        Ok(()) => (Severity::Info, format!("{name}: training started")),
-        Err(error) => (Severity::Error, error.to_string()),
-    };
-    notify(world, NoticeTopic::File(name), severity, text);
-}
-
-/// Starts to watch the file `from` if it exists and is broken. Returns whether it is broken.
+/// Starts to watch the file `from` if it exists and is broken, unless it is a map or a world. Returns whether it is watched.
 pub(super) fn retry_when_fixed(world: &mut World, from: &str, action: RetryAction) -> bool {
     let is_broken = Path::new(from).is_file() && check_usable(Path::new(from)).is_err();
-    if is_broken {
-        world.resource_mut::<FileWatches>().waiting = FileWatch::new(from).map(|watch| (watch, action));
-    }
-    is_broken
+    let Some(watch) = FileWatch::new(from).filter(|_| is_broken) else { return false };
+    world.resource_mut::<FileWatches>().waiting = Some((watch, action));
+    true
 }
 
 /// Checks that the file at `path` is valid: a scenario, a level generator, a set of scenarios, a preset or a classical driver.

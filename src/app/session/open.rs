@@ -80,7 +80,7 @@ fn confirm_by_repeating(world: &mut World, path: &Path) -> Result<(), RunError> 
 
 /// Opens a run's folder or its checkpoint, a policy, a scenario, a map, a preset or a classical driver. Returns a confirmation
 /// for the user.
-fn open(world: &mut World, path: &Path) -> Result<String, RunError> {
+pub(super) fn open(world: &mut World, path: &Path) -> Result<String, RunError> {
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
     if path.is_dir() {
         return resume(world, path, path);

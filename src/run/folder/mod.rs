@@ -75,7 +75,6 @@ impl RunFolder {
     /// The path of the configuration in a run folder.
     pub(crate) const CONFIG_FILE: &str = "config.ron";
     /// The path of the lock in a run folder.
-    #[cfg(not(target_arch = "wasm32"))]
     pub(crate) const LOCK_FILE: &str = "checkpoint/lock";
 
     /// Creates the folder of a new run. Writes the file of the initial policy, if there is one, and then `config.ron`: a
@@ -126,14 +125,14 @@ impl RunFolder {
             return Err(RunError::invalid_input(&self.path, why));
         }
         let is_started = self.path.join(CHECKPOINT_FOLDER).exists();
-        let is_leftover = |entry: io::Result<fs::DirEntry>| {
-            entry.is_ok_and(|entry| {
-                entry.file_name() == CHECKPOINT_FOLDER
-                    || is_temporary(&entry)
-                    || (is_started && entry.file_name() == INITIAL_POLICY_FILE)
-            })
+        let is_leftover = |entry: fs::DirEntry| {
+            let is = |name: &str| entry.path() == self.path.join(name);
+            is(CHECKPOINT_FOLDER)
+                || is(Self::LOCK_FILE)
+                || is_temporary(&entry)
+                || (is_started && is(INITIAL_POLICY_FILE))
         };
-        if fs::read_dir(&self.path).is_ok_and(|mut entries| !entries.all(is_leftover)) {
+        if !self.entries().all(is_leftover) {
             let why = "is not empty; help: give --out a new or an empty folder";
             return Err(RunError::invalid_input(&self.path, why));
         }

@@ -108,7 +108,7 @@ fn level(generator: &LevelGenerator, seed: u64, path: &Path) -> Result<Scenario,
 }
 
 /// `clutter` and 17 for `clutter:17`, unless there is a file of that whole name.
-pub(crate) fn split_seed(wanted: &str) -> (&str, Option<u64>) {
+pub fn split_seed(wanted: &str) -> (&str, Option<u64>) {
     let parts = wanted.rsplit_once(':').filter(|_| !path_exists(Path::new(wanted)));
     match parts.and_then(|(file, seed)| Some((file, seed.parse().ok()?))) {
         Some((file, seed)) => (file, Some(seed)),

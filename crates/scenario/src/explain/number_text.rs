@@ -8,15 +8,40 @@ use wayfield_ron_patch::tokens;
 /// What is expected instead of a whole number that its field cannot hold.
 pub(super) const OUT_OF_RANGE: &str = "a whole number in range: this one is negative or too large";
 
-/// The word around `offset` if it starts like a number and `offset` lies inside it, so that ron has read only a part of it.
+/// The units of the format: a number with one of them is right without it.
+const OWN_UNITS: [&str; 11] =
+    ["m", "s", "rad", "m/s", "rad/s", "m/s2", "m/s^2", "rad/s2", "rad/s^2", "px", "steps"];
+
+/// Other units that people write after a number and a space.
+const OTHER_UNITS: [&str; 16] = [
+    "km", "cm", "mm", "h", "min", "ms", "deg", "km/h", "cm/s", "mm/s", "deg/s", "%", "\u{b0}", "\u{b0}/s",
+    "Hz", "rpm",
+];
+
+/// Whether `word` is a unit.
+pub(super) fn is_unit(word: &str) -> bool {
+    OWN_UNITS.contains(&word) || OTHER_UNITS.contains(&word)
+}
+
+/// The word around `offset` if it starts like a number and `offset` lies inside it, so that ron has read only a part of it. Of a
+/// unit such as `km/h`, all is part of the word.
 pub(super) fn cut_number(text: &str, offset: usize) -> Option<Range<usize>> {
     let is_word = |c: char| c.is_alphanumeric() || "_.+-".contains(c);
     let before = text[..offset].len() - text[..offset].trim_end_matches(is_word).len();
     let after = text[offset..].find(|c| !is_word(c)).unwrap_or(text.len() - offset);
-    let word = offset - before..offset + after;
+    let end = offset + after;
+    let word = offset - before..end + denominator(&text[end..]);
     let is_number =
         text[word.clone()].trim_start_matches(['+', '-', '.']).starts_with(|c: char| c.is_ascii_digit());
     (before > 0 && after > 0 && is_number).then_some(word)
+}
+
+/// The length of the second part of a unit, such as `/s`, at the start of `text`; 0 if there is none.
+fn denominator(text: &str) -> usize {
+    let Some(unit) = text.strip_prefix('/').filter(|unit| unit.starts_with(char::is_alphabetic)) else {
+        return 0;
+    };
+    1 + unit.find(|c: char| !c.is_alphanumeric() && c != '^').unwrap_or(unit.len())
 }
 
 /// The problem with `word`, if ron has read only a part of it as a number: the rest of a sentence that starts with the field.
@@ -79,11 +104,16 @@ pub fn with_plain_numbers(text: &str) -> String {
 pub(super) fn with_unit(number: &str, unit: &str) -> String {
     let factor = match unit {
         "km" => 1000.0,
+        "h" => 3600.0,
         "min" => 60.0,
-        "cm" | "%" => 0.01,
-        "mm" | "ms" => 0.001,
-        "deg" | "\u{b0}" => PI / 180.0,
-        _ => return format!("must be a number only: write {number}, without `{unit}`"),
+        "km/h" => 1.0 / 3.6,
+        "cm" | "cm/s" | "%" => 0.01,
+        "mm" | "mm/s" | "ms" => 0.001,
+        "deg" | "deg/s" | "\u{b0}" | "\u{b0}/s" => PI / 180.0,
+        _ if OWN_UNITS.contains(&unit) => {
+            return format!("must be a number only: write {number}, without `{unit}`");
+        }
+        _ => return format!("must be a number only, in the unit of the field, without `{unit}`"),
     };
     match number.parse::<f64>() {
         Ok(value) => format!("must be a number only: write {} for {number} {unit}", (value * factor) as f32),

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use ron::error::Error;
 
-use super::number_text::{comma_problem, cut_number, cut_number_problem, pair_problem, with_unit};
+use super::number_text::{comma_problem, cut_number, cut_number_problem, is_unit, pair_problem, with_unit};
 use super::{Place, Problem, Repair, is_about_a_name, last_of};
 
 impl Place<'_> {
@@ -42,17 +42,13 @@ impl Place<'_> {
 
     /// The range of a number and the unit after it, and the problem.
     fn unit(&self) -> Option<(Range<usize>, String)> {
-        let is_unit_char = |c: char| c.is_alphabetic() || "°%/".contains(c);
+        let is_unit_char = |c: char| c.is_alphanumeric() || "°%/^".contains(c);
         let unit = &self.rest()[..self.rest().find(|c| !is_unit_char(c)).unwrap_or(self.rest().len())];
         let number = self.map.value_at(last_of(&self.text[..self.end]));
         let number = number.start..self.end.min(number.end);
         let digits = self.text.get(number.clone())?.trim();
-        digits.parse::<f64>().ok().filter(|_| UNITS.contains(&unit))?;
+        digits.parse::<f64>().ok().filter(|_| is_unit(unit))?;
         let message = format!("{} {}", self.field(number.start), with_unit(digits, unit));
         Some((number.start..self.end + unit.len(), message))
     }
 }
-
-/// Units that people write after numbers.
-const UNITS: [&str; 14] =
-    ["m", "cm", "mm", "s", "ms", "rad", "deg", "m/s", "rad/s", "Hz", "%", "°", "px", "steps"];
