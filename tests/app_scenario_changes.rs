@@ -198,7 +198,8 @@ fn a_map_that_cannot_start_does_not_displace_a_broken_scenario() {
     write(&file, "(nam: \"Mine\")");
     let text = "image: map.pgm\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
     write(&map, text);
-    let cell = |k: usize| if k % 30 % 29 == 0 || k / 30 % 29 == 0 { "0 " } else { "254 " };
+    let is_edge = |cell: usize| matches!(cell, 0 | 29);
+    let cell = |k: usize| if is_edge(k % 30) || is_edge(k / 30) { "0 " } else { "254 " };
     let cells: String = (0..900).map(cell).collect();
     write(&folder.path().join("map.pgm"), &format!("P2\n30 30\n255\n{cells}"));
     let mut app = HeadlessApp::new(StartOptions { paused: true, ..StartOptions::default() });
