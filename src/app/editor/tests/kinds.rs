@@ -86,6 +86,17 @@ fn changing_a_rule_keeps_what_both_kinds_have() {
 }
 
 #[test]
+fn a_new_rule_has_room_for_a_large_robot() {
+    let mut scenario = full();
+    scenario.starts = PlacementRule::Fixed { position_m: vec2(1.0, -1.0), heading_rad: None };
+    scenario.robot.radius_m = 0.5;
+    scenario.task.collision_range_m = 0.51;
+    let mut editor = editor(scenario);
+    editor.set_rule(PlacementRole::Starts, PlacementKind::Random);
+    assert_eq!(editor.scenario().starts, PlacementRule::Random { clearance_m: 0.53 });
+}
+
+#[test]
 fn an_enclosure_can_become_a_polygon_and_a_rectangle_again() {
     let mut editor = editor(full());
     editor.set_enclosure(EnclosureKind::Polygon);
