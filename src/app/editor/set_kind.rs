@@ -1,5 +1,5 @@
 //! Changing the kind of a motion, a start or goal rule, or the enclosure, with new values that fit the scenario. If both kinds
-//! have them, a motion's path and a rule's clearance and first position are kept.
+//! have them, a motion's path and speed, and a rule's clearance and first position are kept.
 
 use bevy::math::{Vec2, vec2};
 
