@@ -362,6 +362,17 @@ fn a_report_shows_every_failure_and_its_scenario_has_the_same_start_and_goal() {
     }
 }
 
+#[cfg(unix)]
+#[test]
+fn a_report_is_written_even_if_the_reader_of_the_episodes_closes_its_pipe() {
+    let workspace = Workspace::new();
+    workspace.write("one.ron", with_short_episodes(SCENARIO_1));
+    let eval = "--eval dwa --scenario one.ron --episodes 2 --report report --csv -";
+    let done = workspace.shell(&format!("$WAYFIELD {eval} | true"));
+    assert!(done.stderr.contains("report: ") && !done.stderr.contains("error"), "{}", done.stderr);
+    assert!(workspace.path("report/report.html").exists());
+}
+
 #[test]
 fn a_new_report_deletes_the_files_of_the_earlier_one_and_no_others() {
     let workspace = workspace();

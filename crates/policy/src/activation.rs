@@ -34,7 +34,8 @@ impl Activation {
     /// Replaces each of `values` by its function value.
     pub fn apply(self, values: &mut [f32]) {
         match self {
-            Self::Relu => replace(values, |x| x.max(0.0)),
+            // Not `x.max(0.0)`, which hides a NaN.
+            Self::Relu => replace(values, |x| if x <= 0.0 { 0.0 } else { x }),
             // exp(x) - 1 = 2 t / (1 - t) with t = tanh(x / 2); the relative error is below 1e-6.
             Self::Elu => replace(values, |x| {
                 let t = tanh(0.5 * x);
@@ -119,6 +120,9 @@ mod tests {
             let mut extremes = [f32::MIN, f32::MAX];
             activation.apply(&mut extremes);
             assert!(extremes.iter().all(|value| value.is_finite()), "{activation:?}: {extremes:?}");
+            let mut nan = [f32::NAN];
+            activation.apply(&mut nan);
+            assert!(nan[0].is_nan(), "{activation:?} of NaN is {}", nan[0]);
         }
     }
 

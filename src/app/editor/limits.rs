@@ -1,5 +1,6 @@
 //! Limits and default values of the editor.
 
+use super::points::to_mm;
 use crate::scenario::limits::ENCLOSURE_SIDE_M;
 pub(super) use crate::scenario::limits::{
     ENCLOSURE_CORNERS, MAX_SPEED_M_S, POLYGON_CORNERS, WALL_CORNERS, WAYPOINTS,
@@ -21,7 +22,9 @@ pub(super) const NEW_SPEED_M_S: f32 = 0.1;
 /// Angular velocity of a new orbit, in rad/s; about that of the paper's Scenario II.
 pub(super) const NEW_ORBIT_SPEED_RAD_S: f32 = 0.15;
 /// Clearance of a new start or goal rule, in m; the schema's default.
-pub(super) const NEW_CLEARANCE_M: f32 = 0.35;
+const NEW_CLEARANCE_M: f32 = 0.35;
+/// The same for a large robot, beyond [`Scenario::keep_out_m`].
+const NEW_MARGIN_M: f32 = 0.02;
 
 /// Scenarios with more items than this are not checked during a drag, only at its end.
 pub(super) const MAX_ITEMS_CHECKED_WHILE_DRAGGING: usize = 1_000;
@@ -30,6 +33,11 @@ pub(super) const MAX_UNDO_STEPS: usize = 500;
 /// Maximum total number of items in the undo snapshots. Beyond it, old steps are dropped, down to a minimum number of steps:
 /// very large scenarios have fewer undo steps.
 pub(super) const MAX_SNAPSHOT_ITEMS: usize = 1_000_000;
+
+/// Clearance of a new start or goal rule, in m, with room for the robot.
+pub(super) fn new_clearance_m(scenario: &Scenario) -> f32 {
+    NEW_CLEARANCE_M.max(to_mm(scenario.keep_out_m() + NEW_MARGIN_M))
+}
 
 /// Number of obstacles, wall corners, rows and rectangles of cells, and key frames in a scenario.
 pub(super) fn item_count(scenario: &Scenario) -> usize {

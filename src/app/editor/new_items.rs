@@ -5,10 +5,9 @@ use bevy::math::Vec2;
 use super::document::Editor;
 use super::free_space;
 use super::items::ListItem;
+use super::limits::new_clearance_m;
 use super::selection::Selection;
-use crate::scenario::{
-    BenchmarkRoute, Generator, Obstacle, ObstacleMotion, PlacementRule, RandomShape, Shape,
-};
+use crate::scenario::{BenchmarkRoute, Generator, Obstacle, ObstacleMotion, RandomShape, Shape};
 
 impl Editor {
     /// Adds an obstacle of this shape at a free position near `near_m`, and selects it.
@@ -29,7 +28,7 @@ impl Editor {
     pub fn add_benchmark_route(&mut self) {
         let snap = self.snap;
         self.step(|scenario, selection| {
-            let clearance_m = PlacementRule::default().clearance_m().unwrap_or_default();
+            let clearance_m = new_clearance_m(scenario);
             let (low, high) = scenario.enclosure.bounds_m();
             let free = |along: f32| free_space::nearest(scenario, low.lerp(high, along), clearance_m, snap);
             let route = BenchmarkRoute { start_m: free(0.2), heading_rad: 0.0, goal_m: free(0.8) };

@@ -13,10 +13,18 @@ use crate::scenario::{
 /// Directions that are tried in this order.
 const DIRECTIONS: [Vec2; 4] = [Vec2::NEG_X, Vec2::X, Vec2::NEG_Y, Vec2::Y];
 
-/// A motion of this kind for obstacle `index`. The path of the old motion is kept if both have one.
+/// A motion of this kind for obstacle `index`. The path and the speed of the old motion are kept if both have them.
 pub(super) fn of_kind(scenario: &Scenario, index: usize, kind: MotionKind) -> ObstacleMotion {
     let obstacle = &scenario.obstacles[index];
     let speed_m_s = obstacle.mean_speed_m_s().map_or(NEW_SPEED_M_S, |speed| to_mm(speed).max(0.001));
+    // It may be a range.
+    let kept_speed = match obstacle.motion {
+        ObstacleMotion::Patrol { speed_m_s, .. }
+        | ObstacleMotion::BackAndForth { speed_m_s, .. }
+        | ObstacleMotion::RandomWalk { speed_m_s, .. }
+        | ObstacleMotion::Pedestrian { speed_m_s, .. } => Some(speed_m_s),
+        _ => None,
+    };
     let path = |closed| match obstacle.path_m() {
         Some((corners_m, _)) => (corners_m[1..].to_vec(), speed_m_s),
         None => (path(scenario, index, closed), NEW_SPEED_M_S),
@@ -24,13 +32,7 @@ pub(super) fn of_kind(scenario: &Scenario, index: usize, kind: MotionKind) -> Ob
     let waypoints = |closed| {
         let (mut waypoints_m, speed_m_s) = path(closed);
         waypoints_m.truncate(MAX_POINTS);
-        let speed_m_s = match obstacle.motion {
-            ObstacleMotion::Patrol { speed_m_s, .. } | ObstacleMotion::BackAndForth { speed_m_s, .. } => {
-                speed_m_s
-            }
-            _ => speed_m_s.into(),
-        };
-        (waypoints_m, speed_m_s)
+        (waypoints_m, kept_speed.unwrap_or(speed_m_s.into()))
     };
     // An open path with several legs must not be closed: the straight way back may lead through a wall.
     let loops = obstacle.path_m().is_none_or(|(corners_m, closed)| closed || corners_m.len() == 2);
@@ -58,7 +60,8 @@ pub(super) fn of_kind(scenario: &Scenario, index: usize, kind: MotionKind) -> Ob
             let radius_m = to_mm((free_m - obstacle.shape.bounding_radius_m()).min(0.5));
             let seed = unused_seed(scenario, u32::try_from(index).unwrap_or_default());
             let radius_m = radius_m.max(*Quantity::Reach.range().start());
-            ObstacleMotion::RandomWalk { radius_m, speed_m_s: NEW_SPEED_M_S.into(), seed }
+            let speed_m_s = kept_speed.unwrap_or(NEW_SPEED_M_S.into());
+            ObstacleMotion::RandomWalk { radius_m, speed_m_s, seed }
         }
     }
 }

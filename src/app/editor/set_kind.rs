@@ -1,12 +1,12 @@
 //! Changing the kind of a motion, a start or goal rule, or the enclosure, with new values that fit the scenario. If both kinds
-//! have them, a motion's path and a rule's clearance and first position are kept.
+//! have them, a motion's path and speed, and a rule's clearance and first position are kept.
 
 use bevy::math::{Vec2, vec2};
 
 use super::document::Editor;
 use super::free_space;
 use super::kinds::{EnclosureKind, PlacementKind, PlacementRole};
-use super::limits::NEW_CLEARANCE_M;
+use super::limits::new_clearance_m;
 use super::new_motion;
 use super::points::{centre_of, point_to_mm, to_mm};
 use super::selection::Selection;
@@ -64,7 +64,7 @@ fn converted_rule(
     snap: Snap,
 ) -> PlacementRule {
     let old = role.of(scenario);
-    let clearance_m = old.clearance_m().unwrap_or(NEW_CLEARANCE_M);
+    let clearance_m = old.clearance_m().unwrap_or_else(|| new_clearance_m(scenario));
     let position = || {
         let first = old.positions_m().first().copied();
         first.unwrap_or_else(|| free_position(scenario, role, clearance_m, snap))

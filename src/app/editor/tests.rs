@@ -18,7 +18,7 @@ use super::points::to_mm;
 use super::*;
 use crate::scenario::{
     BenchmarkRoute, Diagnostic, Enclosure, Generator, MotionKind, Obstacle, ObstacleMotion, PlacementRule,
-    RandomShape, Region, Scenario, Shape, Wall, WallCells, clearance, diagnostics, parse_ron, to_ron,
+    RandomShape, Ranged, Region, Scenario, Shape, Wall, WallCells, clearance, diagnostics, parse_ron, to_ron,
 };
 
 /// An editor of a scenario opened from a file.

@@ -109,21 +109,26 @@ pub fn run(
         store: folder.as_ref().map(|folder| &folder.store),
         progress: &|done, count| progress.update(done, count),
     };
-    let tested = files.write(|csv, _| {
-        let tested = Tested { test: &test, drivers: &under_test, episodes: test.run(&under_test)? };
-        csv.map_or(Ok(()), |csv| tested.write_rows(csv))?;
-        Ok(tested)
+    let mut tested = None;
+    let written = files.write(|csv, _| {
+        let episodes = test.run(&under_test)?;
+        let tested = tested.insert(Tested { test: &test, drivers: &under_test, episodes });
+        csv.map_or(Ok(()), |csv| tested.write_rows(csv))
     });
     progress.finish();
-    let tested = match tested {
-        Ok(tested) => tested,
-        Err(TestEnd::ReaderClosed) => return Ok(()),
+    let reader_closed = match written {
+        Ok(()) => false,
+        Err(TestEnd::ReaderClosed) => true,
         Err(TestEnd::Error(error)) => return Err(error),
     };
+    let Some(tested) = tested else { return Ok(()) };
     let report = SuiteReport::new(drivers, &tested);
     if let Some(folder) = &folder {
         let page = folder.write(&tested, &report)?;
         print_stderr(&format!("report: {}", page.display()));
+    }
+    if reader_closed {
+        return Ok(());
     }
     let text = || super::text::suite_table(&report);
     match report.policies.as_slice() {

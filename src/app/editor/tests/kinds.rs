@@ -35,6 +35,31 @@ fn changing_between_patrol_and_back_and_forth_keeps_the_path() {
 }
 
 #[test]
+fn a_range_of_speeds_is_kept_where_the_new_motion_can_have_one() {
+    let mut editor = editor(full());
+    editor.select(Selection::Obstacle(1));
+    editor.set_motion(MotionKind::Pedestrian);
+    editor.edit("speed", |s| {
+        if let ObstacleMotion::Pedestrian { speed_m_s, .. } = &mut s.obstacles[1].motion {
+            *speed_m_s = Ranged::Range(0.2, 0.4);
+        }
+    });
+    for kind in [MotionKind::Patrol, MotionKind::RandomWalk, MotionKind::BackAndForth] {
+        editor.set_motion(kind);
+        let (ObstacleMotion::Patrol { speed_m_s, .. }
+        | ObstacleMotion::BackAndForth { speed_m_s, .. }
+        | ObstacleMotion::RandomWalk { speed_m_s, .. }) = editor.scenario().obstacles[1].motion
+        else {
+            panic!("another motion than {kind:?}");
+        };
+        assert_eq!(speed_m_s, Ranged::Range(0.2, 0.4), "{kind:?}");
+    }
+    editor.set_motion(MotionKind::KeyFrames);
+    let mean = editor.scenario().obstacles[1].mean_speed_m_s().expect("it moves");
+    assert!((mean - 0.3).abs() < 0.01, "the middle, not {mean}");
+}
+
+#[test]
 fn an_open_path_stays_open_as_key_frames_or_goals_of_a_pedestrian() {
     for kind in [MotionKind::KeyFrames, MotionKind::Pedestrian] {
         let mut editor = editor(full());
@@ -83,6 +108,17 @@ fn changing_a_rule_keeps_what_both_kinds_have() {
     editor.delete();
     assert_eq!(editor.scenario().starts, PlacementRule::default());
     assert!(!editor.can_delete(), "the default rule cannot be deleted");
+}
+
+#[test]
+fn a_new_rule_has_room_for_a_large_robot() {
+    let mut scenario = full();
+    scenario.starts = PlacementRule::Fixed { position_m: vec2(1.0, -1.0), heading_rad: None };
+    scenario.robot.radius_m = 0.5;
+    scenario.task.collision_range_m = 0.51;
+    let mut editor = editor(scenario);
+    editor.set_rule(PlacementRole::Starts, PlacementKind::Random);
+    assert_eq!(editor.scenario().starts, PlacementRule::Random { clearance_m: 0.53 });
 }
 
 #[test]
