@@ -51,7 +51,7 @@ fn drive_until_contact(scenario: &Scenario, start: Pose) -> Vec<Pose> {
 fn a_box_that_turns_on_the_spot_stops_where_its_corner_touches_the_wall() {
     // 0.5 m x 0.2 m, its middle 0.15 m below the upper wall: a corner is 0.25 sin(a) + 0.1 cos(a) above the middle.
     let mut turning = scenario(Shape::Rectangle { width_m: 0.5, height_m: 0.2 }, 0.0, 0.8);
-    // A motion that drives is required, but not used.
+    // At least one motion must move the robot; this one is not used.
     turning.robot.motions.push(Motion { v_m_s: 0.1, w_rad_s: 0.0 });
     let end = *drive_until_contact(&turning, pose(0.3, 1.85, 0.0)).last().unwrap();
     let height = 0.25 * end.heading_rad.sin() + 0.1 * end.heading_rad.cos();
@@ -83,7 +83,7 @@ fn a_long_robot_passes_a_gap_that_is_narrower_than_it_is_long() {
 #[test]
 fn the_collision_range_counts_where_it_reaches_farther_than_the_body() {
     let mut scenario = scenario(Shape::Rectangle { width_m: 0.5, height_m: 0.2 }, 0.15, 0.0);
-    // Along the upper wall, 0.12 m from the middle: a collision range of 0.13 m is too long.
+    // Along the upper wall, 0.12 m from the middle: a collision range of 0.13 m reaches it.
     let along = |collision_range_m: f32, scenario: &mut Scenario| {
         scenario.task.collision_range_m = collision_range_m;
         drive_until_contact(scenario, pose(0.0, 1.88, 0.0)).len()

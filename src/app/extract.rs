@@ -114,11 +114,11 @@ fn arena_scenes(session: &SessionView, world: &WorldView, view_state: &CurrentVi
         shown.into_iter().map(|(arena, layout, pose, goal, (clock, pedestrians), scan, episode, member)| {
             let k = arena.0;
             let trails = world.trails.0.get(k).unwrap_or(&no_trails);
-            let driver =
-                if mode == SessionMode::Compare { driver(world.sources.arenas.get(k)) } else { None };
+            let driver_source =
+                if mode == SessionMode::Compare { driver_source(world.sources.arenas.get(k)) } else { None };
             let robot = &layout.scenario.robot;
-            let (motions, q_values) = match driver {
-                Some(driver) => (driver.motions().unwrap_or(&robot.motions).to_vec(), driver.q_values()),
+            let (motions, q_values) = match driver_source {
+                Some(source) => (source.motions().unwrap_or(&robot.motions).to_vec(), source.q_values()),
                 None => (
                     world.action_set.motions(robot),
                     world.decisions.q_values.get(k * actions..(k + 1) * actions),
@@ -147,7 +147,7 @@ fn arena_scenes(session: &SessionView, world: &WorldView, view_state: &CurrentVi
                 explored: world.decisions.explored.get(k).copied().unwrap_or(false),
                 q_values: if q_values.iter().all(|q| q.is_finite()) { q_values.to_vec() } else { Vec::new() },
                 // Before its first step, an episode still has the driver of the previous one.
-                plan: driver.filter(|_| episode.steps > 0).and_then(DriverSource::plan),
+                plan: driver_source.filter(|_| episode.steps > 0).and_then(DriverSource::plan),
                 path_m: trails.path_m.clone(),
                 trails: if is_large && view_state.0.overlays.trails {
                     trails.finished.iter().cloned().collect()
@@ -161,8 +161,8 @@ fn arena_scenes(session: &SessionView, world: &WorldView, view_state: &CurrentVi
     arena_scenes.collect()
 }
 
-/// The driver, if `source` is one.
-fn driver(source: Option<&ActionSource>) -> Option<&DriverSource> {
+/// The driver source, if `source` is one.
+fn driver_source(source: Option<&ActionSource>) -> Option<&DriverSource> {
     match source {
         Some(ActionSource::Driver(driver)) => Some(driver),
         _ => None,

@@ -1,7 +1,7 @@
 //! The test of a trained policy: rounds of random episodes, and the benchmark route.
 //!
-//! In: a policy's file, a scenario and a [`TestRule`]. Out: a [`PolicyTestResult`]. Results are kept in `trials.json` in
-//! the run's folder inside the report's folder, so that no test is repeated.
+//! In: a policy's file, a scenario and a [`TestRule`]. Out: a [`PolicyTestResult`]. Results are kept in the report's
+//! folder, in `runs/NAME/trials.json`, so that no test is repeated.
 
 use std::io::Write;
 use std::path::Path;

@@ -26,7 +26,7 @@ pub enum EpisodeSetup {
     Route(BenchmarkRoute),
 }
 
-/// `Reset`: runs the schedule [`Reset`] if an arena has a pending reset.
+/// Set `Reset`: runs the schedule [`Reset`] if an arena has a pending reset.
 pub(super) fn run_reset(world: &mut World, arenas: &mut QueryState<&Episode>) {
     if arenas.iter(world).any(|episode| episode.pending_reset != PendingReset::None) {
         world.run_schedule(Reset);
@@ -101,9 +101,9 @@ pub(super) fn draw(setup: Res<EpisodeSetup>, mut fault: ResMut<TaskFault>, mut a
     }
 }
 
-/// The layout seed of a new episode. For generators it is drawn from `placement`. Ranges and slip alone draw nothing from it, so
-/// that starts and goals are the same as without them: the seed is then a function of the stream's state and of the clock. The
-/// clock makes it change even if start and goal are fixed and nothing is drawn.
+/// The layout seed of a new episode. With generators, it is drawn from `placement`. With only ranges or random slip, nothing
+/// is drawn, so that starts and goals are the same as without them: the seed is then a function of the stream's state and of the
+/// clock. The clock makes it change even if start and goal are fixed and the stream is never used.
 fn layout_seed(written: &Scenario, clock: Clock, placement: &mut Stream) -> u64 {
     if !written.generators.is_empty() {
         return random::random_u64(placement);
@@ -117,7 +117,7 @@ fn start_and_goal(route: BenchmarkRoute) -> StartAndGoalDraw {
     (Some(start), Goal { x_m: route.goal_m.x, y_m: route.goal_m.y })
 }
 
-/// Draws a goal for a robot that stays at `kept_pose`; also a start if that is `None` or no goal is far enough from it.
+/// Draws a goal for a robot that stays at `kept_pose`; also a start if `kept_pose` is `None` or no goal is far enough from it.
 fn draw_random(
     scenario: IndexedScenario,
     step: u64,

@@ -28,7 +28,7 @@ impl Messages {
         let _ = writeln!(self.text, "$ wayfield {arguments}\n{}", rejection(workspace, arguments));
     }
 
-    /// Adds the message for `arguments`, which must be rejected in one line.
+    /// Adds the message for `arguments`, which must be rejected with a message of one line.
     pub fn line(&mut self, workspace: &Workspace, arguments: &str) {
         let message = rejection(workspace, arguments);
         assert_eq!(message.lines().count(), 1, "wayfield {arguments}\n{message}");

@@ -38,7 +38,7 @@ pub struct Floor {
 impl Floor {
     /// The floor of a map with the free cells `free`. The cells where the robot's centre fits form connected sets. The floor
     /// consists of the set with the most cells between the corners `low` and `high` (exclusive), and the free cells around it.
-    /// `None` if the robot fits nowhere, or has nowhere 10 % to spare.
+    /// `None` if the robot fits nowhere, or nowhere with 10 % to spare.
     pub fn new(free: &Grid<bool>, margins: Margins, (low, high): (Cell, Cell)) -> Option<Self> {
         let distances = free.map(|is_free| !is_free).squared_distances(true);
         // From the centre of a cell to the side of the nearest one that is not free.

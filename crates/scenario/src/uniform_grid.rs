@@ -7,7 +7,7 @@ use glam::{Vec2, vec2};
 
 /// The number of cells per item. Items are cheaper to test than cells are to walk through.
 const CELLS_PER_ITEM: f32 = 0.35;
-/// The maximum length of a side, in cells.
+/// The maximum length of a side of the grid, in cells.
 const MAX_SIDE: f32 = 512.0;
 /// The maximum number of cells in all bounding boxes together. If many items are large, the grid is coarser.
 const MAX_BOX_CELLS: f64 = 262_144.0;
@@ -73,14 +73,14 @@ impl UniformGrid {
     }
 
     fn fill(&mut self, boxes: &[(Vec2, Vec2)], distance_m: impl Fn(usize, Vec2) -> f32) {
-        // Half the diagonal of a cell, with room for rounding.
-        let reach_m = 0.7072 * self.cell_m;
+        // With room for rounding.
+        let half_diagonal_m = 0.7072 * self.cell_m;
         let mut listed = Vec::new();
         for (item, &(low, high)) in boxes.iter().enumerate() {
             let (low, high) = (self.cell_at(low), self.cell_at(high));
             for (row, column) in (low.1..=high.1).flat_map(|row| (low.0..=high.0).map(move |c| (row, c))) {
                 let centre = self.low + vec2(column as f32 + 0.5, row as f32 + 0.5) * self.cell_m;
-                if distance_m(item, centre) <= reach_m {
+                if distance_m(item, centre) <= half_diagonal_m {
                     listed.push(((row * self.columns + column) as u32, item as u32));
                 }
             }

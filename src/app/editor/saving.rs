@@ -15,7 +15,7 @@ impl Editor {
         if !self.is_version(scenario) {
             return;
         }
-        // The next change is another undo step, so that undo stops at the saved scenario.
+        // The next change begins a new undo step, so that undo stops at the saved scenario.
         self.close_group();
         file.clone_into(&mut self.from);
         self.saved = Some(Arc::clone(scenario));
@@ -52,7 +52,8 @@ impl Editor {
         (path.extension() == Some("ron".as_ref())).then(|| path.into())
     }
 
-    /// The scenario as shipped or as saved in its file; `None` if unknown, as after opening one with unsaved changes.
+    /// The scenario as shipped or as saved in its file; `None` if unknown, for example if the editor was opened with
+    /// unsaved changes.
     #[must_use]
     pub fn scenario_in_file(&self) -> Option<&Arc<Scenario>> {
         self.saved.as_ref()

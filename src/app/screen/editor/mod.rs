@@ -12,8 +12,8 @@
 //! | `handles.rs` | handles on the screen: positions and hit test |
 //! | `handle_drawing.rs`, `hints.rs`, `problem_note.rs` | drawing: handles, the hint line, the problem of the selected item |
 //! | `panel.rs` | the panel; `header.rs`, `add_panel.rs`, `actions.rs` are its fixed parts |
-//! | `inspector.rs` | fields of the selected item; `obstacle_fields.rs`, `generator_fields.rs`, `placement_fields.rs` |
-//! | `scenario_panel.rs` | fields of the scenario in groups; `robot_fields.rs` |
+//! | `inspector.rs`, `obstacle_fields.rs`, `generator_fields.rs`, `placement_fields.rs` | fields of the selected item |
+//! | `scenario_panel.rs`, `robot_fields.rs` | fields of the scenario, in groups |
 //! | `diagnostics.rs` | the list of problems |
 //! | `fields.rs`, `number.rs`, `controls.rs` | rows of fields, numbers with units, choices and buttons |
 
