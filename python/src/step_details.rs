@@ -54,7 +54,7 @@ impl StepDetails {
         Self { outcomes: outcomes.to_vec(), final_observations: kept.map(<[f32]>::to_vec) }
     }
 
-    /// The `info` of the first environment, which is the only one: plain values by name.
+    /// The `info` of the only environment: plain values by name.
     pub fn single_info<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let info = PyDict::new(py);
         if let Some(outcome) = self.outcomes.first() {

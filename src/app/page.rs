@@ -47,13 +47,13 @@ extern "C" {
     /// The description of the autosave to offer, as JSON, if there is one.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn last_session() -> Option<String>;
-    /// Whether the user asked, before the page was reloaded, to continue from that autosave.
+    /// Whether the user asked, before the page was reloaded, to continue from the offered autosave.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn continues_last_session() -> bool;
-    /// Requests the files of that autosave.
+    /// Requests the files of the offered autosave.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn load_session();
-    /// Makes that autosave this training run's own.
+    /// Makes the offered autosave this training run's own: the next autosave replaces it.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn adopt_last_session();
     /// The backups of the editor that may be offered, newest first, as a JSON list.

@@ -193,7 +193,7 @@ fn default_plugins((width, height): (f32, f32)) -> impl PluginGroup {
         .set(WindowPlugin {
             primary_window: Some(window),
             exit_condition: ExitCondition::OnPrimaryClosed,
-            // The session decides ([`screen::request_close`]).
+            // Close requests go to [`screen::request_close`].
             close_when_requested: false,
             ..Default::default()
         })

@@ -39,7 +39,7 @@ const LOOK_AHEAD_M: f32 = 50.0;
 /// body, which costs rapier less.
 #[derive(Component, Clone, Debug)]
 pub struct Bodies {
-    /// The scenario as written, from which they were made.
+    /// The scenario as written, from which the bodies were made.
     pub scenario: Arc<Scenario>,
     /// The robot.
     pub robot: RigidBodyHandle,
@@ -134,8 +134,8 @@ type Replaced = (
     &'static mut RapierContextColliders,
 );
 
-/// In `ResetSet::Place`: replaces the bodies of every arena whose scenario has changed, and places the moving obstacles where
-/// they are at the time of the arena's clock, which continues.
+/// In `ResetSet::Place`: replaces the bodies of every arena whose scenario has changed, and places its moving obstacles
+/// at their poses at the time of the arena's clock, which is not reset.
 pub(super) fn replace_bodies(mut kept: Local<KeptBodies>, mut arenas: Query<Replaced>) {
     for (clock, pedestrians, layout, mut bodies, mut context, mut set, mut colliders) in &mut arenas {
         if kept.replace(layout, &mut bodies, &mut context, &mut set, &mut colliders) {
@@ -159,7 +159,7 @@ fn simulation(control_period_s: f32) -> RapierContextSimulation {
 /// Rapier's working memory, shared by all arenas so that it stays in the cache.
 ///
 /// Between steps it keeps only data about joints, of which there are none, and a flag that every arena with a robot sets
-/// again. Rapier sets up its (empty) joint data anew for an arena whose bodies have been modified more or less often than those
+/// again. Rapier rebuilds its (empty) joint data for an arena whose bodies have been modified more or less often than those
 /// of the arena before it. `actuate` and `read_pose` modify all robots equally often, so once is enough for all arenas.
 #[derive(Resource, Default)]
 struct Pipeline(PhysicsPipeline);

@@ -6,8 +6,8 @@ pub(crate) fn quoted(text: &str) -> String {
 }
 
 /// A RON string literal with the content `text`, wrapped at spaces to lines of at most `width` columns; a longer word is not
-/// broken. It starts in `column`. Every line but the last ends with a space and `\`: RON ignores the backslash, the line
-/// break and the spaces after it.
+/// broken. The literal starts in `column`. Every line but the last ends with a space and `\`: RON ignores the backslash, the
+/// line break and the spaces after it.
 pub(crate) fn wrapped(text: &str, column: usize, width: usize, newline: &str) -> String {
     let mut literal = String::new();
     let mut used = column + 1;

@@ -16,7 +16,7 @@ pub struct Style {
 }
 
 impl Style {
-    /// Makes the fields of a type optional, except the `required` ones: a field that is the same in `value` is left out.
+    /// Makes the fields of a type optional, except the `required` ones: a field equal to that of `value` is left out.
     ///
     /// `value` holds the defaults of a struct or of an enum variant, as read from the shortest valid text. Call this once
     /// for each struct and each variant with defaults. Values of unsupported types are ignored.

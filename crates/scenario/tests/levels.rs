@@ -428,7 +428,7 @@ fn whole_range(most: u32) -> impl Strategy<Value = (u32, u32)> {
     (0..=most, 0..=most).prop_map(|(a, b)| (a.min(b), a.max(b)))
 }
 
-/// A layout with the widths of its passages in units of the gap; see [`widen`].
+/// A layout with the widths of its passages in units of the gap; see [`scale_passages`].
 fn any_walls() -> impl Strategy<Value = WallLayout> {
     prop_oneof![
         (range(0.2, 2.0), range(0.0, 0.8)).prop_map(|(cell_m, fill)| WallLayout::Cells { cell_m, fill }),
@@ -493,7 +493,7 @@ fn any_traffic() -> impl Strategy<Value = Traffic> {
 }
 
 /// Multiplies the widths of passages, which are in units of the gap, by the gap.
-fn widen(layout: &mut WallLayout, gap_m: f32) {
+fn scale_passages(layout: &mut WallLayout, gap_m: f32) {
     match layout {
         WallLayout::Cells { .. } | WallLayout::Grid { .. } => {}
         WallLayout::Rooms { door_m: width_m, .. }
@@ -516,7 +516,7 @@ fn any_generator() -> impl Strategy<Value = LevelGenerator> {
     let lists = (vec(any_walls(), 0..3), vec(any_clutter(), 0..3), vec(any_traffic(), 0..3));
     (sizes, lists, route).prop_map(
         |((width_m, height_m, gap_m), (mut wall_layouts, clutter, traffic), route)| {
-            wall_layouts.iter_mut().for_each(|layout| widen(layout, gap_m));
+            wall_layouts.iter_mut().for_each(|layout| scale_passages(layout, gap_m));
             let route = match route {
                 Route::Random { clearance_m } => Route::Random { clearance_m: clearance_m * gap_m },
                 Route::Across { margin_m } => Route::Across { margin_m: margin_m * gap_m },

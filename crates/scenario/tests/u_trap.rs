@@ -19,19 +19,22 @@ enum End {
     TimedOut,
 }
 
-/// Khatib's potential field: attraction to the goal, and repulsion within a distance from every surface.
+/// Khatib's potential field: attraction to the goal, and repulsion from the nearest surface if it is within range.
 struct Field {
-    push: f32,
-    within_m: f32,
+    /// The gain of the repulsion.
+    gain: f32,
+    /// The range of the repulsion, in m.
+    range_m: f32,
 }
 
 impl Field {
-    /// The potential: 1 per metre to the goal, plus push / 2 (1 / d - 1 / within)^2 at a distance d < within of a surface.
+    /// The potential: 1 per metre to the goal, plus gain / 2 (1 / d - 1 / range)^2 at a distance d < range from the nearest
+    /// surface.
     fn potential(&self, scenario: &Scenario, Vec2 { x, y }: Vec2) -> f32 {
         let goal = scenario.benchmark_route.expect("a benchmark route").goal_m;
         let nearest = clearance(scenario, vec2(x, y), 0).max(0.01);
-        let pushed = (1.0 / nearest - 1.0 / self.within_m).max(0.0);
-        (x - goal.x).hypot(y - goal.y) + self.push / 2.0 * pushed * pushed
+        let pushed = (1.0 / nearest - 1.0 / self.range_m).max(0.0);
+        (x - goal.x).hypot(y - goal.y) + self.gain / 2.0 * pushed * pushed
     }
 
     /// The direction of steepest descent, in rad.
@@ -74,11 +77,11 @@ impl Field {
 #[test]
 fn a_potential_field_alone_gets_stuck_in_the_u() {
     let (open, trap) = (shipped("scenario-1.ron"), shipped("u-trap.ron"));
-    for push in [0.05, 0.1, 0.2, 0.4] {
-        for within_m in [0.4, 0.5, 0.6, 0.7, 0.8] {
-            let field = Field { push, within_m };
-            assert_eq!(field.drive(&open), End::Reached, "Scenario I: push {push} within {within_m} m");
-            assert_eq!(field.drive(&trap), End::TimedOut, "the U: push {push} within {within_m} m");
+    for gain in [0.05, 0.1, 0.2, 0.4] {
+        for range_m in [0.4, 0.5, 0.6, 0.7, 0.8] {
+            let field = Field { gain, range_m };
+            assert_eq!(field.drive(&open), End::Reached, "Scenario I: gain {gain}, range {range_m} m");
+            assert_eq!(field.drive(&trap), End::TimedOut, "the U: gain {gain}, range {range_m} m");
         }
     }
 }

@@ -14,7 +14,7 @@ const MAX_CHARACTERS: usize = 20;
 pub(super) struct FontSearch(FoundFonts);
 
 impl FontSearch {
-    /// Lets the page make a font with the first characters of `missing`, and removes them from it.
+    /// Lets the page make a font with the first characters of `missing`, and removes these characters from `missing`.
     pub(super) fn start(missing: &mut Vec<char>) -> Self {
         let characters: String = missing.drain(..missing.len().min(MAX_CHARACTERS)).collect();
         let font = page::font_with(&characters).map(FontData::from_owned);

@@ -50,11 +50,11 @@ pub fn section(
         "capsule" => {
             let ([radius], [length]) = (sizes(file, shape, "radius")?, sizes(file, shape, "length")?);
             let beyond_m = (above_m.abs() - length / 2.0).max(0.0);
-            (Outline::Circle(slice(radius, beyond_m)), length / 2.0 + radius)
+            (Outline::Circle(section_radius(radius, beyond_m)), length / 2.0 + radius)
         }
         "sphere" => {
             let [radius] = sizes(file, shape, "radius")?;
-            (Outline::Circle(slice(radius, above_m)), radius)
+            (Outline::Circle(section_radius(radius, above_m)), radius)
         }
         "mesh" => return Ok(Section::LeftOut("meshes are left out".into())),
         _ => return Ok(Section::LeftOut("heightmaps, polylines and other shapes are left out".into())),
@@ -75,7 +75,7 @@ pub fn section(
 }
 
 /// Radius of a sphere's section at a distance from its centre, in m; at least the smallest size of a shape.
-fn slice(radius_m: f64, distance_m: f64) -> f64 {
+fn section_radius(radius_m: f64, distance_m: f64) -> f64 {
     (radius_m * radius_m - distance_m * distance_m).max(0.0).sqrt().max(*SIZE_M.start())
 }
 

@@ -51,9 +51,15 @@ impl ValueRange {
         let rectangle =
             (side(), side()).prop_map(|(width_m, height_m)| Enclosure::Rectangle { width_m, height_m });
         // An L with wide arms, whose corners are in either order. Its numbers are always plausible.
-        let sane = |low, high| Self::Plausible.within(low, high);
-        let l = (sane(3.0, 7.0), sane(3.0, 7.0), sane(0.3, 0.6), sane(0.3, 0.6), any::<bool>()).prop_map(
-            |(width, height, x, y, reversed)| {
+        let plausible = |low, high| Self::Plausible.within(low, high);
+        let l = (
+            plausible(3.0, 7.0),
+            plausible(3.0, 7.0),
+            plausible(0.3, 0.6),
+            plausible(0.3, 0.6),
+            any::<bool>(),
+        )
+            .prop_map(|(width, height, x, y, reversed)| {
                 let (w, h) = (width / 2.0, height / 2.0);
                 let (x, y) = (w * (2.0 * x - 1.0), h * (2.0 * y - 1.0));
                 let mut corners_m =
@@ -62,8 +68,7 @@ impl ValueRange {
                     corners_m.reverse();
                 }
                 Enclosure::Polygon { corners_m }
-            },
-        );
+            });
         let any = vec(self.point(4.0), 0..9).prop_map(|corners_m| Enclosure::Polygon { corners_m });
         match self {
             Self::Plausible => prop_oneof![rectangle, l].boxed(),
@@ -92,8 +97,8 @@ impl ValueRange {
     fn shape(self) -> BoxedStrategy<Shape> {
         let size = || self.within(0.05, 0.4);
         // Corners on a circle, in order around it, are convex.
-        let sane = |low, high| Self::Plausible.within(low, high);
-        let polygon = (vec(sane(0.5, 1.0), 3..8), sane(0.05, 0.4), any::<bool>()).prop_map(
+        let plausible = |low, high| Self::Plausible.within(low, high);
+        let polygon = (vec(plausible(0.5, 1.0), 3..8), plausible(0.05, 0.4), any::<bool>()).prop_map(
             |(parts, radius, reversed)| {
                 let whole: f32 = parts.iter().sum();
                 let mut sum = 0.0;

@@ -203,11 +203,11 @@ fn thinned_to_extremes(points: &[(f64, f64)], max: usize) -> Vec<(f64, f64)> {
     if points.len() <= max {
         return points.to_vec();
     }
-    let stretch = points.len().div_ceil(max / 2);
-    let extremes = |part: &[(f64, f64)]| {
+    let group_size = points.len().div_ceil(max / 2);
+    let extremes = |group: &[(f64, f64)]| {
         let by_value = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
-        let (a, b) = (*part.iter().min_by(by_value)?, *part.iter().max_by(by_value)?);
+        let (a, b) = (*group.iter().min_by(by_value)?, *group.iter().max_by(by_value)?);
         Some(if a.0 <= b.0 { [a, b] } else { [b, a] })
     };
-    points.chunks(stretch).filter_map(extremes).flatten().collect()
+    points.chunks(group_size).filter_map(extremes).flatten().collect()
 }
