@@ -46,7 +46,7 @@ class Driver:
         self.max_range_m: float = self._native.max_range_m
         self.control_period_s: float = self._native.control_period_s
         if self._native.warning is not None:
-            # Where the user called `Policy.driver`.
+            # Level 3 is the line that called `Policy.driver`.
             warnings.warn(self._native.warning, stacklevel=3)
 
     def reset(self) -> None:

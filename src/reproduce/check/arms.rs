@@ -36,7 +36,7 @@ impl Check<'_> {
         }
     }
 
-    /// Checks the conditions. They and the overrides cannot change finished runs, which `only_arms` may leave out.
+    /// Checks the conditions, and that no condition or override applies to an arm with finished runs, which cannot be changed.
     pub(super) fn conditions(&mut self, experiment: &Experiment) {
         self.found.names("conditions", experiment.conditions.iter().map(|c| c.name.as_str()));
         for (i, condition) in experiment.conditions.iter().enumerate() {

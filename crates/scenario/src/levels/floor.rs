@@ -59,8 +59,8 @@ impl<'a> Floor<'a> {
         if all_in(starts[0].region) { Ok(()) } else { Err("some goals can't be reached from some starts") }
     }
 
-    /// Those of `candidates`, circles of radius `radius_m`, that cover cells of any region with starts except the largest one,
-    /// and leave that one as it is.
+    /// The `candidates`, circles of radius `radius_m`, that cover cells of a smaller region with starts and block no cell of the
+    /// largest one.
     pub(super) fn plugs(&self, mut candidates: Vec<Obstacle>, radius_m: f32) -> Vec<Obstacle> {
         let sites = self.sites(&self.scenario.starts);
         let Some(main) = sites.iter().max_by_key(|site| site.cells) else { return Vec::new() };

@@ -83,7 +83,7 @@ pub fn draw_errors(canvas: &Canvas, editor: &Editor) {
     }
 }
 
-/// Draws a ring with an exclamation mark at the position of each note, if it has one.
+/// Draws a ring with an exclamation mark for each note that has a position.
 pub fn draw_notes(canvas: &Canvas, editor: &Editor) {
     let (painter, palette) = (&canvas.painter, &canvas.palette);
     for position_m in editor.notes().iter().filter_map(|note| note.position_m) {

@@ -56,7 +56,7 @@ const MAX_DELAY: Duration = Duration::from_secs(3);
 const SOON: Duration = Duration::from_secs(3);
 
 /// What the user can do if autosaves fail.
-const SAVE_YOURSELF: &str = if cfg!(target_arch = "wasm32") {
+const FAILURE_HELP: &str = if cfg!(target_arch = "wasm32") {
     "save the policy before you close the page"
 } else {
     "make room there, or save the run elsewhere"
@@ -89,9 +89,9 @@ type Progress = (u64, usize);
 /// The state of the autosaves.
 #[derive(Resource)]
 pub struct Autosave {
-    /// `None` if nothing is saved.
+    /// `None` if autosaves are off.
     options: Option<AutosaveOptions>,
-    /// The autosave of this training run; `None` while it is being written, or if nothing is saved.
+    /// The autosave of this training run; `None` while it is being written, or if autosaves are off.
     slot: Option<Slot>,
     writing: Option<Writing>,
     /// The training at the last autosave; `None` before the first, after a failure and after an intervention.
@@ -145,7 +145,8 @@ impl Autosave {
         self.last_session = None;
     }
 
-    /// Marks the training as changed by an intervention, which may have replaced the last one in the journal.
+    /// Marks the training as changed by an intervention. [`Progress`] may not show the change, because an intervention can
+    /// replace the last one in the journal.
     pub(super) fn mark_changed(&mut self) {
         self.saved = None;
     }
@@ -232,7 +233,7 @@ fn finish(world: &mut World, slot: Slot, written: Result<(), RunError>) {
         None => world.resource_mut::<Notices>().remove(&NoticeTopic::Autosave),
         Some(error) => {
             let cause = without_help(&error);
-            let text = format!("Autosave failed: {cause}\nhelp: {SAVE_YOURSELF}. Training continues");
+            let text = format!("Autosave failed: {cause}\nhelp: {FAILURE_HELP}. Training continues");
             notify(world, NoticeTopic::Autosave, Severity::Error, text);
         }
     }
