@@ -121,10 +121,16 @@ impl ReplayBuffer {
         self.states.contains(id)
     }
 
-    /// Whether a transition may begin at the state: it is in the buffer, and is not so old that it will soon be overwritten.
+    /// Whether a transition may begin at the state and end at the one that is stored next: the state is in the buffer, and is not so
+    /// old that it will soon be overwritten.
     #[must_use]
     pub fn can_begin_at(&self, id: StateId) -> bool {
-        self.contains_state(id) && self.states.pushed - id.0 <= self.recent_states
+        self.age(id) < self.recent_states && self.contains_state(id)
+    }
+
+    /// The number of states that have been stored since, this one included.
+    fn age(&self, id: StateId) -> u64 {
+        self.states.pushed - id.0
     }
 
     /// Stores an observation of `inputs` values. If the state ring is full, the oldest observation is overwritten; the
@@ -138,11 +144,11 @@ impl ReplayBuffer {
     }
 
     /// Stores a transition, and gives it the largest priority so far. A full buffer removes its oldest transition. A
-    /// transition [from an old state](Self::can_begin_at) (because its environment paused while others filled the buffer) is not
-    /// stored.
+    /// transition from an old state (because its environment paused while others filled the buffer) is not stored.
     pub fn push(&mut self, transition: &Transition) {
         let next = if transition.terminated { transition.state } else { transition.next };
-        if !self.can_begin_at(transition.state) || !self.contains_state(next) {
+        let is_old = self.age(transition.state) > self.recent_states;
+        if is_old || !self.contains_state(transition.state) || !self.contains_state(next) {
             return;
         }
         if self.len() == self.capacity {

@@ -135,11 +135,11 @@ fn everyday_number_notations_get_the_number_to_write() {
             ),
             (
                 "(name: \"Mine\", task: (control_period_s: 5km/h))",
-                "1:41: `task.control_period_s` must be a number only: write 1.3888889 for 5 km/h",
+                "1:41: `task.control_period_s` must be a number only: write 1.3888888 for 5 km/h",
             ),
             (
                 "(name: \"Mine\", task: (control_period_s: 5 km/h))",
-                "1:41: `task.control_period_s` must be a number only: write 1.3888889 for 5 km/h",
+                "1:41: `task.control_period_s` must be a number only: write 1.3888888 for 5 km/h",
             ),
             (
                 "(name: \"Mine\", robot: (max_acceleration_m_s2: 2m/s^2))",
