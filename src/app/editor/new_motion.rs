@@ -17,12 +17,12 @@ const DIRECTIONS: [Vec2; 4] = [Vec2::NEG_X, Vec2::X, Vec2::NEG_Y, Vec2::Y];
 pub(super) fn of_kind(scenario: &Scenario, index: usize, kind: MotionKind) -> ObstacleMotion {
     let obstacle = &scenario.obstacles[index];
     let speed_m_s = obstacle.mean_speed_m_s().map_or(NEW_SPEED_M_S, |speed| to_mm(speed).max(0.001));
-    let path = |closed| match obstacle.path_m() {
+    let path_and_speed = |closed| match obstacle.path_m() {
         Some((corners_m, _)) => (corners_m[1..].to_vec(), speed_m_s),
         None => (path(scenario, index, closed), NEW_SPEED_M_S),
     };
     let waypoints = |closed| {
-        let (mut waypoints_m, speed_m_s) = path(closed);
+        let (mut waypoints_m, speed_m_s) = path_and_speed(closed);
         waypoints_m.truncate(MAX_POINTS);
         let speed_m_s = match obstacle.motion {
             ObstacleMotion::Patrol { speed_m_s, .. } | ObstacleMotion::BackAndForth { speed_m_s, .. } => {
@@ -50,7 +50,7 @@ pub(super) fn of_kind(scenario: &Scenario, index: usize, kind: MotionKind) -> Ob
             ObstacleMotion::Pedestrian { goals_m, speed_m_s, loops, sees_robot: false }
         }
         MotionKind::KeyFrames => {
-            let (path_m, speed_m_s) = path(true);
+            let (path_m, speed_m_s) = path_and_speed(true);
             ObstacleMotion::key_frames_along(obstacle.position_m, &path_m, speed_m_s, loops)
         }
         MotionKind::RandomWalk => {
