@@ -78,8 +78,8 @@ mod tests {
         let mut random = stream(1, "test", 0);
         let (mut explored, mut counts) = (0, [0; 4]);
         for _ in 0..100_000 {
-            let (action, random) = epsilon_greedy(&[0.0, 0.0, 1.0, 0.0], 0.4, &mut random);
-            explored += u32::from(random);
+            let (action, is_random) = epsilon_greedy(&[0.0, 0.0, 1.0, 0.0], 0.4, &mut random);
+            explored += u32::from(is_random);
             counts[action] += 1;
         }
         assert!((39_000..41_000).contains(&explored), "{explored} of 100,000 with epsilon 0.4");

@@ -159,5 +159,5 @@ fn a_moved_start_moves_the_pedestrian_and_a_changed_crowd_starts_again() {
     let others = scenario(vec![one]);
     crowd.follow_change(&after, &others);
     assert_eq!(crowd, Crowd::at_start(&others));
-    assert!(!crowd.fits(&after), "another obstacle is the pedestrian");
+    assert!(!crowd.fits(&after), "its pedestrian is obstacle 0, not 1");
 }

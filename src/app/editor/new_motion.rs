@@ -25,12 +25,12 @@ pub(super) fn of_kind(scenario: &Scenario, index: usize, kind: MotionKind) -> Ob
         | ObstacleMotion::Pedestrian { speed_m_s, .. } => Some(speed_m_s),
         _ => None,
     };
-    let path = |closed| match obstacle.path_m() {
+    let path_and_speed = |closed| match obstacle.path_m() {
         Some((corners_m, _)) => (corners_m[1..].to_vec(), speed_m_s),
         None => (path(scenario, index, closed), NEW_SPEED_M_S),
     };
     let waypoints = |closed| {
-        let (mut waypoints_m, speed_m_s) = path(closed);
+        let (mut waypoints_m, speed_m_s) = path_and_speed(closed);
         waypoints_m.truncate(MAX_POINTS);
         (waypoints_m, kept_speed.unwrap_or(speed_m_s.into()))
     };
@@ -52,7 +52,7 @@ pub(super) fn of_kind(scenario: &Scenario, index: usize, kind: MotionKind) -> Ob
             ObstacleMotion::Pedestrian { goals_m, speed_m_s, loops, sees_robot: false }
         }
         MotionKind::KeyFrames => {
-            let (path_m, speed_m_s) = path(true);
+            let (path_m, speed_m_s) = path_and_speed(true);
             ObstacleMotion::key_frames_along(obstacle.position_m, &path_m, speed_m_s, loops)
         }
         MotionKind::RandomWalk => {

@@ -143,7 +143,7 @@ impl ActiveMode {
 /// Switches to `mode`.
 ///
 /// # Errors
-/// There is no second policy, or it cannot drive here. The mode is then unchanged.
+/// There is no second driver, or a driver cannot drive in the current scenario. The mode is then unchanged.
 pub(super) fn set_mode(world: &mut World, mode: SessionMode) -> Result<(), RunError> {
     if mode == world.resource::<ActiveMode>().mode() {
         return Ok(());
@@ -159,16 +159,16 @@ pub(super) fn set_mode(world: &mut World, mode: SessionMode) -> Result<(), RunEr
 /// Sets the policy that Test, Drive and Compare use.
 ///
 /// # Errors
-/// There is no such policy. The tested policy then stays the same, and a demo that is shown continues with its policies.
+/// A demo is shown, and it cannot be restarted with this policy. The tested policy then stays the same, and the demo continues.
 pub(super) fn set_tested(world: &mut World, source: PolicySource) -> Result<(), RunError> {
     let before = std::mem::replace(&mut world.resource_mut::<TrainingRun>().tested, source);
     restart_demo(world).inspect_err(|_| world.resource_mut::<TrainingRun>().tested = before)
 }
 
-/// Restarts the demo that is shown, if any, from its first round: its policies have changed.
+/// Restarts the demo that is shown, if any, from its first round, because its drivers have changed.
 ///
 /// # Errors
-/// A policy is missing, or cannot drive here.
+/// A driver is missing, or cannot drive in the current scenario.
 pub(super) fn restart_demo(world: &mut World) -> Result<(), RunError> {
     match world.resource::<ActiveMode>().mode() {
         SessionMode::Train => Ok(()),

@@ -93,7 +93,7 @@ impl TestFiles {
     }
 }
 
-/// `path` with the true path of its folder, to compare it with others.
+/// `path` with the canonical path of its folder, to compare it with others.
 fn located(path: &Path) -> PathBuf {
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let folder = path.parent().and_then(|folder| folder.canonicalize().ok());

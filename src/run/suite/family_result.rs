@@ -125,7 +125,7 @@ fn barn_score(scenario: &Scenario, episode: &EpisodeResult, shortest_m: f64) -> 
     let top_speed_m_s = scenario.robot.motions.iter().map(|motion| motion.v_m_s.abs()).fold(0.0, f32::max);
     let length_m = stated_path_length_m(&scenario.about).unwrap_or(shortest_m);
     let optimal_s = length_m / f64::from(top_speed_m_s);
-    // A path without length, or a robot that can only turn, has no score.
+    // A path without length, or a robot that can only turn, scores 0.
     if !episode.succeeded() || !optimal_s.is_finite() || optimal_s <= 0.0 {
         return 0.0;
     }

@@ -16,7 +16,7 @@ const BEFORE_LEARNING: &str = "Learning starts once enough experience is collect
 pub struct PlotContext {
     /// Whether the scenario is the paper's Scenario I, so that the paper's results are shown for comparison.
     pub is_paper_scenario_1: bool,
-    /// Whether the mode is Train. In all other modes training is paused.
+    /// Whether the mode is Train. In all other modes training is suspended.
     pub training: bool,
     /// The best policy so far: env steps and success rate (0 to 1) of its evaluation.
     pub best: Option<(u64, f64)>,
