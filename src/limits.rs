@@ -42,8 +42,7 @@ pub const MAX_SHEET_LEVELS: u64 = 100;
 /// Maximum number of characters in a preset's `about`.
 pub const MAX_ABOUT_CHARS: usize = 20_000;
 
-/// Maximum number of bodies (robots, obstacles, straight wall segments) in all arenas together. They take
-/// about 2 GB.
+/// Maximum number of bodies (robots, obstacles, straight wall segments) in all arenas together. They take about 2 GB.
 pub const MAX_BODIES: usize = 1_000_000;
 
 /// Maximum number of floats in the scans and observations of all arenas together: 1 GiB.

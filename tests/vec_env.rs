@@ -26,10 +26,11 @@ fn bits(values: &[f32]) -> Vec<u32> {
 /// The observations and rewards of environment 0 over 200 random steps after `reset(seed)`.
 fn rollout(env: &mut VecEnv, seed: u64) -> Vec<Vec<u32>> {
     let mut streams: Vec<_> = (0..env.num_envs() as u64).map(|k| stream(1, "actions", k)).collect();
-    let (width, motions) = (env.observation_width(), env.num_actions());
+    let (width, num_actions) = (env.observation_width(), env.num_actions());
     let mut numbers = vec![bits(&env.reset(seed).expect("free space")[..width])];
     for _ in 0..200 {
-        let actions: Vec<usize> = streams.iter_mut().map(|stream| uniform_index(stream, motions)).collect();
+        let actions: Vec<usize> =
+            streams.iter_mut().map(|stream| uniform_index(stream, num_actions)).collect();
         let step = env.step(&actions).expect("a valid step");
         numbers.push(bits(&step.observations[..width]));
         numbers.push(bits(&step.rewards[..1]));
@@ -185,7 +186,7 @@ fn a_commanded_motion_drives_like_the_action_with_that_motion() {
         envs[0].reset(6).expect("free space");
         bits(envs[0].step_motions(&[motion]).expect("a valid step").observations)
     });
-    assert_eq!(one, two, "a motion is limited to the robot's");
+    assert_eq!(one, two, "a motion is limited to the robot's range");
     let broken = Motion { v_m_s: f32::NAN, w_rad_s: 0.0 };
     assert_eq!(envs[0].step_motions(&[broken]).expect_err("not a number"), VecEnvError::Motion { env: 0 });
 }

@@ -127,6 +127,9 @@ mod tests {
             panic!("not about the window");
         };
         let caught = panic::catch_unwind(|| catch(app));
-        assert!(caught.is_err(), "the panic propagates, although another thread had a known one before");
+        assert!(
+            caught.is_err(),
+            "the panic propagates, although another thread panicked for a known reason before"
+        );
     }
 }

@@ -14,7 +14,7 @@ use super::configuration_space::{ConfigurationSpace, GoalRegion, State};
 use glam::Vec2;
 use wayfield_scenario::Scenario;
 
-/// The maximum number of states in the search for a lower bound, which merges none.
+/// The maximum number of states in the search for a lower bound, in which no states are merged.
 pub(super) const LOWER_BOUND_STATES: usize = 5_000;
 /// The number of cost units per step. Costs are integers.
 const COST_PER_STEP: f64 = 64.0;

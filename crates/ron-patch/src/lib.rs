@@ -78,7 +78,7 @@ pub fn to_text<T: Serialize>(value: &T, style: &Style) -> Result<String, Unsuppo
 
 /// A new version of `text` that contains `value`. `text` contains the old value, which `read` parses.
 ///
-/// - Unchanged parts keep their bytes: comments, order, empty lines, and defaults that are written out.
+/// - Unchanged parts keep their bytes: comments, order, blank lines, and defaults that are written out.
 /// - A changed field is rewritten in place; the comments above it stay. A field without comments is removed if its new value is
 ///   empty and equals its default.
 /// - A new list element is inserted at its position in the list. A removed element is removed with its comments.

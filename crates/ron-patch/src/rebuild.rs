@@ -2,7 +2,7 @@
 //!
 //! In: a [`SyntaxNode`], and the operations on its children in their order ([`ChildrenRebuilder::keep`],
 //! [`ChildrenRebuilder::remove`], [`ChildrenRebuilder::insert`]). Out: the new text of the node, with correct commas, line
-//! breaks, empty lines and comments.
+//! breaks, blank lines and comments.
 
 use std::collections::BTreeSet;
 
@@ -10,7 +10,7 @@ use crate::format::{Cursor, Formatter, INDENT};
 use crate::literal::columns;
 use crate::syntax::{BracketContents, SyntaxNode};
 use crate::trivia::{
-    has_comment, last_line, line_comment, line_start, own_comments_start, stacked, starts_with_empty_line,
+    has_comment, last_line, line_comment, line_start, own_comments_start, stacked, starts_with_blank_line,
     without_first_line,
 };
 use crate::value::Value;
@@ -31,7 +31,7 @@ pub(crate) struct ChildrenRebuilder<'a> {
     /// The columns in which the line comments of two or more children start.
     comment_columns: BTreeSet<usize>,
     out: String,
-    /// Comments above removed children, separated from them by an empty line: they stay.
+    /// Comments above removed children, separated from them by a blank line: they stay.
     orphaned: String,
     /// The last child written so far.
     last: Option<LastChild<'a>>,
@@ -66,7 +66,7 @@ impl<'a> ChildrenRebuilder<'a> {
         let child_indent =
             own_line.map_or(format!("{outer_indent}{INDENT}"), |at| line_start(text, at).0.to_string());
         let mut heads = contents.segments.iter().skip(1).map(|segment| &text[segment.head.clone()]);
-        let blank_lines = top_level && (contents.segments.len() < 3 || heads.any(starts_with_empty_line));
+        let blank_lines = top_level && (contents.segments.len() < 3 || heads.any(starts_with_blank_line));
         Self {
             text,
             formatter,
@@ -87,7 +87,7 @@ impl<'a> ChildrenRebuilder<'a> {
         let child = &self.node.children[k];
         let key = child.key.clone().map_or("", |key| &self.text[key]);
         let head = self.kept_head(k);
-        if self.last_is_new() && !starts_with_empty_line(&head) {
+        if self.last_is_new() && !starts_with_blank_line(&head) {
             self.push_blank_line_before(key);
         }
         self.add_missing_comma();
@@ -110,7 +110,7 @@ impl<'a> ChildrenRebuilder<'a> {
         let first_head = self.head(0);
         let mut head = stacked(std::mem::take(&mut self.orphaned), self.head(k));
         let is_first = self.last.is_none();
-        while is_first && k > 0 && starts_with_empty_line(&head) {
+        while is_first && k > 0 && starts_with_blank_line(&head) {
             head = without_first_line(&head).into();
         }
         if self.out.ends_with('\n') {
@@ -220,7 +220,7 @@ impl<'a> ChildrenRebuilder<'a> {
         }
     }
 
-    /// Writes an empty line if the style has one between the last child and `key`.
+    /// Writes a blank line if the style has one between the last child and `key`.
     fn push_blank_line_before(&mut self, key: &str) {
         let style = self.formatter.style;
         if self.blank_lines && self.last.as_ref().is_some_and(|last| style.blank_line_between(last.key, key))

@@ -10,8 +10,8 @@ pub(crate) fn has_comment(trivia: &str) -> bool {
     trivia.contains("//") || trivia.contains("/*")
 }
 
-/// Whether `trivia` starts with an empty line.
-pub(crate) fn starts_with_empty_line(trivia: &str) -> bool {
+/// Whether `trivia` starts with a blank line.
+pub(crate) fn starts_with_blank_line(trivia: &str) -> bool {
     trivia.trim_start_matches([' ', '\t', '\r']).starts_with('\n')
 }
 
@@ -19,14 +19,14 @@ pub(crate) fn without_first_line(trivia: &str) -> &str {
     trivia.split_once('\n').map_or("", |(_, rest)| rest)
 }
 
-/// The concatenation of `above`, which is empty or ends with an empty line, and `below`. Two empty lines in a row become
+/// The concatenation of `above`, which is empty or ends with a blank line, and `below`. Two blank lines in a row become
 /// one.
 pub(crate) fn stacked(above: String, below: &str) -> String {
-    let doubled = !above.is_empty() && starts_with_empty_line(below);
+    let doubled = !above.is_empty() && starts_with_blank_line(below);
     above + if doubled { without_first_line(below) } else { below }
 }
 
-/// The offset in `head`, the trivia above a value, at which the comments of that value start: after the last empty line.
+/// The offset in `head`, the trivia above a value, at which the comments of that value start: after the last blank line.
 pub(crate) fn own_comments_start(head: &str) -> usize {
     let (mut own, mut at, mut breaks) = (0, 0, 1);
     while let Some(first) = head[at..].chars().next() {

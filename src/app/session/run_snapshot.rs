@@ -47,7 +47,7 @@ impl RunSnapshot {
     /// training.
     ///
     /// # Errors
-    /// The rows of the episodes could not be stored.
+    /// The rows of the episodes could not be stored, or a policy cannot be saved.
     pub(super) fn capture(world: &mut World, known_bytes: u64) -> Result<Self, RunError> {
         world.resource_scope(|world, mut run: Mut<TrainingRun>| {
             let failed = |error: io::Error| RunError::Failed(error.to_string());

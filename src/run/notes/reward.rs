@@ -46,7 +46,7 @@ pub(super) fn check(
         let collision_m = reward.scale(scenario.robot_unit_m()) * scenario.sure_collision_m();
         if l_r_m <= collision_m {
             let message = format!(
-                "is {l_r_m}, but the robot collides at every heading below {collision_m:.2} m{}, so obstacles repel only when it \
+                "is {l_r_m}, but below {collision_m:.2} m{} the robot collides at every heading, so obstacles repel only when it \
                  is too late; help: give a larger distance, such as {:.2}",
                 if reward.lengths == RewardLengths::Robot { " (scaled to the paper's robot)" } else { "" },
                 2.0 * collision_m

@@ -130,7 +130,7 @@ fn rewards_that_teach_nothing_or_the_wrong_thing_are_noted() {
     assert_noted(
         |p| p.reward.l_r_m = 0.1,
         "note: `reward.l_r_m` is 0.1, ",
-        "collides at every heading below 0.13 m",
+        "but below 0.13 m the robot collides at every heading",
     );
     assert_eq!(noted(|p| (p.reward.l_r_m, p.reward.sigma) = (0.1, 0.0)), [""; 0]);
     // With lengths relative to the robot, 0.3 m is beyond the collision range of any robot.
@@ -148,7 +148,7 @@ fn rewards_that_teach_nothing_or_the_wrong_thing_are_noted() {
     let mut shaped = Scenario::default();
     shaped.robot.shape = Some(Shape::Rectangle { width_m: 1.0, height_m: 0.8 });
     let notes = preset_notes(&fast(), Some(&shaped), false);
-    assert!(notes.len() == 1 && notes[0].to_string().contains("every heading below 0.40 m,"), "{notes:?}");
+    assert!(notes.len() == 1 && notes[0].to_string().contains("below 0.40 m the robot"), "{notes:?}");
 }
 
 #[test]

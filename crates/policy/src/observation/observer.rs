@@ -70,8 +70,8 @@ const NO_HIT: Hit = Hit { x: 0.0, y: 0.0, distance: f32::INFINITY, nearness: 0.0
 /// What an observer remembers between control steps.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ObserverMemory {
-    /// The scans of the last steps, the newest last: at most one more than the steps to the earlier scan.
-    scans: VecDeque<EarlierScan>,
+    /// The scans of the last steps, the newest last: at most [`SectorLayout::earlier_steps`] + 1.
+    scans: VecDeque<PooledScan>,
     /// The tracks of moving things; empty without predicted paths.
     tracker: Tracker,
 }
@@ -85,7 +85,7 @@ impl ObserverMemory {
 
     /// The discs that move, in the frame of the newest scan, and how; see [`Tracker::moving`].
     fn moving(&self, min_turn_significance: f32, unit_m: f32) -> impl Iterator<Item = (Disc, Motion)> {
-        self.scans.back().into_iter().flat_map(move |EarlierScan { pose, .. }| {
+        self.scans.back().into_iter().flat_map(move |PooledScan { pose, .. }| {
             let (sin, cos) = libm::sincosf(pose.2);
             let to_present = move |(x, y): (f32, f32)| (x * cos + y * sin, y * cos - x * sin);
             let (x, y) = (pose.0 / unit_m, pose.1 / unit_m);
@@ -107,14 +107,14 @@ impl ObserverMemory {
     }
 }
 
-/// A scan of the last steps.
+/// A scan reduced to the nearest hit in each sector.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct EarlierScan {
+struct PooledScan {
     pose: (f32, f32, f32),
     hits: Vec<Hit>,
 }
 
-impl EarlierScan {
+impl PooledScan {
     /// Whether it can be in the memory of an observer with this layout.
     fn fits(&self, layout: SectorLayout) -> bool {
         let is_hit = |hit: &Hit| {
@@ -274,7 +274,7 @@ impl SectorObserver {
         let scans = &mut self.memory.scans;
         let oldest =
             if scans.len() > usize::from(self.layout.earlier_steps) { scans.pop_front() } else { None };
-        let mut scan = oldest.unwrap_or_else(|| EarlierScan { pose: sensed.pose, hits: Vec::new() });
+        let mut scan = oldest.unwrap_or_else(|| PooledScan { pose: sensed.pose, hits: Vec::new() });
         scan.pose = sensed.pose;
         self.pool(sensed.ranges_m, &mut scan.hits);
         self.memory.scans.push_back(scan);
@@ -298,7 +298,7 @@ impl SectorObserver {
             self.move_earlier_scan();
         }
         if self.layout.predicted_paths {
-            self.expect_paths();
+            self.predict_paths();
         }
         self.find_free_distances();
         if self.layout.predicted_paths {
@@ -347,7 +347,7 @@ impl SectorObserver {
     fn find_free_distances(&mut self) {
         let Self { memory, discs, static_hits, moving_hits, free, collisions, predicted, directions, .. } =
             self;
-        let Some(EarlierScan { hits, .. }) = memory.scans.back() else { return };
+        let Some(PooledScan { hits, .. }) = memory.scans.back() else { return };
         static_hits.clear();
         moving_hits.clear();
         for hit in hits.iter().filter(|hit| hit.nearness > 0.0) {
@@ -363,8 +363,8 @@ impl SectorObserver {
         collisions.iter_mut().zip(&*free).for_each(|(value, &free)| *value = collision_nearness(free));
     }
 
-    /// Finds the paths of what moves, in the present frame.
-    fn expect_paths(&mut self) {
+    /// Finds what moves, and the paths that it is expected to take, in the present frame.
+    fn predict_paths(&mut self) {
         let Self { memory, discs, legs, body, .. } = self;
         discs.clear();
         legs.clear();
@@ -375,7 +375,7 @@ impl SectorObserver {
     }
 
     /// Finds the nearness of collisions if what moves keeps moving: in the direction of each sector's centre at the robot's
-    /// highest speed, and if it waits.
+    /// highest speed, and if the robot waits.
     fn predict_collisions(&mut self) {
         let Self { legs, predicted, collisions, directions, body, .. } = self;
         if legs.is_empty() && collisions.len() == predicted.len() {
@@ -444,10 +444,11 @@ impl SectorObserver {
         }
     }
 
-    /// The number of control steps until the robot collides if it drives with the motion `first` (its speed in m/s, at most its
-    /// highest, and its turning rate in rad/s) in the next step, and does `then` in those after it, and what moves keeps its speed
-    /// and turning rate; infinite if it does not collide within [`FORESIGHT_STEPS`]. Only what it comes nearer to counts: it may
-    /// leave what it touches.
+    /// The number of control steps until the robot collides; infinite if it does not collide within [`FORESIGHT_STEPS`].
+    ///
+    /// The robot drives with the motion `first` (its speed in m/s, at most its highest, and its turning rate in rad/s) in the next
+    /// step, and does `then` after it. What moves keeps its speed and turning rate. Only what the robot comes nearer to counts, so
+    /// it may drive away from what it touches.
     ///
     /// Without predicted paths, nothing is known to move.
     #[must_use]
@@ -503,7 +504,7 @@ impl SectorObserver {
     /// The length of `row` is not [`SectorLayout::width`].
     pub fn encode(&self, (bearing_rad, distance_m): (f32, f32), row: &mut [f32]) {
         let count = usize::from(self.layout.count);
-        let Some(EarlierScan { hits, .. }) = self.memory.scans.back() else { return row.fill(0.0) };
+        let Some(PooledScan { hits, .. }) = self.memory.scans.back() else { return row.fill(0.0) };
         let (nearnesses, rest) = row.split_at_mut(count);
         for (value, hit) in nearnesses.iter_mut().zip(hits) {
             *value = hit.nearness;

@@ -8,9 +8,9 @@ use super::transform::{constrain_to, screen_direction};
 use crate::app::scene::ArenaScene;
 use crate::scenario::Scenario;
 
-/// The rectangle of a card of `size` next to the robot, whose radius is `body` points. Of six positions
-/// around the robot it takes the one with the lowest cost for covering other things. It leaves its current position, which is
-/// kept under `id`, only for one that is clearly better.
+/// The rectangle of a card of `size` next to the robot, whose radius is `body` points. Of six positions around the robot, the
+/// card takes the one where it covers least. It leaves its current position, which is kept under `id`, only for one that is
+/// clearly better.
 pub fn card_rect(
     canvas: &Canvas,
     scenario: &Scenario,
