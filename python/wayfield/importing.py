@@ -17,7 +17,7 @@ class ImportedScenario:
         text: The scenario as RON text, which every ``scenario`` argument takes.
         deviation_m: The largest distance in m of a wall from the cells of the map that it represents.
         path_length_m: The length in m of a shortest path from start to goal, if the source states it, as BARN does.
-        findings: The parts of the source that could not be represented, one line per kind.
+        findings: What was left out or changed, one line per kind.
     """
 
     text: str

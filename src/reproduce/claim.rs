@@ -19,8 +19,8 @@ pub struct Claim {
     pub better: String,
     /// The other arm.
     pub than: String,
-    /// The episodes or env steps after which the arms are compared, over all stages, such as `EnvSteps(20_000)`; 0 is before the
-    /// first step, and with `of_last_stage` right after a transfer. Without it, after training.
+    /// The episodes or env steps, over all stages, after which the arms are compared, such as `EnvSteps(20_000)`; 0 is before the
+    /// first step or, with `of_last_stage`, right after a transfer. If omitted, they are compared after training.
     #[serde(default)]
     pub after: Option<Budget>,
     /// Whether `after` counts from the start of the last stage.

@@ -67,7 +67,7 @@ impl Occluder {
     }
 }
 
-/// The corners that the shortest paths to one goal bend at.
+/// The corners at which the shortest paths to one goal bend.
 pub(super) struct VisibilityGraph {
     goal: (f64, f64),
     pub(super) occluders: Vec<Occluder>,

@@ -285,7 +285,7 @@ fn missing(path: &Path) -> FileError {
     FileError::for_file(path, format!("no such file{hint}{}", listing(&there)))
 }
 
-/// The RON files of a folder without the hidden ones, sorted by name. Empty if the folder can't be read.
+/// The RON files of a folder that are not hidden, sorted by name. Empty if the folder can't be read.
 fn ron_files(folder: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let shown = entries.filter(|entry| !entry.file_name().as_encoded_bytes().starts_with(b"."));

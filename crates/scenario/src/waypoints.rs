@@ -76,8 +76,8 @@ impl ObstacleMotion {
 }
 
 impl Obstacle {
-    /// Replaces the path of the motion by one through `path_m`, in m. A motion without a path becomes a patrol. This
-    /// new patrol and key frames move at `speed_m_s`; other motions keep their speed.
+    /// Replaces the path of the motion by one through `path_m`, in m. A motion without a path becomes a patrol at `speed_m_s`.
+    /// Key frames get the speed `speed_m_s`, too; other motions keep their speed.
     pub fn set_path(&mut self, path_m: Vec<Vec2>, speed_m_s: f32) {
         match &mut self.motion {
             ObstacleMotion::Patrol { waypoints_m, .. }

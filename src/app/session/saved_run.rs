@@ -65,7 +65,7 @@ impl SavedRun {
             // A missing initial policy prevents a replay, but not resuming.
             initial_policy: journal::initial_policy(&folder, &journal.config).ok().flatten(),
             episodes: folder.rows_of_set(EPISODES_FILE, trainer_state.episodes_bytes, &scenarios)?,
-            // Without the evaluation after the last checkpoint of a finished run: a continued run makes none at that point.
+            // Without the evaluation that a finished run makes after its last checkpoint: a continued run makes none there.
             evaluations: folder.rows_of_set(EVALUATIONS_FILE, trainer_state.evaluations_bytes, &scenarios)?,
             config,
             trainer_state,

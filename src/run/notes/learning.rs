@@ -62,7 +62,7 @@ pub(super) fn check(learning: &LearningConfig, length: RunLength, notes: &mut Ve
     }
 }
 
-/// The field because of which the run takes no gradient step, and the problem.
+/// If the run takes no gradient step: the field that prevents it, and the problem.
 fn no_gradient_step(learning: &LearningConfig, length: RunLength) -> Option<(&'static str, String)> {
     let most = length.most?;
     let (batch, train_freq) = (learning.batch_size as u64, learning.train_freq);

@@ -35,10 +35,10 @@ fn fixed(start_m: Vec2, heading_rad: f32, goal_m: Vec2) -> (PlacementRule, Place
     (fixed(start_m, Some(heading_rad)), fixed(goal_m, None))
 }
 
-/// Adds a benchmark route by the rules for starts and goals, which completes the level.
+/// Completes the level with a benchmark route, drawn by the rules for starts and goals.
 ///
 /// # Errors
-/// The reason why there is none, as the rest of a sentence.
+/// The reason why there is no route, as the rest of a sentence.
 pub(super) fn add(draft: Draft, stream: &mut Stream) -> Result<Scenario, &'static str> {
     let mut level = draft.scenario;
     let mut longest: Option<((f32, f32, f32), Vec2)> = None;

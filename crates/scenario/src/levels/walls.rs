@@ -7,7 +7,7 @@ use super::rooms::Rooms;
 use super::schema::WallLayout;
 use super::{cells, maze, number, one_of, rooms, text_grid, traps};
 
-/// Adds one of `layouts`; nothing if there is none.
+/// Adds one of `layouts`, or nothing if the list is empty.
 pub(super) fn add(draft: &mut Draft, layouts: &[WallLayout], stream: &mut Stream) {
     match one_of(layouts, stream) {
         Some(&WallLayout::Cells { cell_m, fill }) => cells::add(draft, cell_m, fill, stream),
