@@ -1,11 +1,11 @@
 //! Optimal reciprocal collision avoidance: of the velocities that lead to no collision within a time horizon, the one closest
-//! to the wanted (preferred) velocity.
+//! to the preferred velocity.
 //!
 //! Source: J. van den Berg, S. J. Guy, M. Lin and D. Manocha, *Reciprocal n-body collision avoidance*, Robotics Research,
-//! STAR 70, Springer 2011. Each disc allows a half plane of velocities (section 4); a wall or a static obstacle allows those
-//! with which the agent does not reach the nearest point within a horizon (section 5.4, for a current velocity of zero). The
-//! best velocity is found by a linear program in two dimensions. If no velocity is in all half planes, the result is the one
-//! that violates those of the discs least.
+//! STAR 70, Springer 2011. Each disc allows a half plane of velocities (section 4). The nearest point of a wall or static
+//! obstacle allows those with which the agent does not reach it within a horizon (section 5.4, for a current velocity of zero).
+//! The best velocity is found by a linear program in two dimensions. If no velocity is in all half planes, the result is the
+//! velocity that least violates the half planes of the discs.
 //!
 //! (The crate `dodgy_2d`, a port of the authors' RVO2, is not used: it draws random numbers, and brings second versions of glam
 //! and rand, one of which does not build for browsers.)
@@ -116,8 +116,8 @@ mod tests {
         let mut least_m = f32::INFINITY;
         for _ in 0..24 {
             let velocities = [0, 1].map(|own| {
-                let wanted = if own == 0 { vec2(1.0, 0.0) } else { vec2(-1.0, 0.0) };
-                avoiding_velocity(&agents[own], wanted, 1.0, &avoidance(&[agents[1 - own]], &[]))
+                let preferred = if own == 0 { vec2(1.0, 0.0) } else { vec2(-1.0, 0.0) };
+                avoiding_velocity(&agents[own], preferred, 1.0, &avoidance(&[agents[1 - own]], &[]))
             });
             assert!((velocities[0] + velocities[1]).length() < 1e-3, "mirrored: {velocities:?}");
             for (agent, velocity) in agents.iter_mut().zip(velocities) {

@@ -1,6 +1,6 @@
 //! Scenarios: RON schema, loader, checks, geometry, obstacle motions, placement of starts and goals, and writer.
 //!
-//! In: a scenario file (`scenarios/*.ron`). Out: a checked [`Scenario`], the pose of its obstacles at any step
+//! In: a scenario file (`scenarios/*.ron`). Out: a checked [`Scenario`], the poses of its obstacles at any step
 //! ([`pose_at`]), and random starts and goals that are clear of them ([`draw_start`], [`draw_goal`]). [`read_ron`] reads
 //! all other RON files of the project, so that all errors have the same form. Points are [`Vec2`]s of glam, in m.
 //!

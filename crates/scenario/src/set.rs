@@ -257,7 +257,7 @@ pub struct SetFit {
     pub motions: bool,
 }
 
-/// The fields that differ among those that determine observations and actions, for a message.
+/// The fields covered by `fit` that differ, as text for a message.
 fn differing_fields(
     first: (&Robot, &Lidar, &TaskRules),
     other: (&Robot, &Lidar, &TaskRules),
@@ -291,7 +291,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn of_too_many_entries_only_the_first_are_checked() {
+    fn only_the_first_64_of_too_many_entries_are_checked() {
         // Each is compared with all before it: a large file would take minutes.
         let scenarios = vec![SetEntry::default(); SET_SCENARIOS.end() + 1];
         let set = ScenarioSetFile { name: "a".into(), about: String::new(), scenarios };

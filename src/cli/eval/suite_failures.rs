@@ -10,7 +10,7 @@ use crate::scenario::{PlacementRule, Scenario, quoted, to_text, vec2};
 
 /// The folder of the failures' scenarios, in the report's folder.
 pub const FOLDER: &str = "failures";
-/// What the names of the failures' files begin with, before the number.
+/// The prefix of a failure's file name, followed by a number.
 const PREFIX: &str = "failure-";
 
 /// A failed episode, drawn.
@@ -35,9 +35,9 @@ pub struct Failure {
 struct FailedEpisode<'a> {
     driver: usize,
     family: usize,
-    scenario: &'a str,
-    of: &'a SuiteEpisodes,
-    /// Index of the episode in `of`.
+    scenario_name: &'a str,
+    suite_episodes: &'a SuiteEpisodes,
+    /// Index of the episode in `suite_episodes`.
     index: usize,
 }
 
@@ -60,13 +60,14 @@ fn failed_episodes<'a>(tested: &'a Tested<'_>) -> Vec<FailedEpisode<'a>> {
     for (family, of_family) in tested.test.suite.families.iter().enumerate() {
         for (driver, episodes) in tested.episodes.iter().enumerate() {
             for (k, scenario) in of_family.scenarios.iter().enumerate() {
-                let of = &episodes[first + k];
-                let failed = of.episodes.iter().enumerate().filter(|(_, episode)| !episode.succeeded());
+                let suite_episodes = &episodes[first + k];
+                let all_episodes = suite_episodes.episodes.iter().enumerate();
+                let failed = all_episodes.filter(|(_, episode)| !episode.succeeded());
                 all.extend(failed.map(|(index, _)| FailedEpisode {
                     driver,
                     family,
-                    scenario: &scenario.name,
-                    of,
+                    scenario_name: &scenario.name,
+                    suite_episodes,
                     index,
                 }));
             }
@@ -79,24 +80,25 @@ fn failed_episodes<'a>(tested: &'a Tested<'_>) -> Vec<FailedEpisode<'a>> {
 impl FailedEpisode<'_> {
     /// Draws the failure with this number in the report, from 1.
     fn draw(&self, failure_number: usize, tested: &Tested<'_>) -> Result<Failure, RunError> {
-        let Self { driver, family, scenario: name, of, index } = *self;
-        let setup = episode_setup(&tested.test.suite.families[family], &of.scenario);
+        let Self { driver, family, scenario_name, suite_episodes, index } = *self;
+        let scenario = &suite_episodes.scenario;
+        let setup = episode_setup(&tested.test.suite.families[family], scenario);
         let under_test = &tested.drivers[driver];
-        let mut evaluator = Evaluator::with_extensions(&of.scenario, 1, tested.test.extensions);
+        let mut evaluator = Evaluator::with_extensions(scenario, 1, tested.test.extensions);
         let (episode, svg) = evaluator.episode_image(under_test.evaluated, tested.test.seed, index, setup)?;
-        let time_s = f64::from(episode.steps) * period_s(of.scenario.task.control_period_s);
+        let time_s = f64::from(episode.steps) * period_s(scenario.task.control_period_s);
         let file = format!("{PREFIX}{failure_number:04}");
         let episode_number = index + 1;
-        let title = format!("{name}, episode {episode_number}");
+        let title = format!("{scenario_name}, episode {episode_number}");
         let text =
             format!("{} in {title}: {} after {time_s:.1} s", under_test.name, outcome_name(episode.end));
-        let scenario = to_text(&repeatable(&of.scenario, &episode, &text), None);
+        let scenario = to_text(&repeatable(scenario, &episode, &text), None);
         Ok(Failure { driver, family, episode: episode_number, file, text, svg, scenario })
     }
 }
 
-/// `scenario` with the start, the goal, the generated obstacles and the drawn numbers of `episode`. The app derives the rest,
-/// noise and where moving obstacles begin, from the seed and the number of the episode.
+/// `scenario` with the start, the goal, the generated obstacles and the drawn numbers of `episode`. The app derives the noise and
+/// the initial poses of moving obstacles from the seed and the number of the episode.
 fn repeatable(scenario: &Scenario, episode: &EpisodeResult, text: &str) -> Scenario {
     let EpisodeResult { start, goal, layout_seed, .. } = episode;
     let fixed = |x_m, y_m, heading_rad| PlacementRule::Fixed { position_m: vec2(x_m, y_m), heading_rad };
@@ -114,7 +116,7 @@ pub fn is_file_name(name: &str) -> bool {
     number.is_some_and(|number| number.parse::<usize>().is_ok())
 }
 
-/// The command, for a shell, with which the app repeats `failure`, an episode of the test with `seed`.
+/// The shell command that repeats `failure`, an episode of the test with `seed`, in the app.
 pub fn command(report: &Path, failure: &Failure, seed: u64, driver: &Path) -> String {
     let scenario: PathBuf = report.join(FOLDER).join(format!("{}.ron", failure.file));
     let (scenario, episode, driver) = (quoted(scenario), failure.episode, quoted(driver));

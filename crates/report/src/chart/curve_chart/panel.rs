@@ -47,9 +47,9 @@ impl<'a> PanelDrawing<'a> {
         Self { frame, panel, y: panel.y_axis(), upper, lower }
     }
 
-    pub(super) fn draw(&self, root: &Canvas, markers: &[&EventMarker]) -> DrawResult {
+    pub(super) fn draw(&self, root: &Canvas, event_markers: &[&EventMarker]) -> DrawResult {
         self.draw_y_axis(root)?;
-        self.frame.draw_marker_lines(root, markers, (self.upper, self.lower))?;
+        self.frame.draw_marker_lines(root, event_markers, (self.upper, self.lower))?;
         let mut labels = self.draw_reference_lines(root)?;
         for curve in &self.panel.lines {
             self.draw_band(root, curve)?;

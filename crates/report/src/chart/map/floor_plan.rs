@@ -125,7 +125,7 @@ impl FloorPlan {
         if corners.iter().all(inside) { area(root, corners, colour.filled()) } else { Ok(()) }
     }
 
-    /// Draws a filled shape with an edge, cut off at the plan's edges.
+    /// Draws a filled shape with an outline, cut off at the plan's edges.
     pub(super) fn draw_shape(
         &self,
         root: &Canvas,
@@ -139,7 +139,7 @@ impl FloorPlan {
         }
     }
 
-    /// Draws a filled polygon with an edge, cut off at the plan's edges.
+    /// Draws a filled polygon with an outline, cut off at the plan's edges.
     pub(super) fn draw_polygon(
         &self,
         root: &Canvas,
@@ -152,7 +152,7 @@ impl FloorPlan {
         line(root, closed(corners), edge.stroke_width(HAIRLINE))
     }
 
-    /// Draws a filled disc (x, y and radius in m) with an edge, cut off at the plan's edges.
+    /// Draws a filled disc (x, y and radius in m) with an outline, cut off at the plan's edges.
     pub(super) fn draw_disc(
         &self,
         root: &Canvas,
