@@ -74,8 +74,8 @@ fn the_configuration_of_a_run_repeats_it_exactly() {
 
     workspace.run_ok("--train --scenario first/config.ron --preset first/config.ron --seed 7 --out parts");
     assert_eq!(workspace.run_contents("parts").episodes, workspace.run_contents("first").episodes);
-    let parts = workspace.run_ok("--check first/config.ron");
-    assert_eq!(parts.stdout, "first/config.ron: ok (run configuration)\n");
+    let check = workspace.run_ok("--check first/config.ron");
+    assert_eq!(check.stdout, "first/config.ron: ok (run configuration)\n");
 }
 
 #[test]

@@ -33,7 +33,7 @@ pub(super) fn fix_input(
     }
 }
 
-/// Draws only on input and once a second while simulated time is paused and no evaluation runs.
+/// While simulated time is paused and no evaluation runs, draws only on input and once a second.
 pub(super) fn draw_less_when_idle(
     pacer: Option<Res<Pacer>>,
     evaluations: Option<Res<Evaluations>>,

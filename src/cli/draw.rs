@@ -50,7 +50,8 @@ pub fn run(
     shared: &SharedArgs,
 ) -> Result<(), RunError> {
     if resolution_m.is_some() && args.over.is_none() {
-        let why = "--resolution is for --over with an image; help: add --over IMAGE, or leave it out";
+        let why =
+            "--resolution is for --over with an image; help: add --over IMAGE, or leave out --resolution";
         return Err(RunError::InvalidInput(why.into()));
     }
     ImageFormat::of(file)?;

@@ -237,7 +237,7 @@ const SCENARIOS: &[Limit] = &[
         "time of the checks; larger scenarios are checked at fewer moments",
     ),
     Limit(
-        "obstacles to place times sides to test",
+        "number of obstacles to place, multiplied by the number of sides to test",
         count(scenario::MAX_GENERATION_WORK),
         "",
         "time of the checks",

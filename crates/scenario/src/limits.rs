@@ -211,7 +211,8 @@ pub const MAX_CELLS: u32 = 1 << 20;
 /// Maximum number of sides of obstacles and walls that are tested per position, over all moments. A scenario with more sides is
 /// checked at fewer moments.
 pub const MAX_EDGE_CHECKS: usize = 80_000;
-/// Maximum number of obstacles to place times sides to test; above it, no layout is generated for the check.
+/// Maximum number of obstacles to place, multiplied by the number of sides to test; above it, no layout is generated for the
+/// check.
 pub const MAX_GENERATION_WORK: usize = 400_000;
 /// Maximum number of pairs of sides that are tested for overlaps of obstacles and walls; of a scenario with more, only
 /// a part is tested.

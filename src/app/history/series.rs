@@ -1,6 +1,6 @@
 //! Series: curves of any length in a bounded number of points.
 //!
-//! In: one value at a time, with its x. Out: points to draw. A [`DownsampledSeries`] keeps at most
+//! In: rows of an x and a value, one at a time. Out: points to draw. A [`DownsampledSeries`] keeps at most
 //! [`MAX_POINTS`] buckets. Each covers the same number of rows (the last one possibly fewer) and stores
 //! their mean, minimum and maximum. When all are full, neighbours are merged in pairs, and a bucket then covers
 //! twice as many rows. The curve keeps its whole length, and a day of training takes no more memory or drawing

@@ -48,9 +48,9 @@ pub(super) fn save_scenario(
     if file == world.resource::<TrainingRun>().config.scenario_from {
         let mut source = world.resource_mut::<ScenarioSource>();
         source.loaded = Scenario::clone(scenario);
-        // A change by another program that waits for the end of an episode is overwritten, too.
+        // This also overwrites another program's change that was to be adopted at the end of an episode.
         source.pending = None;
-        // The user decides in the editor whether to run it; the file watch must not.
+        // The user decides in the editor whether to run the saved scenario, so the file watch must not adopt it.
         #[cfg(not(target_arch = "wasm32"))]
         world.resource_mut::<FileWatches>().watch_known(&file);
     }

@@ -24,7 +24,7 @@
 //! | `demo.rs` | | a policy or the user drives |
 //! | `save.rs`, `run_snapshot.rs`, `editor_files.rs` | | the saving of files |
 //! | `autosave/` | [`Autosave`] | a copy of the training run for the next session |
-//! | `quit.rs` | [`QuitQuestion`] | the end of the app |
+//! | `quit.rs` | [`QuitQuestion`] | quitting, and the question before it |
 //! | `session_policy.rs` | | the policies that can be tested, saved or transferred |
 //!
 //! What is learned depends on the configuration, the journal and the number of steps, but not on when the steps were taken

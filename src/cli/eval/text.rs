@@ -129,9 +129,9 @@ pub fn suite_table(report: &SuiteReport) -> String {
     if rows.iter().any(|row| row.result.barn_score.is_some()) {
         columns.push(column("BARN score", &rows, |row| number(row.result.barn_score)));
     }
-    let of_episodes = if policies.len() == 1 { "" } else { "the same " };
+    let the_same = if policies.len() == 1 { "" } else { "the same " };
     format!(
-        "{}, {of_episodes}{episodes} episodes, seed {seed} ({BRACKETS})\n\n{}\n{CLASSES}\n\
+        "{}, {the_same}{episodes} episodes, seed {seed} ({BRACKETS})\n\n{}\n{CLASSES}\n\
          worst tenth: success in the tenth of the family's scenarios (at least one) where it is lowest\n",
         printable(suite),
         aligned(&columns)

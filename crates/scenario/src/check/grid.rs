@@ -127,9 +127,9 @@ impl<'a> BlockedCells<'a> {
         // the right depends on the order of the points, so both shifts are used; a side shifted inwards stays within the area.
         let mut moved = Vec::with_capacity(2 * points.len());
         for (a, b) in sides(&points) {
-            let long = a.distance(b);
-            if long > 0.0 {
-                let shift = dvec2((b.y - a.y) / long * margin, (a.x - b.x) / long * margin);
+            let length = a.distance(b);
+            if length > 0.0 {
+                let shift = dvec2((b.y - a.y) / length * margin, (a.x - b.x) / length * margin);
                 moved.push((a + shift, b + shift));
                 moved.push((a - shift, b - shift));
             }
@@ -188,7 +188,7 @@ impl<'a> BlockedCells<'a> {
     }
 
     /// The free runs of a row, as half-open ranges of columns.
-    pub(super) fn gaps(&self, row: usize) -> impl Iterator<Item = (usize, usize)> {
+    pub(super) fn free_runs(&self, row: usize) -> impl Iterator<Item = (usize, usize)> {
         let mut column = 0;
         std::iter::from_fn(move || {
             let from = self.next(row, column, false);
@@ -238,7 +238,7 @@ impl ConnectedRegions {
         let mut regions = Self { runs: Vec::new(), parents: Vec::new() };
         for row in cells.rows() {
             let mut runs: Vec<(usize, usize, u32)> = Vec::new();
-            for (from, to) in cells.gaps(row) {
+            for (from, to) in cells.free_runs(row) {
                 runs.push((from, to, regions.parents.len() as u32));
                 regions.parents.push(regions.parents.len() as u32);
             }
@@ -307,7 +307,7 @@ mod tests {
     fn drawn(cells: &BlockedCells<'_>) -> Vec<String> {
         let row = |row| {
             let mut text = "#".repeat(cells.grid.columns);
-            for (from, to) in cells.gaps(row) {
+            for (from, to) in cells.free_runs(row) {
                 text.replace_range(from..to, &".".repeat(to - from));
             }
             text

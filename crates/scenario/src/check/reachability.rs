@@ -130,7 +130,7 @@ pub(crate) fn sites(
                 taken.set_outside_box(min_m.as_dvec2(), max_m.as_dvec2());
             }
             for row in taken.rows() {
-                for (from, to) in taken.gaps(row) {
+                for (from, to) in taken.free_runs(row) {
                     add(regions.at(row, from), to - from, grid.centre(row, (from + to) / 2));
                 }
             }

@@ -15,8 +15,8 @@ use glam::{Vec2, vec2};
 const SAMPLED_STEPS: u64 = 4;
 /// Maximum number of generated layouts that are checked.
 const MAX_SAMPLED_LAYOUTS: usize = 4;
-/// Work (obstacles to place times sides to test) spent on generating layouts; the more work a layout takes, the fewer are
-/// checked. The editor runs this check during a drag, so it must be quick.
+/// Work (number of obstacles to place, multiplied by the number of sides to test) spent on generating layouts. The more work a
+/// layout takes, the fewer are checked. The editor runs this check during a drag, so it must be quick.
 const GENERATION_WORK_BUDGET: usize = 20_000;
 /// One in this many random starts must have a goal that is far enough away.
 const FAR_START_DIVISOR: usize = 4;

@@ -9,8 +9,8 @@ use crate::app::scene::ScalarField;
 use crate::app::screen::numbers::format_value;
 use crate::app::screen::theme::SMALL;
 
-/// Draws the colour bar in the upper right corner of the view, on one line if that leaves room for the label on the left, and
-/// returns its rectangle; `None` if no value is finite or the view is too small.
+/// Draws the colour bar in the upper right corner of the view, on one line if that leaves room for the arena's label on the
+/// left, and returns its rectangle; `None` if no value is finite or the view is too small.
 pub fn draw(canvas: &Canvas, kind: FieldKind, field: &ScalarField, dark: bool) -> Option<Rect> {
     const BAR: f32 = 110.0;
     const ROOM_FOR_LABEL: f32 = 110.0;

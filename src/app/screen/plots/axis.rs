@@ -32,7 +32,8 @@ impl AxisScale {
         }
     }
 
-    /// Values that the axis must include: the reference line and, depending on the scale, 0 and 1, or the enclosing powers of ten.
+    /// Values that the axis must include: the reference line and, depending on the scale, 0 and 1, or the enclosing powers of
+    /// ten.
     pub(super) fn included_values<'a>(
         self,
         series: impl Iterator<Item = &'a DownsampledSeries>,
@@ -79,8 +80,8 @@ impl AxisScale {
         }
     }
 
-    /// The text of `value`, which is a logarithm on a log axis. `digits` is the number of decimals; on a log axis, that of
-    /// significant digits, but no digit before the decimal point is lost; in percent it has no effect.
+    /// The text of `value`, which is a logarithm on a log axis. `digits` is the number of decimals. On a log axis, it is the
+    /// number of significant digits, but all digits before the decimal point are kept. In percent it has no effect.
     #[must_use]
     pub fn format_value(self, value: f64, digits: usize) -> String {
         match self {
@@ -94,9 +95,9 @@ impl AxisScale {
     }
 }
 
-/// A number with `digits` decimals; in scientific notation for a million or more, which occurs when learning diverges.
-fn short(value: f64, digits: usize) -> String {
-    if value.abs() < 1e6 { number(value, digits) } else { format!("{value:.1e}").replace('-', "\u{2212}") }
+/// A number with `decimals` decimals; in scientific notation for a million or more, which occurs when learning diverges.
+fn short(value: f64, decimals: usize) -> String {
+    if value.abs() < 1e6 { number(value, decimals) } else { format!("{value:.1e}").replace('-', "\u{2212}") }
 }
 
 /// The tick label of 10 to the power of a whole number.
