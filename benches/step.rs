@@ -43,7 +43,7 @@ fn barn(bencher: Bencher, arenas: usize) {
     control_step(bencher, &common::large_worlds::barn(), arenas);
 }
 
-/// 764 static shapes, with the enclosure's four sides, on 50 m x 50 m: `large_worlds::office`.
+/// 764 static shapes, including the enclosure's four sides, on 50 m x 50 m: `large_worlds::office`.
 #[divan::bench(args = ARENAS)]
 fn office(bencher: Bencher, arenas: usize) {
     control_step(bencher, &common::large_worlds::office(), arenas);

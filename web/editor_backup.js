@@ -38,8 +38,8 @@ export function offered() {
     return JSON.stringify(offers.map(({ key, text, savedMs }) => ({ key, text, age_s: age(savedMs) })));
 }
 
-/// Makes the offered backup with this key this tab's own: the next one replaces it. If another tab has done so meanwhile, this
-/// tab continues with a copy.
+/// Makes the offered backup with this key this tab's own: the tab's next backup replaces it. If another tab has adopted it
+/// meanwhile, this tab stores a copy.
 export async function adopt(key) {
     const { text } = offers.find((offer) => offer.key === key);
     offers = [];

@@ -60,7 +60,7 @@ class Policy:
         return values.reshape(*observations.shape[:-1], self.num_actions)
 
     def act(self, observations: Any) -> np.ndarray | np.int64:
-        """The greedy actions: an index for one observation, int64, (rows,) for a batch."""
+        """The greedy actions: int64, an index for one observation, (rows,) for a batch."""
         actions: np.ndarray | np.int64 = np.argmax(self.q_values(observations), axis=-1)
         return actions
 
@@ -101,7 +101,7 @@ class Policy:
         Args:
             scenario: A shipped name, a path or RON text. Its robot, LIDAR, control period and goal radius must be the real ones;
                 its obstacles do not matter.
-            with_map: Whether it builds a map as it drives, so that it finds its way out of dead ends (docs/drivers.md).
+            with_map: Whether the driver builds a map as it drives, to find its way out of dead ends (docs/drivers.md).
             set: Fields of the scenario with other values, as ``--set`` takes them: ``{"scenario.lidar.beams": 360}``.
 
         Warns:

@@ -72,8 +72,8 @@ pub fn shorten_training(preset: &mut Preset) {
     evaluation.episodes = evaluation.episodes.min(MAX_EVALUATION_EPISODES);
 }
 
-/// A tenth of `length`, rounded up. So a table or figure that shows the end of the last stage, counted over all stages, never
-/// asks for more training than the shortened stages have together.
+/// A tenth of `length`, rounded up. Rounding up makes the shortened stages together at least as long as the shortened total of
+/// all stages, at which a table or figure may test an arm.
 fn shortened(length: Budget) -> Budget {
     match length {
         Budget::Episodes(n) => Budget::Episodes(n.div_ceil(DIVISOR)),

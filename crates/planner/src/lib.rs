@@ -107,8 +107,8 @@ pub struct Resolution {
     /// result worse.
     pub refinements: u32,
     /// The maximum number of states of a search with halved cells; each takes 48 bytes and about 0.3 us. A search that
-    /// reaches the limit keeps the best plan so far. Only scenarios with moving obstacles need so many states. The limit
-    /// of the first search is 4,000,000.
+    /// reaches the limit keeps the best plan so far. Only scenarios with moving obstacles need that many. The limit of
+    /// the first search is 4,000,000.
     pub max_refinement_states: usize,
 }
 
@@ -272,9 +272,9 @@ pub fn lower_bound_steps(scenario: &Scenario, start: (f32, f32, f32), goal: Vec2
 /// y in m, heading in rad) to the edge of the goal region. Turning radius and moving obstacles are ignored.
 ///
 /// Each inflated obstacle is replaced by a polygon inside it, so the length is a lower bound; for circles, it is at most 0.5 %
-/// below the shortest path. Among very many obstacles, the most distant ones are left out. Because a step may cut a corner, the
-/// inflation is not the collision range R but sqrt(R² - s²/4), where s is the length of the longest step; if s >= 2 R, all
-/// obstacles are left out. `None` if there is no path, or if the scenario has polygons.
+/// below the shortest path. Among very many obstacles, the most distant ones are left out. Because a step may cut a corner,
+/// obstacles are inflated not by the collision range R but by sqrt(R² - s²/4), where s is the length of the longest step; if
+/// s >= 2 R, all obstacles are left out. `None` if there is no path, or if the scenario has polygons.
 ///
 /// Generated obstacles must be added to the scenario first ([`Scenario::with_generated_obstacles`]).
 #[must_use]

@@ -36,7 +36,7 @@ impl Editor {
         self.unfinished_drawing().is_some()
     }
 
-    /// Finishes an unfinished drawing, then selects a tool, if it fits the selected item.
+    /// Finishes an unfinished drawing, then selects `tool` if it fits the selected item.
     pub fn set_tool(&mut self, tool: Tool) {
         self.end_drag();
         self.close_group();
@@ -95,7 +95,7 @@ impl Editor {
         }
     }
 
-    /// Finishes an unfinished wall or path; another tool stays selected.
+    /// Finishes an unfinished wall or path. Without one, the tool stays selected.
     pub fn finish_drawing(&mut self) {
         if self.is_drafting() {
             self.finish_tool();

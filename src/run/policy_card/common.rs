@@ -10,8 +10,8 @@ use crate::scenario::{Scenario, printable};
 /// The scenario that is assumed for a policy without a card.
 const DEFAULT: &str = "scenario-1";
 
-/// The scenario that all `policies`, with their names, were trained in; Scenario I for a policy without a card, and if
-/// there are no policies.
+/// The scenario in which all `policies`, given with their names, were trained. For a policy without a card, Scenario I is
+/// assumed; if there are no policies, it is the result.
 ///
 /// # Errors
 /// Two policies were trained in different scenarios, or the scenario on a card is invalid.

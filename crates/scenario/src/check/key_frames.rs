@@ -1,4 +1,4 @@
-//! The checks of key frames: their number, their times, the speeds between them, and whether they stop.
+//! The checks of key frames: their number, their times, the speeds between them, and whether the motion stops at the last.
 
 use std::fmt::Arguments;
 
@@ -76,7 +76,7 @@ pub(super) fn check_speeds(k: usize, obstacle: &Obstacle, period_s: f32, diagnos
     }
 }
 
-/// Notes motions that stop at their last key frame.
+/// Adds a note about each motion that stops at its last key frame.
 pub(super) fn note_stops(scenario: &Scenario, notes: &mut Vec<Note>) {
     for (k, obstacle) in scenario.obstacles.iter().enumerate() {
         if let ObstacleMotion::KeyFrames { frames, end: KeyFrameEnd::Stop } = &obstacle.motion
