@@ -1,4 +1,5 @@
-//! In scenarios with many static shapes, the grid over them changes no bit of ranges, contacts, starts or goals.
+//! In scenarios with many static shapes, the spatial index and the grid over them change no bit of ranges, contacts, starts or
+//! goals.
 
 mod common;
 
@@ -14,7 +15,7 @@ use wayfield::scenario::{
 use wayfield::sim::{Bodies, lidar};
 use wayfield::task::{ArenaLayout, Pose};
 
-/// `lab`, which must have an index, but every query tests every shape.
+/// Removes the spatial index of `lab`, which must have one, and the grid. Every query then tests every shape.
 fn without_index(mut lab: Lab) -> Lab {
     let world = lab.simulation.world_mut();
     for (mut bodies, mut layout) in world.query::<(&mut Bodies, &mut ArenaLayout)>().iter_mut(world) {
@@ -171,7 +172,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
     #[test]
-    fn ranges_among_many_shapes_are_those_of_a_test_of_every_shape(
+    fn ranges_among_many_shapes_equal_casts_against_every_shape(
         scenario in scenario(), poses in prop::collection::vec(pose(), 40),
     ) {
         assert_ranges_of_all_shapes(&mut Lab::new(&scenario, 1, 1), &poses);

@@ -1,4 +1,4 @@
-//! The user's unfinished actions: a drag, the last steering command, choices that have not been applied, and which plots are
+//! The user's unfinished actions (a drag, choices that have not been applied), the last steering command, and which plots are
 //! open.
 //!
 //! Written by the widgets of the screen and read by them in the next frame. Never saved.
@@ -22,14 +22,14 @@ pub struct ActiveDrag {
     pub offset_m: [f32; 2],
 }
 
-/// The user's unfinished actions.
+/// The user's unfinished actions, the last steering command, and which plots are open.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Interaction {
     /// The object being dragged.
     pub drag: Option<ActiveDrag>,
     /// Scenario name and motion (an index into the robot's motions) of the last steering command from the arrow keys.
     pub steered: Option<(String, usize)>,
-    /// Choices on the setup panel that have not been started yet; `None` before the panel is first shown.
+    /// Choices on the setup panel that have not been applied yet; `None` before the panel is first shown.
     pub setup_form: Option<SetupForm>,
     /// Whether the plots under "More" are shown.
     pub more_plots_open: bool,

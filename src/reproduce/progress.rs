@@ -140,8 +140,8 @@ impl Inner {
         self.costs.iter().zip(fractions).map(|(cost, fraction)| cost * fraction).sum()
     }
 
-    /// The estimated time until all runs are finished, from what this process has done in the time `elapsed`. `None` if it
-    /// has done nothing yet, in the first 5 s, or if nothing is left to do.
+    /// The estimated time until all runs are finished, from what this process has done in the time `elapsed`. `None` in the
+    /// first 5 s, if the process has done nothing yet, or if nothing is left to do.
     fn time_left(&self, elapsed: Duration) -> Option<Duration> {
         let done = self.cost_of(&self.fractions);
         let left = self.costs.iter().sum::<f64>() - done;
@@ -191,7 +191,7 @@ mod tests {
         let mut listener = progress.listener(1, &runs[1]);
         let mut report = |episodes| listener(&Progress { episodes, ..Progress::default() });
         report(episodes / 2);
-        assert_eq!(left(), None, "nor does the checkpoint of a resumed run");
+        assert_eq!(left(), None, "the checkpoint of a resumed run says nothing about the speed either");
         report(episodes * 3 / 4);
         let cost = |episodes| gradient_steps(&runs[1], Budget::Episodes(episodes));
         let here = cost(episodes * 3 / 4) - cost(episodes / 2);

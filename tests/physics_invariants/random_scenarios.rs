@@ -1,5 +1,5 @@
-//! Random scenarios, with everything at maximum speed if wanted; and where the robot and the obstacles are between two control
-//! steps, computed in f64 as a reference.
+//! Random scenarios, optionally with everything at maximum speed; and the positions of the robot and the obstacles between two
+//! control steps, computed in f64 as a reference.
 
 use std::f64::consts::PI;
 

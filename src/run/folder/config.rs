@@ -75,8 +75,8 @@ impl RunConfig {
         Ok(Self { scenario_set, ..config })
     }
 
-    /// Like [`resolve`](Self::resolve). Without `scenario_from`, it takes the scenario that the preset names, otherwise
-    /// Scenario I.
+    /// Like [`resolve`](Self::resolve). Without `scenario_from`, it takes the scenario that the preset names, or Scenario I if
+    /// the preset names none.
     ///
     /// # Errors
     /// As for [`resolve`](Self::resolve).

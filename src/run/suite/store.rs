@@ -76,8 +76,8 @@ impl TestStore {
     }
 }
 
-/// The part of a test's [key] that identifies what drives: of a policy the checksum of the whole file, because its card also
-/// says how it observes and acts.
+/// The part of a test's [key] that identifies the driver. For a policy, it is the checksum of the whole file, because the card in
+/// the file also says how the policy observes and acts.
 ///
 /// # Errors
 /// None is known: every driver that can be evaluated can be written.

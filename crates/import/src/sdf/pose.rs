@@ -25,7 +25,7 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// The pose `inner`, given relative to this one, in the frame that this one is relative to.
+    /// The composition of this pose with `inner`, which is relative to it.
     pub fn then(self, inner: Self) -> Self {
         Self {
             position_m: self.position_m + DVec2::from_angle(self.yaw_rad).rotate(inner.position_m),
@@ -36,7 +36,8 @@ impl Pose {
     }
 }
 
-/// The pose of an element, zero if it states none. `None` if it is relative to a frame other than its parent's, or a quaternion.
+/// The pose of an element, zero if it states none. `None` if it is relative to a frame other than its parent's, or its rotation
+/// is a quaternion.
 ///
 /// # Errors
 /// The numbers are invalid.
@@ -47,14 +48,14 @@ pub fn of(file: &XmlFile<'_>, element: Node<'_, '_>) -> Result<Option<Pose>, Fil
     }
 }
 
-/// The pose in an element `<pose>`. `None` if it is relative to a frame other than its parent's, or a quaternion.
+/// The pose in an element `<pose>`. `None` if it is relative to a frame other than its parent's, or its rotation is a quaternion.
 ///
 /// # Errors
 /// The numbers are invalid.
 pub fn read(file: &XmlFile<'_>, node: Node<'_, '_>) -> Result<Option<Pose>, FileError> {
     let frame = node.attribute("relative_to").or_else(|| node.attribute("frame")).unwrap_or("");
     let parent = node.parent_element().map_or("", |element| element.tag_name().name());
-    let is_of_parent = match frame {
+    let is_relative_to_parent = match frame {
         "" => true,
         // The parent of a collision is its link.
         "__model__" => parent != "collision",
@@ -62,7 +63,7 @@ pub fn read(file: &XmlFile<'_>, node: Node<'_, '_>) -> Result<Option<Pose>, File
         _ => false,
     };
     let is_quaternion = node.attribute("rotation_format").is_some_and(|format| format != "euler_rpy");
-    if !is_of_parent || is_quaternion {
+    if !is_relative_to_parent || is_quaternion {
         return Ok(None);
     }
     if super::xml::text(node).is_empty() {

@@ -402,7 +402,7 @@ fn given_positions_and_the_ends_of_the_benchmark_route_are_dragged() {
     });
     editor.select(Selection::Starts);
     drag(&mut editor, HandleKind::Rotate, vec2(-0.3, -0.3), false);
-    // Also by its body.
+    // The start can also be dragged by its body.
     assert!(editor.begin_drag(HandleKind::Middle, vec2(0.05, -1.0)));
     editor.drag_to(vec2(0.55, -1.2), false);
     editor.end_drag();
