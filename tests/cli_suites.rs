@@ -233,7 +233,7 @@ fn an_invalid_suite_is_rejected_with_line_and_fix() {
         ),
         (
             "(name: \"a\", generator: \"clutter\", first_level: 18446744073709551615)",
-            "`families[0].first_level` is too large for so many levels: give a smaller seed",
+            "`families[0].first_level` is too large for this number of levels: give a smaller seed",
         ),
         (
             "(name: \"a\", scenarios: [\"maze\"], episodes: 0)",

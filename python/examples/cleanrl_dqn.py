@@ -5,7 +5,7 @@
     python python/examples/cleanrl_dqn.py cleanrl/cleanrl/dqn.py --scenario random-field
 
 CleanRL's file is written for Gymnasium 0.29, where an environment is reset in the step that ends its episode. Gymnasium 1 resets
-it one step later and returns the last observation under another key, so that the file would fail at the first time limit. While
+it one step later and returns the last observation under another key, so the file would fail at the first time limit. While
 the file runs, ``gymnasium.vector.SyncVectorEnv`` therefore behaves as in 0.29 (``OldSyncVectorEnv``).
 """
 
@@ -43,7 +43,7 @@ def scaled_rewards(scale: float) -> dict[str, float]:
 
 
 def train(script: Path, scenario: str, env_steps: int, seed: int, scale: float = 1.0, **options: Any) -> torch.nn.Module:
-    """Runs CleanRL's ``dqn.py`` in ``scenario``, in the task that wayfield's learner trains in.
+    """Runs CleanRL's ``dqn.py`` in ``scenario``, on the same task as wayfield's learner.
 
     Args:
         script: The path of ``dqn.py``.

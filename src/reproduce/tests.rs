@@ -163,7 +163,7 @@ fn shards_split_a_plan_equally_and_keep_transfers_together() {
             let shard: Shard = format!("{number}/{count}").parse().expect("a shard");
             let part = shard.of(&plan);
             let most = 1.001 * (cost(&plan) / f64::from(count) + largest_chain);
-            assert!(cost(&part) <= most, "part {shard} costs more than an equal part and the longest chain");
+            assert!(cost(&part) <= most, "part {shard} costs more than an equal part plus the largest chain");
             for training in &part.training_runs {
                 let whole = plan.training_runs.iter().find(|t| t.name == training.name).expect("in the plan");
                 let origin =

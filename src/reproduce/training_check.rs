@@ -20,8 +20,8 @@ impl Experiment {
     /// questionable settings, each at the path of the stage, or of the condition if that changes the stage.
     ///
     /// # Errors
-    /// As for [`Experiment::parse`]; also, training runs are invalid after their overrides, a scenario, preset or run cannot be
-    /// read, or a figure or table needs more training than there is. All invalid training runs are listed.
+    /// As for [`Experiment::parse`]; also if a training run is invalid after its overrides, a scenario, preset or run cannot
+    /// be read, or a figure or table needs more training than there is. All invalid training runs are listed.
     pub fn check(text: &str, path: &Path) -> Result<Vec<Note>, FileError> {
         let notes = RefCell::new(Vec::new());
         let check = |experiment: &Self, unknown: &[String]| {
@@ -124,15 +124,15 @@ impl Findings<'_> {
         }
     }
 
-    /// Adds the notes of a training run, except those that another run has, too. For a condition, whose settings are unusual on
-    /// purpose, it adds only the warnings.
+    /// Adds the notes of a training run, except those that an earlier run has too. For a condition, whose settings are unusual
+    /// on purpose, it adds only the warnings.
     fn add_notes(&mut self, at: &str, arm: &str, config: &RunConfig) {
         let is_wanted =
             |found: &RunNote| found.note.level == NoteLevel::Warning || !at.starts_with("conditions");
         for found in run_notes(config).into_iter().filter(is_wanted) {
             let message = format!("(arm \"{arm}\"): {found}");
-            let is_known = |known: &Note| known.diagnostic.message.ends_with(&format!("): {found}"));
-            if !self.notes.iter().any(is_known) {
+            let is_same = |other: &Note| other.diagnostic.message.ends_with(&format!("): {found}"));
+            if !self.notes.iter().any(is_same) {
                 self.notes.push(Note::new(found.note.level, at, message));
             }
         }

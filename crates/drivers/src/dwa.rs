@@ -15,7 +15,7 @@ use wayfield_scenario::{Drive, Motion};
 use crate::Driver;
 use crate::config::{DwaParameters, TrackingParameters};
 use crate::percept::{Odometry, Percept};
-use crate::robot::{Robot, first_least};
+use crate::robot::{Robot, argmin};
 use crate::tracks::Tracks;
 
 /// The maximum number of samples of a simulated motion.
@@ -88,7 +88,7 @@ impl Dwa {
                 + weight * rollout.free_s / horizon_s
                 + speed * (motion.v_m_s / max_speed).max(0.0))
         };
-        first_least(self.robot.motions.iter().map(cost))
+        argmin(self.robot.motions.iter().map(cost))
     }
 
     /// Simulates `motion` until the horizon, the aim or a collision, which is a clearance below `limit_m`. The other arguments

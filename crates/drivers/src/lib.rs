@@ -28,7 +28,7 @@
 //! | `actions` | the motions that the actions of a policy stand for |
 //! | `config` | the parameters of each driver, as RON |
 //! | `percept` | what a driver perceives |
-//! | `observer` | for policies: the observer that makes observations by sectors, for a scenario's robot |
+//! | `observer` | the sector observer of a scenario's robot, for policies |
 //! | `robot` | what a driver knows about its robot; arcs, and the motion that is closest to a wanted velocity |
 //! | `field` | potential field (Khatib 1986) |
 //! | `dwa` | dynamic window approach (Fox, Burgard and Thrun 1997) |
@@ -41,7 +41,7 @@
 //! | `planned` | the drivers with a map: A* with DWA or pure pursuit |
 //! | `policy_driver` | a policy as a driver, with or without a map that it builds |
 //! | `waypoints` | the point to drive to, in place of a goal that is out of sight in the map |
-//! | `orca` | a robot that follows the velocities of [`wayfield_orca`] (van den Berg et al. 2011) |
+//! | `orca` | steering towards the velocities of [`wayfield_orca`] (van den Berg et al. 2011) |
 
 mod actions;
 mod config;
@@ -77,12 +77,12 @@ pub use robot::Robot;
 
 /// A driver in one episode. A new episode gets a [new driver](DriverConfig::driver).
 pub trait Driver: Send + Sync {
-    /// The action for the next control step, an index into its own [motions](Driver::motions) or, if it has none, the robot's.
+    /// The action for the next control step: an index into its own [motions](Driver::motions) or, if it has none, the robot's.
     ///
     /// It depends on the percepts of the episode alone: not on time, threads or chance.
     fn act(&mut self, percept: &Percept) -> usize;
 
-    /// Its own motions, which its actions are indices of; `None` if its actions are indices of the robot's motions.
+    /// Its own motions, if its actions are indices into these; `None` if they are indices into the robot's motions.
     fn motions(&self) -> Option<&[Motion]> {
         None
     }

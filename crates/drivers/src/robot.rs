@@ -12,7 +12,7 @@ use crate::percept::Odometry;
 pub struct Robot {
     /// The motions to choose from; at least one.
     pub motions: Vec<Motion>,
-    /// The drive over steps of one control period; if the actuator lag is a range, with the middle of it.
+    /// The drive over steps of one control period. If the actuator lag is a range, its midpoint is used.
     pub drive: Drive,
     /// Simulated time per control step, in s.
     pub control_period_s: f32,
@@ -81,8 +81,8 @@ impl Robot {
     /// The index of the motion that best brings the robot to `velocity` (in the robot's frame, in m/s) within `turn_time_s`.
     ///
     /// The desired turning rate is the angle to `velocity` divided by the time, at most the robot's highest. The desired speed
-    /// is the component of `velocity` along the heading, or 0 if that is backwards. [`Robot::closest_motion`] compares the
-    /// motions with both.
+    /// is the component of `velocity` along the heading, or 0 if that is backwards. The result is the
+    /// [closest motion](Robot::closest_motion) to the two.
     pub(crate) fn motion_towards(&self, velocity: Vec2, turn_time_s: f32) -> usize {
         let speed = velocity.length();
         let angle = if speed > 0.0 { libm::atan2f(velocity.y, velocity.x) } else { 0.0 };
@@ -93,19 +93,19 @@ impl Robot {
     }
 
     /// The index of the motion that is closest to the speed `v_m_s` and the turning rate `w_rad_s`; the first of equally close
-    /// ones. Differences are relative to the highest speed and turning rate.
+    /// ones. Differences are relative to the highest forward speed and turning rate.
     pub(crate) fn closest_motion(&self, v_m_s: f32, w_rad_s: f32) -> usize {
         let (max_v, max_w) = (self.max_forward_speed_m_s(), self.max_turn_rad_s());
         let difference = |motion: &Motion| {
             let (dv, dw) = ((motion.v_m_s - v_m_s) / max_v, (motion.w_rad_s - w_rad_s) / max_w);
             dv * dv + dw * dw
         };
-        first_least(self.motions.iter().map(difference))
+        argmin(self.motions.iter().map(difference))
     }
 }
 
 /// The index of the smallest number; the first of equal ones.
-pub(crate) fn first_least(numbers: impl Iterator<Item = f32>) -> usize {
+pub(crate) fn argmin(numbers: impl Iterator<Item = f32>) -> usize {
     let least = |best: (usize, f32), (index, number)| if number < best.1 { (index, number) } else { best };
     numbers.enumerate().fold((0, f32::INFINITY), least).0
 }

@@ -4,7 +4,7 @@ use std::fmt;
 
 use glam::{DVec2, dvec2};
 
-/// The pose of a scenario's (0, 0) in the source's frame. In the scenario of a map, the axes are those of the image.
+/// The pose of a scenario's (0, 0) in the source's frame. A scenario imported from a map has the axes of its image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     /// Position in m.

@@ -11,7 +11,7 @@ use super::wall_cells::CellBlock;
 use glam::{Vec2, vec2};
 use serde::{Deserialize, Serialize};
 
-/// A part of a scenario that the robot can collide with. The order of the variants is that in which they are searched.
+/// A part of a scenario that the robot can collide with. The variants are in the order in which they are searched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Solid {
     /// The enclosure.
@@ -29,7 +29,7 @@ pub fn nearest(scenario: &Scenario, point_m: Vec2, step: u64) -> (Solid, f32) {
     nearest_of(scenario.into(), point_m, step)
 }
 
-/// Like [`nearest`], by a test of all parts.
+/// Like [`nearest`], without the spatial index: tests all parts.
 pub(super) fn nearest_of(space: IndexedScenario, point_m: Vec2, step: u64) -> (Solid, f32) {
     let scenario = space.scenario;
     let walls = scenario.walls.iter().map(|wall| inner_wall_distance(wall, point_m));

@@ -107,7 +107,7 @@ fn draw(
             if count == 0 { None } else { fitting().nth(uniform_index(stream, count)) }
         }
         PlacementRule::Random { clearance_m } | PlacementRule::Within { clearance_m, .. } => {
-            let (low, high) = region(space.scenario, rule);
+            let (low, high) = bounds_m(space.scenario, rule);
             if !(low.x <= high.x && low.y <= high.y) {
                 return None;
             }
@@ -119,8 +119,8 @@ fn draw(
     }
 }
 
-/// The box that contains the points of a rule; low exceeds high if it is empty.
-fn region(scenario: &Scenario, rule: &PlacementRule) -> (Vec2, Vec2) {
+/// The box that contains the points of a rule, in m; low exceeds high if it is empty.
+fn bounds_m(scenario: &Scenario, rule: &PlacementRule) -> (Vec2, Vec2) {
     match *rule {
         PlacementRule::Within { min_m, max_m, .. } => (min_m, max_m),
         PlacementRule::Random { clearance_m: c } => {

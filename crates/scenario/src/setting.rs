@@ -30,7 +30,8 @@ pub fn with_setting<T: Serialize + DeserializeOwned>(old: &T, path: &str, text: 
     if RawValue::from_ron(&line).is_err() {
         return Err(format!("`{value}` is not one value; help: give one value as in a file"));
     }
-    // In a list that was missing, the value is now the only element. This comes last, so that an unknown name is reported first.
+    // A list that was missing now has the value as its only element, so setting an element other than the first fails here.
+    // This check comes last, so that an unknown name is reported first.
     if set_field(&after, path, &line).is_err() {
         return Err("the list is not given, so it has no such element; help: set it as a whole".into());
     }

@@ -40,7 +40,8 @@ pub struct SuiteFile {
 pub struct SuiteFamily {
     /// Name of the family in tables and files, 1 to 100 characters on one line, different from all others.
     pub name: String,
-    /// The scenarios, at most 10,000: files, folders of files, both relative to the folder of the suite's file, or shipped names.
+    /// The scenarios, at most 10,000: files or folders of files, relative to the folder of the suite's
+    /// file, or shipped names.
     #[serde(default)]
     pub scenarios: Vec<String>,
     /// A level generator instead of scenarios: its file, relative to the folder of the suite's file, or a shipped name.
@@ -149,7 +150,7 @@ impl SuiteFamily {
         if self.first_level().checked_add(u64::from(self.levels())).is_none() {
             found.push(
                 format_args!("families[{k}].first_level"),
-                "is too large for so many levels: give a smaller seed",
+                "is too large for this number of levels: give a smaller seed",
             );
         }
         found.check_range(format_args!("families[{k}].episodes"), self.episodes(), SUITE_EPISODES, "");

@@ -72,8 +72,8 @@ fn the_file_with_every_field_contains_the_defaults() {
 #[test]
 fn scenario_2_is_scenario_1_with_orbiting_obstacles() {
     let (one, two) = (load("scenario-1.ron"), load("scenario-2.ron"));
-    let stilled = |o: &Obstacle| Obstacle { motion: ObstacleMotion::Static, ..o.clone() };
-    assert_eq!(one.obstacles, two.obstacles.iter().map(stilled).collect::<Vec<_>>());
+    let without_motion = |o: &Obstacle| Obstacle { motion: ObstacleMotion::Static, ..o.clone() };
+    assert_eq!(one.obstacles, two.obstacles.iter().map(without_motion).collect::<Vec<_>>());
     assert!(one.obstacles.iter().all(|o| o.shape == Shape::Circle { radius_m: 0.15 }));
     let corners: Vec<_> = one.obstacles.iter().map(|o| o.position_m).collect();
     assert_eq!(corners, [vec2(0.6, 0.6), vec2(-0.6, 0.6), vec2(-0.6, -0.6), vec2(0.6, -0.6)]);

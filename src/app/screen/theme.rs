@@ -50,7 +50,7 @@ pub struct Palette {
     pub error: Color32,
     /// Warning: a timeout, a random action, a question.
     pub warning: Color32,
-    /// Field overlays, at the lowest and the highest value: violet, which nothing else uses.
+    /// Field overlays, at low and high values: violet, which nothing else in the arena uses.
     pub field_colors: [Color32; 2],
 }
 

@@ -119,7 +119,7 @@ impl<'a> SweptPath<'a> {
                 samples().map(|fraction| at.lerp(nearest, fraction)).collect()
             }
         };
-        // The signed distance to the overlap, least at the deepest point; for a moving obstacle, the one to the solid.
+        // The signed distance to the overlap, least at the deepest point; for a moving obstacle, the distance to the solid.
         let is_moving = self.obstacle.motion.is_moving();
         let own = |point| if is_moving { f32::NEG_INFINITY } else { distance(self.obstacle, point) };
         let from_overlap = |point: &Vec2| distance(&solid.obstacle, *point).max(own(*point));

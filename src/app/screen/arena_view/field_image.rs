@@ -6,7 +6,8 @@ use egui::{Color32, ColorImage, Mesh, Rect, pos2};
 
 use crate::app::scene::ScalarField;
 
-/// Seven colours from low to high: violet, which nothing else uses, in even steps of lightness from that of the floor.
+/// Seven colours from low to high: violet, which nothing else in the arena uses, in even steps of lightness from
+/// that of the floor.
 fn ramp(dark: bool) -> [Color32; 7] {
     let rgb = Color32::from_rgb;
     if dark {
@@ -53,8 +54,8 @@ pub(super) struct ValueRange {
     pub above: bool,
 }
 
-/// The range of the finite values of `field`, without the fraction `clipped.0` of them that is lowest and the fraction
-/// `clipped.1` that is highest, so that a few extremes do not leave all others in one colour. `None` if no value is finite.
+/// The range of the finite values of `field` without the lowest ones (a fraction of `clipped.0`) and the highest ones (a
+/// fraction of `clipped.1`), so that a few extremes do not leave all others in one colour. `None` if no value is finite.
 pub(super) fn value_range(field: &ScalarField, clipped: (f32, f32)) -> Option<ValueRange> {
     let mut sorted: Vec<f32> = field.values.iter().copied().filter(|value| value.is_finite()).collect();
     sorted.sort_unstable_by(f32::total_cmp);
