@@ -147,7 +147,8 @@ proptest! {
                 pipeline.cast_ray(&ray, 3.5, true).map_or(3.5, |(_, distance)| distance)
             };
             // The rotation of the beam is rounded differently. So a beam that grazes an edge may hit either the edge or what
-            // is behind it. Rapier's beam does the same when rotated by 1e-3 rad, more than the root of f32's rounding error.
+            // is behind it. At an edge, rapier's ranges differ between rotations by 1e-3 and -1e-3 rad, an angle that is larger
+            // than the square root of f32's rounding error.
             let (straight, left, right) = (theirs(0.0), theirs(1e-3), theirs(-1e-3));
             let at_an_edge = (left - right).abs() > 0.02
                 && ours[i] > left.min(right) - 0.02

@@ -49,8 +49,7 @@ pub fn compare(measure: Measure, better: &ArmValues, than: &ArmValues) -> Compar
     Comparison { difference, is_paired, outcome }
 }
 
-/// The largest difference that counts as 0, for a mean difference and the half width of its interval: a difference within
-/// rounding errors does not count.
+/// The largest mean difference that counts as 0: the half width of its interval, or the rounding error if that is larger.
 fn margin(mean: f64, half_width: f64) -> f64 {
     half_width.max(1e-9 * mean.abs().max(1.0))
 }

@@ -24,7 +24,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_figure_fits_into_the_middle_of_another_size() {
+    fn a_figure_is_scaled_to_fit_and_centred() {
         let figure =
             r#"<svg width="100" height="50" viewBox="0 0 200 100" xmlns="..."><circle r="9"/></svg>"#;
         let head = |size| resized(figure, size).lines().next().expect("a line").to_owned();

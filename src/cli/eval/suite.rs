@@ -146,9 +146,9 @@ impl Tested<'_> {
     fn write_rows(&self, csv: &mut TestFile) -> Result<(), TestEnd> {
         let mut is_first = true;
         for (driver, of_scenarios) in self.drivers.iter().zip(&self.episodes) {
-            for ((family, scenario), of) in self.test.suite.scenarios().zip(of_scenarios) {
+            for ((family, scenario), in_scenario) in self.test.suite.scenarios().zip(of_scenarios) {
                 let columns = || SuiteColumns { family: &family.name, scenario: &scenario.name };
-                csv.rows(records(&driver.name, of).map(|record| (columns(), record)), is_first)?;
+                csv.rows(records(&driver.name, in_scenario).map(|record| (columns(), record)), is_first)?;
                 is_first = false;
             }
         }
@@ -169,7 +169,7 @@ impl<'a> SuiteReport<'a> {
             policies: drivers
                 .iter()
                 .zip(&tested.episodes)
-                .map(|(driver, of)| DriverReport::new(driver, suite, of))
+                .map(|(driver, of_scenarios)| DriverReport::new(driver, suite, of_scenarios))
                 .collect(),
         }
     }
@@ -194,11 +194,11 @@ impl DriverReport {
 }
 
 /// The records of the episodes of the driver `name` in a scenario.
-fn records<'a>(name: &'a str, of: &'a SuiteEpisodes) -> impl Iterator<Item = EpisodeRecord> + 'a {
-    let episodes = of.episodes.iter().zip(&of.references.shortest_paths_m).enumerate();
+fn records<'a>(name: &'a str, in_scenario: &'a SuiteEpisodes) -> impl Iterator<Item = EpisodeRecord> + 'a {
+    let episodes = in_scenario.episodes.iter().zip(&in_scenario.references.shortest_paths_m).enumerate();
     episodes.map(move |(k, (episode, shortest_m))| {
-        let bounds = of.references.bounds.as_ref().and_then(|bounds| bounds.get(k).copied());
-        EpisodeRecord::new(name, k + 1, episode, &of.scenario, *shortest_m, bounds)
+        let bounds = in_scenario.references.bounds.as_ref().and_then(|bounds| bounds.get(k).copied());
+        EpisodeRecord::new(name, k + 1, episode, &in_scenario.scenario, *shortest_m, bounds)
     })
 }
 

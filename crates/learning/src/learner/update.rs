@@ -43,8 +43,7 @@ pub(super) struct Scratch {
 }
 
 impl Learner {
-    /// Takes the pending gradient steps, and returns their statistics; `None` if no step is pending, or if the replay buffer has
-    /// been emptied since.
+    /// Takes the pending gradient steps, and returns their statistics; `None` if no step is pending or the replay buffer is empty.
     ///
     /// # Errors
     /// The loss, a weight or the square of a gradient is not finite. The learner can no longer be used.
@@ -142,7 +141,7 @@ impl Learner {
     fn check_return_bound(&mut self, q: f32) -> Option<Overestimate> {
         let Self { config, counters, largest_reward, steps_over_bound, .. } = self;
         let largest_return = *largest_reward / (1.0 - config.gamma);
-        // The fixed point of advantage learning with weight w is (Q - w max Q) / (1 - w), with the Q-values of w = 0.
+        // The fixed point of advantage learning with weight w is (Q - w max Q) / (1 - w), where Q is the fixed point for w = 0.
         let w = config.advantage_learning;
         let largest_q = largest_return * (1.0 + w) / (1.0 - w);
         // Before the first reward other than 0, nothing is known about returns.

@@ -87,7 +87,8 @@ impl Leg {
     }
 
     /// The number of control steps until the robot, moving from the origin by `step` in each of them, collides with the
-    /// disc; infinite if they do not collide on this leg. Without branches, so that a loop over many steps is vectorized.
+    /// disc; infinite if they do not collide on this leg. It has no branches, so that the compiler can vectorize a loop over
+    /// many values of `step`.
     #[inline(always)]
     pub(super) fn steps_to_collision(&self, step: (f32, f32)) -> f32 {
         let Self { disc, from, start, velocity, .. } = self;

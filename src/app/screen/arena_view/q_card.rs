@@ -16,7 +16,7 @@ use crate::app::scene::{ArenaScene, DriverLabel};
 use crate::app::screen::numbers::{decimals_for, format_decimals};
 use crate::scenario::{Motion, Scenario};
 
-/// Maximum number of motions that are all shown; of more, only the chosen one and the best one are.
+/// The maximum number of motions that all have a row; if there are more, only the chosen one and the best one have.
 const MAX_ROWS: usize = 12;
 const ROW: f32 = 16.0;
 const HEAD: f32 = 18.0;
