@@ -149,7 +149,7 @@ impl SuiteFamily {
         if self.first_level().checked_add(u64::from(self.levels())).is_none() {
             found.push(
                 format_args!("families[{k}].first_level"),
-                "is too large for so many levels: give a smaller seed",
+                "is too large for this number of levels: give a smaller seed",
             );
         }
         found.check_range(format_args!("families[{k}].episodes"), self.episodes(), SUITE_EPISODES, "");
