@@ -100,8 +100,12 @@ fn scan(lidar: &Lidar, step: usize) -> Vec<f32> {
             let angle = TAU * (disc as f32 / 6.0 - step as f32 / STEPS as f32);
             let to_centre = 2.0 * Vec2::from_angle(angle) - at;
             let (along, across) = (beam.dot(to_centre), beam.perp_dot(to_centre));
-            let half = 0.04 - across * across;
-            if along > 0.0 && half > 0.0 { along - half.sqrt() } else { f32::INFINITY }
+            let half_chord_squared = 0.04 - across * across;
+            if along > 0.0 && half_chord_squared > 0.0 {
+                along - half_chord_squared.sqrt()
+            } else {
+                f32::INFINITY
+            }
         };
         let discs = (0..6).map(to_disc).fold(f32::INFINITY, f32::min);
         to_wall(x, beam.x).min(to_wall(y, beam.y)).min(discs).min(lidar.max_range_m)

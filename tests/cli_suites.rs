@@ -73,29 +73,31 @@ fn the_results_of_a_family_are_those_of_its_episodes() {
     assert_eq!(report["episodes"], rows.len());
     for (family, scenarios) in [("still", 2), ("moving", 1), ("levels", 12), ("BARN", 2)] {
         let result = &report["families"][family];
-        let of: Vec<_> = rows.iter().filter(|row| row["family"] == family).collect();
+        let episodes: Vec<_> = rows.iter().filter(|row| row["family"] == family).collect();
         let share = |outcome: &str| {
-            of.iter().filter(|row| row["outcome"] == outcome).count() as f64 / of.len() as f64
+            episodes.iter().filter(|row| row["outcome"] == outcome).count() as f64 / episodes.len() as f64
         };
         assert_eq!(result["scenarios"], scenarios, "{result}");
-        assert_eq!(result["episodes"], of.len());
+        assert_eq!(result["episodes"], episodes.len());
         for (rate, outcome) in [("success", "success"), ("collision", "collision"), ("timeout", "timeout")] {
             assert_eq!(result[format!("{rate}_rate")], share(outcome), "{family}: {rate}");
         }
         let mut by_scenario = BTreeMap::<&str, Vec<bool>>::new();
-        for row in &of {
+        for row in &episodes {
             by_scenario.entry(&row["scenario"]).or_default().push(row["outcome"] == "success");
         }
         assert_eq!(by_scenario.len(), scenarios);
         let mut rates: Vec<f64> = by_scenario
             .values()
-            .map(|of| of.iter().filter(|success| **success).count() as f64 / of.len() as f64)
+            .map(|successes| {
+                successes.iter().filter(|success| **success).count() as f64 / successes.len() as f64
+            })
             .collect();
         rates.sort_by(f64::total_cmp);
         let worst = &rates[..scenarios.div_ceil(10)];
         let mean = worst.iter().sum::<f64>() / worst.len() as f64;
         assert!((result["worst_tenth"].as_f64().unwrap() - mean).abs() < 1e-6, "{family}: {result}");
-        let spl = of.iter().map(|row| number(row, "spl")).sum::<f64>() / of.len() as f64;
+        let spl = episodes.iter().map(|row| number(row, "spl")).sum::<f64>() / episodes.len() as f64;
         assert!((result["spl"].as_f64().unwrap() - spl).abs() < 2e-6, "{family}: {result}");
         assert_eq!(result["barn_score"] == Value::Null, family != "BARN");
     }
@@ -267,7 +269,7 @@ fn an_invalid_suite_is_rejected_with_line_and_fix() {
 }
 
 #[test]
-fn what_a_suite_does_not_take_is_refused_with_a_fix() {
+fn options_that_do_not_suit_a_suite_are_refused_with_a_fix() {
     let workspace = workspace();
     std::fs::create_dir(workspace.path("nothing")).unwrap();
     for (arguments, part) in [
@@ -400,7 +402,7 @@ fn a_new_report_deletes_the_files_of_the_earlier_one_and_no_others() {
 }
 
 #[test]
-fn a_report_of_a_scenario_a_set_or_a_generator_is_that_of_a_suite_of_it() {
+fn a_scenario_a_set_or_a_generator_gives_the_same_results_as_a_suite_of_it() {
     let workspace = workspace();
     let set = "(name: \"Both\", scenarios: [(scenario: \"one.ron\"), (scenario: \"two.ron\", share: 2)])";
     workspace.write("both.ron", set);

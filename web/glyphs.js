@@ -55,7 +55,7 @@ export function trace(character) {
 function outlines({ width, height, data }) {
     const isBorder = (x, y) => x === 0 || y === 0 || x === width - 1 || y === height - 1;
     const alpha = (x, y) => (isBorder(x, y) ? 0 : data[4 * (y * width + x) + 3]);
-    // From each side that an outline crosses to the side that it crosses next. The id of a side is 2 * the index of the pixel
+    // Maps each side that an outline crosses to the side that it crosses next. The id of a side is 2 * the index of the pixel
     // at its left or upper end, + 1 if it is vertical.
     const next = new Map();
     const sideId = (x, y, letter) => ({

@@ -1,4 +1,4 @@
-"""The environments for Stable-Baselines3, which has its own interface of vectorized environments."""
+"""The environments for Stable-Baselines3, which has its own interface for vectorized environments."""
 
 import os
 from collections.abc import Sequence

@@ -14,7 +14,7 @@ use super::{RunError, policy_card};
 
 /// The file name of a model card on Hugging Face.
 const MODEL_CARD: &str = "README.md";
-/// The length of the part of an existing page that is searched for [`MODEL_CARD_MARK`], in bytes.
+/// The length of the part of an existing `README.md` that is searched for [`MODEL_CARD_MARK`], in bytes.
 const MAX_SEARCHED_BYTES: u64 = 1 << 16;
 
 /// The outcome for the model card.
@@ -32,7 +32,7 @@ pub enum ModelCardFile {
 /// folder. The model card lists the results of tests in the files `eval_results`, which `--eval --json` has printed.
 ///
 /// # Errors
-/// `policy` is not a policy or has no card, a file of results is invalid or about another policy, `onnx` does not end in
+/// `policy` is not a policy or has no policy card, a file of results is invalid or about another policy, `onnx` does not end in
 /// `.onnx`, or a file cannot be written.
 pub fn export_onnx(policy: &Path, onnx: &Path, eval_results: &[PathBuf]) -> Result<ModelCardFile, RunError> {
     check_extension(onnx)?;
@@ -58,13 +58,13 @@ pub fn export_policy(
     let bytes = to_onnx(policy).map_err(|error| RunError::invalid_input(from, error))?;
     write(onnx, &bytes)?;
     let Some(name) = onnx.file_name().filter(|_| !is_stream(onnx)) else { return Ok(ModelCardFile::None) };
-    let page = model_card(policy, &name.to_string_lossy(), results)
+    let card = model_card(policy, &name.to_string_lossy(), results)
         .map_err(|error| RunError::failed(from, error))?;
     let path = onnx.with_file_name(MODEL_CARD);
     if is_foreign(&path) {
         return Ok(ModelCardFile::Kept(path));
     }
-    write(&path, page.as_bytes())?;
+    write(&path, card.as_bytes())?;
     Ok(ModelCardFile::Written(path))
 }
 

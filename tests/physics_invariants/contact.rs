@@ -129,7 +129,8 @@ fn lidar_contact_and_geometry_agree_to_a_millimetre_over_a_million_poses() {
                 if off < TOLERANCE_M {
                     worst.beam_m = worst.beam_m.max(off);
                 } else {
-                    // The rounding of the direction decides whether a corner is hit. A beam shifted by 10 um misses it too.
+                    // The rounding of the direction decides whether a corner is hit: beams shifted by up to 10 um may hit or
+                    // miss it.
                     let heading = f64::from(pose.heading_rad);
                     let (low, high) = closed_form::range_bounds(&layout, 0, at, heading, f64::from(max_m));
                     let in_bounds = low - TOLERANCE_M < range && range < high + TOLERANCE_M;

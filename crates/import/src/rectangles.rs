@@ -3,7 +3,7 @@
 use crate::grid::{Cell, Grid};
 
 /// Rectangles that together cover the set and nothing else: the lower left and upper right cell of each, the latter exclusive.
-/// From each cell not yet covered, two are grown, along x first and along y first, and the larger is taken.
+/// From each cell not yet covered, two candidates are grown, one along x first and one along y first, and the larger is taken.
 pub fn rectangles(set: &Grid<bool>) -> Vec<(Cell, Cell)> {
     let mut open = set.clone();
     let mut found = Vec::new();

@@ -26,7 +26,8 @@ const STOPPING_TIME_S: f32 = 1.0;
 /// The largest coordinate of a pedestrian, in m: twice that of any wall. It also limits the velocity, in m/s.
 const MAX_COORDINATE_M: f32 = 2.0 * *COORDINATE_M.end();
 
-/// The pedestrians of a scenario, in the order of its obstacles. At the start of an episode they stand at their positions.
+/// The pedestrians of a scenario, in the order of its obstacles. At the start of an episode, each stands at its
+/// [`Obstacle::position_m`].
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Crowd(Vec<Pedestrian>);
 
@@ -35,7 +36,7 @@ pub struct Crowd(Vec<Pedestrian>);
 pub struct Pedestrian {
     /// The index of the obstacle in [`Scenario::obstacles`].
     obstacle: u32,
-    /// The index of the next goal; the number of goals stands for the starting position.
+    /// The index of the goal that it walks to; the number of goals stands for the starting position.
     next_goal: u32,
     /// Its position, in m.
     pub position_m: Vec2,
@@ -85,7 +86,8 @@ impl Crowd {
     }
 
     /// Moves each pedestrian by the difference between its starting positions in two versions of a scenario. All pedestrians
-    /// restart from their starting positions if other obstacles are pedestrians now, or the state does not fit the new version.
+    /// restart from their starting positions if different obstacles are pedestrians now, or the state does not fit the new
+    /// version.
     pub fn follow_change(&mut self, from: &Scenario, to: &Scenario) {
         let (before, after) = (Self::at_start(from), Self::at_start(to));
         if !self.fits(to) || before.0.len() != after.0.len() {
@@ -123,7 +125,7 @@ impl Pedestrian {
         Disc { at_m: self.position_m, velocity_m_s: self.velocity_m_s, radius_m }
     }
 
-    /// The velocity of the next step. Moves on to the next goal if this one is reached.
+    /// The velocity of the next step. If the current goal is reached, moves on to the one after it.
     fn choose_velocity(
         &mut self,
         scenario: &Scenario,

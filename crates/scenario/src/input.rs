@@ -1,7 +1,7 @@
 //! The bytes of any file that a user may name: regular files, standard input, pipes and devices.
 //!
-//! In: a path and a limit. Out: bytes. Opening never blocks for long, and what can be read only once is read once: later reads
-//! get the same bytes, and more if their limit is larger.
+//! In: a path and a limit. Out: bytes. Opening never blocks for long. A stream can be read only once, so its bytes are kept:
+//! later reads get the same bytes, and more if their limit is larger.
 
 use std::fs::{self, File, Metadata};
 use std::io::{self, Error, ErrorKind, Read};

@@ -20,8 +20,8 @@ use wayfield_random::Stream;
 /// Orbit: the obstacle revolves about the centre and rotates with the revolution. Patrol: it starts at its own position,
 /// visits the waypoints in order, returns to its position, and repeats; a negative speed reverses the direction. Back and
 /// forth: it goes to the last waypoint and back. Random walk: it starts at its position and moves in straight lines between
-/// random points of the disc about it, at constant speed on each leg; every leg takes the time of the longest possible leg. Key
-/// frames: it is at each frame's position at the frame's time, and moves in straight lines between them;
+/// random points of the disc about that position, at constant speed on each leg; every leg takes the time of the longest possible
+/// leg. Key frames: it is at each frame's position at the frame's time, and moves in straight lines between them;
 /// [`KeyFrameEnd`](super::KeyFrameEnd) determines what follows the last one.
 ///
 /// Pedestrian: its position at the start of an episode. [`IndexedScenario::pose_at`](super::IndexedScenario::pose_at) gives its
@@ -106,7 +106,7 @@ fn back_and_forth(start: DVec2, waypoints: &[Vec2], distance: f64) -> DVec2 {
 }
 
 /// The point of a random walk about `middle` after the time in which its highest speed would cover `distance`. Every leg takes
-/// the time of the longest possible leg, which is twice the `reach`.
+/// the time of the longest possible leg, whose length is twice the `reach`.
 fn random_walk(middle: DVec2, reach: f64, seed: u32, distance: f64) -> DVec2 {
     let legs = distance.abs() / (2.0 * reach);
     if !legs.is_finite() {

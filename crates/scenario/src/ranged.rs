@@ -68,7 +68,7 @@ impl RangeNumber for u32 {
 }
 
 impl<T: RangeNumber> Ranged<T> {
-    /// The number; of a range, the middle. In the scenario of an episode there are no ranges.
+    /// The number, or the middle of the range. The scenario of an episode has no ranges.
     #[inline]
     #[must_use]
     pub fn value(self) -> T {

@@ -28,7 +28,7 @@ use crate::run::output_file::write_atomic;
 pub struct History {
     curves: LearningCurves,
     annotations: Vec<Annotation>,
-    /// The training run before a transfer.
+    /// The curves of the training run before a transfer.
     earlier: Option<EarlierCurves>,
     /// The ends of the x axis, in env steps.
     range: Option<(u64, u64)>,

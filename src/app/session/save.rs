@@ -59,8 +59,7 @@ pub(super) fn save(world: &mut World, what: SaveKind, path: &Path) -> Result<(),
         SaveKind::Scenario => {
             let config = &world.resource::<TrainingRun>().config;
             if let Some(set) = &config.scenario_set {
-                let why =
-                    "a set of scenarios is a text file that the app does not write\nhelp: copy its file";
+                let why = "the app cannot save a set of scenarios\nhelp: copy its file";
                 return Err(RunError::InvalidInput(format!("{}: {why}", set.name)));
             }
             let (scenario, based_on) = (Arc::new(config.scenario.clone()), config.scenario_from.clone());
@@ -115,7 +114,8 @@ fn save_run(_: &mut World, _: &Path) -> Result<(), RunError> {
     Err(RunError::InvalidInput(why.into()))
 }
 
-/// Waits for the running evaluation, if any, and copies the run, with its result and any scenario changes made in a demo.
+/// Waits for the running evaluation, if any, then copies the run, with that evaluation's result and any scenario changes made in
+/// a demo.
 ///
 /// # Errors
 /// An evaluation failed, or the rows of the episodes could not be stored.

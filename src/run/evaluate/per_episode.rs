@@ -40,20 +40,20 @@ fn start_and_goal(episode: &EpisodeResult) -> ((f32, f32, f32), Vec2) {
     ((start.x_m, start.y_m, start.heading_rad), vec2(goal.x_m, goal.y_m))
 }
 
-/// The results of `of` for each of `episodes`, in their order. `of` gets the scenario as drawn for the episode.
+/// The results of `compute` for each of `episodes`, in their order. `compute` gets the scenario as drawn for the episode.
 fn per_episode<T: Send>(
     scenario: &Scenario,
     episodes: &[EpisodeResult],
     threads: usize,
-    of: impl Fn(&Scenario, &EpisodeResult) -> T + Sync,
+    compute: impl Fn(&Scenario, &EpisodeResult) -> T + Sync,
 ) -> Vec<T> {
-    let of = |episode: &EpisodeResult| {
+    let result = |episode: &EpisodeResult| {
         let layout = if scenario.varies_by_episode() {
             Cow::Owned(scenario.with_generated_obstacles(episode.layout_seed))
         } else {
             Cow::Borrowed(scenario)
         };
-        of(&layout, episode)
+        compute(&layout, episode)
     };
-    on_all_cores::map(episodes.len(), threads, || (), |(), index| of(&episodes[index]))
+    on_all_cores::map(episodes.len(), threads, || (), |(), index| result(&episodes[index]))
 }

@@ -14,7 +14,7 @@ pub enum Source {
     Scenario(Scenario),
     /// A level generator.
     Levels(LevelGenerator),
-    /// A set of scenarios, and the first of them.
+    /// The first scenario of a set, and the set.
     Set(Box<Scenario>, ScenarioSet),
 }
 

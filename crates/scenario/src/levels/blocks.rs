@@ -1,4 +1,4 @@
-//! Solid blocks on a grid of columns and rows, which may differ in width.
+//! Solid blocks on a grid whose columns and rows may differ in size.
 
 use glam::vec2;
 

@@ -31,8 +31,8 @@ const PADDING: f32 = 10.0;
 /// The most by which a segment's padding, left plus right, shrinks if space is short, in points.
 const MAX_SHRINK: f32 = 6.0;
 
-/// Draws `segments` in a row and returns the index of the clicked one. The row is as wide as the texts
-/// need, or `width` points if that is given; not narrower than `MAX_SHRINK` allows.
+/// Draws `segments` in a row and returns the index of the clicked one. The row is as wide as the texts need, or `width` points if
+/// that is given, but never narrower than `MAX_SHRINK` allows.
 pub fn segments_ui(
     ui: &mut Ui,
     id: &str,
