@@ -4,7 +4,7 @@
 //! steps, for several numbers of arenas; in Scenario I with the gradient steps of the default preset; and in two large
 //! scenarios without gradient steps. The numbers are means over control steps in which the arenas are at all stages of
 //! an episode. A system between two sets reads the clock, which takes about 40 ns and matters only with one arena.
-//! `Decide` includes the start of the schedule, `Reset` the check for faults.
+//! `Decide` includes the start of the schedule, and `Reset` the check for faults after the schedule.
 
 #[path = "support/allocator.rs"]
 mod allocator;

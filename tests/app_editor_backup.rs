@@ -1,5 +1,5 @@
-//! Backups of the editor: unsaved changes survive the end of the app, are offered at the next start, and are gone once they are
-//! saved or discarded.
+//! Backups of the editor: unsaved changes survive the end of the app and are offered at the next start. Their backup is deleted
+//! once they are saved or discarded.
 #![cfg(feature = "gui")]
 
 #[path = "support/headless_app.rs"]
@@ -188,7 +188,7 @@ fn a_damaged_backup_is_not_offered_and_a_folder_that_cannot_be_written_is_report
     };
     rename(&mut app, "one");
     assert_eq!(reports(&app).len(), 1, "{:?}", app.notices());
-    // Equal notices replace each other, so it is dismissed before the next attempts.
+    // Equal notices replace each other, so the first one is dismissed before the next attempts.
     let dismissed = reports(&app).remove(0);
     app.command(Command::DismissNotice(dismissed));
     for name in ["two", "three"] {

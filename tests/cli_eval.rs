@@ -160,11 +160,11 @@ fn the_papers_results_are_named_in_its_scenario_only() {
 
     let workspace = Workspace::new();
     workspace.write("fast.ron", quick_fast());
-    for (scenario, is_papers) in [("scenario-1", true), ("empty", false)] {
+    for (scenario, names_paper) in [("scenario-1", true), ("empty", false)] {
         workspace
             .run_ok(&format!("--train --scenario {scenario} --preset fast.ron --steps 64 --out {scenario}"));
         let curve = workspace.text(&format!("{scenario}/learning-curve.svg"));
-        assert_eq!(curve.contains("paper 96%"), is_papers, "{scenario}");
+        assert_eq!(curve.contains("paper 96%"), names_paper, "{scenario}");
     }
 }
 
@@ -263,7 +263,10 @@ fn with_actuator_lag_no_optimal_time_is_reported() {
     }
     assert_eq!(with_lag.stderr.matches("no optimal times").count(), 1, "{}", with_lag.stderr);
     let text = workspace.run_ok(&format!("{} --scenario lag.ron", what.replace(" --json", ""))).stdout;
-    assert!(text.contains("success") && !text.contains("optimal time"), "no second reason: {text}");
+    assert!(
+        text.contains("success") && !text.contains("optimal time"),
+        "no line for the optimal time: {text}"
+    );
 }
 
 #[test]

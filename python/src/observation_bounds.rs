@@ -48,7 +48,7 @@ impl ObservationBounds {
         Self { low: encode(&vec![0.0; lidar.beams], -PI, 0.0), high }
     }
 
-    /// The bounds of observations that are within these or `other`.
+    /// The smallest bounds that contain both these and `other`.
     fn union(mut self, other: Self) -> Self {
         for (low, other) in self.low.iter_mut().zip(other.low) {
             *low = low.min(other);

@@ -5,7 +5,8 @@
 pub struct MeasuredValue {
     /// The value, in the measure's unit.
     pub value: f64,
-    /// Whether the true value is larger: the run ended before it was reached, or every episode failed.
+    /// Whether the true value is larger: training ended before it reached the goals per episode that the measure names, or every
+    /// episode on the benchmark route failed.
     pub is_lower_bound: bool,
 }
 

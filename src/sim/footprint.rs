@@ -2,8 +2,8 @@
 //!
 //! In: the robot's shape, and a shape next to its path. Out: the fraction of the step before the contact. The robot's origin
 //! moves along the chord of its arc while its heading changes at constant speed. No point of the body moves farther than the
-//! sum of the chord and the farthest point's arc, which bounds the advancement as in `contact.rs`. Rapier moves the body but
-//! never stops it, because its collider is a sensor.
+//! chord plus the arc of the point farthest from the origin. Conservative advancement uses this bound as in `contact.rs`.
+//! Rapier moves the body but never stops it, because its collider is a sensor.
 
 use bevy::prelude::*;
 use bevy_rapier2d::rapier::prelude::{Shape, TypedShape};

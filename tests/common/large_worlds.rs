@@ -60,8 +60,8 @@ const ROOMS: usize = 10;
 /// The side of a room of [`office`], in m.
 const ROOM_M: f32 = 5.0;
 
-/// An office of 50 m x 50 m: 100 rooms, whose walls have a door each, with two desks and two chairs per room. It has 360 wall
-/// segments and 400 obstacles.
+/// An office of 50 m x 50 m: 100 rooms with two desks and two chairs each, and a door in every wall between two rooms. It has
+/// 360 wall segments and 400 obstacles.
 pub fn office() -> Scenario {
     let mut stream = random::stream(1, "office", 0);
     let (side_m, door_m) = (ROOMS as f32 * ROOM_M, 1.2);

@@ -1,7 +1,7 @@
 //! The syntax tree of a RON text: the byte ranges of its values, and of the trivia around them.
 //!
-//! In: text that ron accepts. Out: a [`SyntaxNode`] for each value, and the [`BracketContents`] of those with brackets,
-//! whose ranges together cover every byte.
+//! In: text that ron accepts. Out: a [`SyntaxNode`] for each value, and the [`BracketContents`] of each value with brackets.
+//! Their ranges together cover every byte.
 
 use std::ops::Range;
 

@@ -20,7 +20,7 @@ pub(super) struct Draft {
     pub(super) route: Route,
     /// The part of the enclosure for clutter, traps and traffic.
     pub(super) field: Region,
-    /// The corners of the pairs of lanes.
+    /// The four corners of each pair of lanes.
     pub(super) lanes_m: Vec<[Vec2; 4]>,
     /// The static obstacles and wall segments.
     bodies: Vec<Body>,
