@@ -192,7 +192,7 @@ fn a_fixed_scenario_waits_until_its_preset_is_fixed_too() {
 }
 
 #[test]
-fn a_map_that_cannot_start_does_not_displace_a_broken_scenario() {
+fn after_a_failed_start_in_a_map_a_broken_scenario_still_starts_once_it_is_fixed() {
     let folder = tempfile::tempdir().expect("temporary folder");
     let (file, map) = (folder.path().join("mine.ron"), folder.path().join("map.yaml"));
     write(&file, "(nam: \"Mine\")");
@@ -445,7 +445,7 @@ fn a_change_of_the_file_that_the_editor_overwrites_is_not_adopted() {
 }
 
 #[test]
-fn a_saved_scenario_that_cannot_be_applied_is_not_unsaved_when_the_editor_opens_again() {
+fn a_saved_scenario_that_cannot_be_applied_still_counts_as_saved_when_the_editor_opens_again() {
     let folder = tempfile::tempdir().expect("temporary folder");
     let file = folder.path().join("mine.ron");
     let from = file.display().to_string();
@@ -498,7 +498,7 @@ fn applying_an_edited_scenario_does_not_hide_a_change_of_its_file_by_another_pro
 }
 
 #[test]
-fn a_file_that_was_opened_in_the_editor_can_be_saved_again_after_another_one() {
+fn a_file_opened_in_the_editor_can_be_saved_again_after_a_copy_was_saved() {
     let folder = tempfile::tempdir().expect("temporary folder");
     let (file, copy) = (folder.path().join("mine.ron"), folder.path().join("copy.ron"));
     write(&file, &scenario_text(0.6));

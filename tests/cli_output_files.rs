@@ -1,5 +1,5 @@
-//! Tests of the files that the user names: links, permissions and owners stay, what must not be overwritten is refused, and a
-//! failure leaves the old file.
+//! Tests of output files that the user names: links, permissions and owners are kept, read-only files are refused, and a failure
+//! leaves the old file.
 #![cfg(target_os = "linux")]
 
 mod cli_support;
@@ -102,7 +102,7 @@ fn a_new_file_in_a_setgid_folder_gets_the_group_of_the_folder() {
     assert_eq!(folder.join("map.svg").metadata().unwrap().gid(), folder.metadata().unwrap().gid());
 }
 
-/// Backups often share files with the original by hard links. They must not change with it.
+/// A backup often shares files with the original through hard links. It must not change when the original is replaced.
 #[test]
 fn another_hard_link_keeps_the_old_contents() {
     let workspace = Workspace::new();
@@ -214,7 +214,7 @@ fn an_image_of_a_scenario_has_its_name_a_legend_and_a_scale() {
 }
 
 #[test]
-fn links_in_a_circle_and_names_that_are_too_long_are_reported() {
+fn symlink_loops_and_names_that_are_too_long_are_reported() {
     let workspace = Workspace::new();
     let long = format!("{}.svg", "x".repeat(252));
     symlink("b.svg", workspace.path("a.svg")).unwrap();

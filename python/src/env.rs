@@ -161,7 +161,7 @@ impl NativeEnv {
         self.encoding.width(self.scenario.lidar.beams)
     }
 
-    /// The smallest and the largest value of every entry of an observation; infinite for observations by sectors.
+    /// The smallest and the largest value of every entry of an observation; infinite where there is no bound.
     #[getter]
     fn observation_bounds(&self) -> (&[f32], &[f32]) {
         (&self.bounds.low, &self.bounds.high)

@@ -62,7 +62,7 @@ def reproduce(
         experiments: Experiment files; none for the paper's experiments.
         only: Names of figures, tables or experiments; none for all.
         seeds: The number of seeds, or a list of them; None for the experiments' own.
-        set: Fields of presets and scenarios with other values, as in ``wayfield.train``.
+        set: New values for fields of presets and scenarios, as in ``wayfield.train``.
         quick: Whether to make a rough report, with a tenth of the training and tests, and at most two seeds.
         out: The folder of the report; None for that of the command line.
         cpus: The number of CPUs for each task, 1 or more. It changes no result.

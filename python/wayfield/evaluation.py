@@ -138,7 +138,7 @@ def evaluate(
         suite: In place of ``scenario``, many scenarios with results by family: the file of a suite or ``"shipped"`` or
             ``"validation"``, a folder of scenarios, a set of scenarios, or a level generator (docs/suites.md). ``episodes`` is
             then the number in each scenario; ``rounds``, ``benchmark_route`` and ``trace`` can't be used.
-        set: Fields of the scenario with other values, as ``--set`` takes them: ``{"scenario.lidar.noise_std_m": 0.02}``.
+        set: New values for fields of the scenario, as with ``--set``: ``{"scenario.lidar.noise_std_m": 0.02}``.
         episodes: The episodes of a round; 100 if None, or in a suite the number that the suite sets.
         rounds: The number of rounds; 5 if None.
         seed: The seed of starts and goals. Equal seeds give equal episodes.

@@ -88,7 +88,7 @@ def draw(
     Args:
         scenario: A shipped scenario or level generator by name, the path of a file, or RON text; also a set.
         path: The file; its extension decides the format.
-        set: Fields of the scenario with other values, as in ``train``.
+        set: New values for fields of the scenario, as in ``train``.
         plain: Without the name, the legend and the axes.
         levels: The number of levels of a level generator, 1 to 100; None for 12.
         seed: The seed of the first of them; None for 0.

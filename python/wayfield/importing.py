@@ -51,7 +51,7 @@ def import_scenario(
         world: The number of the world or stage in a .json file.
         robot: A scenario whose robot, LIDAR and rules are used; None for those of Scenario I or, in BARN worlds and stages,
             their own (docs/import.md).
-        set: Fields of that scenario with other values, as in ``train``.
+        set: New values for fields of that scenario, as in ``train``.
 
     Raises:
         FileNotFoundError: There is no such file.

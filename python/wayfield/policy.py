@@ -102,7 +102,7 @@ class Policy:
             scenario: A shipped name, a path or RON text. Its robot, LIDAR, control period and goal radius must be the real ones;
                 its obstacles do not matter.
             with_map: Whether the driver builds a map as it drives, to find its way out of dead ends (docs/drivers.md).
-            set: Fields of the scenario with other values, as ``--set`` takes them: ``{"scenario.lidar.beams": 360}``.
+            set: New values for fields of the scenario, as with ``--set``: ``{"scenario.lidar.beams": 360}``.
 
         Warns:
             UserWarning: The scenario differs from the one used in training.

@@ -92,7 +92,7 @@ def train(
     Args:
         scenario: A shipped scenario by name, a file's path, or RON text.
         preset: A shipped training preset by name, a file's path, or RON text.
-        set: Fields of the preset or of the scenario with other values, as ``--set`` takes them: ``{"learning.gamma": 0.97,
+        set: New values for fields of the preset or the scenario, as with ``--set``: ``{"learning.gamma": 0.97,
             "scenario.lidar.noise_std_m": 0.02}``. A string is RON text; a tuple, a RON tuple.
         seed: The seed of every random number.
         steps: The budget in env steps over all arenas; None for the preset's.

@@ -1,7 +1,7 @@
 //! Images of scenarios, seen from above.
 //!
-//! In: a scenario, or an arena of a simulation. Out: a map for the figures of reports, a figure of its own, or a frame
-//! of the simulation.
+//! In: a scenario, or an arena of a simulation. Out: a map for the figures of reports, a standalone figure, or a frame of
+//! the simulation.
 
 use std::path::Path;
 

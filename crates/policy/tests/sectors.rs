@@ -118,7 +118,7 @@ fn every_lidar_gives_the_same_nearness_of_a_wall() {
 }
 
 #[test]
-fn a_change_shows_what_approaches_and_not_the_robot_s_own_motion() {
+fn the_nearness_change_shows_what_approaches_and_not_the_robot_s_own_motion() {
     let changes = |disc_speed: f32| {
         let mut observer = observer(LAYOUT, 180, 0.1);
         for step in 0..3 {
@@ -177,7 +177,7 @@ fn predicted_paths_show_where_moving_things_will_be() {
 }
 
 #[test]
-fn motion_is_hidden_until_the_next_reset() {
+fn predictions_are_dropped_until_the_next_reset() {
     // Whether the motion of a disc that drives past in front of the robot is predicted.
     let predicts_motion = |observer: &mut SectorObserver| {
         for step in 0..8 {
@@ -216,11 +216,11 @@ fn motion_is_hidden_until_the_next_reset() {
     observer.reset();
     assert!(predicts_motion(&mut observer));
     observer.restore(&memory, (0.0, 0.0));
-    assert!(!predicts_motion(&mut observer), "a checkpoint remembers it");
+    assert!(!predicts_motion(&mut observer), "a restored observer still drops predictions");
 }
 
 #[test]
-fn collisions_are_foreseen_with_what_stands_still_and_what_moves() {
+fn collisions_with_still_and_moving_obstacles_are_foreseen() {
     // A disc in front stands still or comes towards the robot. The motion `ahead` is 0.2 units a step.
     let observe = |at_m: f32, speed: f32| {
         let mut observer = observer(LAYOUT, 180, 0.1);
@@ -234,7 +234,7 @@ fn collisions_are_foreseen_with_what_stands_still_and_what_moves() {
     let (ahead, stop, bend) = ((0.1, 0.0), (0.0, 0.0), (0.05, 1.5));
     // The disc's surface is 1.5 units ahead, half a unit from the body.
     let still = observe(-0.25, 0.0);
-    assert_eq!(still.steps_to_collision(ahead, Then::Keep(ahead)), 3.0, "the half step after 0.5 / 0.2");
+    assert_eq!(still.steps_to_collision(ahead, Then::Keep(ahead)), 3.0, "the next half step after 2.5");
     assert_eq!(still.steps_to_collision(ahead, Then::Keep(stop)), f32::INFINITY);
     assert_eq!(still.steps_to_collision(stop, Then::Keep(stop)), f32::INFINITY);
     assert_eq!(
@@ -263,7 +263,7 @@ fn collisions_are_foreseen_with_what_stands_still_and_what_moves() {
 }
 
 #[test]
-fn waiting_is_dangerous_where_something_comes() {
+fn the_waiting_nearness_shows_what_approaches() {
     let mut observer = observer(LAYOUT, 180, 0.1);
     for step in 0..6 {
         let pose = (-0.6, 0.0, 0.0);
@@ -322,7 +322,7 @@ fn a_huge_change_of_the_heading_does_not_panic() {
 }
 
 #[test]
-fn behind_a_narrow_field_of_view_nothing_is_seen() {
+fn nothing_is_seen_outside_a_narrow_field_of_view() {
     let angles_rad: Vec<f32> = (0..31).map(|beam| (beam as f32 - 15.0) * PI / 30.0).collect();
     let body = BodyScale {
         unit_m: 0.1,

@@ -1,4 +1,4 @@
-//! Notes: questionable settings of a file that can be used nonetheless.
+//! Notes: valid but questionable settings of a file.
 
 use std::fmt;
 

@@ -29,7 +29,7 @@ type Measured = (
     &'static Scan,
 );
 
-/// Read access to what is measured.
+/// Reads the robots' poses and clearances from the world.
 pub(super) struct PathQuery(QueryState<Measured>);
 
 impl PathQuery {

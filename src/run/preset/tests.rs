@@ -41,7 +41,7 @@ fn dropout_of_predictions_needs_predictions() {
 }
 
 #[test]
-fn a_preset_takes_what_it_lacks_from_the_one_that_it_is_based_on() {
+fn a_preset_takes_missing_fields_from_the_preset_that_it_is_based_on() {
     let folder = folder(&[
         (
             "base.ron",

@@ -218,7 +218,7 @@ mod tests {
         assert_eq!(view.completion(), " 40%  12.0k/30.0k episodes  1:23, 0:26 left");
         assert!(
             view.learning().starts_with("1.20M steps  68.2k steps/s"),
-            "the count in the bar is not repeated"
+            "the count of the budget is not repeated"
         );
     }
 

@@ -6,7 +6,7 @@ use super::synonyms::synonym;
 use super::{Place, Problem, Repair};
 
 impl Place<'_> {
-    /// The problem of an unknown name of a field or choice, or of a field that is missing or appears twice.
+    /// The problem if a field or choice has an unknown name, or a field is missing or appears twice; `None` for other errors.
     pub(super) fn name(&self, code: &Error) -> Option<Problem> {
         let Self { start, end, .. } = *self;
         Some(match code {
@@ -65,9 +65,9 @@ pub(super) fn missing_fields(owner: &str, fields: &[&str]) -> String {
     }
 }
 
-/// The text "did you mean `x`? the fields are `x`, `y`": first the path of the field that `word` is a synonym of, or the `known`
-/// name that is similar to it, if any; then `lead` ("the fields are") and all known names. Without known names, "there are none
-/// here".
+/// A hint such as "did you mean `x`? the fields are `x`, `y`". It suggests the path of the field that `word` is a synonym of, or
+/// else a similar name in `known`, if there is one. Then it lists `known` after `lead` ("the fields are"). If `known` is empty,
+/// the hint is "there are none here".
 #[must_use]
 pub fn choose(word: &str, known: &[&str], lead: &str) -> String {
     let hint = synonym(word, known)
