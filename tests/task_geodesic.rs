@@ -33,7 +33,7 @@ fn random_obstacles() -> Scenario {
 }
 
 #[test]
-fn driving_out_of_the_u_is_rewarded_and_deeper_into_it_is_not() {
+fn only_the_geodesic_distance_rewards_driving_out_of_the_u() {
     let trap = shipped::scenario("u-trap").expect("shipped");
     for (reward, heading_rad, is_rewarded) in [
         (geodesic(), std::f32::consts::PI, true),

@@ -1,4 +1,4 @@
-//! Steps without Python, with which `benches/throughput.py` compares steps from Python.
+//! A benchmark of steps without Python; `benches/throughput.py` compares steps from Python with it.
 
 use pyo3::prelude::*;
 use wayfield::random::{stream, uniform_index};

@@ -82,8 +82,8 @@ pub struct EnvOptions {
 }
 
 impl EnvOptions {
-    /// Applies the settings to `scenario` and `set`. Returns the configuration of environments of `set`, if given, otherwise of
-    /// `scenario`, and the bounds of their observations.
+    /// Applies the settings to `scenario` and `set`. Returns the configuration of the environments (of `set` if given,
+    /// otherwise of `scenario`) and the bounds of their observations.
     pub fn config(
         self,
         scenario: &mut Scenario,

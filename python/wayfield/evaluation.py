@@ -23,7 +23,8 @@ class Evaluation:
     """The results of a policy, a classical driver or a function over episodes: the numbers of ``wayfield --eval --json``.
 
     Attributes:
-        driver_class: What it may perceive (docs/drivers.md): "A" (all policies without a map), "B" or "C".
+        driver_class: What the policy, driver or function may perceive (docs/drivers.md): "A" (all policies without a map),
+            "B" or "C".
         weights_crc32c: The checksum of the policy's weights; None for a classical driver or a function.
         scenario: The scenario's name.
         success_rate, collision_rate, timeout_rate: Fractions of the episodes, 0 to 1.
@@ -126,8 +127,8 @@ def evaluate(
     optimum: bool = False,
     trace: str | os.PathLike[str] | None = None,
 ) -> Evaluation | list[Evaluation] | SuiteEvaluation | list[SuiteEvaluation]:
-    """Tests a policy or a classical driver over ``rounds * episodes`` episodes, like ``wayfield --eval``. Several of them are
-    tested in the same episodes.
+    """Tests a policy or a classical driver over ``rounds * episodes`` episodes, like ``wayfield --eval``. All policies and
+    drivers in a list are tested in the same episodes.
 
     Args:
         policy: A policy, its file, or the name of a shipped one; with ``+map`` after the file or name, the policy builds a map

@@ -16,8 +16,8 @@ struct Data {
     env_steps: f64,
 }
 
-/// A sentence about the data that the arms of an experiment learned from up to `point`: whether the amounts are equal, and in
-/// which unit, and each arm's env steps and episodes.
+/// A note on the data that the arms of an experiment learned from up to `point`: whether the amounts are equal (in env steps
+/// or in episodes), and each arm's env steps and episodes.
 ///
 /// # Errors
 /// An arm's training is too short to reach `point`. The plan rules this out.
@@ -79,7 +79,7 @@ fn data(results: &Results<'_>, row: ArmIndex, point: TestPoint) -> Result<Data, 
     Ok(Data { row, episodes: episodes / runs, env_steps: env_steps / runs })
 }
 
-/// The number of seeds of the experiment's trained arm with the fewest.
+/// The smallest number of seeds of any trained arm of the experiment.
 pub fn fewest_seeds(results: &Results<'_>, experiment: usize) -> usize {
     let rows = trained_rows(results, experiment).into_iter();
     rows.map(|row| results.arm_runs(row).count()).min().unwrap_or(0)

@@ -108,7 +108,7 @@ impl LevelProgress {
         self.members = results.iter().cloned().map(Member::new).collect();
     }
 
-    /// Whether a training run with these levels can have had `results`.
+    /// Whether a training run with these levels can produce `results`.
     #[must_use]
     pub(crate) fn fit(&self, results: &[Vec<LevelResults>]) -> bool {
         let lengths = self.members.iter().map(|member| member.results.len());
@@ -266,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn results_that_no_training_run_can_have_had_are_recognized() {
+    fn results_that_no_training_run_can_produce_are_recognized() {
         let progress = progress(0.3, 3);
         let valid = progress.results();
         assert!(progress.fit(&valid) && valid.iter().map(Vec::len).eq([0, 3]));

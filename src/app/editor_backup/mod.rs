@@ -34,7 +34,7 @@ use store::{FoundBackup, Store};
 /// The longest interval between backups of changes; shorter if autosaves are more frequent.
 const INTERVAL: Duration = Duration::from_secs(10);
 
-/// A backup contains the scenario twice: as edited, and as saved in its file. The third share is for deeper indentation.
+/// A backup contains the scenario twice: as edited, and as saved in its file. The rest is for deeper indentation.
 const MAX_BACKUP_BYTES: u64 = 3 * MAX_FILE_BYTES;
 
 /// The contents of a backup.

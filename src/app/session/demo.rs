@@ -216,7 +216,7 @@ pub(super) fn watchable_pace(pace: Pace, mode: SessionMode) -> Pace {
     }
 }
 
-/// Index of the motion with the smallest absolute turning rate, the fastest of them.
+/// Index of the motion with the smallest absolute turning rate; if there are several, of the fastest.
 fn straightest_motion(motions: &[Motion]) -> usize {
     let turning_rate = |k: &usize| motions[*k].w_rad_s.abs();
     let speed = |k: &usize| motions[*k].v_m_s;

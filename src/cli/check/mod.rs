@@ -1,4 +1,4 @@
-//! The mode `--check`: prints every problem of the files given: scenarios, presets, policies, and the other kinds in `kind.rs`.
+//! The mode `--check`: prints every problem in scenarios, presets, policies and files of the other kinds in `kind.rs`.
 
 mod files;
 pub mod kind;

@@ -109,7 +109,8 @@ fn files(text: &str, path: &Path) -> Vec<(PathBuf, String)> {
     files
 }
 
-/// The file and the text of the preset that the preset at `path` names; `None` if there is no such file or shipped preset.
+/// The file and the text of the preset `name`, on which the preset at `path` is based; `None` if there is no such file or
+/// shipped preset.
 fn base_text(name: &str, path: &Path) -> Result<Option<(PathBuf, String)>, FileError> {
     let file = file_of(name, path);
     if path_exists(&file) && !file.is_dir() {

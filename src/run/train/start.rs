@@ -154,7 +154,8 @@ fn is_complete(folder: &Path, learner: &Learner) -> bool {
 /// Checks that the run in `folder` has not passed the new `budget`: its configuration would no longer describe it.
 ///
 /// # Errors
-/// It has passed the budget by more than a run with this budget can, which ends after a whole control step of all arenas.
+/// It has passed the budget by at least the number of arenas. A run ends after a whole control step of all arenas, so it can
+/// pass its budget by less than that.
 fn check_not_passed(
     folder: &Path,
     budget: Budget,
