@@ -1,5 +1,6 @@
-//! The app does not affect what is learned: with pauses, changes of pace, open panels and demos in between, it learns the same
-//! bits as a bare loop under `MinimalPlugins`. And training with interventions can be replayed from its journal.
+//! The app does not affect what is learned: with pauses, changes of pace, open panels and demos in between, its training is
+//! bit-identical to that of a bare loop under `MinimalPlugins`. And training with interventions can be replayed from its
+//! journal.
 #![cfg(feature = "gui")]
 
 #[path = "support/headless_app.rs"]
@@ -40,8 +41,8 @@ fn state(world: &mut bevy::prelude::World) -> (Vec<u8>, Vec<ArenaState>) {
     (bytes, sim::snapshot(world))
 }
 
-/// Settings under which the learned bits also depend on the earlier scans that a robot remembers, and on which of its predictions
-/// are dropped.
+/// Settings under which training also depends on the earlier scans that a robot remembers, and on which of its predictions are
+/// dropped.
 fn settings() -> Settings {
     let setting = |(path, value): (&str, &str)| Setting { path: path.into(), value: value.into() };
     let observation = "Sectors(count: 12, earlier_steps: 3, predicted_paths: true)";
@@ -82,7 +83,7 @@ fn options(seed: u64) -> StartOptions {
 }
 
 #[test]
-fn two_thousand_steps_in_the_app_learn_the_same_bits_as_a_bare_loop() {
+fn two_thousand_training_steps_in_the_app_are_bit_identical_to_a_bare_loop() {
     let folder = tempfile::tempdir().expect("temporary folder");
     let policy = save_policy(folder.path());
     let mut app = HeadlessApp::new(options(5));
@@ -387,7 +388,7 @@ fn a_saved_run_can_be_replayed_even_if_it_was_reopened_in_between() {
         .expect("the file can be written");
     assert_eq!(verify(&second_run).map(|replayed| replayed.bit_identical), Ok(false));
 
-    // That of a run with another seed is refused.
+    // The journal of a run with another seed is refused.
     let other_seed = text.replacen("seed: 9,", "seed: 8,", 1);
     assert_ne!(other_seed, text);
     std::fs::write(&journal, other_seed).expect("the file can be written");

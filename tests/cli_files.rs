@@ -282,7 +282,7 @@ fn characters_that_cannot_be_printed_are_refused_in_names() {
 }
 
 #[test]
-fn files_in_other_encodings_are_named() {
+fn files_that_are_not_utf_8_are_refused_with_the_reason() {
     let workspace = Workspace::new();
     let utf16 = |text: &str| text.encode_utf16().flat_map(u16::to_le_bytes).collect::<Vec<u8>>();
     workspace.write("bom.ron", format!("\u{feff}{MINE}"));

@@ -27,7 +27,7 @@ const NO_DIALOG: &str = "This system has no file dialogs\n\
 /// Notice if a file is to be saved and the system has no dialogs.
 const NO_SAVE_DIALOG: &str = "This system has no file dialogs: the file goes to the folder runs";
 
-/// The open dialog, if there is one.
+/// The dialog that is open now, if any.
 #[derive(Resource, Default)]
 pub struct FileDialogs {
     open: Option<Dialog>,
@@ -133,13 +133,13 @@ pub(super) fn run_file_dialogs(
     }
 }
 
-/// Opens a dialog for a file to open.
+/// Shows a dialog to choose a file to open.
 fn open_dialog(title: &str, extensions: &[&str]) -> Task<Answer> {
     let dialog = AsyncFileDialog::new().set_title(title).add_filter("wayfield files", extensions);
     in_background(dialog.pick_file())
 }
 
-/// Opens a dialog for a path to save `what` to, with `name` as the suggestion.
+/// Shows a dialog to choose a path to save `what` to, with `name` as the suggestion.
 fn save_dialog(what: SaveKind, name: &str) -> Task<Answer> {
     let (title, kind, extensions): (_, _, &[&str]) = match what {
         SaveKind::BestPolicy => ("Save the best policy so far", "Policy", &["safetensors"]),

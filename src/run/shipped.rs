@@ -394,9 +394,9 @@ mod tests {
 
     #[test]
     fn the_paper_s_scenario_is_recognized_by_its_contents_not_by_its_name() {
-        let papers = scenario("scenario-1").expect("shipped");
-        assert!(is_paper_scenario_1(&papers));
-        let renamed = Scenario { name: "Office".into(), about: String::new(), ..papers.clone() };
+        let paper_scenario = scenario("scenario-1").expect("shipped");
+        assert!(is_paper_scenario_1(&paper_scenario));
+        let renamed = Scenario { name: "Office".into(), about: String::new(), ..paper_scenario.clone() };
         assert!(is_paper_scenario_1(&renamed));
         let changes: [fn(&mut Scenario); 5] = [
             |s| s.obstacles[0].position_m.x += 0.01,
@@ -406,7 +406,7 @@ mod tests {
             |s| s.benchmark_route = None,
         ];
         for (number, change) in changes.into_iter().enumerate() {
-            let mut changed = papers.clone();
+            let mut changed = paper_scenario.clone();
             change(&mut changed);
             assert!(!is_paper_scenario_1(&changed), "change {number}");
         }

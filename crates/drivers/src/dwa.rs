@@ -129,7 +129,7 @@ impl Dwa {
         rollout
     }
 
-    /// The function `clearance` of [`Dwa::choose`] for obstacles at `points`. Points out of reach are left out.
+    /// The argument `clearance` of [`Dwa::choose`] for obstacles at `points`. Points out of reach are left out.
     pub(crate) fn clearance_from<I: Iterator<Item = MovingPoint>>(
         &self,
         points: I,

@@ -24,7 +24,7 @@ pub(crate) trait Map {
     /// Whether the straight line from `from_m` to `to_m` is free in the map of the last plan.
     fn sees(&self, from_m: Vec2, to_m: Vec2) -> bool;
 
-    /// The function `clearance` of [`Dwa::choose`]. Obstacles farther than `reach_m` from the robot may be left out.
+    /// The argument `clearance` of [`Dwa::choose`]. Obstacles farther than `reach_m` from the robot may be left out.
     fn clearance(&self, reach_m: f32) -> impl Fn(Vec2, f32) -> f32;
 
     /// The centres of the occupied cells of a map that was built from scans, and the side of a cell, in m.

@@ -19,7 +19,8 @@ struct Cells {
     filled: Vec<bool>,
 }
 
-/// Adds a circle for every filled cell. Of the regions that contain starts, all but the largest are filled with circles too.
+/// Adds a circle for every filled cell. The regions of free space that contain starts are filled with circles too, except for
+/// the largest one.
 pub(super) fn add(
     draft: &mut Draft,
     fill: (f32, f32),

@@ -122,8 +122,8 @@ fn end_rows(rows: &mut FieldRows<'_>, frames: &[KeyFrame], end: &mut KeyFrameEnd
     }
 }
 
-/// The period of key frames that begin to repeat: if possible, they take as long to return. `None` if the last frame is at the
-/// latest time.
+/// The first value for the period of key frames that are set to repeat: twice the time of the last frame, or the longest allowed
+/// period if that is shorter. `None` if the last frame is at the latest allowed time.
 fn new_period_s(frames: &[KeyFrame]) -> Option<f32> {
     let last_s = frames.last().map_or(1.0, |frame| frame.time_s);
     Some((2.0 * last_s).min(*KEY_FRAME_TIME_S.end())).filter(|period_s| *period_s > last_s)

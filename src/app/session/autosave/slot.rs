@@ -93,7 +93,7 @@ impl Slot {
         if let Some(folder) = self.folder.take() {
             let path = folder.path().to_path_buf();
             drop(folder);
-            // If it cannot even be renamed, later sessions offer it until newer autosaves displace it.
+            // If it can be neither renamed nor deleted, later sessions offer it until newer autosaves displace it.
             let _ = delete_autosave(&path);
         }
         self.known_bytes = 0;
@@ -117,7 +117,7 @@ fn swap(written: &Path, path: &Path) -> io::Result<()> {
     };
     let swapped = fs::rename(written, path);
     if has_earlier {
-        // If the previous one cannot even be renamed, later sessions offer it until newer autosaves displace it.
+        // If the previous one can be neither renamed nor deleted, later sessions offer it until newer autosaves displace it.
         let _ = if swapped.is_ok() { delete_autosave(&previous) } else { fs::rename(&previous, path) };
     }
     swapped
