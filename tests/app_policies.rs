@@ -340,6 +340,18 @@ fn a_classical_drivers_file_is_opened_like_a_policy() {
     assert_eq!(driver(&app, 1).0, "A* and pure pursuit", "a driver is also opened by its name");
 }
 
+#[test]
+fn a_shipped_policy_is_opened_by_its_name_with_and_without_a_map() {
+    let mut app = HeadlessApp::new(StartOptions { paused: true, ..StartOptions::default() });
+    frame(&mut app);
+    for (name, class) in [("general", "Trained in General, new here"), ("general+map", "Class B: builds a map")] {
+        app.command(Command::Open(name.into()));
+        frame(&mut app);
+        assert_eq!(app.error_notices(), Vec::<String>::new());
+        assert_eq!(driver(&app, 1), (name.into(), class.into()));
+    }
+}
+
 /// Writes a preset with observations by sectors and relative actions. Returns its path.
 fn write_general_preset(folder: &Path) -> String {
     let path = folder.join("general.ron");

@@ -26,7 +26,7 @@ use crate::scenario::read_text;
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Options of the app")]
 pub struct WindowArgs {
-    /// Open a policy, a run folder, a scenario, a preset or a classical driver
+    /// Open a policy or a classical driver (a file, or a shipped one by name), a run folder, a scenario or a preset
     #[arg(long, value_name = "PATH")]
     open: Option<PathBuf>,
 

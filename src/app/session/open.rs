@@ -88,8 +88,11 @@ pub(super) fn open(world: &mut World, path: &Path) -> Result<String, RunError> {
     if let Some(policy) = name.strip_suffix(WITH_MAP)
         && !path_exists(path)
     {
-        let policy = policy_card::read(&path.with_file_name(policy))?;
+        let policy = read_policy(&path.with_file_name(policy))?;
         return compare_with_map(world, &name, policy);
+    }
+    if let Some(policy) = shipped_policy(path) {
+        return open_policy(world, path, policy.clone());
     }
     match path.extension().and_then(|extension| extension.to_str()) {
         Some("bin") => {
@@ -100,14 +103,7 @@ pub(super) fn open(world: &mut World, path: &Path) -> Result<String, RunError> {
                 )?;
             resume(world, path, folder)
         }
-        Some("safetensors") => {
-            let policy = policy_card::read(path)?;
-            let config = &world.resource::<TrainingRun>().config;
-            check_can_drive(config, &path.display().to_string(), &policy)?;
-            let text = format!("{name} drives next to the tested policy");
-            compare_with(world, (name, policy))?;
-            Ok(text)
-        }
+        Some("safetensors") => open_policy(world, path, policy_card::read(path)?),
         Some("ron") => open_ron(world, path),
         Some(_) if crate::import::is_map_or_world(path) => open_map_or_world(world, path),
         Some(_) if crate::import::is_image(path) => {
@@ -122,6 +118,27 @@ pub(super) fn open(world: &mut World, path: &Path) -> Result<String, RunError> {
         None if !path_exists(path) && DriverConfig::shipped(&name).is_some() => open_driver(world, &name),
         _ => Err(RunError::invalid_input(path, format!("cannot be opened\nhelp: open {OPENABLE}"))),
     }
+}
+
+/// The shipped policy with the name `path`, unless there is such a file.
+fn shipped_policy(path: &Path) -> Option<&'static Policy> {
+    let named = shipped::policies().iter().find(|shipped| path == Path::new(shipped.scenario_from));
+    named.filter(|_| !path_exists(path)).map(|shipped| &shipped.policy)
+}
+
+/// Reads the policy in the file at `path`, or the shipped one with this name.
+fn read_policy(path: &Path) -> Result<Policy, RunError> {
+    shipped_policy(path).map_or_else(|| policy_card::read(path), |policy| Ok(policy.clone()))
+}
+
+/// Lets `policy`, which is called `path`, drive next to the tested policy.
+fn open_policy(world: &mut World, path: &Path, policy: Policy) -> Result<String, RunError> {
+    let config = &world.resource::<TrainingRun>().config;
+    check_can_drive(config, &path.display().to_string(), &policy)?;
+    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+    let text = format!("{name} drives next to the tested policy");
+    compare_with(world, (name, policy))?;
+    Ok(text)
 }
 
 /// Whether the text of a file that is not a valid scenario is meant as a preset.
