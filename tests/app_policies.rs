@@ -344,7 +344,9 @@ fn a_classical_drivers_file_is_opened_like_a_policy() {
 fn a_shipped_policy_is_opened_by_its_name_with_and_without_a_map() {
     let mut app = HeadlessApp::new(StartOptions { paused: true, ..StartOptions::default() });
     frame(&mut app);
-    for (name, class) in [("general", "Trained in General, new here"), ("general+map", "Class B: builds a map")] {
+    for (name, class) in
+        [("general", "Trained in General, new here"), ("general+map", "Class B: builds a map")]
+    {
         app.command(Command::Open(name.into()));
         frame(&mut app);
         assert_eq!(app.error_notices(), Vec::<String>::new());
