@@ -60,7 +60,7 @@ fn copy_folder(workspace: &Workspace, from: &str, to: &str) {
 /// The arguments of a run that the test of the write points aborts. It starts from a policy, which is one more file to write.
 const ABORTED: &str = "--train --scenario one.ron --preset fast.ron --init init.safetensors --seed 9";
 /// The env steps after which an aborted run, once resumed, is compared with the uninterrupted one. This is more than
-/// the run had to do before the abort, so that there is something to resume even if it is aborted near its end.
+/// the `--steps` of the aborted process, so that there is something to resume even if it is aborted near its end.
 const ENV_STEPS: u32 = 3200;
 
 /// A training process to abort.

@@ -28,8 +28,8 @@ pub enum Loaded {
     Driver(String),
 }
 
-/// Loads the policy or the classical driver `wanted`: a shipped name or a file's path, either with `+map` appended for a policy
-/// with a map, or the RON text of a driver.
+/// Loads the policy or the classical driver `wanted`: a shipped name or a file's path (with `+map` appended for a policy with a
+/// map), or the RON text of a driver.
 #[pyfunction]
 pub fn load_tested(wanted: &str) -> PyResult<Loaded> {
     let driver = match is_text(wanted) {

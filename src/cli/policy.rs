@@ -38,8 +38,8 @@ pub fn is_unknown_name(path: &Path) -> bool {
     is_name && !is_shipped && !path_exists(path) && !path.is_dir()
 }
 
-/// Reads the policy in the file at `path`, or of that shipped name, to be used in `scenario`. Warns on stderr of settings of the
-/// scenario that differ from the policy's card.
+/// Reads the policy in the file at `path`, or the shipped policy of that name, for use in `scenario`. Warns on stderr of settings
+/// of the scenario that differ from the policy's card.
 ///
 /// # Errors
 /// The file cannot be read, or the policy's inputs or actions do not match `scenario`.

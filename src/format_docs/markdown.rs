@@ -10,8 +10,8 @@ use super::schema::{Entry, Group, Section, inner, name};
 /// The longest default in a table, in characters.
 const MAX_DEFAULT: usize = 40;
 
-/// Writes the reference of the format with the types `sections`, the whole file first. `last` is the label of a section that
-/// follows.
+/// The reference of a format. `sections` are its types, beginning with that of the whole file; `last` is the label of a section
+/// that follows.
 pub fn reference(sections: &[Section], read: Read, last: Option<&str>) -> String {
     let mut page = String::from("\n## Contents\n\n");
     for section in sections {

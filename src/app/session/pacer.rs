@@ -27,8 +27,8 @@ const COARSE_TICK: Duration = Duration::from_millis(4);
 /// Factor by which the sums of [`StepCost`] decay per frame.
 const COST_DECAY: f64 = 0.99;
 
-/// Maximum time between two frames, in s, that the simulation catches up with. After a longer one, the window was hidden, or
-/// the system hung. (A software GPU may need 0.2 s per frame.)
+/// Maximum time between two frames, in s, that the simulation catches up with. A longer time means that the window was
+/// hidden or the system hung. (A software GPU may need 0.2 s per frame.)
 const MAX_FRAME_S: f64 = 0.25;
 
 /// The state of simulated time.

@@ -12,7 +12,7 @@
 //! | then 4 | direction of the goal (cosine and sine of its bearing), the nearness of its edge, and a quarter of ln(1 + the distance to its edge) |
 //! | then 2 | the robot's speed and turning rate, in units of its highest |
 //! | then 2 | the longest distance that the robot drives in a control step, in units of the robot, and its largest turn in a control step, in rad |
-//! | then 1 | nearness of a collision if the robot waits, at the distance that it would drive until then at its highest speed; 0 if nothing hits it. Absent without predicted paths |
+//! | then 1 | how soon something hits the robot if it waits: the nearness of the distance that it could drive until then at its highest speed; 0 if nothing hits it. Absent without predicted paths |
 //!
 //! The nearness of a thing x units away from the body is 1 / (1 + x / 2).
 
@@ -27,7 +27,7 @@ const COUNT: RangeInclusive<u16> = 4..=360;
 const MAX_EARLIER_STEPS: u8 = 20;
 /// The distance at which the nearness is one half, in units of the robot.
 const HALF_NEARNESS: f32 = 2.0;
-/// The number of columns after the sectors, without that of waiting.
+/// The number of columns after those of the sectors, without the one for waiting.
 pub(super) const OTHER_COLUMNS: usize = 8;
 
 /// The layout of an observation by sectors.
@@ -39,8 +39,8 @@ pub struct SectorLayout {
     pub earlier_steps: u8,
     /// Whether there is a column for each sector's free path.
     pub free_paths: bool,
-    /// Whether there is a column for each sector's free path if moving things keep their speeds and turning rates, and one
-    /// for waiting. They need an earlier scan.
+    /// Whether there is a column for each sector's predicted path (the free path if moving things keep their speeds and
+    /// turning rates), and one for waiting. They need an earlier scan.
     pub predicted_paths: bool,
 }
 
@@ -194,8 +194,8 @@ impl BodyScale {
     }
 }
 
-/// The sectors of each beam: the one that it points into, and each sector that no beam points into if, of all beams, this one
-/// is the nearest to the sector's centre and less than the angle between neighbouring beams away from it.
+/// The sectors of each beam: the one that it points into, and others that no beam points into. Such a sector belongs to the beam
+/// nearest to its centre, if that beam is less than the angle between neighbouring beams away.
 pub(super) fn sectors_of_beams(layout: SectorLayout, lidar: &LidarBeams) -> Vec<Vec<usize>> {
     let count = usize::from(layout.count);
     let per_sector = TAU / count as f32;
