@@ -24,7 +24,7 @@ const MAX_EMPTY: u32 = 1_000;
 pub struct ScreenshotRequest {
     /// The PNG file.
     pub file: PathBuf,
-    /// Control steps of the training before the screenshot.
+    /// Number of control steps (of all arenas together, one each) that the training takes before the screenshot.
     pub after_steps: u64,
 }
 

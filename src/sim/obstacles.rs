@@ -25,7 +25,7 @@ type Advanced = (
     &'static mut RapierRigidBodySet,
 );
 
-/// `Actuate`: advances the clock and the pedestrians, and sets the pose of every moving obstacle after this step.
+/// Set `Actuate` of a control step: advances the clock and the pedestrians, and sets the pose of every moving obstacle after this step.
 pub(super) fn advance(mut arenas: Query<Advanced>) {
     for (mut clock, mut pedestrians, layout, bodies, pose, twist, episode, mut set) in &mut arenas {
         if episode.inactive {
@@ -46,8 +46,8 @@ pub(super) fn advance(mut arenas: Query<Advanced>) {
     }
 }
 
-/// `Place`: places the generated obstacles of a new episode. Also places the moving obstacles if the clock was set, there are
-/// pedestrians, or speeds may have changed.
+/// Set `Place` of a reset: places the generated obstacles of a new episode. Places the moving obstacles, too, if the reset has set
+/// the clock, or if a new episode begins and there are pedestrians, or obstacles whose speeds may have changed.
 pub(super) fn place(
     mut arenas: Query<(
         &Clock,

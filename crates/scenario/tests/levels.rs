@@ -210,7 +210,8 @@ fn an_automaton_fills_the_given_fraction_of_the_cells() {
     let circles = |seed| level(&generator(text), seed).obstacles.len();
     let counts: Vec<usize> = (0..SEEDS).map(circles).collect();
     let mean = counts.iter().sum::<usize>() as f32 / SEEDS as f32;
-    assert!((mean / 1_500.0 - 0.03).abs() < 0.002, "{mean} of 1,500 cells between the free strips");
+    // Of the 50 x 50 cells, 10 rows at the start and 10 at the goal are free: the default `margin_m` of `Across` is 1 m.
+    assert!((mean / 1_500.0 - 0.03).abs() < 0.002, "{mean} of 1,500 cells");
 }
 
 #[test]
@@ -269,8 +270,8 @@ fn an_invalid_generator_is_reported_with_line_and_fix() {
         ("(name: \"a\", route: Across(margin_m: 3.0))", "a third of the smallest height"),
         (
             "(name: \"a\", gap_m: 0.5, height_m: (2.0, 6.0), route: Across())",
-            "`height_m` can be as small as 2 m, so no margin_m of route is at least twice gap_m and at most a third of \
-             the height: write a minimum of more than 3.00 m, or a smaller gap_m",
+            "`height_m` can be as small as 2 m, too small for a route: its margin_m must be at least twice gap_m and at most a \
+             third of the height; write a smallest height of more than 3.00 m, or a smaller gap_m",
         ),
         (
             "(name: \"a\", gap_m: 0.442, height_m: (2.0, 6.0), route: Across())",
@@ -365,7 +366,8 @@ fn obstacles_on_orbits_drive_one_after_the_other_around_a_common_centre() {
 
 #[test]
 fn a_circle_has_no_more_obstacles_than_fit_without_overlap() {
-    // The jitter leaves at least 0.4 of the even spacing: 0.4 x 2 pi / n >= 2 asin(0.1 / 0.3) gives n = 3 of the 20.
+    // Random shifts leave at least 0.4 of the even spacing of n obstacles, which is 2 pi / n. Neighbours with a radius of 0.1 m on a
+    // circle with a radius of 0.3 m overlap if they are less than 2 asin(0.1 / 0.3) apart, so at most 3 fit.
     for (radius_m, most) in [("0.1", 3), ("0.3", 1), ("0.5", 1)] {
         let text = format!(
             "(name: \"a\", traffic: [Orbits(circles: (1, 1), count: (20, 20), radius_m: ({radius_m}, {radius_m}), orbit_m: (0.3, 0.3))])"
@@ -540,7 +542,7 @@ proptest! {
                 prop_assert!(found.is_empty(), "{:?}", found);
                 prop_assert_eq!(generator.level(seed), Ok(level));
             }
-            // A generator without obstacles has levels for every seed.
+            // A generator fails only if its obstacles do not fit, so only if it has any.
             Err(problem) => {
                 let LevelGenerator { wall_layouts, clutter, traffic, .. } = &generator;
                 prop_assert!(!(wall_layouts.is_empty() && clutter.is_empty() && traffic.is_empty()), "{problem}");

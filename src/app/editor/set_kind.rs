@@ -1,5 +1,5 @@
-//! Changing the kind of a motion, a start or goal rule, or the enclosure, with new values that fit the scenario. If both kinds
-//! have them, a motion's path and speed, and a rule's clearance and first position are kept.
+//! Changing the kind of a motion, a start or goal rule, or the enclosure, with new values that fit the scenario. A motion keeps
+//! its path and speed, and a rule its clearance and first position, if the new kind has them, too.
 
 use bevy::math::{Vec2, vec2};
 

@@ -13,7 +13,8 @@ use crate::scenario::{OdometryDrift, Ranged, Robot, Scenario, Slip, field_names}
 /// The maximum number of differences in a warning.
 const MAX_LISTED: usize = 12;
 
-/// Checks that no action of `policy` is reversed in `scenario`, or has another index.
+/// Checks that every action of `policy` means the same motion in `scenario`: none is reversed, and none has another index. The
+/// actions are those that the policy's card (the description in its file) lists.
 ///
 /// # Errors
 /// The first such action, as the card and as the scenario have it.

@@ -91,8 +91,8 @@ fn check_sizes(generator: &LevelGenerator, diagnostics: &mut Diagnostics) {
             let (least, most) = (2.0 * generator.gap_m, height_m.0 / 3.0);
             if least > most {
                 let message = format!(
-                    "can be as small as {} m, so no margin_m of route is at least twice gap_m and at most a third of the \
-                     height: write a minimum of more than {} m, or a smaller gap_m",
+                    "can be as small as {} m, too small for a route: its margin_m must be at least twice gap_m and at most a \
+                     third of the height; write a smallest height of more than {} m, or a smaller gap_m",
                     height_m.0,
                     rounded_up(f64::from(3.0 * least), 2)
                 );

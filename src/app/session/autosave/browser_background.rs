@@ -5,7 +5,7 @@ use super::slot::Slot;
 use crate::app::session::run_snapshot::RunSnapshot;
 use crate::run::RunError;
 
-/// The slot, and whether the autosave was stored.
+/// The slot (the place where this session's autosave is kept), and whether the autosave was stored.
 pub(super) type Written = (Slot, Result<(), RunError>);
 
 /// An autosave that is being stored.
@@ -22,8 +22,8 @@ impl Writing {
         Self { slot, failed }
     }
 
-    /// The slot and the result, or `self` if the page has not stored the autosave yet. The app cannot block until then, so
-    /// with `wait`, success is assumed.
+    /// The slot and the result, or `self` if the page has not stored the autosave yet. Natively, `wait` makes the caller wait for
+    /// the result. In a browser nothing can wait, so with `wait` success is assumed.
     pub(super) fn poll(self, wait: bool) -> Result<Written, Self> {
         let Self { slot, failed } = self;
         match failed.map(Err).or_else(sessions::take_stored).or(wait.then_some(Ok(()))) {
