@@ -162,7 +162,7 @@ pub struct PlannerParameters {
     pub margin: f32,
     /// Control steps between two plans, 1 to 1,000.
     pub replan_steps: u32,
-    /// How far ahead on the path the point to steer for is, 0.1 to 100 keep-out distances.
+    /// Distance along the path to the point to steer for, 0.1 to 100 keep-out distances.
     pub lookahead: f32,
     /// The dynamic window approach.
     pub dwa: DwaParameters,
@@ -185,7 +185,7 @@ pub struct AstarParameters {
     pub margin: f32,
     /// Control steps between two plans, 1 to 1,000.
     pub replan_steps: u32,
-    /// How far ahead on the path the point to pursue is, 0.1 to 100 keep-out distances.
+    /// Distance along the path to the point to pursue, 0.1 to 100 keep-out distances.
     pub lookahead: f32,
 }
 
