@@ -45,8 +45,8 @@ fn assert_near(lab: &mut Lab, (x, y, heading): (f32, f32, f32), (v, w): (f32, f3
 
 #[test]
 fn two_steps_match_a_calculation_by_hand() {
-    // T = 0.2 s, tau = 0.3 s. The remaining difference is e^(-2/3) = 0.5134171 at a step's end, and on average over the step
-    // 1.5 (1 - 0.5134171) = 0.7298743.
+    // T = 0.2 s, tau = 0.3 s. Of the difference from the commanded motion, e^(-2/3) = 0.5134171 remains at a step's end, and
+    // 1.5 (1 - 0.5134171) = 0.7298743 on average over the step.
     let mut lab = facing(&lagging(), 50.0, TaskMode::Continuing);
     // From rest, commanded (0.15, 1.5). Mean: 0.15 x 0.2701257 = 0.04051885 m/s and 0.4051885 rad/s, so an arc of radius
     // 0.1 m over 0.0810377 rad: x = 0.1 sin, y = 0.1 (1 - cos). At its end: 0.15 x 0.4865829 and 1.5 x 0.4865829.

@@ -30,7 +30,7 @@ pub struct ReportFolder {
     earlier_s: f64,
     /// Wall time of all shards, in s; 0 if this process works on a shard.
     of_shards_s: f64,
-    /// What the report in the folder is made of, if there is a full one.
+    /// What the full report in the folder is made of; `None` if there is none.
     shown: Option<ReportContents>,
     /// What the report to be written is made of.
     contents: ReportContents,
@@ -79,7 +79,7 @@ impl ReportFolder {
         let of_shards_s = if shard.is_none() { shards_wall_s(path) } else { 0.0 };
         let path = path.to_path_buf();
         let folder = Self { path, spent, earlier_s, of_shards_s, shown, contents, _locks: locks };
-        // This file marks the folder as a report's, also for a process that is started from now on.
+        // From now on, this file tells other processes that the folder is a report's.
         folder.write_spent(earlier_s).map_err(unwritable)?;
         fs::create_dir_all(folder.join("runs")).map_err(unwritable)?;
         Ok(folder)
@@ -90,8 +90,8 @@ impl ReportFolder {
         self.path.join(name)
     }
 
-    /// Writes the wall time that this process, which started at `began`, and earlier ones have spent. Returns it with that of
-    /// the shards, in s.
+    /// Writes the wall time that this process, which started at `began`, and earlier ones have spent. Returns the
+    /// sum of this time and that of the shards, in s.
     ///
     /// # Errors
     /// The file cannot be written.

@@ -1,4 +1,4 @@
-//! The observations of all arenas, and their layout: eq. (8) or sectors, then the readings of plugins' sensors.
+//! The observations of all arenas, and their layout: eq. (8) of the paper or sectors, then the readings of plugins' sensors.
 //!
 //! In: a scan, a pose, a goal, and the readings of plugins' sensors. Out: one row of [`Observations`] per arena. The numbers
 //! of the [`Encoding`] come first ([`wayfield_policy::observation`] lists them); each slice that a plugin has reserved in
@@ -231,12 +231,12 @@ impl ScanMemory {
         self.sectors.as_deref()
     }
 
-    /// What it remembers, for checkpoints.
+    /// What the observer remembers, for checkpoints.
     pub(crate) fn observer_memory(&self) -> ObserverMemory {
         self.sectors.as_ref().map(|sectors| sectors.memory().clone()).unwrap_or_default()
     }
 
-    /// Restores what a checkpoint has stored, which fits the `encoding`.
+    /// Restores what the observer remembered when a checkpoint was written. It must fit `encoding`.
     pub(crate) fn restore(
         &mut self,
         encoding: Encoding,

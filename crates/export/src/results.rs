@@ -35,8 +35,8 @@ impl EvalResults {
     /// Parses the results of a test in `json` (UTF-8), which must be those of `policy`.
     ///
     /// # Errors
-    /// `json` is not such an object, a number is out of range, or the results are those of another policy or of the policy with a
-    /// map.
+    /// `json` is not an object with these fields, a number is out of range, or the results are those of another policy or of the
+    /// policy with a map.
     pub fn parse(json: &[u8], policy: &Policy) -> Result<Self, ExportError> {
         let results: Self =
             serde_json::from_slice(json).map_err(|error| ExportError::Results(error.to_string()))?;

@@ -80,8 +80,8 @@ pub struct Learner {
     /// The largest |scaled reward| of an env step so far. In a learner restored from a checkpoint it starts at the largest
     /// |n-step return| of the stored transitions.
     pub(crate) largest_reward: f32,
-    /// A counter, at least 0, that a gradient step with Q-values above the return bound raises by 1, and that any other
-    /// gradient step lowers by 1.
+    /// A counter: each gradient step with Q-values above the return bound adds 1, and every other gradient step subtracts 1,
+    /// down to 0.
     steps_over_bound: u32,
     /// The stream that chooses the transitions to mirror; `None` without mirror augmentation.
     pub(crate) mirror_stream: Option<Stream>,
@@ -152,11 +152,11 @@ impl Learner {
         })
     }
 
-    /// Sets the mirror image of observations and actions. Call it before [`Learner::train`] if the config has `mirror`; otherwise
-    /// it has no effect.
+    /// Sets the mirror image of observations and actions. Call it before [`Learner::train`] if the config has `mirror`; without
+    /// `mirror` in the config, it has no effect.
     ///
     /// # Errors
-    /// `mirror` is for another number of inputs or actions than the learner's.
+    /// `mirror` has a different number of inputs or actions from the learner.
     pub fn set_mirror(&mut self, mirror: Mirror) -> Result<(), MirrorError> {
         let expected = (self.online.shape().inputs, self.online.shape().actions);
         if mirror.size() != expected {
@@ -272,8 +272,8 @@ impl Learner {
         &self.target
     }
 
-    /// Loads `policy`'s weights into both networks and resets the optimizer (knowledge transfer, section 3.2). `epsilon` (0
-    /// to 1; the paper: 0.5) replaces the initial epsilon of the exploration schedule.
+    /// Loads `policy`'s weights into both networks and resets the optimizer (knowledge transfer, section 3.2 of the
+    /// paper). `epsilon` (0 to 1; 0.5 in the paper) replaces the initial epsilon of the exploration schedule.
     ///
     /// # Errors
     /// The policy's network has another shape, one of its weights is not finite, or `epsilon` is out of range.

@@ -67,8 +67,8 @@ impl Editor {
         self.drag.as_ref().map(|drag| drag.kind)
     }
 
-    /// Removes the corner, waypoint or position of a handle of the selected item. Returns false if the handle belongs
-    /// to none of these or too few would remain.
+    /// Removes the corner, the waypoint, or the start or goal position at a handle of the selected item. Returns false if
+    /// the handle is at none of these or too few would remain.
     pub fn remove_handle(&mut self, kind: HandleKind) -> bool {
         // The end of a drag changes the revision too.
         self.end_drag();

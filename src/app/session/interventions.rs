@@ -122,7 +122,7 @@ fn move_obstacle(world: &mut World, index: usize, position_m: Vec2) {
     if changed.generators.is_empty() {
         sim::change_scenario(world, &changed);
     } else {
-        // Generated obstacles would be drawn elsewhere, perhaps on a robot: every arena begins a new episode.
+        // Generated obstacles would get other positions, perhaps on a robot: every arena begins a new episode.
         sim::reset_with_scenario(world, &changed);
     }
 }

@@ -88,8 +88,8 @@ impl fmt::Display for RunNote {
     }
 }
 
-/// The questionable settings of a run: of its scenario (the first one of a set), then of its preset, with the longest time
-/// limit of a set and the initial epsilon of the transfer, if it sets one.
+/// The questionable settings of a run: first those of its scenario (for a set, of the first one), then those of its preset,
+/// which is checked with the longest time limit of the set and the initial epsilon of the transfer, if there are any.
 #[must_use]
 pub fn run_notes(config: &RunConfig) -> Vec<RunNote> {
     let of = |file: &String, notes: Vec<Note>| {

@@ -8,7 +8,7 @@ use super::event::{self, FRAME_BYTES};
 use super::files;
 use crate::run::write_points::write_point;
 
-/// Cuts each event file in `dir` back at the first point for which `is_kept` (of tag and step) is false, or at the first damaged
+/// Cuts each event file in `dir` back at the first point for which `is_kept(tag, step)` is false, or at the first damaged
 /// record. A file without remaining points is deleted. Returns the latest wall time of the points that remain, in s since 1970;
 /// 0 if there are none.
 ///
