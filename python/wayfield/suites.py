@@ -18,13 +18,13 @@ class FamilyEvaluation:
         scenarios, episodes: The number of scenarios, and of the episodes in all of them.
         success_rate, collision_rate, timeout_rate: Fractions of the episodes, 0 to 1.
         success_interval, collision_interval, timeout_interval: Their 95 % confidence intervals.
-        rounds: The success rate over the first episode of every scenario, over the second, and so on.
+        rounds: Success rates: over the first episode of each scenario, over the second of each, and so on.
         mean_time_s: The mean simulated time of the successful episodes in s; None without one.
         spl: The mean success weighted by path length, 0 to 1.
         worst_tenth: The mean success rate in the tenth of the scenarios where it is lowest, 0 to 1.
         barn_score: The mean score of the BARN Challenge, 0 to 0.5; None if the family has none.
-        optimum_episodes, time_ratio: With ``optimum=True``, the number of successful episodes in which the planner found a
-            path, and their time divided by the planner's; else 0 and None.
+        optimum_episodes: With ``optimum=True``, the number of successful episodes in which the planner found a path; else 0.
+        time_ratio: With ``optimum=True``, the total time of these episodes divided by that of the planner's paths; else None.
     """
 
     scenarios: int

@@ -50,7 +50,8 @@ impl Preset {
     fn check_observations(&self, scenario: &Scenario, layout: &ObservationLayout) -> Result<(), String> {
         let (arenas, lidar) = (self.arenas, &scenario.lidar);
         let [_, latency_steps] = lidar.latency_steps.ends();
-        // The current observation and the next; the sensors' readings; the current scan and the delayed ones.
+        // The scan that the robot receives, and the last `latency_steps` + 1 scans. To these are added the current observation, the
+        // next one, and the sensors' readings.
         let scans = (latency_steps as usize + 2) * observation::width(lidar.beams);
         let floats_per_arena = layout
             .width(lidar.beams)
@@ -72,7 +73,7 @@ impl Preset {
     }
 
     /// Number of observations that the learner stores: one per transition in the replay buffer, and those of the transitions that
-    /// are not yet complete. The 1/8 that the replay buffer allocates in addition is not counted.
+    /// are not yet complete. The eighth that the replay buffer allocates beyond its capacity is not counted.
     pub(super) fn stored_states(&self) -> usize {
         self.learning.replay.capacity + self.arenas * (self.learning.n_step + 1)
     }

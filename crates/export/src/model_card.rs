@@ -14,7 +14,7 @@ use crate::{EvalResults, ExportError, TrainedScenario, described};
 pub const MODEL_CARD_MARK: &str =
     "<!-- Written by `wayfield --export`. Delete this line to keep your own changes. -->";
 
-/// The model card of `policy`, which is exported into the file `onnx_file`, as Markdown, with the `results` of tests.
+/// The model card, in Markdown, of a `policy` that is exported into the file `onnx_file`. It includes the `results` of tests.
 ///
 /// # Errors
 /// The policy has no card, or its scenario is unreadable.
@@ -81,8 +81,8 @@ fn metric(kind: &str, value: f64, name: &str) -> Value {
     json!({"type": kind, "value": value, "name": name, "verified": false})
 }
 
-/// JSON in which all characters beyond ASCII are escaped, because YAML forbids some of them. The escapes are YAML's: it does not
-/// combine JSON's surrogate pairs.
+/// JSON in which all characters beyond ASCII are escaped, because YAML forbids some of them. The escapes are those of YAML, which
+/// has one for every character; it would not combine JSON's surrogate pairs.
 fn ascii(value: &Value) -> String {
     let mut text = String::new();
     for c in value.to_string().chars() {

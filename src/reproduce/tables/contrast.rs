@@ -1,4 +1,5 @@
-//! Tables of one arm against another, by condition and amount of training.
+//! Tables that compare one arm of an experiment (a training setup) with another, by condition (a change of the scenario) and
+//! amount of training.
 
 use super::parts::{TableParts, mean_cell, number_column, text_column};
 use crate::report::table::{Cell, Column};

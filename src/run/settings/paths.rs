@@ -1,4 +1,4 @@
-//! The paths of a preset's and a scenario's fields, to complete a path that lacks its beginning.
+//! The paths of the fields of presets and scenarios, to complete a path that lacks its beginning: `gamma` to `learning.gamma`.
 
 use serde_json::Value;
 

@@ -9,16 +9,16 @@ use crate::run::progress::print_stderr;
 /// The number of SIGINT on Unix. Here, too, it determines the exit status after a Ctrl-C.
 const SIGINT: usize = 2;
 
-/// Does nothing: only on Unix do the limits of a process cause signals.
+/// Does nothing. On Unix, a process gets signals when it exceeds its limits, such as that of file sizes; here it does not.
 pub fn survive_limits() {}
 
-/// Does nothing: without a handler, a Ctrl-C ends the process anyway.
+/// Does nothing, because a Ctrl-C ends the process unless there is a handler.
 pub fn exit_on_signal() {}
 
 /// Installs the handler. A second Ctrl-C ends the process at once.
 pub fn stop_on_signal(announcement: &'static str) -> io::Result<()> {
     let handler = move || {
-        // Before `STOP`, because the code that sees the stop flag set then reads `FIRST`.
+        // `FIRST` is set before `STOP`, because whoever sees `STOP` set reads `FIRST`.
         if FIRST.swap(SIGINT, Ordering::SeqCst) != 0 {
             std::process::exit(128 + SIGINT as i32);
         }

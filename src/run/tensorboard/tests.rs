@@ -123,7 +123,11 @@ fn no_event_is_earlier_than_the_events_before_it() {
     let mut writer = EventWriter::create(dir.path(), 5e9).expect("a new file");
     writer.scalar("loss", 1, 0.0).expect("a scalar");
     writer.flush().expect("flushed");
-    assert_eq!(cut_back(dir.path(), |_, _| true).expect("read"), 5e9, "the clock shows an earlier time");
+    assert_eq!(
+        cut_back(dir.path(), |_, _| true).expect("read"),
+        5e9,
+        "although the clock shows an earlier time"
+    );
 }
 
 /// Creates an event file with a point of "a" and one of "b" at each step in `steps`.
@@ -152,7 +156,7 @@ fn files_are_cut_back_to_the_points_that_are_kept() {
     std::fs::write(&unrelated, "of another program").expect("written");
     let before = std::fs::read(&first).expect("the file");
 
-    // A curve can be behind another one.
+    // One curve may have to end earlier than another.
     cut_back(dir.path(), |tag, step| step <= if tag == "b" { 149 } else { 150 }).expect("cut");
     assert_eq!(std::fs::read(&first).expect("the file"), before, "a file with kept points only is unchanged");
     let kept = points(&second);

@@ -1,4 +1,4 @@
-//! The network's inputs on a card: quantity, unit, divisor and angle of each.
+//! The network's inputs on a policy's card, the description in its file: quantity, unit, divisor and angle of each.
 
 use serde::{Deserialize, Serialize};
 
