@@ -275,7 +275,7 @@ fn an_invalid_generator_is_reported_with_line_and_fix() {
         ),
         (
             "(name: \"a\", gap_m: 0.442, height_m: (2.0, 6.0), route: Across())",
-            "write a minimum of more than 2.66 m, or a smaller gap_m",
+            "write a smallest height of more than 2.66 m, or a smaller gap_m",
         ),
         (
             "(name: \"a\", width_m: (9.0, 100.0), height_m: (9.0, 100.0), route: Random(clearance_m: 0.1925))",
