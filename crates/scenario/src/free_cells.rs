@@ -105,8 +105,8 @@ impl FreeCells {
         self.cells[cell] == Cell::Free
     }
 
-    /// Whether the straight line from `from` to `to` leads through free cells, checked at points at most a cell apart. `to` must be
-    /// in a free cell. What is in the cell of `from` does not matter.
+    /// Whether the straight line from `from` to `to` leads through free cells, checked at points at most a cell apart. `to` must
+    /// be in a free cell. What is in the cell of `from` does not matter.
     pub(super) fn sees(&self, from: Vec2, to: Vec2) -> bool {
         let line = to - from;
         let parts = line.abs().max_element().ceil();
