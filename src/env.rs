@@ -281,7 +281,7 @@ impl VecEnv {
     ) -> Result<&[f32], VecEnvError> {
         let world = self.simulation.world_mut();
         world.insert_resource(TaskFault::default());
-        // A step that failed has left its messages.
+        // A failed step may leave its messages behind.
         world.resource_mut::<Messages<EpisodeEnded>>().clear();
         if let Some(seed) = seed {
             sim::seed_scenarios(world, seed, &selected);
@@ -294,8 +294,8 @@ impl VecEnv {
                 (None, _) => (PendingReset::Episode, None),
             })
         });
-        let ended = self.pending.iter_mut().enumerate().filter(|(env, _)| selected(*env));
-        ended.for_each(|(_, pending)| *pending = PendingReset::None);
+        let restarted = self.pending.iter_mut().enumerate().filter(|(env, _)| selected(*env));
+        restarted.for_each(|(_, pending)| *pending = PendingReset::None);
         self.check_fault()?;
         Ok(self.observations())
     }

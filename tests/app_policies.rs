@@ -259,7 +259,7 @@ fn the_users_robot_keeps_its_motion_when_its_demo_starts_again() {
 }
 
 #[test]
-fn a_policy_drives_next_to_itself_with_a_map_that_is_shown() {
+fn a_policy_with_a_map_drives_next_to_the_current_one_and_its_map_is_shown() {
     let start = StartOptions { scenario: "u-trap".into(), paused: true, ..StartOptions::default() };
     let mut app = HeadlessApp::new(start);
     frame(&mut app);

@@ -47,15 +47,15 @@ fn train_from_opened(app: &mut HeadlessApp) {
     execute(app, Command::Transfer { policy: PolicySource::Opened, scenario, preset, seed: 1, epsilon: 0.5 });
 }
 
-/// The warnings and errors.
-fn all_notices(app: &HeadlessApp) -> Vec<String> {
-    let lasting = app.notices().into_iter().filter(|notice| notice.severity != Severity::Info);
-    lasting.map(|notice| notice.text).collect()
+/// The texts of the warnings and errors.
+fn warnings_and_errors(app: &HeadlessApp) -> Vec<String> {
+    let serious = app.notices().into_iter().filter(|notice| notice.severity != Severity::Info);
+    serious.map(|notice| notice.text).collect()
 }
 
-/// The warnings and errors with `words`.
+/// The warnings and errors that contain `words`.
 fn notices(app: &HeadlessApp, words: &str) -> Vec<String> {
-    all_notices(app).into_iter().filter(|text| text.contains(words)).collect()
+    warnings_and_errors(app).into_iter().filter(|text| text.contains(words)).collect()
 }
 
 const RANGE: &str = "\n  LIDAR range: 3.5 m on its card, 0.9 m here";
@@ -75,8 +75,8 @@ fn a_comparison_with_a_policy_of_another_lidar_lists_both_values() {
 
     // The same policy as the start of a training run.
     train_from_opened(&mut app);
-    assert!(app.run().initial_policy.is_some(), "{:?}", all_notices(&app));
-    assert_eq!(notices(&app, RANGE).len(), 1, "{:?}", all_notices(&app));
+    assert!(app.run().initial_policy.is_some(), "{:?}", warnings_and_errors(&app));
+    assert_eq!(notices(&app, RANGE).len(), 1, "{:?}", warnings_and_errors(&app));
 }
 
 #[test]
@@ -95,7 +95,7 @@ fn a_policy_whose_actions_are_mirrored_here_does_not_drive() {
     let mut app = app(folder.path(), &format!("robot: (motions: [{motions}])"));
     execute(&mut app, Command::Open(policy()));
     let errors = notices(&app, "action 0 is 0.15 m/s 1.5 rad/s, but in \"Mine\" it is 0.15 m/s -1.5 rad/s");
-    assert_eq!(errors.len(), 1, "{:?}", all_notices(&app));
+    assert_eq!(errors.len(), 1, "{:?}", warnings_and_errors(&app));
     assert!(app.opened_files().policy.is_none(), "nothing was opened");
 }
 
@@ -106,6 +106,6 @@ fn a_policy_of_the_same_robot_and_lidar_gives_no_warning() {
     execute(&mut app, Command::Open(policy()));
     assert_eq!(notices(&app, "scenario-1.safetensors"), [""; 0]);
     train_from_opened(&mut app);
-    assert!(app.run().initial_policy.is_some(), "{:?}", all_notices(&app));
+    assert!(app.run().initial_policy.is_some(), "{:?}", warnings_and_errors(&app));
     assert_eq!(notices(&app, "scenario-1.safetensors"), [""; 0]);
 }

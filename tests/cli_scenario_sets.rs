@@ -78,7 +78,7 @@ fn a_run_that_draws_levels_by_progress_resumes_bit_identically() {
     workspace.run_ok(&format!("{train} 9000 --preset fast.ron --out uniform"));
     let episodes = |run: &str| workspace.text(&format!("{run}/episodes.csv")).lines().count();
     assert_ne!(episodes("straight"), episodes("uniform"), "other levels, other episodes");
-    // The levels of evaluations are not drawn by progress: the first evaluation is that of the same initial policy.
+    // Evaluations do not draw their levels by progress, and the first one tests the same initial policy in both runs.
     let first = |run: &str| workspace.rows(&format!("{run}/evaluations.csv"))[0]["mean_cost_s"].clone();
     assert_eq!(first("straight"), first("uniform"));
 }
@@ -269,7 +269,7 @@ fn scenarios_that_need_different_policies_are_rejected_with_all_differing_fields
     ];
     workspace.write("bad.ron", set);
     let trained = workspace.run("--train --scenario bad.ron --out run");
-    // It is valid for a policy that observes by sectors.
+    // The set is valid for a policy with sector observations.
     let checked = workspace.run("--check bad.ron");
     assert_eq!((trained.status, checked.status), (Some(2), Some(0)));
     let text = trained.stderr;
@@ -307,7 +307,7 @@ fn an_invalid_entry_of_a_set_is_reported_with_line_and_fix() {
 }
 
 #[test]
-fn modes_for_one_scenario_name_those_of_a_set() {
+fn a_mode_for_one_scenario_rejects_a_set_and_names_its_scenarios() {
     let workspace = workspace();
     workspace.run_ok("--check set.ron");
     let done = workspace.run("--draw set.svg --plain --scenario set.ron");

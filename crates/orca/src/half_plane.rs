@@ -23,7 +23,7 @@ impl HalfPlane {
     }
 
     /// The velocities with which `agent` does not come within its radius of `point_m` before `horizon_s`.
-    pub(super) fn before_point(agent: &Disc, point_m: Vec2, horizon_s: f32) -> Self {
+    pub(super) fn avoiding_point(agent: &Disc, point_m: Vec2, horizon_s: f32) -> Self {
         let to_point = point_m - agent.at_m;
         let distance_m = to_point.length();
         let normal = if distance_m > 0.0 { -to_point / distance_m } else { Vec2::X };
@@ -32,7 +32,7 @@ impl HalfPlane {
 
     /// The velocities with which `agent` does its share of avoiding `other` (section 4 of van den Berg et al.): u is the smallest
     /// change of the relative velocity that leads out of the velocity obstacle.
-    pub(super) fn beside_disc(agent: &Disc, other: &Disc, avoidance: &Avoidance) -> Self {
+    pub(super) fn avoiding_disc(agent: &Disc, other: &Disc, avoidance: &Avoidance) -> Self {
         let position = other.at_m - agent.at_m;
         let velocity = agent.velocity_m_s - other.velocity_m_s;
         let radius = agent.radius_m + other.radius_m;
@@ -119,7 +119,8 @@ impl Objective {
     }
 }
 
-/// The best velocity in all `planes`; or the index of the first plane that leaves none, with the best velocity in those before.
+/// The best velocity in all `planes`. If there is none: the index of the first plane that leaves none, and the best velocity in
+/// the planes before it.
 fn solve(planes: &[HalfPlane], max_speed: f32, objective: Objective) -> Result<Vec2, (usize, Vec2)> {
     let mut velocity = objective.unconstrained(max_speed);
     for (index, plane) in planes.iter().enumerate() {
@@ -142,7 +143,7 @@ pub(super) fn best_velocity(planes: &[HalfPlane], fixed: usize, wanted: Vec2, ma
         if plane.violation(velocity) <= worst {
             continue;
         }
-        // Replaces each earlier plane of a disc by the velocities that violate it at most as much as `plane`.
+        // Replaces each earlier plane of a disc by the velocities that violate it no more than they violate `plane`.
         let mut projected = planes[..fixed.min(index)].to_vec();
         projected.extend(planes[fixed.min(index)..index].iter().filter_map(|other| plane.worse_than(other)));
         let inwards = plane.direction.perp();
@@ -155,7 +156,7 @@ pub(super) fn best_velocity(planes: &[HalfPlane], fixed: usize, wanted: Vec2, ma
 }
 
 impl HalfPlane {
-    /// The velocities that violate `other` at most as much as this plane; `None` if all do.
+    /// The velocities that violate `other` no more than they violate this plane; `None` if all do.
     fn worse_than(&self, other: &Self) -> Option<Self> {
         let determinant = self.direction.perp_dot(other.direction);
         let point = if determinant.abs() > PARALLEL {

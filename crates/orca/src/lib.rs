@@ -72,8 +72,8 @@ pub fn avoiding_velocity(
     max_speed_m_s: f32,
     avoidance: &Avoidance,
 ) -> Vec2 {
-    let point = |point_m: &Vec2| HalfPlane::before_point(agent, *point_m, avoidance.static_horizon_s);
-    let disc = |other: &Disc| HalfPlane::beside_disc(agent, other, avoidance);
+    let point = |point_m: &Vec2| HalfPlane::avoiding_point(agent, *point_m, avoidance.static_horizon_s);
+    let disc = |other: &Disc| HalfPlane::avoiding_disc(agent, other, avoidance);
     let mut planes: Vec<HalfPlane> = avoidance.points_m.iter().map(point).collect();
     let fixed = planes.len();
     planes.extend(avoidance.discs.iter().map(disc));

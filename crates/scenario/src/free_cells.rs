@@ -105,7 +105,7 @@ impl FreeCells {
         self.cells[cell] == Cell::Free
     }
 
-    /// Whether the straight line from `from` to `to` leads through free cells, at points up to a cell apart. `to` must
+    /// Whether the straight line from `from` to `to` leads through free cells, checked at points at most a cell apart. `to` must
     /// be in a free cell. What is in the cell of `from` does not matter.
     pub(super) fn sees(&self, from: Vec2, to: Vec2) -> bool {
         let line = to - from;

@@ -23,8 +23,8 @@ impl RunFolder {
         rows.map_err(|error| RunError::failed(&self.path.join(name), error))
     }
 
-    /// As [`rows`](Self::rows), of the first `bytes` bytes of the file, and with the further columns of a run over a set of
-    /// scenarios; `scenarios` are their names.
+    /// Like [`rows`](Self::rows), but of the first `bytes` bytes of the file, and with the further columns of a run over a set
+    /// of scenarios. `scenarios` are the names of the scenarios.
     ///
     /// # Errors
     /// As [`rows`](Self::rows).

@@ -17,9 +17,9 @@ use crate::app::view_state::{ThemeChoice, ViewState};
 
 /// The width at which all buttons fit into the upper of two rows, in points.
 const UPPER_ROW: f32 = 348.0;
-/// The width of the lower row without the modes, in points: success rate and two buttons.
+/// The width of the lower row without the mode switch, in points: success rate and two buttons.
 const LOWER_ROW_WITHOUT_MODES: f32 = 134.0;
-/// The natural width of the modes, in points.
+/// The natural width of the mode switch, in points.
 const MODES_WIDTH: f32 = 280.0;
 
 /// Draws the toolbar in one row.
