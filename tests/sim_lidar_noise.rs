@@ -21,7 +21,7 @@ fn ranges(scenario: &Scenario, steps: usize, seed: u64) -> Vec<(f32, f32)> {
         for (arena, state) in lab.states().iter().enumerate() {
             let clean = lab.cast(arena, &state.pose);
             let nearest = clean.iter().copied().fold(f32::INFINITY, f32::min);
-            assert_eq!(state.scan.nearest_m, nearest, "d_o of collisions and rewards has no noise");
+            assert_eq!(state.scan.nearest_m, nearest, "collisions and rewards use ranges without noise");
             pairs.extend(clean.into_iter().zip(state.scan.ranges_m.iter().copied()));
         }
         lab.assert_observations_current("with noisy ranges");
@@ -90,17 +90,18 @@ fn noise_and_dropout_repeat_with_the_seed() {
 
 #[test]
 fn noise_causes_no_collision() {
-    // With noise of 1 m, some beam reads less than l_c in about a third of the scans, although nothing is near.
+    // With noise of 1 m, some beam reads less than the collision range in about a third of the scans, although
+    // nothing is near.
     let mut scenario = with_noise(1.0, 0.0);
     scenario.task.max_episode_steps = 1_000_000;
     let mut lab = Lab::new(&scenario, 1, 1);
     lab.edit(0, |state| state.pose = Pose::default());
-    let mut scans_below_l_c = 0;
+    let mut scans_below = 0;
     for _ in 0..100 {
         lab.step(&[0]);
         assert!(!lab.outcomes()[0].collided, "collisions depend on the true ranges");
         let scan = lab.state(0).scan;
-        scans_below_l_c += usize::from(scan.ranges_m.iter().any(|&range| range < 0.13));
+        scans_below += usize::from(scan.ranges_m.iter().any(|&range| range < 0.13));
     }
-    assert!(scans_below_l_c > 20, "only {scans_below_l_c} scans have a range below l_c");
+    assert!(scans_below > 20, "only {scans_below} scans have a range below the collision range");
 }

@@ -129,7 +129,7 @@ pub(super) fn drive(
     mut commanded: Commanded,
 ) {
     let Some(mut sources) = sources else { return };
-    // The memory of a driver changes in every step, but not what drives.
+    // Drivers update their memory in every step; that does not count as a change of the sources.
     let sources = sources.bypass_change_detection();
     for (arena, layout, (pose, estimate), twist, scan, goal, (clock, pedestrians), episode) in &arenas {
         let estimate = &estimate.0;

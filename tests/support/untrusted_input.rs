@@ -102,7 +102,7 @@ pub fn scenario(bytes: &[u8]) -> bool {
             let layout_seed = bytes.len() as u64;
             let generated = scenario.with_generated_obstacles(layout_seed);
             assert!(generated.obstacles.len() <= scenario.max_obstacles());
-            // There may be no free space for a start and a goal; then it returns an error.
+            // This returns an error if there is no free space for a start and a goal.
             let _ = draw_start_and_goal(&generated, layout_seed, &mut stream(layout_seed, "places", 0));
             true
         }
@@ -214,7 +214,7 @@ fn train_learner(preset: &Preset) {
         }
         assert!((0.0..=1.0).contains(&learner.epsilon()));
         if learner.config().batch_size <= 16 && learner.pending_updates() <= 2 {
-            // It may diverge; then it returns an error.
+            // This returns an error if the training diverges.
             let _ = learner.train().map_err(|diverged| diverged.to_string());
         }
     }
@@ -256,7 +256,7 @@ pub fn experiment(bytes: &[u8]) -> bool {
             tables: (0..experiment.tables.len()).collect(),
             source: ExperimentSource { from: NAME.into(), experiment },
         };
-        // Its overrides may not fit; then it returns an error.
+        // This returns an error if an override does not fit.
         let _ = RunPlan::new(&[selected]).map_err(|error| error.to_string());
     }
     true
@@ -347,7 +347,7 @@ pub fn checkpoint(bytes: &[u8]) -> bool {
             checkpoint::read_from(&again[..], config).expect("writing and reading changes nothing");
         assert!(there == trainer_state, "writing and reading changes nothing");
         for _ in 0..2 {
-            // There may be no free space, or learning may diverge; then it returns an error.
+            // This returns an error if there is no free space or the training diverges.
             if wayfield::simulation::step(world).map_err(|error| error.to_string()).is_err() {
                 break;
             }

@@ -1,8 +1,8 @@
 //! BARN: 300 worlds of cylinders, with a start, a goal and the length of a shortest path (Perille, Truong, Xiao and Stone,
 //! *Benchmarking Metric Ground Navigation*, 2020).
 //!
-//! In: a world's file `world_N.world` with `path_files/path_N.npy` beside it, as in the repository of the BARN Challenge; or a
-//! JSON file with many worlds. Out: a scenario with BARN's start, goal and time limit, and with its robot unless another one is
+//! In: a world's file `world_N.world` with `path_files/path_N.npy` next to it, as in the repository of the BARN Challenge; or
+//! a JSON file with many worlds. Out: a scenario with BARN's start, goal and time limit, and with its robot unless another one is
 //! chosen.
 
 use std::collections::BTreeMap;
@@ -109,7 +109,8 @@ pub fn import_world(
     scenario(path, file_name(path), solids, &task, findings, options)
 }
 
-/// The length in m of the path in the bytes of the file `path_file`, with the straight lines from the start and to the goal.
+/// The length in m of the path in `bytes`, the contents of the file `path_file`, including straight lines from the start to the
+/// path and from the path to the goal.
 ///
 /// # Errors
 /// The bytes are not a path file.

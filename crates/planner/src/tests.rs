@@ -149,8 +149,8 @@ fn the_path_around_a_box_has_the_length_computed_by_hand() {
     assert!((77..=78).contains(&plan.steps), "{} steps", plan.steps);
 }
 
-/// The box of the previous test: 2.30874 m, at any heading of the robot. A wall of the same size, given by corners or by cells,
-/// yields the same length.
+/// The shortest path around the box of the previous test is 2.30874 m long at any heading of the robot. A wall of the same size,
+/// given by corners or by cells, yields the same length.
 #[test]
 fn the_shortest_path_goes_round_obstacles_and_walls_to_the_edge_of_the_goal() {
     let (start, goal) = ((-1.0, 0.0, 2.0), vec2(1.0, 0.0));

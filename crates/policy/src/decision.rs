@@ -25,16 +25,16 @@ const HEADINGS: u8 = 16;
 /// [`choose`](Self::choose).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Decider {
-    /// The direction in which it has turned on the spot since it last drove: positive to the left, negative to the right, 0 if it
-    /// has not.
+    /// The direction in which the robot has turned on the spot since it last drove: positive to the left, negative to the right,
+    /// 0 if it has not.
     turned: f32,
-    /// Whether it neither drives nor turns.
+    /// Whether the robot neither drives nor turns.
     is_still: bool,
 }
 
 impl Decider {
-    /// Takes in the robot's actual speed in m/s and turning rate in rad/s. Each counts as 0 up to a tenth of its limit, the
-    /// larger in magnitude of the lowest and the highest value.
+    /// Takes in the robot's actual speed in m/s and turning rate in rad/s. Each counts as 0 up to a tenth of the
+    /// largest magnitude that `limits` allows.
     pub fn sense(&mut self, (v_m_s, w_rad_s): (f32, f32), limits: &MotionLimits) {
         let is_still = |value: f32, (low, high): (f32, f32)| value.abs() <= 0.1 * high.max(-low);
         let turns = !is_still(w_rad_s, limits.w_rad_s);
@@ -73,7 +73,6 @@ impl Decider {
         let best = allowed().reduce(|best, action| if q_row[action] > q_row[best] { action } else { best });
         let Some(best) = best else { return greedy(q_row) };
         let escapes = || escapes((0..q_row.len()).map(&motion));
-        // Most often the best action is safe; then no other one is checked.
         let steps = |action: usize| {
             let first = motion(action);
             let others = (0..q_row.len()).filter(|&then| then != action).map(&motion);
@@ -87,6 +86,7 @@ impl Decider {
             longest
         };
         let mut chosen = (best, steps(best));
+        // Most often the best action is safe; then no other one is checked.
         if chosen.1.is_finite() {
             for action in allowed().filter(|&action| action != best) {
                 let steps = steps(action);

@@ -12,9 +12,11 @@ use super::schema::{Motion, Robot};
 pub struct Drive {
     lag_s: f32,
     seconds: f32,
-    /// The mean difference from the command over the step, as a fraction of that at its start, without limits; 0 to 1.
+    /// The mean difference from the command over the step, as a fraction of the difference at the step's start, without
+    /// acceleration limits; 0 to 1.
     mean: f32,
-    /// The difference from the command at the step's end, as a fraction of that at its start, without limits; 0 to 1.
+    /// The difference from the command at the step's end, as a fraction of the difference at the step's start, without
+    /// acceleration limits; 0 to 1.
     end: f32,
     max_acceleration_m_s2: f32,
     max_angular_acceleration_rad_s2: f32,

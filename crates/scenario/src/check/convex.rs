@@ -14,7 +14,8 @@ pub(crate) struct RoundedArea {
 }
 
 impl RoundedArea {
-    /// The area of `obstacle` at step 0, without a rim of `rim_m`; the sides of a polygon thinner than two rims lose less.
+    /// The area of `obstacle` at step 0, without a rim of `rim_m`. A polygon thinner than two rims loses less, so that some of it
+    /// remains.
     pub(crate) fn within(obstacle: &Obstacle, rim_m: f32) -> Self {
         let (points, radius_m) = obstacle.shape.support_points(obstacle.rotation_rad);
         let mut corners_m = convex_hull(points.iter().map(|&point| obstacle.position_m + point).collect());
@@ -171,7 +172,7 @@ mod tests {
     fn a_moving_area_covers_all_of_its_leg_and_no_more() {
         let swept = bar(0.2, 2.0).swept(vec2(-3.0, 0.0), vec2(3.0, 0.0));
         assert_eq!(swept.corner_count(), 4, "a bar that moves sideways covers a rectangle");
-        // Smaller than the bar, in the middle of the leg, and away from the path of every corner.
+        // A circle smaller than the bar, in the middle of the leg and away from the path of every corner.
         assert!(swept.overlaps(&area(Shape::Circle { radius_m: 0.05 }, vec2(1.0, 0.4))));
         assert!(circle(0.0, 1.4).overlaps(&swept) && !circle(0.0, 1.6).overlaps(&swept));
         let ball = circle(0.0, 0.0).swept(Vec2::ZERO, vec2(4.0, 4.0));

@@ -46,7 +46,7 @@ fn click(editor: &mut Editor, at: Vec2) {
     assert_eq!(expected, before);
 }
 
-/// Asserts that a tool for one kind of item is active only if such an item is selected, and was so `before` the last edit too.
+/// Asserts that a tool for one kind of item is active only if such an item is selected, the same one as `before` the last edit.
 fn assert_tool_fits(editor: &Editor, before: Selection) {
     let now = editor.selection();
     match editor.tool() {
