@@ -13,7 +13,7 @@ use crate::scenario::{OdometryDrift, Ranged, Robot, Scenario, Slip, field_names}
 /// The maximum number of differences in a warning.
 const MAX_LISTED: usize = 12;
 
-/// Checks that no action of `policy` is reversed in `scenario`, or has another index.
+/// Checks that no action of `policy` is reversed or has another index in `scenario`.
 ///
 /// # Errors
 /// The first such action, as the card and as the scenario have it.
