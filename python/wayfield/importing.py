@@ -38,7 +38,7 @@ def import_scenario(
     robot: str | os.PathLike[str] | None = None,
     set: Mapping[str, Any] | None = None,
 ) -> ImportedScenario:
-    """Makes a scenario from a ROS map, an image, a Gazebo world, a world of the BARN data set, or a stage of turtlebot3_drlnav,
+    """Makes a scenario from a ROS map, an image, a Gazebo world, a world of the BARN dataset, or a stage of turtlebot3_drlnav,
     like ``wayfield --import`` (docs/import.md).
 
     Args:

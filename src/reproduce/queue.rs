@@ -41,7 +41,8 @@ impl<'a> Queue<'a> {
         Self { plan, state: Mutex::new(state), changed: Condvar::new() }
     }
 
-    /// Returns the next training run that can start; waits for one if necessary. `None` when there is nothing left to do.
+    /// Returns the next training run that can start; waits for one if necessary. `None` if none can start any more, or
+    /// after a stop or a failure.
     pub fn next(&self, stop: &AtomicBool) -> Option<usize> {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         loop {

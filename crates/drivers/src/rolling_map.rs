@@ -148,8 +148,8 @@ impl RollingMap {
         }
     }
 
-    /// The cost of `path`, plus those of the straight lines from `at_m` to its first point and from its last point to `to_m` as
-    /// if nothing were there. A path to a point outside the window ends at the edge of the window in which it was planned.
+    /// The cost of `path`, plus the costs of the straight lines from `at_m` to its first point and from its last point to `to_m`
+    /// as if nothing were there. A path to a point outside the window ends at the edge of the window in which it was planned.
     pub(crate) fn path_cost(&self, at_m: Vec2, path: &[Vec2], to_m: Vec2) -> u32 {
         let columns = self.window.columns;
         let cells = path.iter().map(|point| self.window.cell(*point));
@@ -264,16 +264,16 @@ mod tests {
         map.update(&percept(&ranges_m, Odometry::default()));
         let seen = map.at(vec2(1.0, 0.0));
         assert_eq!(map.occupied().collect::<Vec<_>>(), [seen]);
-        // After 0.4 m ahead and a turn to the left by one beam, the last beam sees the thing, 0.6 m away.
+        // The robot drives 0.4 m ahead and turns left by one beam. Now the last beam hits the obstacle, 0.6 m away.
         let moved = Odometry { translation_m: vec2(0.4, 0.0), rotation_rad: std::f32::consts::TAU / 24.0 };
         ranges_m[0] = 3.5;
         ranges_m[23] = 0.6;
         map.update(&percept(&ranges_m, moved));
-        assert_ne!(map.occupied().count(), 0, "the thing is still in the map");
+        assert_ne!(map.occupied().count(), 0, "the obstacle is still in the map");
         for at in map.occupied() {
             assert!((at - seen).abs().max_element() <= 1, "{at} is not near {seen}");
         }
-        // It is gone: beams that pass through the cell clear it.
+        // The obstacle is gone: beams that pass through the cell clear it.
         ranges_m[23] = 3.5;
         for _ in 0..8 {
             map.update(&percept(&ranges_m, Odometry::default()));

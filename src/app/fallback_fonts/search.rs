@@ -12,7 +12,7 @@ pub(super) type FoundFonts = Vec<(String, FontData)>;
 pub(super) struct FontSearch(Task<Vec<SystemFont>>);
 
 impl FontSearch {
-    /// Begins to search for fonts with these characters, and empties `missing`.
+    /// Begins to search for fonts with the characters in `missing`, and empties it.
     pub(super) fn start(missing: &mut Vec<char>) -> Self {
         let missing = std::mem::take(missing);
         Self(AsyncComputeTaskPool::get().spawn(async move { system_fonts_with(&missing) }))

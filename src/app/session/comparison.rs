@@ -215,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn the_general_policy_drives_wherever_there_is_no_expert() {
+    fn the_general_policy_drives_where_no_other_policy_was_trained() {
         let specialists = shipped::policies().iter().filter(|policy| !policy.is_general());
         let clone = |policy: &ShippedPolicy| ShippedPolicy {
             scenario_from: policy.scenario_from,

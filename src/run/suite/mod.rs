@@ -171,7 +171,7 @@ impl FamilyRules {
             }
         }
         self.settings.apply_to_scenario(scenario)?;
-        // The limit is a time, also with another control period, unless a setting replaces it.
+        // The time limit in seconds also holds with another control period, unless a setting replaces it.
         match self.time_limit_s {
             Some(limit_s) if scenario.task.max_episode_steps == steps_before => {
                 scenario.task.max_episode_steps = steps(limit_s, scenario.task.control_period_s);

@@ -329,7 +329,7 @@ fn has_far_goals(frozen: &Scenario) -> bool {
     for goal in possible_positions(frozen, &frozen.goals) {
         (low, high) = (low.min(goal), high.max(goal));
         if (high - low).max_element() >= 2.0 * least_m {
-            // Of two goals that are so far apart, one is far enough from any start.
+            // Two goals are this far apart, so from any start at least one of them is far enough away.
             return true;
         }
         goals.push(goal);
@@ -343,7 +343,7 @@ fn is_any_far(goals: &[Vec2], start: Vec2, least_m: f32) -> bool {
     goals.iter().any(|goal| length(goal.x - start.x, goal.y - start.y) >= least_m)
 }
 
-/// The positions that `rule` names, or else those on a grid that it allows at step 0.
+/// The positions that `rule` names; if it names none, the points of a grid that it allows at step 0.
 pub(super) fn possible_positions(scenario: &Scenario, rule: &PlacementRule) -> impl Iterator<Item = Vec2> {
     let named = rule.positions_m();
     let of_grid = named.is_empty().then(|| free_points(scenario, rule, 0));
