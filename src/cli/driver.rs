@@ -122,9 +122,9 @@ mod tests {
         for name in DriverConfig::NAMES {
             let driver = DriverConfig::shipped(name).expect("shipped");
             let text = to_ron(&driver).expect("RON");
-            assert!(DriverConfig::is_meant_by(&text), "{text}");
+            assert!(DriverConfig::looks_like(&text), "{text}");
             assert_eq!(DriverConfig::parse(&text, "driver.ron"), Ok(driver));
         }
-        assert!(!DriverConfig::is_meant_by("(name: \"Dwa\")"), "a scenario with the name of a driver");
+        assert!(!DriverConfig::looks_like("(name: \"Dwa\")"), "a scenario with the name of a driver");
     }
 }

@@ -148,7 +148,7 @@ pub(super) fn is_preset(text: &str) -> bool {
 
 /// Whether the text of a file is meant as a set of scenarios, or as a level generator, which is the set of its levels.
 pub(super) fn is_set(text: &str) -> bool {
-    scenario_set::is_meant_by(text) || LevelGenerator::is_meant_by(text)
+    scenario_set::looks_like(text) || LevelGenerator::looks_like(text)
 }
 
 /// Resumes the run in `folder`. `path` is what the user opened: the folder itself, or its checkpoint.
@@ -177,7 +177,7 @@ fn open_map_or_world(world: &mut World, path: &Path) -> Result<String, RunError>
 fn open_ron(world: &mut World, path: &Path) -> Result<String, RunError> {
     let from = utf8(path)?.to_owned();
     let text = read_text(path)?;
-    if DriverConfig::is_meant_by(&text) {
+    if DriverConfig::looks_like(&text) {
         let driver = DriverConfig::parse(&text, path)?;
         let file = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
         return compare_with_driver(
