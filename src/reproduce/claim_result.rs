@@ -36,9 +36,9 @@ pub fn compare(measure: Measure, better: &ArmValues, than: &ArmValues) -> Compar
         {
             let (advantage, margin) = (sign * mean, margin(mean, half_width));
             // Lower bounds occur only in measures where less is better, so the true values are worse.
-            if advantage > margin && better.bounds() == 0 {
+            if advantage > margin && better.lower_bound_count() == 0 {
                 ClaimOutcome::Held
-            } else if advantage < -margin && than.bounds() == 0 {
+            } else if advantage < -margin && than.lower_bound_count() == 0 {
                 ClaimOutcome::Reversed
             } else {
                 ClaimOutcome::NotShown
@@ -76,7 +76,7 @@ pub fn claim_result(
     sentence += conclusion(comparison, (better, than));
     sentence += &small_sample_remark(better.seeds.len().min(than.seeds.len()), comparison.outcome);
     for (name, values) in [(&claim.better, better), (&claim.than, than)] {
-        let bounds = values.bounds();
+        let bounds = values.lower_bound_count();
         if bounds > 0 {
             let all = values.values.len();
             sentence += &match claim.measure {
