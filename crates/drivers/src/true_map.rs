@@ -83,8 +83,8 @@ impl TrueMap {
         let enclosure = |cell| enclosure_distance(&scenario.enclosure, self.grid.centre_m(cell));
         self.clearances_m = (0..self.grid.len()).map(|cell| enclosure(cell).min(self.reach_m)).collect();
         let is_static = |obstacle: &&Obstacle| obstacle.motion == ObstacleMotion::Static;
-        let segments = scenario.walls.iter().flat_map(Wall::segments);
-        for obstacle in segments.chain(scenario.obstacles.iter().filter(is_static).cloned()) {
+        let pieces = scenario.walls.iter().flat_map(Wall::pieces);
+        for obstacle in pieces.chain(scenario.obstacles.iter().filter(is_static).cloned()) {
             self.lower(&obstacle);
         }
         let moving = scenario.obstacles.iter().enumerate().filter(|(_, obstacle)| !is_static(obstacle));
