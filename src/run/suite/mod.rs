@@ -25,7 +25,7 @@ use crate::scenario::{
 
 pub use family_result::FamilyResult;
 pub use store::TestStore;
-pub use test::{References, SuiteDriver, SuiteEpisodes, SuiteTest, episode_setup};
+pub use test::{PlannerReferences, SuiteDriver, SuiteEpisodes, SuiteTest, episode_setup};
 
 /// Families of scenarios.
 #[derive(Clone, Debug, PartialEq)]
