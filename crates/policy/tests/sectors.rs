@@ -200,17 +200,17 @@ fn predictions_are_dropped_until_the_next_reset() {
     let mut observer = observer(LAYOUT, 72, 0.1);
     assert!(predicts_motion(&mut observer), "a moving disc is predicted");
     observer.reset();
-    observer.drop_predictions(1.0, 1);
+    observer.hide_predictions(1.0, 1);
     assert!(!predicts_motion(&mut observer));
     let is_hidden = |seed: &u64| {
         observer.reset();
-        observer.drop_predictions(0.7, *seed);
+        observer.hide_predictions(0.7, *seed);
         !predicts_motion(&mut observer)
     };
     let hidden = (0..100).filter(is_hidden).count();
     assert!((60..80).contains(&hidden), "the one disc is hidden with {hidden} of 100 seeds");
     observer.reset();
-    observer.drop_predictions(1.0, 1);
+    observer.hide_predictions(1.0, 1);
     assert!(!predicts_motion(&mut observer));
     let memory = observer.memory().clone();
     observer.reset();

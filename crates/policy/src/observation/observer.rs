@@ -242,8 +242,8 @@ impl SectorObserver {
 
     /// Until it is [reset](Self::reset), treats a random `fraction` (0 to 1) of the things that it has not seen before as
     /// standing still. Training does this so that a policy does not rely on predictions. The draws depend on `seed` alone.
-    pub fn drop_predictions(&mut self, fraction: f32, seed: u64) {
-        self.memory.tracker.hide_motion(fraction, seed);
+    pub fn hide_predictions(&mut self, fraction: f32, seed: u64) {
+        self.memory.tracker.hide_predictions(fraction, seed);
     }
 
     /// What it remembers.
