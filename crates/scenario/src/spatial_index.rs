@@ -177,7 +177,7 @@ impl<'a> IndexedScenario<'a> {
         loop {
             best = index.near(self.scenario, point_m, radius_m).fold(best, nearer);
             // There are no parts beyond the farthest cell. For a NaN point the reach is NaN, which ends the loop.
-            let has_more = radius_m <= index.grid.reach_m(point_m);
+            let has_more = radius_m <= index.grid.max_distance_m(point_m);
             if best.1 <= radius_m || !has_more {
                 return best;
             }
