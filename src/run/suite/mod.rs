@@ -107,8 +107,8 @@ impl Suite {
 
     /// The results of a driver by the families' names, from its episodes in each scenario.
     #[must_use]
-    pub fn results(&self, of_scenarios: &[SuiteEpisodes]) -> Vec<(String, FamilyResult)> {
-        let mut rest = of_scenarios;
+    pub fn results(&self, episodes: &[SuiteEpisodes]) -> Vec<(String, FamilyResult)> {
+        let mut rest = episodes;
         let families = self.families.iter().map(|family| {
             let (own, others) = rest.split_at(family.scenarios.len().min(rest.len()));
             rest = others;
