@@ -56,7 +56,7 @@ impl Moving {
 
 impl TrueMap {
     pub(crate) fn new(robot: &Robot, parameters: &PlannerParameters) -> Self {
-        let (keep_out_m, margin_m) = (robot.keep_out_m, parameters.margin * robot.keep_out_m);
+        let (keep_out_m, margin_m) = (robot.unit_m, parameters.margin * robot.unit_m);
         let cell_m = parameters.cell * keep_out_m;
         let dwa_limit_m = keep_out_m * (1.0 + parameters.dwa.margin);
         Self {
