@@ -68,9 +68,9 @@ pub fn write(folder: &Path, page: &Page) -> Result<(), RunError> {
     }
     // All pairs are found before any file is deleted. A single file is a user's own.
     let paired = |path: &PathBuf| {
-        let has_other =
+        let has_all =
             |extensions: [&str; 2]| extensions.iter().all(|end| path.with_extension(end).is_file());
-        has_other(FIGURE) || has_other(TABLE)
+        has_all(FIGURE) || has_all(TABLE)
     };
     let earlier: Vec<PathBuf> = figures_and_tables(folder).filter(paired).collect();
     for outdated in earlier.iter().filter(|path| !written.contains(path)) {
