@@ -68,8 +68,7 @@ pub fn write(folder: &Path, page: &Page) -> Result<(), RunError> {
     }
     // All pairs are found before any file is deleted. A single file is a user's own.
     let paired = |path: &PathBuf| {
-        let has_all =
-            |extensions: [&str; 2]| extensions.iter().all(|end| path.with_extension(end).is_file());
+        let has_all = |extensions: [&str; 2]| extensions.iter().all(|end| path.with_extension(end).is_file());
         has_all(FIGURE) || has_all(TABLE)
     };
     let earlier: Vec<PathBuf> = figures_and_tables(folder).filter(paired).collect();
