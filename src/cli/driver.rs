@@ -67,7 +67,9 @@ impl TestDriver {
     /// It is a classical driver, has a map already, or is a policy whose encoding this version does not support.
     pub fn with_map(self, path: &Path) -> Result<Self, RunError> {
         match self {
-            Self::Policy(policy) => policy_card::driving(policy, true).map(Self::PolicyWithMap),
+            Self::Policy(policy) => policy_card::driving(policy, true)
+                .map(Self::PolicyWithMap)
+                .map_err(|error| RunError::invalid_input(path, error)),
             Self::PolicyWithMap(_) => {
                 Err(RunError::invalid_input(path, format!("{WITH_MAP} is given twice; help: give it once")))
             }
