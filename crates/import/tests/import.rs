@@ -539,7 +539,7 @@ fn barn_worlds_have_their_start_goal_and_path_length() {
     assert!(
         one(4)
             .expect_err("no such world")
-            .starts_with("barn.json: it has no such world; help: --world takes a number from 3 to 7")
+            .starts_with("barn.json: it has no world 4; help: --world takes a number from 3 to 7")
     );
     let all = import_worlds(&folder.path("barn.json"), &ImportOptions::default()).expect("all worlds");
     assert_eq!(all.iter().map(|(name, _)| &**name).collect::<Vec<_>>(), ["barn-003", "barn-007"]);
@@ -596,7 +596,7 @@ fn moving_discs_of_a_stage_get_key_frames() {
     assert!(
         one(3)
             .expect_err("no such stage")
-            .contains("it has no such world; help: --world takes a number from 2 to 5")
+            .contains("it has no world 3; help: --world takes a number from 2 to 5")
     );
     for (from, to, expected) in [
         ("\"circle\"", "\"cone\"", "stages.json:3:"),
