@@ -367,6 +367,21 @@ fn a_model_in_the_folder_of_the_world_may_include_another_one_there() {
 }
 
 #[test]
+fn the_saved_state_of_a_world_places_included_models_too() {
+    let include =
+        |name: &str| format!("<include><uri>model://guest</uri>{name}<pose>9 9 0 0 0 0</pose></include>");
+    let state = "<state><model name='guest'><pose>1 2 0 0 0 0</pose></model>\
+                 <model name='second'><pose>-3 2 0 0 0 0</pose></model></state>";
+    let text = world(&[include(""), include("<name>second</name>"), state.into()].concat());
+    let guest = format!("<sdf version='1.6'>{}</sdf>", model("guest", "", BOX));
+    let folder = Folder::new(&[("w.world", text.as_bytes()), ("models/guest/model.sdf", guest.as_bytes())]);
+    let imported = folder.import("w.world").expect("a world");
+    for (x, y) in [(1.0, 2.0), (-3.0, 2.0)] {
+        assert!((distance(&imported, x, y) + 0.25).abs() < 1e-3, "({x}, {y})");
+    }
+}
+
+#[test]
 fn models_that_are_too_large_together_are_refused_at_the_include() {
     let include = "<include><uri>model://table</uri></include>";
     let spaces = " ".repeat(17 << 20);
