@@ -432,7 +432,10 @@ fn parts_that_a_scenario_cannot_represent_are_listed() {
         model("aside", "", BOX)
             .replace("<geometry>", "<pose relative_to='__model__'>0 0 0 0 0 0</pose><geometry>"),
         "<include><uri>model://guest</uri><pose relative_to='fine'>1 0 0 0 0 0</pose></include>".into(),
-        model("ground", "", "<plane><normal>0 0 1</normal></plane>"),
+        model("ground", "<pose>0 0 -0.5 0 0 0</pose>", "<plane><normal>0 0 1</normal></plane>"),
+        model("cellar", "<pose>0 0 -1 0 0 0</pose>", "<plane/>"),
+        model("end", "", "<plane><normal>1 0 0</normal></plane>"),
+        model("deck", "<pose>0 0 1 0 0 0</pose>", "<plane/>"),
     ];
     let guest = format!("<sdf version='1.6'>{}</sdf>", model("guest", "", BOX));
     let folder = Folder::new(&[
@@ -451,6 +454,7 @@ fn parts_that_a_scenario_cannot_represent_are_listed() {
         "shapes below the LIDAR, which is at a height of 0.18 m, are left out: step/c",
         "models that could be pushed stand still: crate",
         "models with joints, such as robots, are left out: robot",
+        "planes that are sloping, vertical or above the ground are left out: end/c, deck/c",
     ];
     assert_eq!(imported.findings, expected);
     assert!(imported.text().starts_with("// Not imported: plugins do not run: libworld.so, libpush.so.\n"));
