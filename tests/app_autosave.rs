@@ -89,7 +89,8 @@ fn kill(app: HeadlessApp, folder: &Path) {
 /// Waits until the autosave at `path` is unlocked. The task that has written it may still hold the lock after its app has ended.
 fn wait_until_unlocked(path: &Path) {
     let started = Instant::now();
-    while is_locked(path) && started.elapsed().as_secs() < 60 {
+    while is_locked(path) {
+        assert!(started.elapsed().as_secs() < 60, "{}: still locked after 60 s", path.display());
         std::thread::sleep(FRAME);
     }
 }

@@ -123,6 +123,7 @@ fn a_run_cannot_start_from_a_policy_with_another_encoding() {
     newer.metadata.insert("encoding".into(), "logarithmic".into());
     workspace.write("newer.safetensors", newer.to_bytes().unwrap());
     messages.line(&workspace, "--eval newer.safetensors");
+    messages.line(&workspace, "--eval newer.safetensors+map");
     messages.line(&workspace, "--train --preset quick.ron --init newer.safetensors --out new");
     messages.check();
 }

@@ -186,7 +186,7 @@ fn invalid_imports_are_rejected_and_nothing_is_written() {
             "--import barn.json --out new.ron",
             "barn.json: it holds many worlds; help: choose one with --world N",
         ),
-        ("--import barn.json --world 4 --out new.ron", "barn.json: it has no such world; help: "),
+        ("--import barn.json --world 4 --out new.ron", "barn.json: it has no world 4; help: "),
         ("--import map.yaml --robot nobody --out new.ron", "nobody: no such file"),
         ("--import map.yaml --set scenario.robot.radius_m=-1 --out new.ron", "radius_m"),
         (

@@ -392,7 +392,14 @@ fn a_new_report_deletes_the_files_of_the_earlier_one_and_no_others() {
     workspace.write("report/drivers/mine.ron", "mine");
     workspace.write("report/drivers/2-notes.txt", "mine");
     workspace.write("report/failures/notes.txt", "mine");
+    let earlier_images = names("report/figures").len();
+    let own = ["figures/My sketch.svg", "figures/plot.csv", "tables/notes.md"];
+    own.iter().for_each(|name| workspace.write(&format!("report/{name}"), "mine"));
     workspace.run_ok("--eval dwa --suite hard.ron --report report");
+    for name in own {
+        assert_eq!(workspace.text(&format!("report/{name}")), "mine", "{name}");
+    }
+    assert!(names("report/figures").len() - 2 < earlier_images, "outdated images are deleted");
     assert_eq!(names("report/drivers"), ["1-dwa.ron", "2-notes.txt", "mine.ron"]);
     let failures = workspace.text("report/report.html").matches("To repeat it: ").count();
     assert!(failures < earlier, "the driver `field` fails, too");

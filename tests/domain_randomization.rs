@@ -116,7 +116,7 @@ fn a_pedestrian_walks_at_the_speed_that_its_episode_draws() {
     for _ in 0..40 {
         lab.step(&[0; 4]);
         for (state, layout) in lab.states().iter().zip(layouts(&mut lab)) {
-            let drawn = layout.obstacles[0].motion.ranged_speed().expect("a speed").value();
+            let drawn = layout.obstacles[0].motion.given_speed().expect("a speed").value();
             let walked = state.pedestrians.0.pedestrian(0).expect("a pedestrian").velocity_m_s.length();
             // It stands when an episode begins.
             assert!((0.2..=0.6).contains(&drawn) && (walked == 0.0 || (walked - drawn).abs() < 1e-5));

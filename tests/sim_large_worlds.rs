@@ -84,7 +84,7 @@ fn a_wall_of_cells_is_seen_and_touched_as_its_rectangles() {
         goals: random,
         ..Scenario::default()
     };
-    let obstacles = wall.segments().collect();
+    let obstacles = wall.pieces().collect();
     let (walled, boxed) = (Scenario { walls: vec![wall], ..empty.clone() }, Scenario { obstacles, ..empty });
     let (mut cells, mut boxes) = (Lab::new(&walled, 8, 1), Lab::new(&boxed, 8, 1));
     let mut streams = common::action_streams(8);

@@ -17,8 +17,10 @@ let pending = {};
 let offer;
 /// Whether the user asked to continue that session before the page was reloaded.
 let continued = false;
-/// Resolved at the next autosave.
+/// Resolved when the next autosave to begin is stored.
 let nextStored = withResolvers();
+/// The autosave that is on its way to the database, if any.
+let storing = Promise.resolve();
 
 function withResolvers() {
     const parts = {};
@@ -142,8 +144,10 @@ export function begin() {
 
 /// Deletes the autosave of this tab's training.
 export function remove() {
-    removeAll([own.key]).catch(() => {});
-    own = newSession();
+    const { key } = own;
+    // Only after an autosave on its way to the database, which would write what is deleted back.
+    storing.catch(() => {}).then(() => removeAll([key])).catch(() => {});
+    begin();
 }
 
 /// Adds a file to the next autosave. The bytes are copied, because the memory of the module may move or change.
@@ -154,21 +158,22 @@ export function addFile(name, bytes) {
 /// Stores the files that were added, in place of the autosave of this tab's training. If the browser grants no more space,
 /// deletes the sessions that no open tab uses.
 export async function store(noteJson) {
-    const [session, files, note] = [own, pending, JSON.parse(noteJson)];
+    const [session, files, note, stored] = [own, pending, JSON.parse(noteJson), nextStored];
     pending = {};
+    nextStored = withResolvers();
     session.policy = files['policy-last.safetensors'];
-    const put = () => withStores('readwrite', (notes, stored) => {
+    const put = () => withStores('readwrite', (notes, storedFiles) => {
         notes.put({ key: session.key, note, savedMs: Date.now() });
-        stored.put(files, session.key);
+        storedFiles.put(files, session.key);
     });
-    await put().catch(async (error) => {
+    storing = put().catch(async (error) => {
         if (error?.name !== 'QuotaExceededError') throw error;
         await removeAll((await unused()).map(({ key }) => key));
         await put();
     });
+    await storing;
     session.storedAt = Date.now();
-    nextStored.resolve();
-    nextStored = withResolvers();
+    stored.resolve();
 }
 
 /// Asks the app to save, and waits until the autosave is stored, but at most for `MAX_WAIT_MS`.

@@ -13,11 +13,19 @@ lock(own);
 /// The backups to offer, with their keys, newest first.
 let offers = [];
 
-/// The stored backups, newest first.
+/// The stored backups, newest first. Entries that are not backups are skipped.
 function stored() {
-    const keys = Object.keys(localStorage).filter((key) => key.startsWith(PREFIX));
-    const read = (name) => ({ key: name.slice(PREFIX.length), ...JSON.parse(localStorage.getItem(name)) });
-    return keys.map(read).sort((a, b) => b.savedMs - a.savedMs);
+    const read = (name) => {
+        try {
+            const { text, savedMs } = JSON.parse(localStorage.getItem(name));
+            return { key: name.slice(PREFIX.length), text, savedMs };
+        } catch {
+            return {};
+        }
+    };
+    const backups = Object.keys(localStorage).filter((key) => key.startsWith(PREFIX)).map(read);
+    const isBackup = ({ text, savedMs }) => typeof text === 'string' && typeof savedMs === 'number';
+    return backups.filter(isBackup).sort((a, b) => b.savedMs - a.savedMs);
 }
 
 /// Looks for backups to offer, and deletes old ones. If storage is disabled, none is offered.

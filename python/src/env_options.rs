@@ -39,7 +39,7 @@ pub fn scenario_or_set(source: &str) -> PyResult<(Scenario, Option<ScenarioSet>)
     if !is_text(source) {
         return shipped::scenario_or_set(source).map_err(|error| file_error(source, error));
     }
-    if !scenario_set::is_meant_by(source) {
+    if !scenario_set::looks_like(source) {
         return Ok((scenario(source)?, None));
     }
     let set = scenario_set::parse(source, Path::new(TEXT)).map_err(|error| run_error(error.into()))?;

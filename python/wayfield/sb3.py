@@ -18,8 +18,9 @@ from .vector import NavigationVectorEnv
 class NavigationVecEnv(VecEnv):
     """``num_envs`` robots in one process, for SB3's learners: ``DQN("MlpPolicy", NavigationVecEnv(16))``.
 
-    The options are those of :class:`wayfield.NavigationVectorEnv`. At the end of an episode, the environment's info has
-    ``is_success``, ``terminal_observation`` and ``TimeLimit.truncated``; otherwise it is empty.
+    The options are those of :class:`wayfield.NavigationVectorEnv`, except ``autoreset_mode``, which is always
+    ``SAME_STEP``. At the end of an episode, the environment's info has ``is_success``, ``terminal_observation`` and
+    ``TimeLimit.truncated``; otherwise it is empty.
     """
 
     def __init__(self, num_envs: int = 1, scenario: str | os.PathLike[str] = "scenario-1", **options: Any) -> None:

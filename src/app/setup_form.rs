@@ -68,7 +68,7 @@ impl SetupForm {
     }
 
     /// Resets the choices to those of the current run.
-    pub fn undo(&mut self, status: &AppStatus) {
+    pub fn reset(&mut self, status: &AppStatus) {
         *self = Self::keep_or_reset(None, status);
     }
 

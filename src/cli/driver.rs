@@ -67,7 +67,9 @@ impl TestDriver {
     /// It is a classical driver, has a map already, or is a policy whose encoding this version does not support.
     pub fn with_map(self, path: &Path) -> Result<Self, RunError> {
         match self {
-            Self::Policy(policy) => policy_card::driving(policy, true).map(Self::PolicyWithMap),
+            Self::Policy(policy) => policy_card::driving(policy, true)
+                .map(Self::PolicyWithMap)
+                .map_err(|error| RunError::invalid_input(path, error)),
             Self::PolicyWithMap(_) => {
                 Err(RunError::invalid_input(path, format!("{WITH_MAP} is given twice; help: give it once")))
             }
@@ -122,9 +124,9 @@ mod tests {
         for name in DriverConfig::NAMES {
             let driver = DriverConfig::shipped(name).expect("shipped");
             let text = to_ron(&driver).expect("RON");
-            assert!(DriverConfig::is_meant_by(&text), "{text}");
+            assert!(DriverConfig::looks_like(&text), "{text}");
             assert_eq!(DriverConfig::parse(&text, "driver.ron"), Ok(driver));
         }
-        assert!(!DriverConfig::is_meant_by("(name: \"Dwa\")"), "a scenario with the name of a driver");
+        assert!(!DriverConfig::looks_like("(name: \"Dwa\")"), "a scenario with the name of a driver");
     }
 }

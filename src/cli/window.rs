@@ -123,7 +123,7 @@ pub fn run(args: WindowArgs, shared: SharedArgs, save_every: Option<Duration>) -
 fn check_start_files(start: &StartOptions, screenshot: bool) -> Result<(), RunError> {
     let scenario = Path::new(&start.scenario);
     // If it were opened as a scenario, the editor could overwrite the run's configuration.
-    if read_text(scenario).is_ok_and(|text| RunConfig::is_meant_by(&text)) {
+    if read_text(scenario).is_ok_and(|text| RunConfig::looks_like(&text)) {
         let why = "this is the configuration of a run; help: open the run's folder with --open";
         return Err(RunError::invalid_input(scenario, why));
     }

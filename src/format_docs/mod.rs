@@ -176,7 +176,7 @@ fn the_examples_and_messages_in_the_docs_are_those_of_the_program() {
     let mistake = "(\n    learning: (replay: (capcity: 1000)),\n)";
     let message = Preset::parse(mistake, "mine.ron").expect_err("there is no such field").to_string();
     assert!(text("docs/preset-format.md").contains(&message), "the page must show: {message}");
-    assert!(!RunConfig::is_meant_by(mistake), "it is not taken for the configuration of a run");
+    assert!(!RunConfig::looks_like(mistake), "it is not taken for the configuration of a run");
 }
 
 #[test]

@@ -36,9 +36,9 @@ pub fn compare(measure: Measure, better: &ArmValues, than: &ArmValues) -> Compar
         {
             let (advantage, margin) = (sign * mean, margin(mean, half_width));
             // Lower bounds occur only in measures where less is better, so the true values are worse.
-            if advantage > margin && better.bounds() == 0 {
+            if advantage > margin && better.lower_bound_count() == 0 {
                 ClaimOutcome::Held
-            } else if advantage < -margin && than.bounds() == 0 {
+            } else if advantage < -margin && than.lower_bound_count() == 0 {
                 ClaimOutcome::Reversed
             } else {
                 ClaimOutcome::NotShown
@@ -76,7 +76,7 @@ pub fn claim_result(
     sentence += conclusion(comparison, (better, than));
     sentence += &small_sample_remark(better.seeds.len().min(than.seeds.len()), comparison.outcome);
     for (name, values) in [(&claim.better, better), (&claim.than, than)] {
-        let bounds = values.bounds();
+        let bounds = values.lower_bound_count();
         if bounds > 0 {
             let all = values.values.len();
             sentence += &match claim.measure {
@@ -181,7 +181,9 @@ fn conclusion(comparison: Comparison, (better, than): (&ArmValues, &ArmValues)) 
         (ClaimOutcome::NotShown, Some(_)) if is_coincidence(difference, better, than) => {
             "All seeds happen to agree, but there are too few to know their spread."
         }
-        (ClaimOutcome::NotShown, Some(_)) => "Too many values are lower bounds to show a difference.",
+        (ClaimOutcome::NotShown, Some(_)) => {
+            "The mean that looks better includes a lower bound, so no difference is shown."
+        }
     }
 }
 
@@ -285,5 +287,9 @@ mod tests {
         // The first arm only had shorter runs.
         let (short, long) = (arm(vec![bound(100.0); 5]), arm(vec![bound(200.0); 5]));
         assert_eq!(compare(Measure::EpisodesTo(4.0), &short, &long).outcome, ClaimOutcome::NotShown);
+        let one = arm([bound(100.0)].into_iter().chain([MeasuredValue::exact(100.0); 4]).collect());
+        let result = claim_result(&claim, &one, &long, None, "here");
+        let reason = "The mean that looks better includes a lower bound, so no difference is shown.";
+        assert!(result.sentence.contains(reason), "{}", result.sentence);
     }
 }

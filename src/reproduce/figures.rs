@@ -89,7 +89,7 @@ fn arrow_note(
 ) -> Result<&'static str, RunError> {
     for row in rows(results, index) {
         for &measure in measures {
-            if results.values(row, measure, point, Windows::default())?.bounds() > 0 {
+            if results.values(row, measure, point, Windows::default())?.lower_bound_count() > 0 {
                 return Ok(
                     "An arrow marks a lower bound: some seeds never reached the goals, or failed every time.",
                 );
@@ -163,7 +163,7 @@ fn dot_plot(
             let values = results.values(row, measure, point, Windows::default())?;
             Ok(DotCell {
                 estimate: Estimate::from_values(&values.raw()),
-                censored: values.bounds() > 0,
+                censored: values.lower_bound_count() > 0,
                 values: values.raw(),
                 paper: None,
             })

@@ -33,7 +33,7 @@ impl ArmValues {
     }
 
     /// The number of lower bounds.
-    pub fn bounds(&self) -> usize {
+    pub fn lower_bound_count(&self) -> usize {
         self.values.iter().filter(|value| value.is_lower_bound).count()
     }
 

@@ -2,6 +2,7 @@
 //!
 //! An earlier report is replaced only when all files of the new one are complete.
 
+use std::ffi::OsStr;
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -19,8 +20,9 @@ const PAGES: [&str; 2] = ["README.md", "report.html"];
 /// The folders of the figures and of the tables.
 const FIGURES: &str = "figures";
 const TABLES: &str = "tables";
-/// The extensions of figures and tables.
-const EXTENSIONS: [&str; 4] = ["svg", "png", "csv", "md"];
+/// The extensions of the two files of a figure, and of a table.
+const FIGURE: [&str; 2] = ["svg", "png"];
+const TABLE: [&str; 2] = ["csv", "md"];
 
 /// Checks that [`write`] can replace the report in `folder`, and deletes the temporary files of a killed process.
 ///
@@ -42,7 +44,8 @@ pub fn prepare(folder: &Path) -> Result<(), RunError> {
     Ok(())
 }
 
-/// Writes the report `page` to `folder`, and deletes the figures and tables that only an earlier report had.
+/// Writes the report `page` to `folder`, and deletes the figures and tables that only an earlier report had. A user's own files
+/// stay.
 ///
 /// # Errors
 /// A figure cannot be drawn, or a file cannot be written. An earlier report is then unchanged, unless the failure was in the
@@ -63,7 +66,13 @@ pub fn write(folder: &Path, page: &Page) -> Result<(), RunError> {
         file.persist().map_err(|error| RunError::not_written(&path, error))?;
         written.push(path);
     }
-    for outdated in figures_and_tables(folder).filter(|path| !written.contains(path)) {
+    // All pairs are found before any file is deleted. A single file is a user's own.
+    let paired = |path: &PathBuf| {
+        let has_all = |extensions: [&str; 2]| extensions.iter().all(|end| path.with_extension(end).is_file());
+        has_all(FIGURE) || has_all(TABLE)
+    };
+    let earlier: Vec<PathBuf> = figures_and_tables(folder).filter(paired).collect();
+    for outdated in earlier.iter().filter(|path| !written.contains(path)) {
         // A file that cannot be deleted does no harm: the page does not show it.
         let _ = fs::remove_file(outdated);
     }
@@ -95,10 +104,19 @@ fn stage(path: PathBuf, bytes: &[u8], files: &mut Vec<(PathBuf, StagedFile)>) ->
     Ok(())
 }
 
-/// The figures and tables in the folder of a report.
+/// The files in the folder of a report whose names are those of a report's figures and tables.
 fn figures_and_tables(folder: &Path) -> impl Iterator<Item = PathBuf> {
-    let folders = [folder.join(FIGURES), folder.join(TABLES)];
-    let entries = folders.into_iter().flat_map(|folder| fs::read_dir(folder).into_iter().flatten().flatten());
-    let paths = entries.map(|entry| entry.path());
-    paths.filter(|path| path.extension().is_some_and(|found| EXTENSIONS.iter().any(|known| found == *known)))
+    let folders = [(folder.join(FIGURES), FIGURE), (folder.join(TABLES), TABLE)];
+    folders.into_iter().flat_map(|(folder, extensions)| {
+        let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+        entries.map(|entry| entry.path()).filter(move |path| is_of_report(path, extensions))
+    })
+}
+
+/// Whether a report can have written a file with this name: `a-z`, `0-9` and `-`, as in the names of an experiment's figures and
+/// tables, and one of the extensions.
+fn is_of_report(path: &Path, extensions: [&str; 2]) -> bool {
+    let fits = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
+    let text = |part: Option<&OsStr>| part.and_then(OsStr::to_str).unwrap_or_default().to_owned();
+    text(path.file_stem()).chars().all(fits) && extensions.contains(&text(path.extension()).as_str())
 }

@@ -29,7 +29,7 @@ pub fn run_config(
     let scenario = shipped::scenario(&resolve(from, &scenario_from));
     let (mut scenario, mut preset) = match (scenario, shipped::preset(&resolve(from, &stage.preset))) {
         (Ok(scenario), Ok(preset)) => (scenario, preset),
-        (Err(scenario), Err(preset)) => return Err(scenario.and(preset).into()),
+        (Err(scenario), Err(preset)) => return Err(scenario.with_problems_of(preset).into()),
         (Err(error), _) | (_, Err(error)) => return Err(error.into()),
     };
     preset.budget = stage.budget.unwrap_or(preset.budget);

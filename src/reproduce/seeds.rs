@@ -5,6 +5,8 @@ use std::fmt;
 use serde::de::{Error as _, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use crate::limits::experiment::MAX_SEEDS;
+
 /// The seeds of an experiment.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Seeds {
@@ -110,8 +112,9 @@ impl<'de> Visitor<'de> for SeedsVisitor {
         while let Some(seed) = list.next_element()? {
             seeds.push(seed);
             // One too many is read, so that the check of the experiment reports it like any other problem.
-            if seeds.len() > crate::limits::experiment::MAX_SEEDS as usize + 1 {
-                return Err(A::Error::invalid_length(seeds.len(), &"at most 1,000 seeds"));
+            if seeds.len() > MAX_SEEDS as usize + 1 {
+                let expected = format!("at most {MAX_SEEDS} seeds");
+                return Err(A::Error::invalid_length(seeds.len(), &expected.as_str()));
             }
         }
         Ok(Seeds::List(seeds))

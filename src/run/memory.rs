@@ -11,7 +11,7 @@ use crate::task::{ObservationLayout, observation};
 /// Maximum number of bodies in one arena of `scenario`: the robot, wall segments and obstacles.
 #[must_use]
 pub fn bodies_per_arena(scenario: &Scenario) -> usize {
-    let segments: usize = scenario.walls.iter().map(Wall::segment_count).sum();
+    let segments: usize = scenario.walls.iter().map(Wall::piece_count).sum();
     1 + segments + scenario.max_obstacles()
 }
 

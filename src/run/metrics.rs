@@ -92,7 +92,7 @@ pub struct EvaluationMetrics {
     /// The row of the evaluation.
     pub row: EvaluationRow,
     /// Milestones (success rates, 0 to 1) reached for the first time.
-    pub first: Vec<f64>,
+    pub milestones_reached: Vec<f64>,
     /// Whether the policy is the best so far, and is now in [`TrainerState::best`].
     pub is_best: bool,
 }
@@ -145,7 +145,7 @@ pub fn record_evaluation(
             bytes: policy_bytes(&policy)?,
         });
     }
-    Ok(EvaluationMetrics { row, first: reached, is_best })
+    Ok(EvaluationMetrics { row, milestones_reached: reached, is_best })
 }
 
 /// The contents of a policy's file.

@@ -33,10 +33,10 @@ pub fn map(scenario: &Scenario, layout_seed: u64, clock: u64) -> ScenarioMap {
 /// The map of `scenario` in its state `layout`, which has the generated obstacles and the pedestrians.
 fn map_of(scenario: &Scenario, layout: IndexedScenario, clock: u64) -> ScenarioMap {
     let generated = layout.scenario;
-    let segments = generated.walls.iter().flat_map(wayfield_scenario::Wall::segments);
-    let walls = segments.map(|segment| MapObstacle {
+    let pieces = generated.walls.iter().flat_map(wayfield_scenario::Wall::pieces);
+    let walls = pieces.map(|piece| MapObstacle {
         kind: MapObstacleKind::Wall,
-        outline: outline(&segment.shape, (segment.position_m.x, segment.position_m.y, segment.rotation_rad)),
+        outline: outline(&piece.shape, (piece.position_m.x, piece.position_m.y, piece.rotation_rad)),
     });
     let obstacles = generated.obstacles.iter().enumerate().map(|(index, obstacle)| {
         let kind = match heading(layout, index, clock) {

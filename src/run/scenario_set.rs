@@ -13,7 +13,7 @@ use crate::scenario::{
 
 /// Whether the fields of a file's text resemble those of a set of scenarios more than those of a scenario or a preset.
 #[must_use]
-pub fn is_meant_by(text: &str) -> bool {
+pub fn looks_like(text: &str) -> bool {
     let others = [resemblance::<Scenario>(text, "Scenario"), resemblance::<Preset>(text, "Preset")];
     others.iter().all(|other| resemblance::<ScenarioSetFile>(text, "ScenarioSet") > *other)
 }

@@ -257,7 +257,7 @@ fn user_file<T>(
     part: fn(RunConfig) -> T,
 ) -> Result<T, FileError> {
     let text = read_text(wanted).map_err(|error| with_names(error, wanted, shipped))?;
-    if RunConfig::is_meant_by(&text) {
+    if RunConfig::looks_like(&text) {
         return RunConfig::parse(&text, Path::new(wanted)).map(part);
     }
     parse(&text)

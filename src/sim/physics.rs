@@ -215,7 +215,7 @@ fn make_bodies(
         solids[index] =
             colliders.insert(static_collider(shared_shape(&obstacle.shape), pose_at(obstacle, 0, period_s)));
     }
-    let inner = scenario.walls.iter().flat_map(Wall::segments);
+    let inner = scenario.walls.iter().flat_map(Wall::pieces);
     let inner = inner.map(|Obstacle { shape, position_m: Vec2 { x, y }, rotation_rad, .. }| {
         (shared_shape(&shape), (x, y, rotation_rad))
     });

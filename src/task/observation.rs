@@ -185,7 +185,7 @@ impl ScanMemory {
     /// Makes predictions leave out a fraction of the moving things that the robot sees, until it forgets all scans. The choice
     /// depends on the stream's state and on the clock, but draws nothing from the stream, so that everything else is the same
     /// with and without dropout.
-    fn drop_predictions(
+    fn hide_predictions(
         &mut self,
         PredictionDropout(fraction): PredictionDropout,
         stream: &Stream,
@@ -194,7 +194,7 @@ impl ScanMemory {
         if let Some(sectors) = &mut self.sectors
             && fraction > 0.0
         {
-            sectors.drop_predictions(fraction, random::derived_seed(stream, "predictions", clock.0));
+            sectors.hide_predictions(fraction, random::derived_seed(stream, "predictions", clock.0));
         }
     }
 
@@ -385,7 +385,7 @@ pub(super) fn observe_first(
             let row = &mut observations.current[arena.0 * width..][..width];
             if episode.pending_reset.moves_robot() {
                 memory.forget(layout.encoding, &arena_layout.written);
-                memory.drop_predictions(*dropout, &streams.sensor, *clock);
+                memory.hide_predictions(*dropout, &streams.sensor, *clock);
                 memory.sense(scan, &estimate.0, twist);
             }
             encode(layout.encoding, &memory, scan, (&estimate.0, goal), readings, row);

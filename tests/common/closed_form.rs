@@ -113,11 +113,7 @@ type Pair = (f64, f64);
 
 /// The obstacles and the segments of inner walls.
 fn obstacles_and_walls(scenario: &Scenario) -> impl Iterator<Item = Obstacle> {
-    scenario
-        .obstacles
-        .iter()
-        .cloned()
-        .chain(scenario.walls.iter().flat_map(wayfield_scenario::Wall::segments))
+    scenario.obstacles.iter().cloned().chain(scenario.walls.iter().flat_map(wayfield_scenario::Wall::pieces))
 }
 
 fn sides(corners: &[Vec2]) -> impl Iterator<Item = (Pair, Pair)> {

@@ -47,8 +47,11 @@ test('a backup that cannot be read does not hide an older one', async () => {
     await addCircle(page);
     await crash(page);
     page.errors.length = 0;
-    await page.evaluate(() =>
-        localStorage.setItem('wayfield: editor newer', JSON.stringify({ text: '(', savedMs: Date.now() + 1000 })));
+    await page.evaluate(() => {
+        localStorage.setItem('wayfield: editor newer', JSON.stringify({ text: '(', savedMs: Date.now() + 1000 }));
+        localStorage.setItem('wayfield: editor cut-off', '{"text": "(na');
+        localStorage.setItem('wayfield: editor other', 'null');
+    });
     await page.goto(`${app.address}?paused`);
     await until(page, (now) => now.paused);
     await click(page, 'Restore');

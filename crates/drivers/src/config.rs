@@ -253,7 +253,7 @@ impl DriverConfig {
 
     /// Whether the text of a RON file is meant as a driver: whether it begins with the name of a variant.
     #[must_use]
-    pub fn is_meant_by(text: &str) -> bool {
+    pub fn looks_like(text: &str) -> bool {
         let variants = ["Field", "Dwa", "DwaCv", "GridDwa", "AstarDwa", "Astar", "Orca"];
         variants.into_iter().any(|name| resemblance::<Self>(text, name) > 0)
     }
@@ -416,7 +416,7 @@ mod tests {
             ("Scenario(name: \"a\")", false),
             ("Dwarf()", false),
         ] {
-            assert_eq!(DriverConfig::is_meant_by(text), expected, "{text}");
+            assert_eq!(DriverConfig::looks_like(text), expected, "{text}");
         }
         let error = DriverConfig::parse("Field(repulsion: -1.0)", "field.ron").unwrap_err().to_string();
         assert!(error.starts_with("field.ron:1:18: ") && error.contains("give 0 to 1000"), "{error}");

@@ -52,7 +52,7 @@ impl Dwa {
     pub(crate) fn new(robot: Robot, parameters: DwaParameters) -> Self {
         let Robot { control_period_s, drive, .. } = robot;
         let samples = (parameters.horizon_s / control_period_s)
-            .max(2.0 * robot.max_speed_m_s() * parameters.horizon_s / robot.keep_out_m)
+            .max(2.0 * robot.max_speed_m_s() * parameters.horizon_s / robot.unit_m)
             .ceil()
             .clamp(1.0, MAX_SAMPLES);
         let can_stop = robot.motions.iter().any(|motion| motion.v_m_s == 0.0);
@@ -74,7 +74,7 @@ impl Dwa {
     ) -> usize {
         let DwaParameters { heading, clearance: weight, speed, horizon_s, margin, .. } = self.parameters;
         // A robot that is already inside the margin must not come any closer.
-        let keep_m = self.robot.keep_out_m;
+        let keep_m = self.robot.unit_m;
         let limit_m = (keep_m * (1.0 + margin)).min(clearance(Vec2::ZERO, 0.0) - 1e-4);
         let max_speed = self.robot.max_forward_speed_m_s();
         let cost = |motion: &Motion| {
@@ -135,7 +135,7 @@ impl Dwa {
         points: I,
     ) -> impl Fn(Vec2, f32) -> f32 + use<I> {
         let DwaParameters { horizon_s, margin, .. } = self.parameters;
-        let reach_m = self.robot.keep_out_m * (1.0 + margin) + self.robot.max_speed_m_s() * horizon_s;
+        let reach_m = self.robot.unit_m * (1.0 + margin) + self.robot.max_speed_m_s() * horizon_s;
         let near: Vec<MovingPoint> = points
             .filter(|point| point.at_m.length() <= reach_m + point.velocity_m_s.length() * horizon_s)
             .collect();

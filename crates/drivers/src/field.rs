@@ -24,9 +24,9 @@ impl Driver for Field {
     fn act(&mut self, percept: &Percept) -> usize {
         let force = self.attraction(percept) + self.repulsion(percept.ranges_m);
         let nearest_m = percept.ranges_m.iter().copied().fold(self.robot.max_range_m, f32::min);
-        let slow_m = self.parameters.slow_distance * self.robot.keep_out_m;
+        let slow_m = self.parameters.slow_distance * self.robot.unit_m;
         // At least a tenth, so that the robot does not stop near surfaces.
-        let speed_fraction = ((nearest_m - self.robot.keep_out_m) / slow_m).clamp(0.1, 1.0);
+        let speed_fraction = ((nearest_m - self.robot.unit_m) / slow_m).clamp(0.1, 1.0);
         let velocity = force.normalize_or_zero() * (self.robot.max_forward_speed_m_s() * speed_fraction);
         self.robot.motion_towards(velocity, self.parameters.turn_time_s)
     }
@@ -43,7 +43,7 @@ impl Field {
     /// `repulsion` (1 / d - 1 / `influence_distance`) / d^2 away from the point.
     fn repulsion(&self, ranges_m: &[f32]) -> Vec2 {
         let FieldParameters { repulsion, influence_distance, .. } = self.parameters;
-        let keep_out_m = self.robot.keep_out_m;
+        let keep_out_m = self.robot.unit_m;
         let force = |(beam, range_m): (&Vec2, &f32)| {
             let d = ((range_m - keep_out_m) / keep_out_m).max(MIN_DISTANCE);
             let strength = repulsion * (1.0 / d - 1.0 / influence_distance).max(0.0) / (d * d);

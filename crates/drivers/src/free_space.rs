@@ -17,10 +17,10 @@ const MEMORY_S: f32 = 1.0;
 #[derive(Default)]
 pub(crate) struct FreeSpace {
     /// Oldest first.
-    scans: VecDeque<EarlierScan>,
+    scans: VecDeque<RecentScan>,
 }
 
-struct EarlierScan {
+struct RecentScan {
     ranges_m: Vec<f32>,
     /// The robot's motion since this scan.
     since: Odometry,
@@ -37,7 +37,7 @@ impl FreeSpace {
         let mut ranges_m = oldest.map(|scan| scan.ranges_m).unwrap_or_default();
         ranges_m.clear();
         ranges_m.extend_from_slice(percept.ranges_m);
-        self.scans.push_back(EarlierScan { ranges_m, since: Odometry::default() });
+        self.scans.push_back(RecentScan { ranges_m, since: Odometry::default() });
     }
 
     /// Whether, in one of the scans, all beams within one beam spacing of `point_m` (in the robot's present frame) ended at
@@ -47,7 +47,7 @@ impl FreeSpace {
     }
 }
 
-impl EarlierScan {
+impl RecentScan {
     fn passed(&self, robot: &Robot, point_m: Vec2, margin_m: f32) -> bool {
         let point_m = self.since.to_outer(point_m);
         let distance_m = point_m.length();

@@ -26,7 +26,7 @@ impl Driver for OrcaDriver {
         let agent = Disc {
             at_m: vec2(x, y),
             velocity_m_s: frame.to_outer(vec2(percept.twist.v_m_s, 0.0)),
-            radius_m: self.robot.keep_out_m * (1.0 + margin),
+            radius_m: self.robot.unit_m * (1.0 + margin),
         };
         let to_goal = truth.goal_m - agent.at_m;
         let wanted = to_goal.normalize_or_zero() * max_speed;

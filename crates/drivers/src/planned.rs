@@ -76,12 +76,12 @@ impl<M: Map> Planned<M> {
             Steering::Pursuit => None,
         };
         let PlannerParameters { replan_steps, lookahead, dwa: window, .. } = parameters;
-        let reach_m = robot.keep_out_m * (1.0 + window.margin) + robot.max_speed_m_s() * window.horizon_s;
+        let reach_m = robot.unit_m * (1.0 + window.margin) + robot.max_speed_m_s() * window.horizon_s;
         Self {
             map,
             dwa,
             reach_m,
-            lookahead_m: lookahead * robot.keep_out_m,
+            lookahead_m: lookahead * robot.unit_m,
             replan_steps: *replan_steps,
             robot,
             pose: Odometry::default(),

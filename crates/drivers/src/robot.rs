@@ -16,9 +16,9 @@ pub struct Robot {
     pub drive: Drive,
     /// Simulated time per control step, in s.
     pub control_period_s: f32,
-    /// The distance in m that the robot's centre must keep from every surface: the collision range, or the reach of its body,
-    /// whichever is larger.
-    pub keep_out_m: f32,
+    /// The unit of lengths relative to the robot, in m ([`Scenario::robot_unit_m`]): the collision range, or the reach of its
+    /// body, whichever is larger. Drivers keep the robot's centre at least this far from every surface.
+    pub unit_m: f32,
     /// The goal is reached when the robot's centre is closer to it than this, in m.
     pub goal_radius_m: f32,
     /// The direction of each LIDAR beam in the robot's frame, as a unit vector.
@@ -38,7 +38,7 @@ impl Robot {
             motions: robot.motions.clone(),
             drive: robot.drive(task.control_period_s),
             control_period_s: task.control_period_s,
-            keep_out_m: scenario.robot_unit_m(),
+            unit_m: scenario.robot_unit_m(),
             goal_radius_m: task.goal_radius_m,
             beams: lidar.beam_directions(),
             max_range_m: lidar.max_range_m,

@@ -52,10 +52,10 @@ impl RollingMap {
     /// An empty map. The side of a cell is `cell` keep-out distances (2 at most), or up to [`MAX_CELL`] where there would be too
     /// many cells. Where possible, paths keep another `margin` keep-out distances beyond the keep-out distance.
     pub(crate) fn new(robot: &Robot, cell: f32, margin: f32) -> Self {
-        let most_m = MAX_CELL * robot.keep_out_m * (MAX_CELLS as f32).sqrt();
+        let most_m = MAX_CELL * robot.unit_m * (MAX_CELLS as f32).sqrt();
         let reach_m = robot.max_range_m.min(most_m / 3.0);
         let half_m = 1.5 * reach_m;
-        let wanted_m = cell * robot.keep_out_m;
+        let wanted_m = cell * robot.unit_m;
         let cell_m = wanted_m.max(2.0 * half_m / (MAX_CELLS as f32).sqrt());
         let side = ((2.0 * half_m / cell_m).ceil() as i32).max(1);
         let nothing = Cell { at: IVec2::MAX, evidence: 0 };
@@ -67,7 +67,7 @@ impl RollingMap {
             side,
             cells: vec![nothing; window.len()],
             pose: Odometry::default(),
-            stamp: stamp(robot.keep_out_m, margin * robot.keep_out_m, cell_m),
+            stamp: stamp(robot.unit_m, margin * robot.unit_m, cell_m),
             window,
             costs: vec![0; window.len()],
             search: PathSearch::default(),
@@ -174,7 +174,7 @@ impl RollingMap {
                 is_leaving = false;
                 return true;
             }
-            is_leaving && step.length() <= self.robot.keep_out_m
+            is_leaving && step.length() <= self.robot.unit_m
         })
     }
 

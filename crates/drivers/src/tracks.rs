@@ -56,12 +56,12 @@ impl Tracks {
         self.start_at_gap(robot, &mut points);
         self.free_space.add(robot, percept);
         self.predict(&percept.odometry, robot.control_period_s);
-        let margin_m = self.parameters.free_margin * robot.keep_out_m;
+        let margin_m = self.parameters.free_margin * robot.unit_m;
         let was_free = |point: &MovingPoint| self.free_space.contains(robot, point.at_m, margin_m);
         let clusters = self.clusters(robot, &points);
         let mut is_taken = vec![false; clusters.len()];
         for track in &mut self.tracks {
-            let gate_m = (2.0 * robot.keep_out_m).max(2.0 * robot.beam_spacing_rad * track.at_m.length());
+            let gate_m = (2.0 * robot.unit_m).max(2.0 * robot.beam_spacing_rad * track.at_m.length());
             let distance = |k: usize| (clusters[k].centre_m - track.at_m).length();
             let near = (0..clusters.len()).filter(|&k| !is_taken[k] && distance(k) <= gate_m);
             let nearest = near.reduce(|best, k| if distance(k) < distance(best) { k } else { best });
@@ -127,7 +127,7 @@ impl Tracks {
             // All hits count, not only the last: on the walls of a round room, it is next to the first.
             let from_first_m = hits.iter().map(|hit| (hit.at_m - hits[0].at_m).length());
             let extent_m = from_first_m.fold(0.0, f32::max);
-            if extent_m <= self.parameters.max_extent * robot.keep_out_m {
+            if extent_m <= self.parameters.max_extent * robot.unit_m {
                 let mean = hits.iter().map(|hit| hit.at_m).sum::<Vec2>() / hits.len() as f32;
                 // The scan shows only the near side. The centre of a disc lies about half its width behind it.
                 let centre_m = mean + mean.normalize_or_zero() * (0.5 * extent_m);

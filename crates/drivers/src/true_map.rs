@@ -56,7 +56,7 @@ impl Moving {
 
 impl TrueMap {
     pub(crate) fn new(robot: &Robot, parameters: &PlannerParameters) -> Self {
-        let (keep_out_m, margin_m) = (robot.keep_out_m, parameters.margin * robot.keep_out_m);
+        let (keep_out_m, margin_m) = (robot.unit_m, parameters.margin * robot.unit_m);
         let cell_m = parameters.cell * keep_out_m;
         let dwa_limit_m = keep_out_m * (1.0 + parameters.dwa.margin);
         Self {
@@ -83,8 +83,8 @@ impl TrueMap {
         let enclosure = |cell| enclosure_distance(&scenario.enclosure, self.grid.centre_m(cell));
         self.clearances_m = (0..self.grid.len()).map(|cell| enclosure(cell).min(self.reach_m)).collect();
         let is_static = |obstacle: &&Obstacle| obstacle.motion == ObstacleMotion::Static;
-        let segments = scenario.walls.iter().flat_map(Wall::segments);
-        for obstacle in segments.chain(scenario.obstacles.iter().filter(is_static).cloned()) {
+        let pieces = scenario.walls.iter().flat_map(Wall::pieces);
+        for obstacle in pieces.chain(scenario.obstacles.iter().filter(is_static).cloned()) {
             self.lower(&obstacle);
         }
         let moving = scenario.obstacles.iter().enumerate().filter(|(_, obstacle)| !is_static(obstacle));

@@ -61,7 +61,7 @@ impl Waypoints {
     pub(crate) fn new(robot: &Robot) -> Self {
         Self {
             map: RollingMap::new(robot, CELL, MARGIN),
-            keep_out_m: robot.keep_out_m,
+            keep_out_m: robot.unit_m,
             goal_radius_m: robot.goal_radius_m,
             pose: Odometry::default(),
             goal_m: Vec2::ZERO,

@@ -113,7 +113,7 @@ fn steps(base: &Scenario, path_m: f64) -> u32 {
 /// # Errors
 /// The first problem, as a message without a suggested fix: the caller adds `; help: ...`.
 pub fn check(scenario: &Scenario) -> Result<(), String> {
-    let segments: usize = scenario.walls.iter().map(Wall::segment_count).sum();
+    let segments: usize = scenario.walls.iter().map(Wall::piece_count).sum();
     for (count, most, what) in [
         (scenario.walls.len(), MAX_WALLS, "walls"),
         (segments, MAX_WALL_SEGMENTS, "wall segments"),

@@ -84,10 +84,11 @@ fn chosen<T>(
     else {
         return Err(FileError::for_file(path, "it contains no worlds; help: see docs/import.md"));
     };
-    worlds.retain(|number, _| options.world.is_none_or(|world| world == *number));
+    let Some(world) = options.world else { return Ok(worlds) };
+    worlds.retain(|&number, _| number == world);
     if worlds.is_empty() {
         let message = format!(
-            "it has no such world; help: --world takes a number from {least} to {most} that the file contains"
+            "it has no world {world}; help: --world takes a number from {least} to {most} that the file contains"
         );
         return Err(FileError::for_file(path, message));
     }

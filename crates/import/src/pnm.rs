@@ -85,11 +85,15 @@ impl Reader<'_> {
         let digits = self.rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
         let (number, rest) = self.rest.split_at(digits);
         self.rest = rest;
-        let number = std::str::from_utf8(number).ok().and_then(|text| text.parse().ok());
-        if number.is_none() && rest.is_empty() {
-            return Err(incomplete());
-        }
-        number.ok_or_else(|| format!("not a valid image: {what} is not a number; help: save it again"))
+        let problem = match std::str::from_utf8(number).unwrap_or_default() {
+            "" if rest.is_empty() => return Err(incomplete()),
+            "" => "is not a number",
+            digits => match digits.parse() {
+                Ok(number) => return Ok(number),
+                Err(_) => "is too large",
+            },
+        };
+        Err(format!("not a valid image: {what} {problem}; help: save it again"))
     }
 
     fn skip_spaces(&mut self) {
@@ -172,5 +176,7 @@ mod tests {
         ] {
             assert!(decode(bytes).is_err(), "{}", String::from_utf8_lossy(bytes));
         }
+        let error = decode(b"P5\n99999999999999999999999 2\n255\n").expect_err("2^64 is less");
+        assert_eq!(error, "not a valid image: the width is too large; help: save it again");
     }
 }

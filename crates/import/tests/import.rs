@@ -367,6 +367,21 @@ fn a_model_in_the_folder_of_the_world_may_include_another_one_there() {
 }
 
 #[test]
+fn the_saved_state_of_a_world_places_included_models_too() {
+    let include =
+        |name: &str| format!("<include><uri>model://guest</uri>{name}<pose>9 9 0 0 0 0</pose></include>");
+    let state = "<state><model name='guest'><pose>1 2 0 0 0 0</pose></model>\
+                 <model name='second'><pose>-3 2 0 0 0 0</pose></model></state>";
+    let text = world(&[include(""), include("<name>second</name>"), state.into()].concat());
+    let guest = format!("<sdf version='1.6'>{}</sdf>", model("guest", "", BOX));
+    let folder = Folder::new(&[("w.world", text.as_bytes()), ("models/guest/model.sdf", guest.as_bytes())]);
+    let imported = folder.import("w.world").expect("a world");
+    for (x, y) in [(1.0, 2.0), (-3.0, 2.0)] {
+        assert!((distance(&imported, x, y) + 0.25).abs() < 1e-3, "({x}, {y})");
+    }
+}
+
+#[test]
 fn models_that_are_too_large_together_are_refused_at_the_include() {
     let include = "<include><uri>model://table</uri></include>";
     let spaces = " ".repeat(17 << 20);
@@ -417,7 +432,10 @@ fn parts_that_a_scenario_cannot_represent_are_listed() {
         model("aside", "", BOX)
             .replace("<geometry>", "<pose relative_to='__model__'>0 0 0 0 0 0</pose><geometry>"),
         "<include><uri>model://guest</uri><pose relative_to='fine'>1 0 0 0 0 0</pose></include>".into(),
-        model("ground", "", "<plane><normal>0 0 1</normal></plane>"),
+        model("ground", "<pose>0 0 -0.5 0 0 0</pose>", "<plane><normal>0 0 1</normal></plane>"),
+        model("cellar", "<pose>0 0 -1 0 0 0</pose>", "<plane/>"),
+        model("end", "", "<plane><normal>1 0 0</normal></plane>"),
+        model("deck", "<pose>0 0 1 0 0 0</pose>", "<plane/>"),
     ];
     let guest = format!("<sdf version='1.6'>{}</sdf>", model("guest", "", BOX));
     let folder = Folder::new(&[
@@ -436,6 +454,7 @@ fn parts_that_a_scenario_cannot_represent_are_listed() {
         "shapes below the LIDAR, which is at a height of 0.18 m, are left out: step/c",
         "models that could be pushed stand still: crate",
         "models with joints, such as robots, are left out: robot",
+        "planes that are sloping, vertical or above the ground are left out: end/c, deck/c",
     ];
     assert_eq!(imported.findings, expected);
     assert!(imported.text().starts_with("// Not imported: plugins do not run: libworld.so, libpush.so.\n"));
@@ -539,7 +558,7 @@ fn barn_worlds_have_their_start_goal_and_path_length() {
     assert!(
         one(4)
             .expect_err("no such world")
-            .starts_with("barn.json: it has no such world; help: --world takes a number from 3 to 7")
+            .starts_with("barn.json: it has no world 4; help: --world takes a number from 3 to 7")
     );
     let all = import_worlds(&folder.path("barn.json"), &ImportOptions::default()).expect("all worlds");
     assert_eq!(all.iter().map(|(name, _)| &**name).collect::<Vec<_>>(), ["barn-003", "barn-007"]);
@@ -596,7 +615,7 @@ fn moving_discs_of_a_stage_get_key_frames() {
     assert!(
         one(3)
             .expect_err("no such stage")
-            .contains("it has no such world; help: --world takes a number from 2 to 5")
+            .contains("it has no world 3; help: --world takes a number from 2 to 5")
     );
     for (from, to, expected) in [
         ("\"circle\"", "\"cone\"", "stages.json:3:"),

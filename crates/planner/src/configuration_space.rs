@@ -97,7 +97,7 @@ impl InflatedObstacle {
 /// The static obstacles inside the enclosure, and the segments of inner walls.
 pub(super) fn static_obstacles(scenario: &Scenario) -> impl Iterator<Item = Obstacle> {
     let obstacles = scenario.obstacles.iter().filter(|o| o.motion == ObstacleMotion::Static).cloned();
-    obstacles.chain(scenario.walls.iter().flat_map(wayfield_scenario::Wall::segments))
+    obstacles.chain(scenario.walls.iter().flat_map(wayfield_scenario::Wall::pieces))
 }
 
 /// The allowed positions of the robot, and its motions.

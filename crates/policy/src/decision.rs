@@ -15,7 +15,7 @@
 
 use std::f32::consts::TAU;
 
-use crate::observation::Then;
+use crate::observation::FollowUp;
 use crate::{MotionLimits, greedy};
 
 /// The number of headings, evenly spaced, in which a robot may leave.
@@ -61,7 +61,7 @@ impl Decider {
         q_row: &[f32],
         motion: impl Fn(usize) -> (f32, f32),
         moves: bool,
-        steps_to_collision: impl Fn((f32, f32), Then) -> f32,
+        steps_to_collision: impl Fn((f32, f32), FollowUp) -> f32,
     ) -> usize {
         let holds = |action: usize| {
             let (v_m_s, w_rad_s) = motion(action);
@@ -76,8 +76,8 @@ impl Decider {
         let steps = |action: usize| {
             let first = motion(action);
             let others = (0..q_row.len()).filter(|&then| then != action).map(&motion);
-            let mut longest = steps_to_collision(first, Then::Keep(first));
-            for then in others.map(Then::Keep).chain(escapes()) {
+            let mut longest = steps_to_collision(first, FollowUp::Keep(first));
+            for then in others.map(FollowUp::Keep).chain(escapes()) {
                 if longest.is_infinite() {
                     break;
                 }
@@ -101,7 +101,7 @@ impl Decider {
 
 /// The ways to leave in any direction for a robot with these motions (speeds in m/s, turning rates in rad/s): none unless it can
 /// turn on the spot to both sides and drive straight ahead.
-fn escapes(motions: impl Iterator<Item = (f32, f32)>) -> impl Iterator<Item = Then> {
+fn escapes(motions: impl Iterator<Item = (f32, f32)>) -> impl Iterator<Item = FollowUp> {
     let (mut left, mut right, mut ahead_m_s) = (0.0_f32, 0.0_f32, 0.0_f32);
     for (v_m_s, w_rad_s) in motions {
         if v_m_s == 0.0 {
@@ -113,7 +113,7 @@ fn escapes(motions: impl Iterator<Item = (f32, f32)>) -> impl Iterator<Item = Th
     let is_possible = left > 0.0 && right < 0.0 && ahead_m_s > 0.0;
     (0..if is_possible { HEADINGS } else { 0 }).map(move |index| {
         let heading_rad = TAU * f32::from(index) / f32::from(HEADINGS);
-        Then::TurnTo { heading_rad, turns_rad_s: (left, right), ahead_m_s }
+        FollowUp::TurnTo { heading_rad, turns_rad_s: (left, right), ahead_m_s }
     })
 }
 
@@ -130,7 +130,7 @@ mod tests {
     const MOTIONS: [(f32, f32); 4] = [(0.5, -1.0), (0.0, 1.0), (0.0, 0.0), (0.0, -1.0)];
 
     /// No action leads to a collision.
-    fn never(_: (f32, f32), _: Then) -> f32 {
+    fn never(_: (f32, f32), _: FollowUp) -> f32 {
         f32::INFINITY
     }
 
@@ -178,14 +178,14 @@ mod tests {
     #[test]
     fn an_action_after_which_a_collision_is_inevitable_is_passed_over() {
         const FIVE: [(f32, f32); 5] = [MOTIONS[0], MOTIONS[1], MOTIONS[2], MOTIONS[3], AHEAD];
-        fn choice(steps: impl Fn((f32, f32), Then) -> f32) -> usize {
+        fn choice(steps: impl Fn((f32, f32), FollowUp) -> f32) -> usize {
             Decider::default().choose(&[3.0, 2.0, 1.0, 0.0, -1.0], |action| FIVE[action], true, steps)
         }
         assert_eq!(choice(|first, _| if first == MOTIONS[0] { 2.0 } else { f32::INFINITY }), 1);
-        let unless = |avoids: Then| {
+        let unless = |avoids: FollowUp| {
             move |first, then| if first == MOTIONS[0] && then != avoids { 2.0 } else { f32::INFINITY }
         };
-        let turn_right = unless(Then::Keep(MOTIONS[3]));
+        let turn_right = unless(FollowUp::Keep(MOTIONS[3]));
         assert_eq!(choice(turn_right), 0, "a turn to the right in the next step avoids it");
         let leave = escapes(FIVE.into_iter()).nth(5).expect("it can turn and drive");
         assert_eq!(choice(unless(leave)), 0, "it can leave in one direction");
@@ -197,11 +197,11 @@ mod tests {
     #[test]
     fn a_robot_leaves_in_any_direction_only_with_its_own_motions() {
         let motions = [(0.5, 0.5), (0.3, 0.0), (-0.5, 0.0), (0.0, 1.0), (0.0, -0.2), (0.0, 0.5)];
-        let found: Vec<Then> = escapes(motions.into_iter()).collect();
+        let found: Vec<FollowUp> = escapes(motions.into_iter()).collect();
         assert_eq!(found.len(), usize::from(HEADINGS));
         let east_north_east = TAU / f32::from(HEADINGS);
         let expected =
-            Then::TurnTo { heading_rad: east_north_east, turns_rad_s: (1.0, -0.2), ahead_m_s: 0.3 };
+            FollowUp::TurnTo { heading_rad: east_north_east, turns_rad_s: (1.0, -0.2), ahead_m_s: 0.3 };
         assert_eq!(found[1], expected);
         for unable in [&motions[..4], &motions[2..], &[(0.5, 0.5), (0.5, -0.5)]] {
             assert_eq!(escapes(unable.iter().copied()).count(), 0, "{unable:?}");

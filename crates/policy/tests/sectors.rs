@@ -3,7 +3,7 @@
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 use wayfield_policy::observation::{
-    BodyScale, Column, LidarBeams, Quantity, SectorLayout, SectorObserver, Sensed, Then,
+    BodyScale, Column, FollowUp, LidarBeams, Quantity, SectorLayout, SectorObserver, Sensed,
 };
 
 const LAYOUT: SectorLayout =
@@ -200,17 +200,17 @@ fn predictions_are_dropped_until_the_next_reset() {
     let mut observer = observer(LAYOUT, 72, 0.1);
     assert!(predicts_motion(&mut observer), "a moving disc is predicted");
     observer.reset();
-    observer.drop_predictions(1.0, 1);
+    observer.hide_predictions(1.0, 1);
     assert!(!predicts_motion(&mut observer));
     let is_hidden = |seed: &u64| {
         observer.reset();
-        observer.drop_predictions(0.7, *seed);
+        observer.hide_predictions(0.7, *seed);
         !predicts_motion(&mut observer)
     };
     let hidden = (0..100).filter(is_hidden).count();
     assert!((60..80).contains(&hidden), "the one disc is hidden with {hidden} of 100 seeds");
     observer.reset();
-    observer.drop_predictions(1.0, 1);
+    observer.hide_predictions(1.0, 1);
     assert!(!predicts_motion(&mut observer));
     let memory = observer.memory().clone();
     observer.reset();
@@ -234,28 +234,28 @@ fn collisions_with_still_and_moving_obstacles_are_foreseen() {
     let (ahead, stop, bend) = ((0.1, 0.0), (0.0, 0.0), (0.05, 1.5));
     // The disc's surface is 1.5 units ahead, half a unit from the body.
     let still = observe(-0.25, 0.0);
-    assert_eq!(still.steps_to_collision(ahead, Then::Keep(ahead)), 3.0, "the next half step after 2.5");
-    assert_eq!(still.steps_to_collision(ahead, Then::Keep(stop)), f32::INFINITY);
-    assert_eq!(still.steps_to_collision(stop, Then::Keep(stop)), f32::INFINITY);
+    assert_eq!(still.steps_to_collision(ahead, FollowUp::Keep(ahead)), 3.0, "the next half step after 2.5");
+    assert_eq!(still.steps_to_collision(ahead, FollowUp::Keep(stop)), f32::INFINITY);
+    assert_eq!(still.steps_to_collision(stop, FollowUp::Keep(stop)), f32::INFINITY);
     assert_eq!(
-        still.steps_to_collision(bend, Then::Keep(bend)),
+        still.steps_to_collision(bend, FollowUp::Keep(bend)),
         f32::INFINITY,
         "a bend with a radius of a third of a unit"
     );
     let mut reset = still.clone();
     reset.reset();
     assert_eq!(
-        reset.steps_to_collision(ahead, Then::Keep(ahead)),
+        reset.steps_to_collision(ahead, FollowUp::Keep(ahead)),
         f32::INFINITY,
         "it has forgotten the disc"
     );
     // The same distance, but it comes nearer by 0.3 units a step.
     let coming = observe(-0.25, 0.03);
-    let steps = coming.steps_to_collision(stop, Then::Keep(stop));
+    let steps = coming.steps_to_collision(stop, FollowUp::Keep(stop));
     assert!((1.5..=2.0).contains(&steps), "0.5 / 0.3: {steps}");
-    let back = coming.steps_to_collision((-0.1, 0.0), Then::Keep((-0.1, 0.0)));
+    let back = coming.steps_to_collision((-0.1, 0.0), FollowUp::Keep((-0.1, 0.0)));
     assert!(steps < back && back <= 6.0, "0.5 / (0.3 - 0.2): {back}");
-    let turn_to = |heading_rad| Then::TurnTo { heading_rad, turns_rad_s: (1.5, -1.5), ahead_m_s: 0.1 };
+    let turn_to = |heading_rad| FollowUp::TurnTo { heading_rad, turns_rad_s: (1.5, -1.5), ahead_m_s: 0.1 };
     // A turn by a right angle takes more than five steps: too long if the disc arrives after two.
     assert!(still.steps_to_collision(stop, turn_to(0.0)) < 5.0);
     assert_eq!(still.steps_to_collision(stop, turn_to(PI / 2.0)), f32::INFINITY);

@@ -111,7 +111,7 @@ impl FileError {
 
     /// This error with the problems of `other`, an error for a file that this file names.
     #[must_use]
-    pub fn and(mut self, other: Self) -> Self {
+    pub fn with_problems_of(mut self, other: Self) -> Self {
         let is_same = other.path == self.path;
         let of_other = other.problems.into_iter();
         self.problems.extend(of_other.map(|found| match found.file {
@@ -185,7 +185,7 @@ pub fn has_field(text: &str, path: &str) -> bool {
 ///
 /// # Errors
 /// The path is not UTF-8.
-pub fn utf8(path: &Path) -> Result<&str, FileError> {
+pub fn utf8_path(path: &Path) -> Result<&str, FileError> {
     path.to_str().ok_or_else(|| {
         FileError::for_file(path, "the path is not valid UTF-8: rename the file or its folder")
     })

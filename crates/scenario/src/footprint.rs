@@ -74,7 +74,7 @@ impl IndexedScenario<'_> {
         };
         for (index, wall) in scenario.walls.iter().enumerate() {
             let from_origin_m = inner_wall_distance(wall, body.origin_m);
-            consider(Solid::Wall(index), from_origin_m, &mut Wall::segments(wall));
+            consider(Solid::Wall(index), from_origin_m, &mut Wall::pieces(wall));
         }
         for (index, obstacle) in scenario.obstacles.iter().enumerate() {
             let at = self.pose_at(index, step);

@@ -129,22 +129,22 @@ impl Enclosure {
 }
 
 impl Wall {
-    /// Number of its [`segments`](Self::segments).
+    /// Number of its [`pieces`](Self::pieces).
     #[must_use]
-    pub fn segment_count(&self) -> usize {
+    pub fn piece_count(&self) -> usize {
         self.corners_m.len().saturating_sub(1) + self.blocks().len()
     }
 
-    /// Distance from a point to the segment with this index, in m; negative inside it.
-    pub(super) fn segment_distance_m(&self, index: usize, point: Vec2) -> f32 {
+    /// Distance from a point to the piece with this index, in m; negative inside it.
+    pub(super) fn piece_distance_m(&self, index: usize, point: Vec2) -> f32 {
         match self.corners_m.get(index..index + 2) {
             Some(ends) => wall_segment_distance(ends[0], ends[1], self.thickness_m, point),
             None => self.blocks()[index + 1 - self.corners_m.len().max(1)].distance_m(point),
         }
     }
 
-    /// Lower left and upper right corner of a box around the segment with this index, in m.
-    pub(super) fn segment_bounds_m(&self, index: usize) -> (Vec2, Vec2) {
+    /// Lower left and upper right corner of a box around the piece with this index, in m.
+    pub(super) fn piece_bounds_m(&self, index: usize) -> (Vec2, Vec2) {
         match self.corners_m.get(index..index + 2) {
             Some(ends) => (ends[0].min(ends[1]) - self.thickness_m, ends[0].max(ends[1]) + self.thickness_m),
             None => self.blocks()[index + 1 - self.corners_m.len().max(1)].bounds_m(),
@@ -158,7 +158,7 @@ impl Wall {
 
     /// Its segments as static rectangular obstacles, each extended by half the thickness at both ends, and the rectangles that
     /// its cells form.
-    pub fn segments(&self) -> impl Iterator<Item = Obstacle> {
+    pub fn pieces(&self) -> impl Iterator<Item = Obstacle> {
         let segments = self.corners_m.windows(2).map(|ends| {
             let (from, to) = (ends[0], ends[1]);
             let (dx, dy) = (to.x - from.x, to.y - from.y);
@@ -318,7 +318,7 @@ mod tests {
         ] {
             assert!(near(inner_wall_distance(&wall, point), expected), "{point:?}");
             let by_pieces =
-                wall.segments().map(|piece| shape_distance(&piece.shape, pose_at(&piece, 0, 0.2), point));
+                wall.pieces().map(|piece| shape_distance(&piece.shape, pose_at(&piece, 0, 0.2), point));
             assert!(near(by_pieces.fold(f32::INFINITY, f32::min), expected), "{point:?} by its pieces");
         }
         let scenario = Scenario { walls: vec![wall], ..Scenario::default() };

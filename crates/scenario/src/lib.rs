@@ -77,7 +77,7 @@ pub use drive::Drive;
 pub use explain::with_plain_numbers;
 pub use explain::{choose, closest_name, whole_number};
 pub use fields::{Field, FieldValue, Quantity};
-pub use file_error::{Diagnostic, FileError, LocatedDiagnostic, has_field, locate, overlap, utf8};
+pub use file_error::{Diagnostic, FileError, LocatedDiagnostic, has_field, locate, overlap, utf8_path};
 pub use free_cells::FreeCells;
 pub use geodesic::Geodesic;
 pub use geometry::{Solid, clearance, enclosure_distance, inner_wall_distance, nearest, shape_distance};

@@ -31,7 +31,7 @@ pub fn nearest_points(scenario: &Scenario, at_m: Vec2, reach_m: f32) -> Vec<Vec2
         ((nearest - at_m).length() <= reach_m).then_some(nearest)
     });
     let inside = enclosure_distance(&scenario.enclosure, at_m) > 0.0;
-    let solids = obstacles.chain(walls.flat_map(Wall::segments));
+    let solids = obstacles.chain(walls.flat_map(Wall::pieces));
     solids.filter_map(of_solid).chain(sides.filter(|_| inside)).collect()
 }
 

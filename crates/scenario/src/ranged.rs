@@ -163,8 +163,8 @@ impl<'de, T: RangeNumber + Deserialize<'de>> Visitor<'de> for RangedVisitor<T> {
 }
 
 impl ObstacleMotion {
-    /// The speed, if the motion has one, in m/s or rad/s.
-    pub(super) fn ranged_speed_mut(&mut self) -> Option<&mut Ranged<f32>> {
+    /// The speed as the scenario gives it, a number or a range, in m/s or rad/s; `None` if the motion has none.
+    pub(super) fn given_speed_mut(&mut self) -> Option<&mut Ranged<f32>> {
         match self {
             Self::Static | Self::KeyFrames { .. } => None,
             Self::Orbit { speed_rad_s: speed, .. }
@@ -175,9 +175,9 @@ impl ObstacleMotion {
         }
     }
 
-    /// The speed, if the motion has one, in m/s or rad/s.
+    /// The speed as the scenario gives it, a number or a range, in m/s or rad/s; `None` if the motion has none.
     #[must_use]
-    pub fn ranged_speed(&self) -> Option<Ranged<f32>> {
+    pub fn given_speed(&self) -> Option<Ranged<f32>> {
         match *self {
             Self::Static | Self::KeyFrames { .. } => None,
             Self::Orbit { speed_rad_s: speed, .. }
@@ -208,7 +208,7 @@ impl Scenario {
             .any(|number| number.is_range())
             || robot.odometry_drift.is_some_and(|drift| drift.has_ranges())
             || lidar.latency_steps.is_range()
-            || self.obstacles.iter().any(|o| o.motion.ranged_speed().is_some_and(Ranged::is_range))
+            || self.obstacles.iter().any(|o| o.motion.given_speed().is_some_and(Ranged::is_range))
     }
 
     /// Whether every episode has a layout of its own: generated obstacles, numbers that are drawn from ranges, or random slip.
@@ -243,7 +243,7 @@ impl Scenario {
         lidar.dropout.draw(layout_seed, "range: dropout", 0);
         lidar.latency_steps.draw(layout_seed, "range: latency", 0);
         for (k, obstacle) in (0..).zip(obstacles) {
-            if let Some(speed) = obstacle.motion.ranged_speed_mut() {
+            if let Some(speed) = obstacle.motion.given_speed_mut() {
                 speed.draw(layout_seed, "range: obstacle speed", k);
             }
         }

@@ -35,7 +35,7 @@ impl Part {
     /// The static parts of `scenario` except the enclosure: segments of walls, then static obstacles.
     pub(super) fn static_parts(scenario: &Scenario) -> impl Iterator<Item = Self> {
         let segments = |(k, wall): (usize, &Wall)| {
-            (0..wall.segment_count()).map(move |index| Self::Segment { wall: k, index })
+            (0..wall.piece_count()).map(move |index| Self::Segment { wall: k, index })
         };
         let is_static = |index: &usize| scenario.obstacles[*index].motion == ObstacleMotion::Static;
         let obstacles = (0..scenario.obstacles.len()).filter(is_static);
@@ -52,7 +52,7 @@ impl Part {
     /// The distance from a point to the part, in m; negative inside it.
     pub(super) fn distance_m(self, scenario: &Scenario, point_m: Vec2) -> f32 {
         match self {
-            Self::Segment { wall, index } => scenario.walls[wall].segment_distance_m(index, point_m),
+            Self::Segment { wall, index } => scenario.walls[wall].piece_distance_m(index, point_m),
             Self::Obstacle(index) => IndexedScenario::from(scenario).obstacle_distance(index, point_m, 0),
         }
     }
@@ -60,7 +60,7 @@ impl Part {
     /// Lower left and upper right corner of a box around the part, in m.
     pub(super) fn bounds_m(self, scenario: &Scenario) -> (Vec2, Vec2) {
         match self {
-            Self::Segment { wall, index } => scenario.walls[wall].segment_bounds_m(index),
+            Self::Segment { wall, index } => scenario.walls[wall].piece_bounds_m(index),
             Self::Obstacle(index) => {
                 let obstacle = &scenario.obstacles[index];
                 let reach_m = obstacle.shape.bounding_radius_m();
@@ -177,7 +177,7 @@ impl<'a> IndexedScenario<'a> {
         loop {
             best = index.near(self.scenario, point_m, radius_m).fold(best, nearer);
             // There are no parts beyond the farthest cell. For a NaN point the reach is NaN, which ends the loop.
-            let has_more = radius_m <= index.grid.reach_m(point_m);
+            let has_more = radius_m <= index.grid.max_distance_m(point_m);
             if best.1 <= radius_m || !has_more {
                 return best;
             }

@@ -70,7 +70,7 @@ impl ObstacleMotion {
     /// The speed; of a range of speeds, the end with the larger absolute value.
     pub(super) fn fastest_speed(&self) -> MotionSpeed {
         let mut motion = self.clone();
-        if let Some(speed) = motion.ranged_speed_mut() {
+        if let Some(speed) = motion.given_speed_mut() {
             let [low, high] = speed.ends();
             *speed = if low.abs() > high.abs() { low } else { high }.into();
         }
@@ -80,7 +80,7 @@ impl ObstacleMotion {
     /// Whether an obstacle with this motion ever moves. Key frames count as motion even if all are in one place.
     #[must_use]
     pub fn is_moving(&self) -> bool {
-        match self.ranged_speed() {
+        match self.given_speed() {
             Some(speed) => speed.ends() != [0.0; 2],
             None => *self != Self::Static,
         }

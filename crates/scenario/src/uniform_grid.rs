@@ -107,7 +107,7 @@ impl UniformGrid {
 
     /// An upper bound on the distance from `point` to any cell, in m.
     #[must_use]
-    pub fn reach_m(&self, point: Vec2) -> f32 {
+    pub fn max_distance_m(&self, point: Vec2) -> f32 {
         let high = self.low + vec2(self.columns as f32, self.rows as f32) * self.cell_m;
         (point - self.low).abs().max((high - point).abs()).element_sum()
     }

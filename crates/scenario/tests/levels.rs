@@ -151,7 +151,7 @@ fn scattered_obstacles_and_traps_keep_the_gap() {
         for seed in 0..SEEDS {
             let level = level(&generator, seed);
             let mut groups: Vec<Vec<Obstacle>> = level.obstacles.iter().map(|o| vec![o.clone()]).collect();
-            groups.extend(level.walls.iter().map(|wall| wall.segments().collect()));
+            groups.extend(level.walls.iter().map(|wall| wall.pieces().collect()));
             for (k, group) in groups.iter().enumerate() {
                 let others = groups.iter().enumerate().filter(|(other, _)| *other != k);
                 let others: Vec<Obstacle> = others.flat_map(|(_, group)| group.clone()).collect();

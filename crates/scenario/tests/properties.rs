@@ -180,7 +180,7 @@ proptest! {
         let noted: Vec<String> = notes(&scenario).into_iter().map(|note| note.diagnostic.to_string()).collect();
         let period = scenario.task.control_period_s;
         let walls: Vec<_> = scenario.walls.iter().enumerate().flat_map(|(k, wall)| {
-            wall.segments().map(move |segment| (format!("`walls[{k}]`"), segment))
+            wall.pieces().map(move |piece| (format!("`walls[{k}]`"), piece))
         }).collect();
         let still = |(k, o): (usize, &Obstacle)| (!o.motion.is_moving()).then(|| (format!("`obstacles[{k}]`"), o.clone()));
         let solids = scenario.obstacles.iter().enumerate().filter_map(still).chain(walls);

@@ -33,7 +33,7 @@ fn problems(from: &str, to: &str) -> String {
 }
 
 fn speed(scenario: &Scenario, index: usize) -> Ranged<f32> {
-    scenario.obstacles[index].motion.ranged_speed().expect("it moves")
+    scenario.obstacles[index].motion.given_speed().expect("it moves")
 }
 
 #[test]

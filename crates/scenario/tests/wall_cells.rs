@@ -40,7 +40,7 @@ fn problems(text: &str) -> String {
 fn the_upper_row_of_the_text_is_the_upper_row_of_the_plane() {
     let scenario = Scenario::parse(TEXT, "map.ron").expect("valid");
     assert_eq!(scenario.walls, [wall(&["##..", "#...", "# .#"], 0.5, vec2(0.5, 0.0))]);
-    let rectangles: Vec<_> = scenario.walls[0].segments().map(|at| (at.shape, at.position_m)).collect();
+    let rectangles: Vec<_> = scenario.walls[0].pieces().map(|at| (at.shape, at.position_m)).collect();
     let rectangle = |width_m, height_m| Shape::Rectangle { width_m, height_m };
     let expected = [
         (rectangle(0.5, 1.5), vec2(-0.25, 0.0)),

@@ -41,8 +41,7 @@ pub(super) fn new_clearance_m(scenario: &Scenario) -> f32 {
 
 /// Number of obstacles, wall corners, rows and rectangles of cells, and key frames in a scenario.
 pub(super) fn item_count(scenario: &Scenario) -> usize {
-    let cells =
-        |wall: &Wall| wall.cells.as_ref().map_or(0, |cells| cells.rows().len()) + wall.segment_count();
+    let cells = |wall: &Wall| wall.cells.as_ref().map_or(0, |cells| cells.rows().len()) + wall.piece_count();
     let corners = scenario.walls.iter().map(|wall| wall.corners_m.len().max(cells(wall))).sum::<usize>();
     let frames = |obstacle: &Obstacle| match &obstacle.motion {
         ObstacleMotion::KeyFrames { frames, .. } => frames.len(),

@@ -115,7 +115,7 @@ fn right_panel_ui(
 fn plot_context(status: &AppStatus) -> plots::PlotContext {
     plots::PlotContext {
         is_paper_scenario_1: status.is_paper_scenario_1,
-        training: status.mode == SessionMode::Train,
+        is_training: status.mode == SessionMode::Train,
         best: status.best.map(|best| (best.env_steps, best.success_rate)),
         has_disk: status.has_disk,
     }

@@ -86,7 +86,7 @@ pub(super) fn spawn_arenas(world: &mut World, mode: SessionMode, sources: Vec<Ac
 /// The driver of each arena in `mode`, with its action source.
 ///
 /// # Errors
-/// There is no second driver, or it cannot drive here.
+/// There is no second driver, or it cannot drive here; or the network of the tested policy cannot be created.
 pub(super) fn drivers(
     world: &World,
     mode: SessionMode,

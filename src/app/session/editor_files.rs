@@ -16,7 +16,7 @@ use super::training_run::TrainingRun;
 use crate::app::commands::EditorReply;
 use crate::run::output_file::write_atomic;
 use crate::run::{RunError, shipped};
-use crate::scenario::{MAX_FILE_BYTES, Scenario, path_exists, read_text, to_text, utf8};
+use crate::scenario::{MAX_FILE_BYTES, Scenario, path_exists, read_text, to_text, utf8_path};
 
 /// Saves an edited scenario to `path`. Keeps the comments of `based_on`, the file or shipped scenario that was edited; if
 /// that cannot be read, those of the file at `path`.
@@ -29,7 +29,7 @@ pub(super) fn save_scenario(
     based_on: &str,
     path: &Path,
 ) -> Result<(), RunError> {
-    let file = utf8(path)?.to_owned();
+    let file = utf8_path(path)?.to_owned();
     world.resource_scope(|world, mut source: Mut<ScenarioSource>| {
         source.check_overwrite(&world.resource::<TrainingRun>().config, scenario, path)
     })?;
@@ -65,7 +65,7 @@ pub(super) fn save_scenario(
 /// # Errors
 /// The scenario cannot be read.
 pub(super) fn open_in_editor(world: &mut World, path: &Path) -> Result<(), RunError> {
-    let from = utf8(path)?.to_owned();
+    let from = utf8_path(path)?.to_owned();
     let scenario = if path_exists(path) { Scenario::load_draft(path) } else { shipped::scenario(&from) }?;
     let scenario = Arc::new(scenario);
     world.resource_mut::<ScenarioSource>().record_opened(from.clone(), scenario.clone());

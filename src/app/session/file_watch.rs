@@ -210,7 +210,7 @@ pub(super) fn retry_when_fixed(world: &mut World, from: &str, action: RetryActio
 /// Checks that the file at `path` is valid: a scenario, a level generator, a set of scenarios, a preset or a classical driver.
 fn check_usable(path: &Path) -> Result<(), FileError> {
     let text = read_text(path)?;
-    if DriverConfig::is_meant_by(&text) {
+    if DriverConfig::looks_like(&text) {
         return DriverConfig::parse(&text, path).map(drop);
     }
     if open::is_set(&text) {

@@ -20,7 +20,7 @@ use crate::run::folder::{RunConfig, RunFolder};
 use crate::run::policy_card::WITH_MAP;
 use crate::run::preset::Preset;
 use crate::run::{RunError, evaluate, policy_card, scenario_set, shipped};
-use crate::scenario::{LevelGenerator, Scenario, SetMember, path_exists, read_text, resemblance, utf8};
+use crate::scenario::{LevelGenerator, Scenario, SetMember, path_exists, read_text, resemblance, utf8_path};
 
 /// The kinds of files that can be opened.
 const OPENABLE: &str = "a policy (.safetensors), a scenario, a preset or a classical driver (.ron), a map (.yaml, .sdf, .world), or a run folder";
@@ -148,7 +148,7 @@ pub(super) fn is_preset(text: &str) -> bool {
 
 /// Whether the text of a file is meant as a set of scenarios, or as a level generator, which is the set of its levels.
 pub(super) fn is_set(text: &str) -> bool {
-    scenario_set::is_meant_by(text) || LevelGenerator::is_meant_by(text)
+    scenario_set::looks_like(text) || LevelGenerator::looks_like(text)
 }
 
 /// Resumes the run in `folder`. `path` is what the user opened: the folder itself, or its checkpoint.
@@ -163,7 +163,7 @@ fn resume(world: &mut World, path: &Path, folder: &Path) -> Result<String, RunEr
 
 /// Starts training in the map or the Gazebo world at `path`.
 fn open_map_or_world(world: &mut World, path: &Path) -> Result<String, RunError> {
-    let from = utf8(path)?;
+    let from = utf8_path(path)?;
     shipped::scenario(from)?;
     confirm_by_repeating(world, path)?;
     let RunConfig { preset_from, seed, .. } = &world.resource::<TrainingRun>().config;
@@ -175,9 +175,9 @@ fn open_map_or_world(world: &mut World, path: &Path) -> Result<String, RunError>
 
 /// Starts training with a scenario, a set of scenarios or a preset; or lets a classical driver drive.
 fn open_ron(world: &mut World, path: &Path) -> Result<String, RunError> {
-    let from = utf8(path)?.to_owned();
+    let from = utf8_path(path)?.to_owned();
     let text = read_text(path)?;
-    if DriverConfig::is_meant_by(&text) {
+    if DriverConfig::looks_like(&text) {
         let driver = DriverConfig::parse(&text, path)?;
         let file = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
         return compare_with_driver(

@@ -81,7 +81,7 @@ impl FileKind {
             Self::ScenarioSet => resemblance::<ScenarioSetFile>(text, "ScenarioSet"),
             Self::LevelGenerator => resemblance::<LevelGenerator>(text, "LevelGenerator"),
             Self::Suite => resemblance::<SuiteFile>(text, "Suite"),
-            Self::Driver if DriverConfig::is_meant_by(text) => usize::MAX,
+            Self::Driver if DriverConfig::looks_like(text) => usize::MAX,
             Self::Driver => 0,
             Self::Preset => resemblance::<Preset>(text, "Preset"),
             Self::Experiment => resemblance::<Experiment>(text, "Experiment"),

@@ -145,8 +145,8 @@ impl Tested<'_> {
     /// Writes a row per episode.
     fn write_rows(&self, csv: &mut TestFile) -> Result<(), TestEnd> {
         let mut is_first = true;
-        for (driver, of_scenarios) in self.drivers.iter().zip(&self.episodes) {
-            for ((family, scenario), in_scenario) in self.test.suite.scenarios().zip(of_scenarios) {
+        for (driver, results) in self.drivers.iter().zip(&self.episodes) {
+            for ((family, scenario), in_scenario) in self.test.suite.scenarios().zip(results) {
                 let columns = || SuiteColumns { family: &family.name, scenario: &scenario.name };
                 csv.rows(records(&driver.name, in_scenario).map(|record| (columns(), record)), is_first)?;
                 is_first = false;
@@ -169,7 +169,7 @@ impl<'a> SuiteReport<'a> {
             policies: drivers
                 .iter()
                 .zip(&tested.episodes)
-                .map(|(driver, of_scenarios)| DriverReport::new(driver, suite, of_scenarios))
+                .map(|(driver, results)| DriverReport::new(driver, suite, results))
                 .collect(),
         }
     }
@@ -183,11 +183,11 @@ impl SuiteReport<'_> {
 }
 
 impl DriverReport {
-    fn new((name, driver): &Named, suite: &Suite, of_scenarios: &[SuiteEpisodes]) -> Self {
+    fn new((name, driver): &Named, suite: &Suite, results: &[SuiteEpisodes]) -> Self {
         Self {
             policy: name.clone(),
             class: driver.evaluated().class(),
-            families: suite.results(of_scenarios),
+            families: suite.results(results),
             weights_crc32c: driver.policy().map(Policy::weights_crc32c),
         }
     }

@@ -40,7 +40,9 @@ pub(super) fn estimate_cell(estimate: Option<Estimate>, measure: Measure) -> Cel
 /// The mean over the seeds with its interval; a lower bound if any value is one.
 pub(super) fn mean_cell(values: &ArmValues, measure: Measure) -> Cell {
     match Estimate::from_values(&values.raw()) {
-        Some(mean) if values.bounds() > 0 => Cell::AtLeast { value: mean.mean, digits: measure.digits() },
+        Some(mean) if values.lower_bound_count() > 0 => {
+            Cell::AtLeast { value: mean.mean, digits: measure.digits() }
+        }
         mean => estimate_cell(mean, measure),
     }
 }

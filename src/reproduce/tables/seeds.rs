@@ -28,7 +28,7 @@ pub(super) fn seeds(
     for arm in rows(results, index) {
         let values = results.values(arm, measure, point, Windows::default())?;
         // If any value is a lower bound, the mean is only a lower bound, too, and is not compared.
-        let mean = Estimate::from_values(&values.raw()).filter(|_| values.bounds() == 0);
+        let mean = Estimate::from_values(&values.raw()).filter(|_| values.lower_bound_count() == 0);
         let mut row = vec![Cell::Text(row_name(results, arm))];
         let cell = |&seed: &u64| values.of_seed(seed).map_or(Cell::Empty, |value| value_cell(value, digits));
         row.extend(seeds.iter().map(cell));

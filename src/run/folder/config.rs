@@ -158,7 +158,7 @@ impl RunConfig {
 
     /// Whether the text of a file is meant as a configuration, judging by its fields.
     #[must_use]
-    pub fn is_meant_by(text: &str) -> bool {
+    pub fn looks_like(text: &str) -> bool {
         let others = [resemblance::<Scenario>(text, "Scenario"), resemblance::<Preset>(text, "Preset")];
         others.iter().all(|other| resemblance::<Self>(text, "RunConfig") > *other)
     }

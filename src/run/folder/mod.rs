@@ -11,6 +11,8 @@
 //! | `checkpoint/` | the last three checkpoints ([`checkpoint`](super::checkpoint)) and a lock |
 //! | `summary.json`, `learning-curve.svg` | the summary, and the learning curves |
 //! | `processors.json` | the kinds of processor that the run was trained on |
+//! | `journal.ron` | the intervention journal, in runs saved from the app |
+//! | `autosave.ron` | the session that the app offers to continue, in autosaves |
 
 mod config;
 mod csv_file;

@@ -40,7 +40,7 @@ pub(super) fn read(text: &str, path: &Path, chain: &[PathBuf]) -> Result<Preset,
         _ => preset,
     };
     match (parsed, base.into_inner()) {
-        (Err(own), Some(Err(of_base))) => Err(own.and(of_base)),
+        (Err(own), Some(Err(of_base))) => Err(own.with_problems_of(of_base)),
         (Ok(_), Some(Err(of_base))) => Err(of_base),
         (Ok(_), Some(Ok(Some(base)))) => {
             let base = to_ron(&base).map_err(|error| FileError::for_file(path, error.to_string()))?;

@@ -61,12 +61,12 @@ impl Source {
     /// # Errors
     /// As for [`load`](Self::load).
     pub fn parse(text: &str, path: &Path) -> Result<Self, FileError> {
-        if scenario_set::is_meant_by(text) {
+        if scenario_set::looks_like(text) {
             let set = scenario_set::parse(text, path)?;
             let first = set.members.first().map(|member| member.source.first()).transpose();
             let first = first.map_err(|error| FileError::for_file(path, error.to_string()))?;
             Ok(Self::Set(Box::new(first.unwrap_or_default()), set))
-        } else if LevelGenerator::is_meant_by(text) {
+        } else if LevelGenerator::looks_like(text) {
             LevelGenerator::parse(text, path).map(Self::Levels)
         } else {
             Scenario::parse(text, path).map(Self::Scenario)

@@ -50,31 +50,31 @@ pub struct FamilyResult {
 impl FamilyResult {
     /// The results in `family`, from the episodes in each of its scenarios.
     #[must_use]
-    pub fn new(family: &Family, of_scenarios: &[SuiteEpisodes]) -> Self {
-        let all = || of_scenarios.iter().flat_map(|of| &of.episodes);
+    pub fn new(family: &Family, results: &[SuiteEpisodes]) -> Self {
+        let all = || results.iter().flat_map(|result| &result.episodes);
         let episodes = all().count();
         let count = |end: EpisodeEnd| all().filter(|episode| episode.end == end).count();
         let rate = |end| fraction(count(end), episodes);
         let interval = |end| rate_interval(count(end), episodes);
-        let times: Vec<f64> = of_scenarios
+        let times: Vec<f64> = results
             .iter()
-            .flat_map(|of| times_s(&of.episodes, of.scenario.task.control_period_s))
+            .flat_map(|result| times_s(&result.episodes, result.scenario.task.control_period_s))
             .collect();
-        let (time_ratio, optimum_episodes) = time_ratio(of_scenarios);
+        let (time_ratio, optimum_episodes) = time_ratio(results);
         Self {
-            scenarios: of_scenarios.len(),
+            scenarios: results.len(),
             episodes,
             success_rate: rate(EpisodeEnd::Reached),
             success_interval: interval(EpisodeEnd::Reached),
-            rounds: rounds(of_scenarios),
+            rounds: rounds(results),
             collision_rate: rate(EpisodeEnd::Collided),
             collision_interval: interval(EpisodeEnd::Collided),
             timeout_rate: rate(EpisodeEnd::TimedOut),
             timeout_interval: interval(EpisodeEnd::TimedOut),
             mean_time_s: (!times.is_empty()).then(|| mean(&times)),
-            spl: mean_over(of_scenarios, |_, episode, shortest_m| episode.spl(shortest_m).unwrap_or(0.0)),
-            worst_tenth: worst_tenth(of_scenarios),
-            barn_score: family.score.map(|SuiteScore::Barn| mean_over(of_scenarios, barn_score)),
+            spl: mean_over(results, |_, episode, shortest_m| episode.spl(shortest_m).unwrap_or(0.0)),
+            worst_tenth: worst_tenth(results),
+            barn_score: family.score.map(|SuiteScore::Barn| mean_over(results, barn_score)),
             time_ratio,
             optimum_episodes,
         }
@@ -90,10 +90,10 @@ fn mean(values: &[f64]) -> f64 {
 }
 
 /// The mean of `value` over all episodes. `value` gets the scenario, the episode and the length of the shortest path in m.
-fn mean_over(of_scenarios: &[SuiteEpisodes], value: impl Fn(&Scenario, &EpisodeResult, f64) -> f64) -> f64 {
-    let values = of_scenarios.iter().flat_map(|of| {
-        let episodes = of.episodes.iter().zip(&of.references.shortest_paths_m);
-        episodes.map(|(episode, shortest_m)| value(&of.scenario, episode, *shortest_m))
+fn mean_over(results: &[SuiteEpisodes], value: impl Fn(&Scenario, &EpisodeResult, f64) -> f64) -> f64 {
+    let values = results.iter().flat_map(|result| {
+        let episodes = result.episodes.iter().zip(&result.references.shortest_paths_m);
+        episodes.map(|(episode, shortest_m)| value(&result.scenario, episode, *shortest_m))
     });
     mean(&values.collect::<Vec<f64>>())
 }
@@ -102,18 +102,18 @@ fn success_rate(episodes: &[EpisodeResult]) -> f64 {
     fraction(episodes.iter().filter(|episode| episode.succeeded()).count(), episodes.len())
 }
 
-fn rounds(of_scenarios: &[SuiteEpisodes]) -> Vec<f64> {
-    let longest = of_scenarios.iter().map(|of| of.episodes.len()).max().unwrap_or(0);
+fn rounds(results: &[SuiteEpisodes]) -> Vec<f64> {
+    let longest = results.iter().map(|result| result.episodes.len()).max().unwrap_or(0);
     let round = |k: usize| {
         let episodes: Vec<EpisodeResult> =
-            of_scenarios.iter().filter_map(|of| of.episodes.get(k).copied()).collect();
+            results.iter().filter_map(|result| result.episodes.get(k).copied()).collect();
         success_rate(&episodes)
     };
     (0..longest).map(round).collect()
 }
 
-fn worst_tenth(of_scenarios: &[SuiteEpisodes]) -> f64 {
-    let mut rates: Vec<f64> = of_scenarios.iter().map(|of| success_rate(&of.episodes)).collect();
+fn worst_tenth(results: &[SuiteEpisodes]) -> f64 {
+    let mut rates: Vec<f64> = results.iter().map(|result| success_rate(&result.episodes)).collect();
     rates.sort_by(f64::total_cmp);
     rates.truncate(rates.len().div_ceil(10));
     mean(&rates)
@@ -134,11 +134,12 @@ fn barn_score(scenario: &Scenario, episode: &EpisodeResult, shortest_m: f64) -> 
 }
 
 /// The time of the successful episodes divided by the time of the planner's paths, and the number of compared episodes.
-fn time_ratio(of_scenarios: &[SuiteEpisodes]) -> (Option<f64>, usize) {
+fn time_ratio(results: &[SuiteEpisodes]) -> (Option<f64>, usize) {
     let (mut actual_s, mut planned_s, mut episodes) = (0.0, 0.0, 0);
-    for of in of_scenarios {
-        let bounds = of.references.bounds.as_deref().unwrap_or_default();
-        if let Some(found) = OptimumComparison::from_episodes(&of.episodes, bounds, &of.scenario.task) {
+    for result in results {
+        let bounds = result.references.bounds.as_deref().unwrap_or_default();
+        if let Some(found) = OptimumComparison::from_episodes(&result.episodes, bounds, &result.scenario.task)
+        {
             let of_planned_s = found.optimum_mean_time_s * found.episodes as f64;
             actual_s += of_planned_s * found.time_ratio;
             planned_s += of_planned_s;

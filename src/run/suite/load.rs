@@ -49,7 +49,7 @@ impl Suite {
         }
         if path.is_file()
             && let text = read_text(path)?
-            && is_meant_by(&text)
+            && looks_like(&text)
         {
             return Ok(parse(&text, path)?);
         }
@@ -92,7 +92,7 @@ impl Suite {
 
 /// Whether the text of a file is meant as a suite, by its fields.
 #[must_use]
-pub fn is_meant_by(text: &str) -> bool {
+pub fn looks_like(text: &str) -> bool {
     resemblance::<SuiteFile>(text, "Suite") > resemblance::<Scenario>(text, "Scenario")
 }
 

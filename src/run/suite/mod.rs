@@ -25,7 +25,7 @@ use crate::scenario::{
 
 pub use family_result::FamilyResult;
 pub use store::TestStore;
-pub use test::{References, SuiteDriver, SuiteEpisodes, SuiteTest, episode_setup};
+pub use test::{PlannerReferences, SuiteDriver, SuiteEpisodes, SuiteTest, episode_setup};
 
 /// Families of scenarios.
 #[derive(Clone, Debug, PartialEq)]
@@ -107,8 +107,8 @@ impl Suite {
 
     /// The results of a driver by the families' names, from its episodes in each scenario.
     #[must_use]
-    pub fn results(&self, of_scenarios: &[SuiteEpisodes]) -> Vec<(String, FamilyResult)> {
-        let mut rest = of_scenarios;
+    pub fn results(&self, episodes: &[SuiteEpisodes]) -> Vec<(String, FamilyResult)> {
+        let mut rest = episodes;
         let families = self.families.iter().map(|family| {
             let (own, others) = rest.split_at(family.scenarios.len().min(rest.len()));
             rest = others;

@@ -12,7 +12,7 @@ use std::sync::{Mutex, PoisonError};
 
 use serde::{Deserialize, Serialize};
 
-use super::test::References;
+use super::test::PlannerReferences;
 use crate::policy::Policy;
 use crate::policy::card::RawJson;
 use crate::run::RunError;
@@ -35,7 +35,7 @@ pub struct StoredTest {
     /// The episodes.
     pub episodes: Vec<EpisodeResult>,
     /// What the planner knows about them.
-    pub references: References,
+    pub references: PlannerReferences,
 }
 
 impl TestStore {
@@ -133,7 +133,7 @@ mod tests {
                 hit: Some(Solid::Wall(3)),
             }),
         };
-        let references = References { shortest_paths_m: vec![2.0_f64.sqrt()], bounds: None };
+        let references = PlannerReferences { shortest_paths_m: vec![2.0_f64.sqrt()], bounds: None };
         let test = StoredTest { episodes: vec![episode], references };
         let store = TestStore::open(&path).expect("a new file");
         store.add("a", &test).expect("written");

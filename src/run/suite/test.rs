@@ -53,12 +53,12 @@ pub struct SuiteEpisodes {
     /// The episodes.
     pub episodes: Vec<EpisodeResult>,
     /// What the planner knows about them, which is the same for all drivers.
-    pub references: Arc<References>,
+    pub references: Arc<PlannerReferences>,
 }
 
 /// What the planner knows about the episodes in a scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct References {
+pub struct PlannerReferences {
     /// The length of the shortest path of each episode, in m.
     pub shortest_paths_m: Vec<f64>,
     /// The bounds on the optimal time of each episode, if wanted.
@@ -88,7 +88,8 @@ impl SuiteTest<'_> {
     /// finished test cannot be stored, or the test was stopped.
     pub fn run(&self, drivers: &[SuiteDriver<'_>]) -> Result<Vec<Vec<SuiteEpisodes>>, RunError> {
         let scenarios: Vec<(&Family, &SuiteScenario)> = self.suite.scenarios().collect();
-        let references: Vec<OnceLock<Arc<References>>> = scenarios.iter().map(|_| OnceLock::new()).collect();
+        let references: Vec<OnceLock<Arc<PlannerReferences>>> =
+            scenarios.iter().map(|_| OnceLock::new()).collect();
         let keys = || drivers.iter().map(|driver| store::driver_key(driver.evaluated)).collect();
         let store = self.used_store();
         let keys: Option<Vec<String>> = store.map(|_| keys()).transpose()?;
@@ -128,7 +129,7 @@ impl SuiteTest<'_> {
         family: &Family,
         driver: &SuiteDriver<'_>,
         stored: Option<(&TestStore, &str)>,
-        references: &OnceLock<Arc<References>>,
+        references: &OnceLock<Arc<PlannerReferences>>,
     ) -> Result<SuiteEpisodes, RunError> {
         let Some((store, driver_key)) = stored else {
             return self.episodes(kept, family, driver, references);
@@ -155,7 +156,7 @@ impl SuiteTest<'_> {
         kept: &mut Kept,
         family: &Family,
         driver: &SuiteDriver<'_>,
-        references: &OnceLock<Arc<References>>,
+        references: &OnceLock<Arc<PlannerReferences>>,
     ) -> Result<SuiteEpisodes, RunError> {
         let Kept { scenario, evaluator, .. } = kept;
         let evaluator = evaluator.get_or_insert_with(|| {
@@ -179,8 +180,8 @@ impl SuiteTest<'_> {
         self.store.filter(|_| self.extensions.is_empty())
     }
 
-    fn plan(&self, scenario: &Scenario, episodes: &[EpisodeResult]) -> References {
-        References {
+    fn plan(&self, scenario: &Scenario, episodes: &[EpisodeResult]) -> PlannerReferences {
+        PlannerReferences {
             shortest_paths_m: evaluate::shortest_paths_m(scenario, episodes, 1),
             bounds: self.optimum.then(|| evaluate::bounds(scenario, episodes, 1)),
         }

@@ -233,7 +233,7 @@ impl Run {
         let wall_s = self.earlier_s + eval_result.done.duration_since(self.began).as_secs_f64();
         let metrics = metrics::record_evaluation(&mut self.trainer_state, eval_result, wall_s)?;
         self.metrics_writer.evaluation(&metrics.row)?;
-        for rate in metrics.first {
+        for rate in metrics.milestones_reached {
             self.progress.line(&format!(
                 "{:.0}% reached after {} env steps, {wall_s:.1} s",
                 100.0 * rate,

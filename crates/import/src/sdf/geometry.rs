@@ -6,8 +6,8 @@ use glam::dvec2;
 use roxmltree::Node;
 use wayfield_scenario::FileError;
 
-use super::pose::Pose;
-use super::xml::{XmlFile, numbers};
+use super::pose::{LEVEL_RAD, Pose};
+use super::xml::{XmlFile, children, numbers};
 use crate::findings::shown;
 use crate::solid::{Outline, Solid};
 
@@ -27,7 +27,7 @@ pub enum Section {
 /// The section of the shape in `geometry` at `height_m`.
 ///
 /// # Errors
-/// A size is missing or invalid.
+/// A size is missing, or a number is invalid.
 pub fn section(
     file: &XmlFile<'_>,
     geometry: Node<'_, '_>,
@@ -38,7 +38,8 @@ pub fn section(
     // The height of the section above the shape's centre.
     let above_m = height_m - pose.height_m;
     let (outline, half_height_m) = match shape.tag_name().name() {
-        "plane" | "empty" => return Ok(Section::Floor),
+        "empty" => return Ok(Section::Floor),
+        "plane" => return plane(file, shape, pose),
         "box" => {
             let [x, y, z] = sizes(file, shape, "size")?;
             (Outline::Rectangle(dvec2(x, y)), z / 2.0)
@@ -72,6 +73,19 @@ pub fn section(
         )));
     }
     Ok(Section::Solid(Solid { outline, centre_m: pose.position_m, yaw_rad: pose.yaw_rad }))
+}
+
+/// What becomes of a plane: the ground if it is level and not above the ground.
+fn plane(file: &XmlFile<'_>, shape: Node<'_, '_>, pose: Pose) -> Result<Section, FileError> {
+    let [x, y, z] = match children(shape, "normal").next() {
+        Some(normal) => numbers(file, normal)?,
+        None => [0.0, 0.0, 1.0],
+    };
+    let is_level = !pose.is_tilted && x.abs().max(y.abs()) <= LEVEL_RAD * z.abs();
+    if is_level && pose.height_m <= 0.0 {
+        return Ok(Section::Floor);
+    }
+    Ok(Section::LeftOut("planes that are sloping, vertical or above the ground are left out".into()))
 }
 
 /// Radius of a sphere's section at a distance from its centre, in m; at least the smallest size of a shape.

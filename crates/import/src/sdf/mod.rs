@@ -125,10 +125,10 @@ impl SdfWorld {
         at: Placement<'_>,
         options: &ImportOptions,
     ) -> Result<(), FileError> {
-        for include in children(parent, "include") {
-            self.include(file, include, at, options)?;
-        }
         let saved = saved_poses(parent);
+        for include in children(parent, "include") {
+            self.include(file, include, at, &saved, options)?;
+        }
         for model in children(parent, "model") {
             let own_pose = match saved.get(name(model)) {
                 Some(&node) => {
@@ -211,12 +211,13 @@ impl SdfWorld {
         Ok(())
     }
 
-    /// Adds the model that `include` names.
+    /// Adds the model that `include` names. For `saved` see [`saved_poses`].
     fn include(
         &mut self,
         file: &XmlFile<'_>,
         include: Node<'_, '_>,
         at: Placement<'_>,
+        saved: &BTreeMap<&str, Node<'_, '_>>,
         options: &ImportOptions,
     ) -> Result<(), FileError> {
         let uri = children(include, "uri").next().map_or("", xml::text);
@@ -231,13 +232,6 @@ impl SdfWorld {
                 .add("models that were not found are left out (name their folder with --models)", uri);
             return Ok(());
         };
-        let label = children(include, "name").next().map(xml::text);
-        let pose_node = children(include, "pose").next();
-        let own_pose = pose_node.map_or(Ok(None), |node| pose::read(file, node))?;
-        if pose_node.is_some() && own_pose.is_none() {
-            self.findings.add(OTHER_FRAME, label.unwrap_or(uri));
-            return Ok(());
-        }
         self.includes += 1;
         if self.includes > MAX_INCLUDES {
             let message = format!("more than {MAX_INCLUDES} models are included; help: remove some");
@@ -259,6 +253,14 @@ impl SdfWorld {
             self.findings.add("included files without a model are left out", uri);
             return Ok(());
         };
+        let label = children(include, "name").next().map(xml::text);
+        let saved_pose = saved.get(label.unwrap_or_else(|| name(model))).copied();
+        let pose_node = saved_pose.or_else(|| children(include, "pose").next());
+        let own_pose = pose_node.map_or(Ok(None), |node| pose::read(file, node))?;
+        if pose_node.is_some() && own_pose.is_none() {
+            self.findings.add(OTHER_FRAME, label.unwrap_or(uri));
+            return Ok(());
+        }
         let is_static = at.is_static || is_static;
         let placement = Placement { own_pose, name: label, is_static, ..at };
         self.add_model(&inside, model, placement, options)
@@ -276,7 +278,7 @@ fn check_nesting(file: &XmlFile<'_>, element: Node<'_, '_>, depth: usize) -> Res
     Err(file.error(element, message))
 }
 
-/// The poses in the saved state of a world, by model name. They replace the models' own.
+/// The poses in the saved state of a world, by model name. They replace those of the models and includes.
 fn saved_poses<'a, 'input>(world: Node<'a, 'input>) -> BTreeMap<&'a str, Node<'a, 'input>> {
     let models = children(world, "state").take(1).flat_map(|state| children(state, "model"));
     models.filter_map(|model| Some((name(model), children(model, "pose").next()?))).collect()

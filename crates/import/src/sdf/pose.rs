@@ -9,7 +9,7 @@ use wayfield_scenario::FileError;
 use super::xml::{XmlFile, children, is_true, numbers};
 
 /// Roll and pitch up to this, in rad, count as rounding errors.
-const LEVEL_RAD: f64 = 1e-3;
+pub const LEVEL_RAD: f64 = 1e-3;
 
 /// A pose in the world.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

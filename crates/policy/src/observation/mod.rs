@@ -14,7 +14,7 @@ mod tracker;
 
 use serde::{Deserialize, Serialize};
 
-pub use observer::{FORESIGHT_STEPS, ObserverMemory, SectorObserver, Sensed, Then};
+pub use observer::{FORESIGHT_STEPS, FollowUp, ObserverMemory, SectorObserver, Sensed};
 pub use paper::{DISTANCE_SCALE_M, RANGE_SCALE_M, encode, width};
 pub use quantity::Quantity;
 pub use sectors::{BodyScale, Column, LidarBeams, SectorLayout};

@@ -39,7 +39,7 @@ pub struct Sensed<'a> {
 
 /// What a robot may do after its next control step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Then {
+pub enum FollowUp {
     /// It keeps to a motion: its speed in m/s, at most its highest, and its turning rate in rad/s.
     Keep((f32, f32)),
     /// It turns on the spot to a heading, and then drives straight ahead.
@@ -242,8 +242,8 @@ impl SectorObserver {
 
     /// Until it is [reset](Self::reset), treats a random `fraction` (0 to 1) of the things that it has not seen before as
     /// standing still. Training does this so that a policy does not rely on predictions. The draws depend on `seed` alone.
-    pub fn drop_predictions(&mut self, fraction: f32, seed: u64) {
-        self.memory.tracker.hide_motion(fraction, seed);
+    pub fn hide_predictions(&mut self, fraction: f32, seed: u64) {
+        self.memory.tracker.hide_predictions(fraction, seed);
     }
 
     /// What it remembers.
@@ -452,7 +452,7 @@ impl SectorObserver {
     ///
     /// Without predicted paths, nothing is known to move.
     #[must_use]
-    pub fn steps_to_collision(&self, first: (f32, f32), then: Then) -> f32 {
+    pub fn steps_to_collision(&self, first: (f32, f32), then: FollowUp) -> f32 {
         let Self { body, near_legs, near_hits, .. } = self;
         if near_legs.is_empty() && near_hits.is_empty() {
             return f32::INFINITY;
@@ -467,8 +467,8 @@ impl SectorObserver {
         for part in 1..=FORESIGHT_STEPS * PARTS_OF_STEP {
             let (v, w) = match then {
                 _ if part <= PARTS_OF_STEP => first,
-                Then::Keep(motion) => motion,
-                Then::TurnTo { heading_rad, turns_rad_s: (left, right), ahead_m_s } => {
+                FollowUp::Keep(motion) => motion,
+                FollowUp::TurnTo { heading_rad, turns_rad_s: (left, right), ahead_m_s } => {
                     let rest = heading_rad - heading;
                     let rest = rest - TAU * (rest / TAU).round();
                     if rest.abs() > 1e-3 {

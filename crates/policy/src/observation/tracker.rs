@@ -558,15 +558,15 @@ impl Tracker {
         Self { max_speed, ..Self::default() }
     }
 
-    /// Forgets all tracks and scans, and no longer hides the motion of new tracks.
+    /// Forgets all tracks and scans, and no longer hides predictions of new tracks.
     pub(super) fn reset(&mut self) {
         self.tracks.clear();
         self.scans.clear();
         self.dropout = Dropout::default();
     }
 
-    /// From now on, hides the motion of a random fraction of new tracks. The draws depend on `seed`.
-    pub(super) fn hide_motion(&mut self, fraction: f32, seed: u64) {
+    /// From now on, hides the predictions of a random fraction of new tracks. The draws depend on `seed`.
+    pub(super) fn hide_predictions(&mut self, fraction: f32, seed: u64) {
         self.dropout = Dropout { fraction, state: seed };
     }
 

@@ -64,7 +64,7 @@ fn check_wall(k: usize, wall: &Wall, diagnostics: &mut Diagnostics) {
 
 /// Checks the number of segments of all walls, including the rectangles that cells form.
 fn check_segments(walls: &[Wall], diagnostics: &mut Diagnostics) {
-    let segments: usize = walls.iter().map(Wall::segment_count).sum();
+    let segments: usize = walls.iter().map(Wall::piece_count).sum();
     if segments > MAX_WALL_SEGMENTS {
         let has_cells = walls.iter().any(|wall| wall.cells.is_some());
         let counted = if has_cells { "segments and rectangles of cells" } else { "segments" };

@@ -60,7 +60,7 @@ pub(super) fn check(scenario: &Scenario, notes: &mut Vec<Note>) {
 fn static_solids(scenario: &Scenario) -> Vec<(SolidId, StaticSolid)> {
     let mut solids = Vec::new();
     for (k, wall) in scenario.walls.iter().enumerate() {
-        solids.extend(wall.segments().map(|segment| (SolidId::Wall(k), StaticSolid::new(segment))));
+        solids.extend(wall.pieces().map(|piece| (SolidId::Wall(k), StaticSolid::new(piece))));
     }
     for (k, obstacle) in scenario.obstacles.iter().enumerate() {
         if !obstacle.motion.is_moving() {

@@ -153,7 +153,7 @@ pub(crate) fn blocked<'a>(scenario: &Scenario, grid: &'a CellGrid, margin: f64) 
         let points: Vec<DVec2> = points.iter().map(|point| middle + point.as_dvec2()).collect();
         cells.set_near(&points, margin + f64::from(radius));
     };
-    scenario.walls.iter().flat_map(Wall::segments).for_each(|piece| set(&piece));
+    scenario.walls.iter().flat_map(Wall::pieces).for_each(|piece| set(&piece));
     scenario.obstacles.iter().filter(|obstacle| !obstacle.motion.is_moving()).for_each(set);
     cells
 }

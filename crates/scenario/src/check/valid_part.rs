@@ -120,7 +120,7 @@ fn obstacles_at_any_speed(whole: &Scenario, invalid: &[String]) -> Vec<(usize, O
             if !here.all(|other| other.starts_with(&speed)) {
                 return None;
             }
-            obstacle.motion.ranged_speed_mut().into_iter().for_each(|speed| *speed = ANY_SPEED.into());
+            obstacle.motion.given_speed_mut().into_iter().for_each(|speed| *speed = ANY_SPEED.into());
         }
         Some((k, obstacle))
     };

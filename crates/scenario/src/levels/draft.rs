@@ -122,7 +122,7 @@ impl Draft {
 
     /// Adds an inner wall.
     pub(super) fn add_wall(&mut self, wall: Wall) {
-        self.bodies.extend(wall.segments().map(|segment| Body::new(&segment)));
+        self.bodies.extend(wall.pieces().map(|piece| Body::new(&piece)));
         self.scenario.walls.push(wall);
     }
 

@@ -90,7 +90,7 @@ impl LevelGenerator {
 
     /// Whether `text`, by its fields, is probably a level generator rather than a scenario.
     #[must_use]
-    pub fn is_meant_by(text: &str) -> bool {
+    pub fn looks_like(text: &str) -> bool {
         resemblance::<Self>(text, "LevelGenerator") > resemblance::<Scenario>(text, "Scenario")
     }
 

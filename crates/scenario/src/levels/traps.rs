@@ -25,7 +25,7 @@ pub(super) fn add(
     for _ in 0..whole(stream, count) {
         let size = vec2(number(stream, width_m), number(stream, depth_m)) + THICKNESS_M;
         let mut walls = (0..TRIES).map(|_| trap(draft, size, stream));
-        if let Some(wall) = walls.find(|wall| wall.segments().all(|segment| draft.has_space_for(&segment))) {
+        if let Some(wall) = walls.find(|wall| wall.pieces().all(|piece| draft.has_space_for(&piece))) {
             draft.add_wall(wall);
         }
     }

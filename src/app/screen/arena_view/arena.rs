@@ -26,7 +26,7 @@ pub fn draw_solids(canvas: &Canvas, scenario: &Scenario, poses: &[ObstaclePose])
 /// Draws the inner walls, covers the parts of them outside the enclosure, and draws the enclosure.
 fn draw_walls(canvas: &Canvas, scenario: &Scenario, color: Color32) {
     let thickness = if canvas.compact { 1.5 } else { 4.0 };
-    for piece in scenario.walls.iter().flat_map(Wall::segments) {
+    for piece in scenario.walls.iter().flat_map(Wall::pieces) {
         silhouette::draw(canvas, &Silhouette::from_obstacle(&piece), color, Stroke::NONE);
     }
     if !scenario.walls.is_empty() {

@@ -31,7 +31,7 @@ pub fn draw_outline(canvas: &Canvas, scenario: &Scenario, selection: Selection, 
         Body::Nothing => {}
         Body::Obstacle(obstacle) => draw_solid(canvas, &obstacle, 3.0, Color32::TRANSPARENT, stroke),
         Body::Wall(wall) => {
-            wall.segments().for_each(|piece| draw_solid(canvas, &piece, 2.0, Color32::TRANSPARENT, stroke));
+            wall.pieces().for_each(|piece| draw_solid(canvas, &piece, 2.0, Color32::TRANSPARENT, stroke));
         }
         Body::Outline(corners) => {
             silhouette::draw_closed_line(canvas, &corners, BOUNDARY_WIDTH, stroke.color);
@@ -53,7 +53,7 @@ pub fn draw_outline(canvas: &Canvas, scenario: &Scenario, selection: Selection, 
 pub fn draw_selected_wall(canvas: &Canvas, wall: &Wall) {
     let palette = &canvas.palette;
     for (by, fill) in [(5.0, palette.accent), (3.0, palette.floor), (0.0, palette.obstacle)] {
-        wall.segments().for_each(|piece| draw_solid(canvas, &piece, by, fill, Stroke::NONE));
+        wall.pieces().for_each(|piece| draw_solid(canvas, &piece, by, fill, Stroke::NONE));
     }
 }
 
@@ -73,7 +73,7 @@ pub fn draw_errors(canvas: &Canvas, editor: &Editor) {
             }
             Body::Wall(wall) => {
                 let fill = error.gamma_multiply(0.6);
-                wall.segments().for_each(|piece| draw_solid(canvas, &piece, 0.0, fill, Stroke::NONE));
+                wall.pieces().for_each(|piece| draw_solid(canvas, &piece, 0.0, fill, Stroke::NONE));
             }
             Body::Outline(corners) => {
                 silhouette::draw_closed_line(canvas, &corners, BOUNDARY_WIDTH, error);

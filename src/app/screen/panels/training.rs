@@ -54,7 +54,7 @@ fn start_buttons_ui(ui: &mut Ui, status: &AppStatus, form: &mut SetupForm, comma
         epsilon_ui(ui, form);
     }
     if form.differs_from_running() && wide_button_ui(ui, "Undo choice", TALL).clicked() {
-        form.undo(status);
+        form.reset(status);
     }
 }
 

@@ -17,7 +17,7 @@ pub struct PlotContext {
     /// Whether the scenario is the paper's Scenario I, so that the paper's results are shown for comparison.
     pub is_paper_scenario_1: bool,
     /// Whether the mode is Train. In all other modes training is suspended.
-    pub training: bool,
+    pub is_training: bool,
     /// The best policy so far: env steps and success rate (0 to 1) of its evaluation.
     pub best: Option<(u64, f64)>,
     /// Whether there is a disk. Without one (in a browser) figures are saved as SVG.
@@ -70,7 +70,7 @@ fn success(curves: &LearningCurves, palette: Palette, context: PlotContext) -> C
         no_primary_trace: false,
         reference: context.is_paper_scenario_1.then_some(PAPER_SUCCESS_RATE),
         ring: context.best.map(|(env_steps, rate)| (env_steps as f64, rate)),
-        empty_text: if context.training { "Waiting for the first episodes" } else { "" },
+        empty_text: if context.is_training { "Waiting for the first episodes" } else { "" },
     }
 }
 

@@ -51,7 +51,7 @@ pub fn plots_ui(
         ui.set_max_width(width);
         let can_save = history.range().is_some();
         let reset = header::header_ui(ui, can_save, context.has_disk, before.zoomed, commands);
-        if !context.training {
+        if !context.is_training {
             paused_note_ui(ui);
         }
         reset

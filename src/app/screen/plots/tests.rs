@@ -17,7 +17,7 @@ struct State {
 
 /// The plots of `history` while training in the paper's Scenario I, with "More" open.
 fn plots_of(history: History) -> Harness<'static, State> {
-    let context = PlotContext { is_paper_scenario_1: true, training: true, best: None, has_disk: true };
+    let context = PlotContext { is_paper_scenario_1: true, is_training: true, best: None, has_disk: true };
     let state = State { history, context, more_open: false, commands: Vec::new(), theme_installed: false };
     let draw = |ui: &mut egui::Ui, state: &mut State| {
         if state.theme_installed {
@@ -101,7 +101,7 @@ fn a_note_shows_that_training_is_paused() {
     let mut harness = plots_of(History::new());
     let paused = "Training is paused in this mode";
     assert!(harness.query_by_label(paused).is_none());
-    harness.state_mut().context.training = false;
+    harness.state_mut().context.is_training = false;
     harness.run_steps(2);
     assert!(harness.query_by_label(paused).is_some());
 }
