@@ -2,7 +2,8 @@
 //!
 //! `cargo bench --no-default-features --bench scaling -- [SVG]` prints two tables. With a path, it also draws them. An env
 //! step here is a complete training step of the preset `fast` without gradient steps: forward pass, exploration, rapier,
-//! LIDAR, observation, reward, replay buffer. Gradient steps are those of the preset `per_d3qn_tuned`.
+//! LIDAR, observation, reward, replay buffer. Gradient steps are those of the preset `per_d3qn_tuned`. With `--test`, each
+//! measurement only runs briefly, and nothing is printed.
 
 #[path = "support/allocator.rs"]
 mod allocator;
@@ -35,8 +36,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     // Every row is measured in a new process, so that no row reuses the memory of another.
     if let [kind, size] = arguments.as_slice() {
         let size = size.parse()?;
-        let (us, kb) = if kind == "arenas" { env_step(size)? } else { gradient_step(size)? };
+        let (us, kb) =
+            if kind == "arenas" { env_step(size, ENV_STEPS)? } else { gradient_step(size, GRADIENT_STEPS)? };
         println!("{us} {kb}");
+        return Ok(());
+    }
+    if std::env::args().any(|argument| argument == "--test") {
+        env_step(ARENAS[1], 100)?;
+        gradient_step(REPLAY[0], 10)?;
         return Ok(());
     }
     let arenas = ARENAS.iter().map(|&n| row("arenas", n)).collect::<Result<Vec<_>, _>>()?;
@@ -76,8 +83,8 @@ fn config() -> Result<LearningConfig, Box<dyn Error>> {
     Ok(shipped::preset("per_d3qn_tuned")?.learning)
 }
 
-/// Measures `ENV_STEPS` env steps of Scenario I in `arenas` arenas, without gradient steps: us per env step, and kB of memory.
-fn env_step(arenas: usize) -> Result<(f64, f64), Box<dyn Error>> {
+/// Measures `env_steps` env steps of Scenario I in `arenas` arenas, without gradient steps: us per env step, and kB of memory.
+fn env_step(arenas: usize, env_steps: usize) -> Result<(f64, f64), Box<dyn Error>> {
     let before = status_kb("VmRSS:") as f64;
     let mut simulation =
         training_app::training(&shipped::scenario("scenario-1")?, arenas, false, &Extensions::default())?;
@@ -85,7 +92,7 @@ fn env_step(arenas: usize) -> Result<(f64, f64), Box<dyn Error>> {
         simulation.step()?;
     }
     let memory_kb = status_kb("VmRSS:") as f64 - before;
-    let steps = ENV_STEPS / arenas;
+    let steps = env_steps / arenas;
     let began = Instant::now();
     for _ in 0..steps {
         simulation.step()?;
@@ -96,14 +103,14 @@ fn env_step(arenas: usize) -> Result<(f64, f64), Box<dyn Error>> {
     Ok((us, memory_kb))
 }
 
-/// Measures `GRADIENT_STEPS` gradient steps with batches of 64 from a prioritized buffer with `transitions` transitions: us per
+/// Measures `gradient_steps` gradient steps with batches of 64 from a prioritized buffer with `transitions` transitions: us per
 /// gradient step, and kB of memory.
-fn gradient_step(transitions: usize) -> Result<(f64, f64), Box<dyn Error>> {
+fn gradient_step(transitions: usize, gradient_steps: u32) -> Result<(f64, f64), Box<dyn Error>> {
     let mut config = config()?;
     config.replay.capacity = transitions;
     config.replay.learning_starts = transitions as u64;
     config.train_freq = transitions as u64;
-    config.gradient_steps = GRADIENT_STEPS;
+    config.gradient_steps = gradient_steps;
     let before = status_kb("VmRSS:") as f64;
     let mut learner = Learner::new(&config, 28, 5, 1, 1)?;
     let mut noise = wayfield::random::stream(1, "bench", 0);
@@ -125,7 +132,9 @@ fn gradient_step(transitions: usize) -> Result<(f64, f64), Box<dyn Error>> {
     let memory_kb = status_kb("VmRSS:") as f64 - before;
     let began = Instant::now();
     let taken = learner.train()?.map_or(0, |stats| stats.gradient_steps);
-    Ok((began.elapsed().as_secs_f64() * 1e6 / f64::from(taken.max(1)), memory_kb))
+    let us = began.elapsed().as_secs_f64() * 1e6 / f64::from(taken);
+    assert!(taken > 0, "gradient steps are measured");
+    Ok((us, memory_kb))
 }
 
 fn draw(path: &str, arenas: &[Row], replay: &[Row]) -> Result<(), Box<dyn Error>> {

@@ -115,7 +115,7 @@ fn driven_note(results: &Results<'_>, index: usize, point: TestPoint) -> Result<
     }
     let names = names.join(", ");
     Ok(format!(
-        "{note} Not drawn, because their obstacles, robot or route differ from those of the map: {names}."
+        "{note} Not drawn, because their walls, obstacles, robot, goal radius or route differ from those of the map: {names}."
     ))
 }
 
@@ -138,8 +138,8 @@ fn rows_on_map(
     Ok(drawn)
 }
 
-/// Whether two scenarios have the same walls, obstacles, robot and route, so that the same map and planner's path are right for
-/// both.
+/// Whether two scenarios have the same walls, obstacles, robot, goal radius and route, so that the same map and planner's path
+/// are right for both.
 fn fit_on_one_map(one: &Scenario, other: &Scenario) -> bool {
     one.enclosure == other.enclosure
         && one.walls == other.walls

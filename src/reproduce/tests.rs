@@ -387,7 +387,7 @@ fn the_caption_of_a_map_names_the_rows_in_other_scenarios() {
         Results::read(&plan, &selected, folder.path(), optimal_times).expect("the results are read");
     let caption = caption(&results, 0, &selected[0].source.experiment.figures[0]).expect("a caption");
     let expected = "F. The path of each arm is driven by the policy of its first seed (seed 1). Not drawn, because their \
-                    obstacles, robot or route differ from those of the map: moving.";
+                    walls, obstacles, robot, goal radius or route differ from those of the map: moving.";
     assert_eq!(caption, expected);
 }
 

@@ -17,6 +17,9 @@ use super::text::without_mark;
 /// keeps its bytes, comments included; see [`patch`]. Without `old_text`, or if that is not a scenario, the text is
 /// canonical: fields in the schema's order, four spaces per level, lines of up to 110 columns, and only what differs
 /// from the defaults.
+///
+/// # Panics
+/// Never: writing fails only for types that a scenario does not contain.
 #[must_use]
 pub fn to_text(scenario: &Scenario, old_text: Option<&str>) -> String {
     let old = old_text.map(without_mark);
@@ -24,7 +27,7 @@ pub fn to_text(scenario: &Scenario, old_text: Option<&str>) -> String {
         Some(old) => patch(old, scenario, &style(), |text| parse_ron(text, "").ok()),
         None => wayfield_ron_patch::to_text(scenario, &style()),
     };
-    let text = written.or_else(|_| to_ron(scenario)).unwrap_or_default();
+    let text = written.or_else(|_| to_ron(scenario)).expect("a scenario can be written as RON");
     // The byte order mark of the old text stays.
     if old == old_text { text } else { format!("\u{feff}{text}") }
 }

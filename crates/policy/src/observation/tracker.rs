@@ -514,7 +514,7 @@ impl Track {
     }
 }
 
-/// Hides the motion of a random fraction of the tracks.
+/// Hides the predictions of a random fraction of the tracks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Dropout {
     fraction: f32,
