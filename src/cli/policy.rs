@@ -15,10 +15,8 @@ use crate::task::ObservationLayout;
 /// # Errors
 /// The file cannot be read, or is not a policy.
 pub fn load(path: &Path) -> Result<Policy, RunError> {
-    let exists = path_exists(path) && !path.is_dir();
-    let shipped = shipped::policies().iter().find(|shipped| path == Path::new(shipped.scenario_from));
-    if let Some(shipped) = shipped.filter(|_| !exists) {
-        return Ok(shipped.policy.clone());
+    if let Some(policy) = shipped::policy(path) {
+        return Ok(policy.clone());
     }
     if is_unknown_name(path) {
         let names: Vec<&str> = shipped::policies().iter().map(|shipped| shipped.scenario_from).collect();
@@ -34,8 +32,7 @@ pub fn load(path: &Path) -> Result<Policy, RunError> {
 /// Whether `path` looks like a shipped name rather than a file, but is neither.
 pub fn is_unknown_name(path: &Path) -> bool {
     let is_name = path.extension().is_none() && path.components().count() == 1;
-    let is_shipped = shipped::policies().iter().any(|shipped| path == Path::new(shipped.scenario_from));
-    is_name && !is_shipped && !path_exists(path) && !path.is_dir()
+    is_name && shipped::policy(path).is_none() && !path_exists(path) && !path.is_dir()
 }
 
 /// Reads the policy in the file at `path`, or the shipped policy of that name, for use in `scenario`. Warns on stderr of settings

@@ -105,6 +105,13 @@ pub fn policies() -> &'static [ShippedPolicy] {
     &READ
 }
 
+/// The shipped policy with the name `path`; `None` if there is none, or a file with this path.
+pub fn policy(path: &Path) -> Option<&'static Policy> {
+    let is_file = path_exists(path) && !path.is_dir();
+    let named = policies().iter().find(|shipped| path == Path::new(shipped.scenario_from));
+    named.filter(|_| !is_file).map(|shipped| &shipped.policy)
+}
+
 /// The shipped experiments: path in the project, text. [`reproduce`](crate::reproduce) parses them.
 pub fn experiments() -> impl Iterator<Item = (&'static str, &'static str)> {
     EXPERIMENTS.iter().map(|file| (file.path, file.text))

@@ -91,7 +91,7 @@ pub(super) fn open(world: &mut World, path: &Path) -> Result<String, RunError> {
         let policy = read_policy(&path.with_file_name(policy))?;
         return compare_with_map(world, &name, policy);
     }
-    if let Some(policy) = shipped_policy(path) {
+    if let Some(policy) = shipped::policy(path) {
         return open_policy(world, path, policy.clone());
     }
     match path.extension().and_then(|extension| extension.to_str()) {
@@ -120,15 +120,9 @@ pub(super) fn open(world: &mut World, path: &Path) -> Result<String, RunError> {
     }
 }
 
-/// The shipped policy with the name `path`, unless there is such a file.
-fn shipped_policy(path: &Path) -> Option<&'static Policy> {
-    let named = shipped::policies().iter().find(|shipped| path == Path::new(shipped.scenario_from));
-    named.filter(|_| !path_exists(path)).map(|shipped| &shipped.policy)
-}
-
 /// Reads the policy in the file at `path`, or the shipped one with this name.
 fn read_policy(path: &Path) -> Result<Policy, RunError> {
-    shipped_policy(path).map_or_else(|| policy_card::read(path), |policy| Ok(policy.clone()))
+    shipped::policy(path).map_or_else(|| policy_card::read(path), |policy| Ok(policy.clone()))
 }
 
 /// Lets `policy`, which is called `path`, drive next to the tested policy.
