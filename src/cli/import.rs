@@ -11,7 +11,7 @@ use super::output::{print_json, print_stdout};
 use super::shared::SharedArgs;
 use super::values;
 use crate::import::limits::{LIDAR_HEIGHT_M, MAX_CELLS, RESOLUTION_M, TOLERANCE_M};
-use crate::import::{ImportOptions, Imported, implied_robot, import, import_worlds};
+use crate::import::{ImportOptions, Imported, implied_robot, import, import_worlds, is_file_of_worlds};
 use crate::run::output_file::{check_writable, is_stdout, is_stream, write_atomic};
 use crate::run::progress::print_stderr;
 use crate::run::{RunError, shipped};
@@ -64,8 +64,7 @@ pub fn run(file: &Path, args: &ImportArgs, shared: &SharedArgs) -> Result<(), Ru
         ));
     };
     let is_file = is_stream(out) || out.extension() == Some("ron".as_ref());
-    let has_worlds = file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
-    if !is_file && has_worlds && args.world.is_none() {
+    if !is_file && is_file_of_worlds(file) && args.world.is_none() {
         return all_worlds(file, &options(file, args, shared)?, out, shared.json);
     }
     if !is_file {

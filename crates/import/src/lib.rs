@@ -221,6 +221,12 @@ pub fn is_image(path: &Path) -> bool {
     matches!(kind(path), Some(Kind::Image))
 }
 
+/// Whether the extension of `path` is that of a file of BARN worlds or stages, which may hold several.
+#[must_use]
+pub fn is_file_of_worlds(path: &Path) -> bool {
+    matches!(kind(path), Some(Kind::Worlds))
+}
+
 /// The kind that the extension names.
 fn kind(path: &Path) -> Option<Kind> {
     let extension = path.extension()?.to_string_lossy().to_ascii_lowercase();
