@@ -12,15 +12,35 @@ pub(super) const OUT_OF_RANGE: &str = "a whole number in range: this one is nega
 const OWN_UNITS: [&str; 11] =
     ["m", "s", "rad", "m/s", "rad/s", "m/s2", "m/s^2", "rad/s2", "rad/s^2", "px", "steps"];
 
-/// Other units that people write after a number and a space.
-const OTHER_UNITS: [&str; 16] = [
-    "km", "cm", "mm", "h", "min", "ms", "deg", "km/h", "cm/s", "mm/s", "deg/s", "%", "\u{b0}", "\u{b0}/s",
-    "Hz", "rpm",
+/// Units that people write instead, with the factors that convert them.
+const CONVERTED_UNITS: [(&str, f64); 14] = [
+    ("km", 1000.0),
+    ("cm", 0.01),
+    ("mm", 0.001),
+    ("h", 3600.0),
+    ("min", 60.0),
+    ("ms", 0.001),
+    ("deg", PI / 180.0),
+    ("\u{b0}", PI / 180.0),
+    ("km/h", 1.0 / 3.6),
+    ("cm/s", 0.01),
+    ("mm/s", 0.001),
+    ("deg/s", PI / 180.0),
+    ("\u{b0}/s", PI / 180.0),
+    ("%", 0.01),
 ];
 
-/// Whether `word` is a unit.
+/// Units of quantities that no field has.
+const FOREIGN_UNITS: [&str; 2] = ["Hz", "rpm"];
+
+/// Whether `word` is a unit that is recognized after a number and a space.
 pub(super) fn is_unit(word: &str) -> bool {
-    OWN_UNITS.contains(&word) || OTHER_UNITS.contains(&word)
+    OWN_UNITS.contains(&word) || factor(word).is_some() || FOREIGN_UNITS.contains(&word)
+}
+
+/// The factor that converts `unit` to the format's own.
+fn factor(unit: &str) -> Option<f64> {
+    CONVERTED_UNITS.iter().find(|(name, _)| *name == unit).map(|(_, factor)| *factor)
 }
 
 /// The word around `offset` if it starts like a number and `offset` lies inside it, so that ron has read only a part of it. Of a
@@ -102,18 +122,11 @@ pub fn with_plain_numbers(text: &str) -> String {
 
 /// The problem with a `number` that has a unit, as the rest of a sentence. The suggested number is in the format's own unit.
 pub(super) fn with_unit(number: &str, unit: &str) -> String {
-    let factor = match unit {
-        "km" => 1000.0,
-        "h" => 3600.0,
-        "min" => 60.0,
-        "km/h" => 1.0 / 3.6,
-        "cm" | "cm/s" | "%" => 0.01,
-        "mm" | "mm/s" | "ms" => 0.001,
-        "deg" | "deg/s" | "\u{b0}" | "\u{b0}/s" => PI / 180.0,
-        _ if OWN_UNITS.contains(&unit) => {
-            return format!("must be a number only: write {number}, without `{unit}`");
-        }
-        _ => return format!("must be a number only, in the unit of the field, without `{unit}`"),
+    if OWN_UNITS.contains(&unit) {
+        return format!("must be a number only: write {number}, without `{unit}`");
+    }
+    let Some(factor) = factor(unit) else {
+        return format!("must be a number only, in the unit of the field, without `{unit}`");
     };
     match number.parse::<f64>() {
         Ok(value) => format!("must be a number only: write {} for {number} {unit}", (value * factor) as f32),
