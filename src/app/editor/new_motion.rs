@@ -17,22 +17,21 @@ const DIRECTIONS: [Vec2; 4] = [Vec2::NEG_X, Vec2::X, Vec2::NEG_Y, Vec2::Y];
 pub(super) fn of_kind(scenario: &Scenario, index: usize, kind: MotionKind) -> ObstacleMotion {
     let obstacle = &scenario.obstacles[index];
     let speed_m_s = obstacle.mean_speed_m_s().map_or(NEW_SPEED_M_S, |speed| to_mm(speed).max(0.001));
-    // It may be a range.
-    let kept_speed = match obstacle.motion {
+    let speed_or_range = match obstacle.motion {
         ObstacleMotion::Patrol { speed_m_s, .. }
         | ObstacleMotion::BackAndForth { speed_m_s, .. }
         | ObstacleMotion::RandomWalk { speed_m_s, .. }
-        | ObstacleMotion::Pedestrian { speed_m_s, .. } => Some(speed_m_s),
-        _ => None,
+        | ObstacleMotion::Pedestrian { speed_m_s, .. } => speed_m_s,
+        _ => speed_m_s.into(),
     };
-    let path_and_speed = |closed| match obstacle.path_m() {
-        Some((corners_m, _)) => (corners_m[1..].to_vec(), speed_m_s),
-        None => (path(scenario, index, closed), NEW_SPEED_M_S),
+    let path_m = |closed| match obstacle.path_m() {
+        Some((corners_m, _)) => corners_m[1..].to_vec(),
+        None => path(scenario, index, closed),
     };
-    let waypoints = |closed| {
-        let (mut waypoints_m, speed_m_s) = path_and_speed(closed);
+    let waypoints_m = |closed| {
+        let mut waypoints_m = path_m(closed);
         waypoints_m.truncate(MAX_POINTS);
-        (waypoints_m, kept_speed.unwrap_or(speed_m_s.into()))
+        waypoints_m
     };
     // An open path with several legs must not be closed: the straight way back may lead through a wall.
     let loops = obstacle.path_m().is_none_or(|(corners_m, closed)| closed || corners_m.len() == 2);
@@ -40,28 +39,24 @@ pub(super) fn of_kind(scenario: &Scenario, index: usize, kind: MotionKind) -> Ob
         MotionKind::Static => ObstacleMotion::Static,
         MotionKind::Orbit => orbit(scenario, obstacle),
         MotionKind::Patrol => {
-            let (waypoints_m, speed_m_s) = waypoints(true);
-            ObstacleMotion::Patrol { waypoints_m, speed_m_s }
+            ObstacleMotion::Patrol { waypoints_m: waypoints_m(true), speed_m_s: speed_or_range }
         }
         MotionKind::BackAndForth => {
-            let (waypoints_m, speed_m_s) = waypoints(false);
-            ObstacleMotion::BackAndForth { waypoints_m, speed_m_s }
+            ObstacleMotion::BackAndForth { waypoints_m: waypoints_m(false), speed_m_s: speed_or_range }
         }
         MotionKind::Pedestrian => {
-            let (goals_m, speed_m_s) = waypoints(false);
-            ObstacleMotion::Pedestrian { goals_m, speed_m_s, loops, sees_robot: false }
+            let goals_m = waypoints_m(false);
+            ObstacleMotion::Pedestrian { goals_m, speed_m_s: speed_or_range, loops, sees_robot: false }
         }
         MotionKind::KeyFrames => {
-            let (path_m, speed_m_s) = path_and_speed(true);
-            ObstacleMotion::key_frames_along(obstacle.position_m, &path_m, speed_m_s, loops)
+            ObstacleMotion::key_frames_along(obstacle.position_m, &path_m(true), speed_m_s, loops)
         }
         MotionKind::RandomWalk => {
             let free_m = enclosure_distance(&scenario.enclosure, obstacle.position_m);
             let radius_m = to_mm((free_m - obstacle.shape.bounding_radius_m()).min(0.5));
             let seed = unused_seed(scenario, u32::try_from(index).unwrap_or_default());
             let radius_m = radius_m.max(*Quantity::Reach.range().start());
-            let speed_m_s = kept_speed.unwrap_or(NEW_SPEED_M_S.into());
-            ObstacleMotion::RandomWalk { radius_m, speed_m_s, seed }
+            ObstacleMotion::RandomWalk { radius_m, speed_m_s: speed_or_range, seed }
         }
     }
 }

@@ -57,6 +57,11 @@ fn a_range_of_speeds_is_kept_where_the_new_motion_can_have_one() {
     editor.set_motion(MotionKind::KeyFrames);
     let mean = editor.scenario().obstacles[1].mean_speed_m_s().expect("it moves");
     assert!((mean - 0.3).abs() < 0.01, "the middle, not {mean}");
+    editor.set_motion(MotionKind::RandomWalk);
+    let ObstacleMotion::RandomWalk { speed_m_s, .. } = editor.scenario().obstacles[1].motion else {
+        panic!("another motion than a random walk");
+    };
+    assert!((speed_m_s.value() - 0.3).abs() < 0.01, "the speed of the key frames, not {speed_m_s:?}");
 }
 
 #[test]
