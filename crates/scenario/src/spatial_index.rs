@@ -25,26 +25,26 @@ pub struct SpatialIndex {
 /// A static part of a scenario.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Part {
-    /// A segment of a wall: the indices of the wall and of the segment in it.
-    Segment { wall: usize, index: usize },
+    /// A piece of a wall: the indices of the wall and of the piece in it.
+    WallPiece { wall: usize, index: usize },
     /// A static obstacle, by its index.
     Obstacle(usize),
 }
 
 impl Part {
-    /// The static parts of `scenario` except the enclosure: segments of walls, then static obstacles.
+    /// The static parts of `scenario` except the enclosure: pieces of walls, then static obstacles.
     pub(super) fn static_parts(scenario: &Scenario) -> impl Iterator<Item = Self> {
-        let segments = |(k, wall): (usize, &Wall)| {
-            (0..wall.piece_count()).map(move |index| Self::Segment { wall: k, index })
+        let pieces = |(k, wall): (usize, &Wall)| {
+            (0..wall.piece_count()).map(move |index| Self::WallPiece { wall: k, index })
         };
         let is_static = |index: &usize| scenario.obstacles[*index].motion == ObstacleMotion::Static;
         let obstacles = (0..scenario.obstacles.len()).filter(is_static);
-        scenario.walls.iter().enumerate().flat_map(segments).chain(obstacles.map(Self::Obstacle))
+        scenario.walls.iter().enumerate().flat_map(pieces).chain(obstacles.map(Self::Obstacle))
     }
 
     fn solid(self) -> Solid {
         match self {
-            Self::Segment { wall, .. } => Solid::Wall(wall),
+            Self::WallPiece { wall, .. } => Solid::Wall(wall),
             Self::Obstacle(index) => Solid::Obstacle(index),
         }
     }
@@ -52,7 +52,7 @@ impl Part {
     /// The distance from a point to the part, in m; negative inside it.
     pub(super) fn distance_m(self, scenario: &Scenario, point_m: Vec2) -> f32 {
         match self {
-            Self::Segment { wall, index } => scenario.walls[wall].piece_distance_m(index, point_m),
+            Self::WallPiece { wall, index } => scenario.walls[wall].piece_distance_m(index, point_m),
             Self::Obstacle(index) => IndexedScenario::from(scenario).obstacle_distance(index, point_m, 0),
         }
     }
@@ -60,7 +60,7 @@ impl Part {
     /// Lower left and upper right corner of a box around the part, in m.
     pub(super) fn bounds_m(self, scenario: &Scenario) -> (Vec2, Vec2) {
         match self {
-            Self::Segment { wall, index } => scenario.walls[wall].piece_bounds_m(index),
+            Self::WallPiece { wall, index } => scenario.walls[wall].piece_bounds_m(index),
             Self::Obstacle(index) => {
                 let obstacle = &scenario.obstacles[index];
                 let reach_m = obstacle.shape.bounding_radius_m();
