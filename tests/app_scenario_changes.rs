@@ -152,16 +152,22 @@ fn a_broken_start_file_is_adopted_once_it_is_fixed() {
     });
 }
 
+/// A paused app that has tried to start training in the scenario at `file` with `preset` and seed 9.
+fn app_after_start(file: &Path, preset: &str) -> HeadlessApp {
+    let mut app = HeadlessApp::new(StartOptions { paused: true, ..StartOptions::default() });
+    app.frame(FRAME);
+    let (scenario, preset) = (file.display().to_string(), preset.to_owned());
+    app.command(Command::StartTraining { scenario, preset, seed: 9 });
+    app.frame(FRAME);
+    app
+}
+
 #[test]
 fn a_broken_scenario_starts_with_the_requested_preset_and_seed_once_it_is_fixed() {
     let folder = tempfile::tempdir().expect("temporary folder");
     let file = folder.path().join("mine.ron");
     write(&file, "(nam: \"Mine\")");
-    let mut app = HeadlessApp::new(StartOptions { paused: true, ..StartOptions::default() });
-    app.frame(FRAME);
-    let scenario = file.display().to_string();
-    app.command(Command::StartTraining { scenario, preset: "dqn".into(), seed: 9 });
-    app.frame(FRAME);
+    let mut app = app_after_start(&file, "dqn");
     assert!(has_notice(&app, "unknown field `nam`"), "{:?}", app.notices());
     write(&file, "(name: \"Mine\")");
     wait(&mut app, "training starts", |app| app.shown().0.scenario.name == "Mine");
@@ -176,11 +182,8 @@ fn a_fixed_scenario_waits_until_its_preset_is_fixed_too() {
     let (file, preset) = (folder.path().join("mine.ron"), folder.path().join("preset.ron"));
     write(&file, "(nam: \"Mine\")");
     write(&preset, "(arena: 1)");
-    let mut app = HeadlessApp::new(StartOptions { paused: true, ..StartOptions::default() });
-    app.frame(FRAME);
-    let (scenario, preset_from) = (file.display().to_string(), preset.display().to_string());
-    app.command(Command::StartTraining { scenario, preset: preset_from.clone(), seed: 9 });
-    app.frame(FRAME);
+    let preset_from = preset.display().to_string();
+    let mut app = app_after_start(&file, &preset_from);
     write(&file, "(name: \"Mine 1\")");
     wait(&mut app, "the preset is reported", |app| has_notice(app, "unknown field `arena`"));
     write(&preset, "(arenas: 1)");
@@ -202,11 +205,7 @@ fn after_a_failed_start_in_a_map_a_broken_scenario_still_starts_once_it_is_fixed
     let cell = |k: usize| if is_edge(k % 30) || is_edge(k / 30) { "0 " } else { "254 " };
     let cells: String = (0..900).map(cell).collect();
     write(&folder.path().join("map.pgm"), &format!("P2\n30 30\n255\n{cells}"));
-    let mut app = HeadlessApp::new(StartOptions { paused: true, ..StartOptions::default() });
-    app.frame(FRAME);
-    let scenario = file.display().to_string();
-    app.command(Command::StartTraining { scenario, preset: "dqn".into(), seed: 9 });
-    app.frame(FRAME);
+    let mut app = app_after_start(&file, "dqn");
     let (scenario, preset) = (map.display().to_string(), folder.path().join("none.ron"));
     app.command(Command::StartTraining { scenario, preset: preset.display().to_string(), seed: 9 });
     app.frame(FRAME);
